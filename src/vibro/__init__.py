@@ -1,0 +1,40 @@
+"""Vibratory conveyors: regimes, conveying speed and traverse time, exact to rounding.
+
+The public names load their modules on first use, so that ``vibro --help`` imports no numerical library.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vibro.core.codes import Regime, Status
+    from vibro.errors import SceneError, VibroError
+    from vibro.scene import Scene
+    from vibro.steady import SteadyCycle, solve
+
+__all__ = ["Regime", "Scene", "SceneError", "Status", "SteadyCycle", "VibroError", "solve"]
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Regime": "vibro.core.codes",
+    "Scene": "vibro.scene",
+    "SceneError": "vibro.errors",
+    "Status": "vibro.core.codes",
+    "SteadyCycle": "vibro.steady",
+    "VibroError": "vibro.errors",
+    "solve": "vibro.steady",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
