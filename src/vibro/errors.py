@@ -46,3 +46,34 @@ class SceneError(VibroError, ValueError):
 
     def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[Problem, ...]]]:
         return type(self), (self.problems,)
+
+
+class InputError(VibroError):
+    """Input that cannot be used: an option, an axis, a scene file's content.
+
+    Attributes
+    ----------
+    problems : tuple of str
+        Everything that is wrong, one sentence each.
+    hint : str
+        How to put it right; empty where the problems say it themselves.
+    """
+
+    def __init__(self, *problems: str, hint: str = "") -> None:
+        self.problems = problems
+        self.hint = hint
+        super().__init__("; ".join(problems))
+
+
+class FileError(VibroError):
+    """A file that cannot be read or written.
+
+    Attributes
+    ----------
+    hint : str
+        How to put it right; empty where the message says it itself.
+    """
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        self.hint = hint
+        super().__init__(message)

@@ -1,0 +1,289 @@
+"""Axes of sweeps: the range syntax, and values in the user's units exactly as given."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.errors import InputError
+from vibro.units import QUANTITIES, Quantity, exact_number
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["MAX_VALUES", "Axis", "AxisSpec", "default_count", "parse_axis"]
+
+# An axis longer than the largest sweep that is written to one table is a slip of the keyboard.
+MAX_VALUES: Final = 10_000_000
+
+_DECIMAL_COMMA = re.compile(r"\s*([+-]?0),(\d+[^,:\d.]*)")
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One axis of a sweep.
+
+    Attributes
+    ----------
+    name : str
+        A key of ``QUANTITIES``.
+    values : float array
+        Strictly ascending, in the quantity's default unit.
+    spacing : str
+        ``"linear"``, ``"log"`` or ``"list"``.
+    """
+
+    name: str
+    values: NDArray[np.float64]
+    spacing: str
+
+    @property
+    def label(self) -> str:
+        """The quantity in words."""
+        return QUANTITIES[self.name].label
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values; empty for pure numbers."""
+        return QUANTITIES[self.name].unit
+
+    @property
+    def column(self) -> str:
+        """Name with unit, as tables spell it."""
+        return QUANTITIES[self.name].column
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __str__(self) -> str:
+        """What was understood: ``amplitude: 200 values, 0.1 ... 3 mm, step 0.0146``."""
+        n, first, last = len(self), self.values[0], self.values[-1]
+        if self.spacing == "list":
+            values = ", ".join(f"{v:.6g}" for v in self.values[:8]) + (", ..." if n > 8 else "")
+            return f"{self.label}: {n} values, {values} {self.unit}".rstrip()
+        if self.spacing == "log":
+            step = f"factor {(last / first) ** (1 / (n - 1)):.4g}"
+        else:
+            step = f"step {(last - first) / (n - 1):.3g}"
+        return f"{self.label}: {n} values, {first:.6g} ... {last:.6g} {self.unit}".rstrip() + f", {step}"
+
+
+@dataclass(frozen=True)
+class AxisSpec:
+    """What a user asked for: one value, a list, or a range whose count may still be open.
+
+    Numbers are exact and in the quantity's default unit.
+
+    Attributes
+    ----------
+    quantity : Quantity
+        What is given.
+    values : tuple of Fraction
+        The value, the list, or both ends of the range.
+    is_range : bool
+        Whether ``values`` are both ends of a range.
+    count : int or None
+        Number of values of a range; None where the number of axes decides.
+    log : bool
+        Whether a range is spaced geometrically.
+    """
+
+    quantity: Quantity
+    values: tuple[Fraction, ...]
+    is_range: bool = False
+    count: int | None = None
+    log: bool = False
+
+    @property
+    def varies(self) -> bool:
+        """Whether this is more than one value."""
+        return len(self.values) > 1
+
+    @property
+    def value(self) -> float:
+        """The only value."""
+        (value,) = self.values
+        return float(value)
+
+    def scaled(self, factor: Fraction, quantity: Quantity) -> AxisSpec:
+        """Give the same values as another quantity: a stroke as its amplitude."""
+        return replace(self, quantity=quantity, values=tuple(v * factor for v in self.values))
+
+    def axis(self, count: int) -> Axis:
+        """Spell out the values.
+
+        Parameters
+        ----------
+        count : int
+            Number of values of a range that leaves it open.
+
+        Returns
+        -------
+        Axis
+            Every value is the double nearest to the exact one, so ``0.1:0.5:5`` holds 0.3, not
+            0.30000000000000004. In a geometric range only both ends are exact.
+        """
+        name = self.quantity.name
+        if not self.is_range:
+            return Axis(name, np.array([float(v) for v in self.values]), "list")
+        n = self.count or count
+        first, last = self.values
+        if self.log:
+            values = np.geomspace(float(first), float(last), n)
+            return Axis(name, values, "log")
+        # i-th value = (start + i step) / scale in whole numbers, of which Python rounds the quotient correctly.
+        scale = first.denominator * last.denominator * (n - 1)
+        start = first.numerator * last.denominator * (n - 1)
+        step = last.numerator * first.denominator - first.numerator * last.denominator
+        values = np.fromiter(((start + i * step) / scale for i in range(n)), float, n)
+        return Axis(name, values, "linear")
+
+
+def default_count(varying: int) -> int:
+    """Number of values of a range that does not say, where so many axes vary."""
+    return {1: 200, 2: 100}.get(varying, 20)
+
+
+def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
+    """Read an axis: a value, a list ``a,b,c``, or a range.
+
+    Parameters
+    ----------
+    text : str
+        ``15``, ``15,20,25``, ``lo:hi``, ``lo:hi:count`` or ``lo:hi:step=d``; a range may end in ``:log``, where
+        the step is the factor from one value to the next. Numbers may carry units.
+    quantity : Quantity
+        What the axis is of.
+
+    Returns
+    -------
+    AxisSpec
+        Its numbers are exact.
+
+    Raises
+    ------
+    InputError
+        If the text does not follow the syntax, does not ascend or has too many values.
+    """
+    if ":" in text:
+        return _parse_range(text, quantity)
+    if "," in text:
+        return _parse_list(text, quantity)
+    return AxisSpec(quantity, (exact_number(text, quantity),))
+
+
+def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
+    if match := _DECIMAL_COMMA.fullmatch(text):
+        raise InputError(
+            f"{quantity.label} = {text!r}: a decimal comma",
+            hint=f"write {match[1]}.{match[2]}; for the two values write {match[1]}.0,{match[2]}",
+        )
+    items = text.split(",")
+    if not all(item.strip() for item in items):
+        raise InputError(
+            f"{quantity.label} = {text!r}: a list with an empty item", hint="write a list like 15,20,25"
+        )
+    values = tuple(exact_number(item, quantity) for item in items)
+    ascending = sorted(set(values))
+    if list(values) != ascending:
+        wanted = ",".join(f"{float(v):.15g}" for v in ascending)
+        raise InputError(
+            f"{quantity.label} = {text!r}: the values of a list must ascend and differ",
+            hint=f"write {wanted}",
+        )
+    return AxisSpec(quantity, values)
+
+
+def _parse_range(text: str, quantity: Quantity) -> AxisSpec:
+    parts = [part.strip() for part in text.split(":")]
+    log = len(parts) > 2 and parts[-1].casefold() == "log"
+    if log:
+        parts.pop()
+    if not 2 <= len(parts) <= 3 or not all(parts):
+        raise InputError(
+            f"{quantity.label} = {text!r}: not a range",
+            hint="write lo:hi, lo:hi:count or lo:hi:step=d, each with an optional :log",
+        )
+    first, last = exact_number(parts[0], quantity), exact_number(parts[1], quantity)
+    third = parts[2] if len(parts) == 3 else None
+    if last <= first:
+        raise InputError(
+            f"{quantity.label} = {text!r}: the range does not ascend", hint=_order_hint(parts, quantity)
+        )
+    if log and first <= 0:
+        raise InputError(f"{quantity.label} = {text!r}: a logarithmic range must start above 0")
+    if third is None:
+        return AxisSpec(quantity, (first, last), is_range=True, log=log)
+    if third.casefold().startswith("step="):
+        return _stepped(text, quantity, first, last, third[5:], log)
+    return AxisSpec(quantity, (first, last), is_range=True, count=_count(text, quantity, parts), log=log)
+
+
+def _count(text: str, quantity: Quantity, parts: list[str]) -> int:
+    if not re.fullmatch(r"\+?\d+", parts[2]):
+        raise InputError(
+            f"{quantity.label} = {text!r}: the count {parts[2]!r} is not a whole number",
+            hint=_order_hint(parts, quantity),
+        )
+    # Longer than any count that can be used, and Python refuses to convert texts of thousands of digits.
+    count = int(parts[2]) if len(parts[2]) < 20 else 10**20
+    if count < 2:
+        raise InputError(
+            f"{quantity.label} = {text!r}: a range has at least 2 values", hint=f"write {parts[0]}"
+        )
+    _refuse_too_many(text, quantity, count)
+    return count
+
+
+def _stepped(
+    text: str, quantity: Quantity, first: Fraction, last: Fraction, step_text: str, log: bool
+) -> AxisSpec:
+    if log:
+        factor = exact_number(step_text, QUANTITIES["friction_ratio"])
+        if factor <= 1:
+            raise InputError(
+                f"{quantity.label} = {text!r}: the step of a logarithmic range is a factor above 1"
+            )
+        # Half a unit in the last place of the quotient must not cost the last value of 5:80:step=2:log.
+        steps = int(np.floor(np.log(float(last / first)) / np.log(float(factor)) + 1e-9))
+        end = first * factor**steps if steps < MAX_VALUES else last
+    else:
+        step = exact_number(step_text, quantity)
+        if step <= 0:
+            raise InputError(f"{quantity.label} = {text!r}: the step must be above 0")
+        steps = int((last - first) / step)
+        end = first + steps * step
+    if steps < 1:
+        raise InputError(f"{quantity.label} = {text!r}: the step is longer than the range")
+    _refuse_too_many(text, quantity, steps + 1)
+    return AxisSpec(quantity, (first, end), is_range=True, count=steps + 1, log=log)
+
+
+def _refuse_too_many(text: str, quantity: Quantity, count: int) -> None:
+    if count > MAX_VALUES:
+        raise InputError(
+            f"{quantity.label} = {text!r}: more than {MAX_VALUES} values on one axis",
+            hint="ask for fewer values",
+        )
+
+
+def _order_hint(parts: list[str], quantity: Quantity) -> str:
+    """Say what a range that MATLAB would read as start:step:stop looks like here."""
+    if len(parts) == 3:
+        try:
+            start, step, stop = (exact_number(part, quantity) for part in parts)
+        except InputError:
+            pass
+        else:
+            if stop > start and step > 0:
+                return f"for start:step:stop write {parts[0]}:{parts[2]}:step={parts[1]}"
+    else:
+        low, high = sorted(parts, key=lambda part: exact_number(part, quantity))
+        if low != high and exact_number(low, quantity) != exact_number(high, quantity):
+            return f"write {low}:{high}, or {low}:{high}:step=d for a step of d"
+        return f"write {parts[0]} for one value"
+    return "write lo:hi:count, or lo:hi:step=d"
