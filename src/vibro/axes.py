@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -20,6 +21,9 @@ __all__ = ["MAX_VALUES", "Axis", "AxisSpec", "default_count", "parse_axis"]
 # An axis longer than the largest sweep that is written to one table is a slip of the keyboard.
 MAX_VALUES: Final = 10_000_000
 
+_COUNT: Final = Quantity("count", "count", "", "", "", {})
+_STEP: Final = Quantity("step", "step of a logarithmic range", "", "", "", {})
+_BARE = re.compile(r"[^a-zA-Z\u00b0\u00b5\u03bc]*")
 _DECIMAL_COMMA = re.compile(r"\s*([+-]?0),(\d+[^,:\d.]*)")
 
 
@@ -60,7 +64,7 @@ class Axis:
         return len(self.values)
 
     def __str__(self) -> str:
-        """What was understood: ``amplitude: 200 values, 0.1 ... 3 mm, step 0.0146``."""
+        """Say what was understood: ``amplitude: 200 values, 0.1 ... 3 mm, step 0.0146``."""
         n, first, last = len(self), self.values[0], self.values[-1]
         if self.spacing == "list":
             values = ", ".join(f"{v:.6g}" for v in self.values[:8]) + (", ..." if n > 8 else "")
@@ -125,7 +129,7 @@ class AxisSpec:
         -------
         Axis
             Every value is the double nearest to the exact one, so ``0.1:0.5:5`` holds 0.3, not
-            0.30000000000000004. In a geometric range only both ends are exact.
+            0.30000000000000004. A geometric range is rounded to 15 digits.
         """
         name = self.quantity.name
         if not self.is_range:
@@ -133,9 +137,10 @@ class AxisSpec:
         n = self.count or count
         first, last = self.values
         if self.log:
-            values = np.geomspace(float(first), float(last), n)
-            return Axis(name, values, "log")
-        # i-th value = (start + i step) / scale in whole numbers, of which Python rounds the quotient correctly.
+            powers = np.geomspace(float(first), float(last), n)
+            # 15 digits, so that 5:80:step=2:log holds 10, not 10.000000000000002.
+            return Axis(name, np.fromiter((float(f"{v:.15g}") for v in powers.tolist()), float, n), "log")
+        # i-th value = (start + i step) / scale in whole numbers, whose quotient Python rounds correctly.
         scale = first.denominator * last.denominator * (n - 1)
         start = first.numerator * last.denominator * (n - 1)
         step = last.numerator * first.denominator - first.numerator * last.denominator
@@ -144,7 +149,7 @@ class AxisSpec:
 
 
 def default_count(varying: int) -> int:
-    """Number of values of a range that does not say, where so many axes vary."""
+    """Return the number of values of a range that does not say, where so many axes vary."""
     return {1: 200, 2: 100}.get(varying, 20)
 
 
@@ -154,8 +159,8 @@ def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
     Parameters
     ----------
     text : str
-        ``15``, ``15,20,25``, ``lo:hi``, ``lo:hi:count`` or ``lo:hi:step=d``; a range may end in ``:log``, where
-        the step is the factor from one value to the next. Numbers may carry units.
+        ``15``, ``15,20,25``, ``lo:hi``, ``lo:hi:count`` or ``lo:hi:step=d``; a range may end in
+        ``:log``, where the step is the factor from one value to the next. Numbers may carry units.
     quantity : Quantity
         What the axis is of.
 
@@ -224,33 +229,35 @@ def _parse_range(text: str, quantity: Quantity) -> AxisSpec:
 
 
 def _count(text: str, quantity: Quantity, parts: list[str]) -> int:
-    if not re.fullmatch(r"\+?\d+", parts[2]):
+    try:
+        count = exact_number(parts[2], _COUNT)
+    except InputError:
+        count = Fraction(1, 2)
+    if count.denominator != 1:
         raise InputError(
             f"{quantity.label} = {text!r}: the count {parts[2]!r} is not a whole number",
             hint=_order_hint(parts, quantity),
         )
-    # Longer than any count that can be used, and Python refuses to convert texts of thousands of digits.
-    count = int(parts[2]) if len(parts[2]) < 20 else 10**20
     if count < 2:
         raise InputError(
             f"{quantity.label} = {text!r}: a range has at least 2 values", hint=f"write {parts[0]}"
         )
-    _refuse_too_many(text, quantity, count)
-    return count
+    _refuse_too_many(text, quantity, int(count))
+    return int(count)
 
 
 def _stepped(
     text: str, quantity: Quantity, first: Fraction, last: Fraction, step_text: str, log: bool
 ) -> AxisSpec:
     if log:
-        factor = exact_number(step_text, QUANTITIES["friction_ratio"])
+        factor = exact_number(step_text, _STEP)
         if factor <= 1:
             raise InputError(
                 f"{quantity.label} = {text!r}: the step of a logarithmic range is a factor above 1"
             )
-        # Half a unit in the last place of the quotient must not cost the last value of 5:80:step=2:log.
-        steps = int(np.floor(np.log(float(last / first)) / np.log(float(factor)) + 1e-9))
-        end = first * factor**steps if steps < MAX_VALUES else last
+        # The quotient's rounding must not cost the last value of 5:80:step=2:log.
+        steps = int(math.log(last / first) / math.log(factor) + 1e-9)
+        end = Fraction(float(first) * float(factor) ** steps)
     else:
         step = exact_number(step_text, quantity)
         if step <= 0:
@@ -272,18 +279,19 @@ def _refuse_too_many(text: str, quantity: Quantity, count: int) -> None:
 
 
 def _order_hint(parts: list[str], quantity: Quantity) -> str:
-    """Say what a range that MATLAB would read as start:step:stop looks like here."""
-    if len(parts) == 3:
-        try:
-            start, step, stop = (exact_number(part, quantity) for part in parts)
-        except InputError:
-            pass
-        else:
-            if stop > start and step > 0:
-                return f"for start:step:stop write {parts[0]}:{parts[2]}:step={parts[1]}"
-    else:
-        low, high = sorted(parts, key=lambda part: exact_number(part, quantity))
-        if low != high and exact_number(low, quantity) != exact_number(high, quantity):
-            return f"write {low}:{high}, or {low}:{high}:step=d for a step of d"
+    """Say how to write a range whose parts are out of place, as in MATLAB's start:step:stop."""
+    try:
+        numbers = [exact_number(part, quantity) for part in parts]
+    except InputError:
+        return "write lo:hi:count, or lo:hi:step=d"
+    first, second, *third = numbers
+    if third and 0 < second <= third[0] - first:
+        return f"for start:step:stop write {parts[0]}:{parts[2]}:step={parts[1]}"
+    if third and 0 < third[0] <= second - first:
+        return f"write {parts[0]}:{parts[1]}:step={parts[2]}"
+    if first == second:
         return f"write {parts[0]} for one value"
-    return "write lo:hi:count, or lo:hi:step=d"
+    bare = [bool(_BARE.fullmatch(part)) for part in parts[:2]]
+    if quantity.units and bare[0] != bare[1]:
+        return f"a number without a unit is in {quantity.unit}: give both ends their unit"
+    return f"write {parts[1]}:{parts[0]}, or {parts[1]}:{parts[0]}:step=d for a step of d"

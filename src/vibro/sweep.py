@@ -22,8 +22,9 @@ class SweepResult:
     Attributes
     ----------
     axes : mapping of str to Axis
-        The axes that vary, in the order amplitude, frequency, drive_angle, static_friction, kinetic_friction or
-        friction_ratio, trough_angle; values in the user's units. They are the dimensions of ``cycle``, in this order.
+        The axes that vary, in the order amplitude, frequency, drive_angle, static_friction, kinetic_friction
+        or friction_ratio, trough_angle; values in the user's units. They are the dimensions of ``cycle``, in
+        this order.
     fixed : mapping of str to float
         Every other quantity of the scene, by name, in the user's units, with gravity and restitution. It has
         kinetic_friction or, where that was given instead, friction_ratio.

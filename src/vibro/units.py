@@ -22,8 +22,7 @@ __all__ = ["QUANTITIES", "SWEPT", "Quantity", "exact_number", "from_si", "to_si"
 _LENGTHS: Final[Mapping[str, Fraction]] = {  # [mm]
     "mm": Fraction(1),
     "um": Fraction(1, 1000),
-    "\u00b5m": Fraction(1, 1000),  # micro sign
-    "\u03bcm": Fraction(1, 1000),  # Greek mu
+    "\u00b5m": Fraction(1, 1000),  # the micro sign; the Greek mu folds to the same
     "cm": Fraction(10),
     "m": Fraction(1000),
     "in": Fraction("25.4"),
@@ -45,7 +44,7 @@ _ACCELERATIONS: Final[Mapping[str, Fraction]] = {  # [m/s^2]
     "m/s\u00b2": Fraction(1),
 }
 
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D.*)?")
+_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_].*|\u00b0)?")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
 
 
@@ -199,25 +198,14 @@ def exact_number(text: str, quantity: Quantity) -> Fraction:
 
 
 def _unit_size(unit: str, text: str, quantity: Quantity) -> Fraction:
-    if unit in quantity.units:
-        return quantity.units[unit]
-    folded = {name.casefold(): size for name, size in quantity.units.items()}
-    # Case-insensitively too, since users type hz and MM; no two units of a quantity differ by case alone.
-    if unit.casefold() in folded:
-        return folded[unit.casefold()]
-    if not quantity.units:
-        raise InputError(f"{quantity.label} = {text!r}: a pure number, it has no unit")
-    names = ", ".join(
-        dict.fromkeys(
-            "um" if name.endswith("m") and len(name) == 2 and not name.isascii() else name
-            for name in quantity.units
-        )
-    )
-    known = any(unit in other.units for other in QUANTITIES.values())
-    wrong = "is no unit of" if known else "is not a known unit for"
-    raise InputError(
-        f"{quantity.label} = {text!r}: {unit!r} {wrong} {quantity.label}", hint=f"its units are {names}"
-    )
+    # Users type hz and MM, and keyboards have two micro signs; no two units of a quantity fold to the same.
+    sizes = {name.casefold(): size for name, size in quantity.units.items()}
+    if unit.casefold() in sizes:
+        return sizes[unit.casefold()]
+    problem = f"{quantity.label} = {text!r}: {unit!r} is no unit of {quantity.label}"
+    if not sizes:
+        raise InputError(problem, hint="it is a pure number")
+    raise InputError(problem, hint=f"its units are {', '.join(quantity.units)}")
 
 
 def _number_hint(text: str, quantity: Quantity) -> str:

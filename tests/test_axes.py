@@ -1,0 +1,114 @@
+"""The axis syntax: what it accepts, exactly which values it gives, and what it refuses."""
+
+from __future__ import annotations
+
+import pytest
+
+from vibro.axes import MAX_VALUES, default_count, parse_axis
+from vibro.errors import InputError
+from vibro.units import QUANTITIES
+
+
+def values_of(text: str, name: str = "amplitude", count: int = 5) -> list[float]:
+    return list(map(float, parse_axis(text, QUANTITIES[name]).axis(count).values))
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("15", [15.0]),
+        ("15,20,25", [15.0, 20.0, 25.0]),
+        ("0.0,74", [0.0, 74.0]),
+        ("3.97, 4.01", [3.97, 4.01]),
+        ("0.1:0.5", [0.1, 0.2, 0.3, 0.4, 0.5]),
+        ("0.1:0.4:4", [0.1, 0.2, 0.3, 0.4]),
+        ("0.1:0.4:4.0", [0.1, 0.2, 0.3, 0.4]),
+        ("0.1:0.45:step=0.1", [0.1, 0.2, 0.3, 0.4]),
+        ("0.1:0.4:step=0.1", [0.1, 0.2, 0.3, 0.4]),
+        ("1:1000:4:log", [1.0, 10.0, 100.0, 1000.0]),
+        ("1:10000:log", [1.0, 10.0, 100.0, 1000.0, 10000.0]),
+        ("5:80:step=2:log", [5.0, 10.0, 20.0, 40.0, 80.0]),
+        ("5:79:step=2:LOG", [5.0, 10.0, 20.0, 40.0]),
+        ("800um:1.2mm:3", [0.8, 1.0, 1.2]),
+        ("0.5:1mm:step=250um", [0.5, 0.75, 1.0]),
+        ("-5:5:3", [-5.0, 0.0, 5.0]),
+    ],
+)
+def test_values_are_the_nearest_doubles(text: str, expected: list[float]) -> None:
+    assert values_of(text) == expected
+
+
+def test_a_fine_range_accumulates_no_error() -> None:
+    assert values_of("0.001:10:10000") == [i / 1000 for i in range(1, 10001)]
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "problem", "hint"),
+    [
+        ("3:0.1", "amplitude", "does not ascend", "write 0.1:3, or 0.1:3:step=d for a step of d"),
+        ("1:1", "amplitude", "does not ascend", "write 1 for one value"),
+        ("0.1:0.05:3", "amplitude", "does not ascend", "for start:step:stop write 0.1:3:step=0.05"),
+        ("60:5:20", "frequency", "does not ascend", "write 5:60, or 5:60:step=d for a step of d"),
+        ("0.1:1:2.5", "amplitude", "count '2.5' is not a whole", "for start:step:stop write 0.1:2.5:step=1"),
+        ("0.1:3:0.5", "amplitude", "count '0.5' is not a whole", "write 0.1:3:step=0.5"),
+        ("0.1:3:x", "amplitude", "count 'x' is not a whole", "write lo:hi:count, or lo:hi:step=d"),
+        ("300:900rpm", "frequency", "does not ascend", "a number without a unit is in Hz"),
+        ("0,74", "static_friction", "a decimal comma", "write 0.74; for the two values write 0.0,74"),
+        ("0,20\u00b0", "drive_angle", "a decimal comma", "write 0.20\u00b0"),
+        ("1,,2", "amplitude", "a list with an empty item", "write a list like 15,20,25"),
+        ("1,2,", "amplitude", "a list with an empty item", "write a list like 15,20,25"),
+        ("3,1,3", "amplitude", "must ascend and differ", "write 1,3"),
+        ("1:2:1", "amplitude", "a range has at least 2 values", "write 1"),
+        ("1:2:-5", "amplitude", "a range has at least 2 values", "write 1"),
+        ("1::3", "amplitude", "not a range", "write lo:hi, lo:hi:count or lo:hi:step=d"),
+        ("1:2:3:4", "amplitude", "not a range", "write lo:hi, lo:hi:count or lo:hi:step=d"),
+        ("1:log", "amplitude", "not a number", "write it like 1.5mm"),
+        ("0:3:log", "amplitude", "must start above 0", ""),
+        ("1:2:step=0", "amplitude", "the step must be above 0", ""),
+        ("1:2:step=-1", "amplitude", "the step must be above 0", ""),
+        ("1:2:step=5", "amplitude", "the step is longer than the range", ""),
+        ("1:2:step=1:log", "amplitude", "a factor above 1", ""),
+        ("1:2:step=3:log", "amplitude", "the step is longer than the range", ""),
+        ("1:2:step=x", "amplitude", "not a number", "write it like 1.5mm"),
+        ("1:nan", "amplitude", "must be a finite number", ""),
+        ("1:2:1e9", "amplitude", f"more than {MAX_VALUES} values", "ask for fewer values"),
+        ("1:2:step=1e-300", "amplitude", f"more than {MAX_VALUES} values", "ask for fewer values"),
+        ("1:2:step=1.0000000001:log", "amplitude", f"more than {MAX_VALUES} values", "ask for fewer values"),
+        ("1:2:1" + 400 * "0", "amplitude", "is not a whole number", "write lo:hi:count"),
+        ("1:2mm:5", "frequency", "'mm' is no unit of frequency", "its units are Hz, kHz, rpm"),
+    ],
+)
+def test_a_wrong_axis_names_the_remedy(text: str, name: str, problem: str, hint: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_axis(text, QUANTITIES[name])
+    assert problem in str(caught.value)
+    assert caught.value.hint.startswith(hint)
+    assert bool(caught.value.hint) == bool(hint)
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "echo"),
+    [
+        ("0.1:3:200", "amplitude", "amplitude: 200 values, 0.1 ... 3 mm, step 0.0146"),
+        ("5:80:5:log", "frequency", "frequency: 5 values, 5 ... 80 Hz, factor 2"),
+        ("10,20,30", "drive_angle", "drive angle: 3 values, 10, 20, 30 deg"),
+        (
+            ",".join(map(str, range(1, 12))),
+            "drive_angle",
+            "drive angle: 11 values, 1, 2, 3, 4, 5, 6, 7, 8, ... deg",
+        ),
+        ("0.2:1:81", "static_friction", "static friction: 81 values, 0.2 ... 1, step 0.01"),
+    ],
+)
+def test_an_axis_says_what_was_understood(text: str, name: str, echo: str) -> None:
+    assert str(parse_axis(text, QUANTITIES[name]).axis(7)) == echo
+
+
+def test_counts_left_open_depend_on_the_number_of_axes() -> None:
+    assert [default_count(n) for n in (1, 2, 3, 4)] == [200, 100, 20, 20]
+
+
+def test_an_axis_knows_its_words_and_column() -> None:
+    axis = parse_axis("0.1:3", QUANTITIES["amplitude"]).axis(3)
+    assert (axis.name, axis.label, axis.unit, axis.column) == ("amplitude", "amplitude", "mm", "amplitude_mm")
+    assert len(axis) == 3
