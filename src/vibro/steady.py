@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibro.core.codes import MODELS, PATTERNS
+from vibro.core.groups import Loads, loads
+from vibro.core.solver import steady_state
+from vibro.errors import Problem, SceneError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from vibro.scene import Scene
@@ -21,6 +29,9 @@ __all__ = ["SteadyCycle", "solve"]
 
 _PATTERN_TEXTS = np.array(PATTERNS)
 _MODEL_TEXTS = np.array(MODELS)
+
+# Cells a block: its two dozen temporaries of 128 kB stay in a core's cache (benchmarks/kernel.py).
+_BLOCK = 16_384
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +75,7 @@ class SteadyCycle:
 
     @property
     def pattern(self) -> Any:
-        """Phases of the cycle as text: F forward slide, B back slide, _ rest; empty without a steady cycle."""
+        """Phases of the cycle as text: F forward slide, B back slide, _ rest; empty if there is none."""
         return _PATTERN_TEXTS[self.pattern_code]
 
     @property
@@ -86,9 +97,113 @@ class SteadyCycle:
             ``length / mean_velocity`` [s]; inf where the body does not move forward, NaN where its
             speed is unknown.
         """
-        raise AssertionError
+        length = np.asarray(length, dtype=np.float64)
+        if not (np.isfinite(length) & (length > 0.0)).all():
+            raise SceneError((Problem("length", str(length), "finite and > 0 m"),))
+        velocity = np.where(self.mean_velocity > 0.0, self.mean_velocity, 0.0)
+        with np.errstate(divide="ignore"):
+            return np.where(np.isnan(self.mean_velocity), np.nan, length / velocity)[()]
 
 
 def solve(scene: Scene) -> SteadyCycle:
-    """Steady cycle from rest of every scene."""
-    raise AssertionError
+    """Steady cycle that a body at rest settles into, for every scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Operating points of any shape.
+
+    Returns
+    -------
+    SteadyCycle
+        Arrays of the scene's shape; NumPy scalars for a single scene.
+
+    Notes
+    -----
+    Exact up to rounding, see docs/theory.md: on the reference tables the displacement is within
+    16 eps (condition * abs(d) + S), where S = A if the body slides both ways and abs(d) otherwise
+    (tests/test_reference.py). Cells are solved in blocks that stay in a core's cache, on all cores.
+
+    Examples
+    --------
+    >>> import math, vibro
+    >>> cycle = vibro.solve(vibro.Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20),
+    ...                                 static_friction=0.74, kinetic_friction=0.57))
+    >>> print(f"{cycle.mean_velocity:.9f} m/s, {cycle.pattern}")
+    0.016263456 m/s, F_
+    """
+    shape = scene.shape
+    arrays = [a.reshape((1,) * (len(shape) - a.ndim) + a.shape) for a in scene.arrays()]
+    out = _empty(shape)
+
+    def run(block: tuple[slice, ...]) -> None:
+        _solve_block(out, block, [a[_within(block, a.shape)] for a in arrays])
+
+    blocks = list(_blocks(shape, _BLOCK))
+    if len(blocks) > 1:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            for _ in pool.map(run, blocks):
+                pass
+    elif blocks:
+        run(blocks[0])
+    return SteadyCycle(**{f.name: getattr(out, f.name)[()] for f in fields(SteadyCycle)})
+
+
+def _empty(shape: tuple[int, ...]) -> SteadyCycle:
+    def codes() -> Codes:
+        return np.empty(shape, np.int8)
+
+    def numbers() -> Floats:
+        return np.empty(shape)
+
+    return SteadyCycle(
+        codes(), codes(), codes(), codes(),
+        numbers(), numbers(), numbers(), numbers(), numbers(), numbers(),
+        np.empty(shape, np.bool_),
+    )  # fmt: skip
+
+
+def _blocks(shape: tuple[int, ...], size: int) -> Iterator[tuple[slice, ...]]:
+    """Cut a grid into slabs of at most ``size`` cells, in the order of its cells."""
+    if 0 in shape:
+        return
+    inner = 1
+    axis = len(shape)
+    while axis > 0 and inner * shape[axis - 1] <= size:
+        axis -= 1
+        inner *= shape[axis]
+    if axis == 0:
+        yield (slice(None),) * len(shape)
+        return
+    rows = max(1, size // inner)
+    rest = (slice(None),) * (len(shape) - axis)
+    for outer in np.ndindex(*shape[: axis - 1]):
+        fixed = tuple(slice(i, i + 1) for i in outer)
+        for start in range(0, shape[axis - 1], rows):
+            yield (*fixed, slice(start, start + rows), *rest)
+
+
+def _within(block: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...]:
+    """Restrict a block of the grid to a field that broadcasts against it."""
+    return tuple(slice(None) if n == 1 else part for part, n in zip(block, shape, strict=True))
+
+
+def _solve_block(out: SteadyCycle, block: tuple[slice, ...], arrays: list[Floats]) -> None:
+    """Solve one block and write it in place, scaled to SI."""
+    amplitude, frequency = arrays[0], arrays[1]
+    shape = out.status[block].shape
+    state = steady_state(Loads(*(_flat(a, shape) for a in loads(*arrays[:7]))))
+    for name in ("regime", "status", "throw_number", "forward_ratio", "back_ratio", "coexists"):
+        getattr(out, name)[block] = getattr(state, name).reshape(shape)
+    out.pattern_code[block] = state.pattern.reshape(shape)
+    out.model_code[block] = state.model.reshape(shape)
+    out.displacement_per_cycle[block] = amplitude * state.displacement.reshape(shape)
+    out.mean_velocity[block] = out.displacement_per_cycle[block] * frequency
+    out.peak_velocity[block] = (2.0 * np.pi * frequency) * amplitude * state.peak.reshape(shape)
+
+
+def _flat(field: Floats, shape: tuple[int, ...]) -> Floats:
+    """Make a field 1-D over a block; 0-d where one value serves all its cells."""
+    if field.size == 1 and math.prod(shape) > 1:
+        return field.reshape(())
+    return np.broadcast_to(field, shape).reshape(-1)

@@ -47,7 +47,7 @@ class Status(IntEnum):
 
 _STATUS_MESSAGES: Final = {
     Status.OK: "solved to rounding",
-    Status.BOUNDARY: "within a few ulp of a threshold: the value is that of the side to which equality belongs",
+    Status.BOUNDARY: "within a few ulp of a threshold: the value is that of the side equality belongs to",
     Status.RUNAWAY: "the body never comes to rest and gains speed every cycle: no steady cycle exists",
     Status.INDETERMINATE: "without static friction the steady motion depends on how the body was started",
     Status.FLIGHT_NOT_MODELLED: "the body leaves the trough; its flight is not modelled",

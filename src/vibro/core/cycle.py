@@ -1,0 +1,299 @@
+"""The steady cycle that a body at rest settles into, for every contact pattern.
+
+Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Pattern
+from vibro.core.groups import put, take
+from vibro.core.slide import Onset, peak, slide, start_inside
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.core.groups import Loads
+    from vibro.core.onset import Margins
+    from vibro.core.slide import Floats
+
+    Bools = NDArray[np.bool_]
+    Codes = NDArray[np.int8]
+
+__all__ = [
+    "Cycles",
+    "one_way_cycles",
+    "resting_start",
+    "speed_at_closing",
+    "speed_at_opening",
+    "two_way_cycles",
+]
+
+# [1] Relative rounding noise of a slide's speed, and of a load, where the next phase is decided.
+_NOISE: Final = 16 * 2.0**-52
+
+
+class Cycles(NamedTuple):
+    """Steady cycles of slipping scenes, 1-D.
+
+    Attributes
+    ----------
+    pattern : int8 array
+        Codes of ``Pattern``.
+    displacement : array
+        Displacement per drive cycle [A]; NaN where the slide never ends.
+    peak : array
+        Largest relative speed [A w].
+    coexists, edge, settled : bool array
+        Whether another steady cycle attracts too; whether rounding decided the pattern; whether every
+        slide was solved.
+    """
+
+    pattern: Codes
+    displacement: Floats
+    peak: Floats
+    coexists: Bools
+    edge: Bools
+    settled: Bools
+
+
+class _Start(NamedTuple):
+    """A slide from rest: its onset and the load amplitude while it slides, C or B of Eq. (3)."""
+
+    onset: Onset
+    load: Floats
+
+
+def resting_start(scene: Loads, at: Margins, direction: int) -> _Start:
+    """Slide from rest, forward (+1) or back (-1), Eqs. (3)-(6), without cancellation."""
+    margin, static_load = (at.forward, at.forward_load) if direction > 0 else (at.back, at.back_load)
+    mu_d = scene.kinetic_friction
+    load = scene.along + direction * mu_d * scene.across
+    vers = margin / static_load  # 1 - sin p0
+    onset = Onset(
+        c=2.0 * np.arcsin(np.sqrt(0.5 * vers)),
+        cos=1.0 - vers,
+        sin=np.sqrt(vers * (2.0 - vers)),
+        vers=vers,
+        excess=(scene.static_friction - mu_d) * scene.contrast / (static_load * load),
+        k=(mu_d * scene.normal + direction * scene.tangential) / load,
+    )
+    return _Start(onset, load)
+
+
+class _Verdict(NamedTuple):
+    """Sign of a speed or a load margin, and whether rounding decides it."""
+
+    positive: Bools
+    edge: Bools
+
+
+def _verdict(value: Floats, scale: Floats) -> _Verdict:
+    noise = _NOISE * scale
+    return _Verdict(value > noise, np.abs(value) <= noise)
+
+
+def speed_at_opening(start: Onset, other: Onset) -> Floats:
+    """Speed of a slide where the opposite load window opens, own phase 3 pi/2 - c, Eq. (17) [load]."""
+    return start.sin + other.sin - start.k * (np.pi + start.c - other.c)
+
+
+def speed_at_closing(start: Onset, other: Onset) -> Floats:
+    """Speed of a slide where the opposite load window closes, own phase 3 pi/2 + c, Eq. (17) [load].
+
+    For k < 0 the speed grows again behind 2 pi - asin|k|, and is looked at there if that comes first.
+    """
+    c, sine = other.c, other.sin
+    early = -start.k > other.cos
+    if early.any():
+        c = np.where(early, np.arccos(np.clip(-start.k, 0.0, 1.0)), c)
+        sine = np.where(early, np.sin(c), sine)
+    return start.sin - sine - start.k * (np.pi + start.c + c)
+
+
+def _moving(speed: Floats, start: Onset, other: Onset) -> _Verdict:
+    return _verdict(speed, start.sin + other.sin + np.abs(start.k))
+
+
+class _Restless(NamedTuple):
+    """Phases of the never-at-rest cycle, Eqs. (18)-(19); NaN where there is none."""
+
+    y: Floats
+    sin_m: Floats
+    cos_m: Floats
+
+
+def _never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[_Restless, _Verdict]:
+    """Phases of the never-at-rest cycle, and whether both its slides start beyond static friction."""
+    mu_d = scene.kinetic_friction
+    possible = (forward.onset.k > 0.0) & (back.onset.k > 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        turn = mu_d * mu_d * scene.across * scene.normal - scene.tangential * scene.along
+        y = np.where(possible, 0.5 * np.pi * turn / (mu_d * scene.contrast), np.nan)
+    cos_y, sin_y = np.cos(y), np.sin(y)
+    sin_m = forward.onset.k * (0.5 * np.pi + y) / cos_y
+    possible &= sin_m < 1.0
+    sin_m = np.where(possible, sin_m, np.nan)
+    cos_m = -np.sqrt((1.0 - sin_m) * (1.0 + sin_m))
+    ahead = _verdict(-sin_m * sin_y - cos_m * cos_y - forward.onset.cos, 1.0 + sin_m)
+    behind = _verdict(sin_m * sin_y - cos_m * cos_y - back.onset.cos, 1.0 + sin_m)
+    valid = (ahead.positive | ahead.edge) & (behind.positive | behind.edge)
+    return _Restless(y, sin_m, cos_m), _Verdict(valid, valid & (ahead.edge | behind.edge))
+
+
+def _never_at_rest_motion(
+    lift: Floats, along: Floats, slides: tuple[tuple[Floats, Floats], ...], cycle: _Restless
+) -> tuple[Floats, Floats]:
+    """Displacement, Eq. (20), and peak speed of the never-at-rest cycle.
+
+    ``lift`` is mu_d sin(alpha); ``slides`` the k and the load of the forward and the back slide.
+    """
+    sin_y, cos_y = np.sin(cycle.y), np.cos(cycle.y)
+    lean = 2.0 * lift * cos_y + (2.0 * lift * cycle.y + np.pi * along) * sin_y
+    c_m = np.arcsin(cycle.sin_m)  # pi - m
+    peaks = [
+        load * peak(start_inside(c_m + side * cycle.y, k))
+        for (k, load), side in zip(slides, (1.0, -1.0), strict=True)
+    ]
+    return -2.0 * cycle.cos_m * lean, np.maximum(*peaks)
+
+
+def one_way_cycles(scene: Loads, at: Margins, direction: int) -> Cycles:
+    """Steady cycles from rest of scenes that slip one way only: one slide.
+
+    Parameters
+    ----------
+    scene : Loads
+        Scenes in contact that can rest, 1-D, or 0-d members for all.
+    at : Margins
+        Their distances from slipping, 1-D.
+    direction : int
+        +1 where they slip forward, -1 where they slip back.
+
+    Returns
+    -------
+    Cycles
+        One entry a scene.
+    """
+    start = resting_start(scene, at, direction)
+    end = slide(start.onset)
+    return _blank(end.x.size)._replace(
+        pattern=np.full(end.x.size, Pattern.F_ if direction > 0 else Pattern.B_, np.int8),
+        displacement=direction * start.load * end.reach,
+        peak=start.load * peak(start.onset),
+        settled=end.settled,
+    )
+
+
+def _blank(n: int) -> Cycles:
+    flags = np.zeros((2, n), np.bool_)
+    return Cycles(np.zeros(n, np.int8), np.zeros(n), np.zeros(n), flags[0], flags[1], np.ones(n, np.bool_))
+
+
+class _Legs(NamedTuple):
+    """Slides of selected cells, in arrays for all: start c, half-length x, path, top speed, settled."""
+
+    c: Floats
+    x: Floats
+    path: Floats
+    top: Floats
+    settled: Bools
+
+
+def _legs(which: Bools, start: _Start, after: tuple[Onset, _Legs] | None = None) -> _Legs:
+    """Slide the selected cells from rest, or from where an opposite slide ends.
+
+    Phases count from the slide's own zero: p0 - pi of the slide before it. Cells not selected have NaN
+    for an end, and neither path nor speed.
+    """
+    n = which.size
+    out = _Legs(np.full(n, np.nan), np.full(n, np.nan), np.zeros(n), np.zeros(n), np.ones(n, np.bool_))
+    cells = np.flatnonzero(which)
+    if cells.size:
+        load = take(start.load, cells)
+        if after is None:
+            onset = take(start.onset, cells)
+        else:
+            before, legs = after
+            onset = start_inside(np.pi + before.c[cells] - 2.0 * legs.x[cells], start.onset.k[cells])
+        end = slide(onset)
+        put(out, cells, (onset.c, end.x, load * end.reach, load * peak(onset), end.settled))
+    return out
+
+
+def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
+    """Steady cycles from rest of scenes whose load exceeds static friction both ways.
+
+    The finite rule of theory.md, section 5: the sign of the speed at the edges of the opposite load
+    window decides the pattern; only a slide that follows another one directly needs its end for that.
+
+    Parameters
+    ----------
+    scene : Loads
+        Scenes in contact that can rest, 1-D, or 0-d members for all.
+    at : Margins
+        Their distances from slipping, 1-D.
+
+    Returns
+    -------
+    Cycles
+        One entry a scene.
+    """
+    forward, back = resting_start(scene, at, 1), resting_start(scene, at, -1)
+    (f_reaches, f_outlasts), (b_reaches, b_outlasts) = (
+        [_moving(speed(start, other), start, other) for speed in (speed_at_opening, speed_at_closing)]
+        for start, other in ((forward.onset, back.onset), (back.onset, forward.onset))
+    )
+    phases, restless = _never_at_rest(scene, forward, back)
+
+    # Equality belongs to rest: a slide that stops just where the opposite window closes stays at rest.
+    f_only = f_outlasts.positive | f_outlasts.edge
+    meets = f_reaches.positive & ~f_only  # ends inside the back window
+    never = meets & restless.positive
+    f = _legs(~never, forward)
+    chained = meets & ~never
+    b_next = _legs(chained, back, after=(forward.onset, f))
+    # phase from the end of that back slide to p_f + 2 pi
+    f_then_b = chained & (np.pi - forward.onset.c + b_next.c - 2.0 * b_next.x >= 0.0)
+
+    apart = ~(f_only | never | f_then_b)  # back slip starts from rest
+    b_only = apart & (b_outlasts.positive | b_outlasts.edge)
+    b_then_f = apart & b_reaches.positive & ~b_only
+    f_and_b = apart & ~b_only & ~b_then_f
+    probe = f_only & ~restless.positive & b_reaches.positive & ~b_outlasts.positive
+    b = _legs(apart | probe, back)
+    f_next = _legs(b_then_f | probe, forward, after=(back.onset, b))
+
+    out = _blank(f_only.size)
+    for which, code, way, retour in (
+        (f_only, Pattern.F_, f, None),
+        (f_then_b, Pattern.FB_, f, b_next),
+        (f_and_b, Pattern.F_B_, f, b),
+        (b_then_f, Pattern.F_B, f_next, b),
+        (b_only, Pattern.B_, None, b),
+    ):
+        cells = np.flatnonzero(which)
+        if cells.size:
+            out.pattern[cells] = code
+            for legs, sign in ((way, 1.0), (retour, -1.0)):
+                if legs is not None:
+                    out.displacement[cells] += sign * legs.path[cells]
+                    out.peak[cells] = np.maximum(out.peak[cells], legs.top[cells])
+                    out.settled[cells] &= legs.settled[cells]
+    cells = np.flatnonzero(never)
+    if cells.size:
+        slides = ((forward.onset.k, forward.load), (back.onset.k, back.load))
+        parts = (scene.kinetic_friction * scene.across, scene.along, slides, phases)
+        out.pattern[cells] = Pattern.FB
+        out.displacement[cells], out.peak[cells] = _never_at_rest_motion(*take(parts, cells))
+
+    # A disturbed body can settle elsewhere: F_ beside FB or F_B, and the mirrored pairs.
+    probe &= 2.0 * f_next.x - f_next.c + back.onset.c < np.pi  # its forward slide ends before p_b
+    out.coexists[:] = (f_only & (restless.positive | probe)) | ((never | f_then_b) & b_outlasts.positive)
+    out.coexists[:] |= b_only & restless.positive
+    out.edge[:] = f_outlasts.edge | (~f_only & f_reaches.edge) | (meets & restless.edge)
+    out.edge[:] |= apart & (b_reaches.edge | b_outlasts.edge)
+    return out

@@ -1,0 +1,80 @@
+"""Dimensionless groups of a scene: everything that decides its motion, up to the scales A and A w."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Loads", "loads", "put", "take"]
+
+_MOST_GRAVITY: Final = 1e150  # [1] caps 1/G so that no product overflows; the body rests long before
+
+
+class Loads(NamedTuple):
+    """Loads on the body over its peak inertial load m A w^2; the fields broadcast against each other.
+
+    Attributes
+    ----------
+    along, across : array
+        cos(alpha) and sin(alpha): inertial load along the trough and off it.
+    normal, tangential : array
+        cos(beta)/G and sin(beta)/G: weight on the trough and down it, G = A w^2 / g.
+    contrast : array
+        cos(alpha + beta)/G = along * normal - across * tangential, of which it has no cancellation.
+    static_friction, kinetic_friction : array
+        mu_s and mu_d.
+    """
+
+    along: Floats
+    across: Floats
+    normal: Floats
+    tangential: Floats
+    contrast: Floats
+    static_friction: Floats
+    kinetic_friction: Floats
+
+
+def loads(
+    amplitude: Floats,
+    frequency: Floats,
+    drive_angle: Floats,
+    static_friction: Floats,
+    kinetic_friction: Floats,
+    trough_angle: Floats,
+    gravity: Floats,
+) -> Loads:
+    """Form the groups, Eq. (1), in SI units and radians; nothing is broadcast before it must be.
+
+    1/G rather than G is formed, from factors that stay finite when A, f or G are extreme.
+    """
+    w = 2.0 * np.pi * frequency
+    weight = np.minimum((gravity / w) / (amplitude * w), _MOST_GRAVITY)  # 1/G
+    return Loads(
+        along=np.cos(drive_angle),
+        across=np.sin(drive_angle),
+        normal=weight * np.cos(trough_angle),
+        tangential=weight * np.sin(trough_angle),
+        contrast=weight * np.cos(drive_angle + trough_angle),
+        static_friction=static_friction,
+        kinetic_friction=kinetic_friction,
+    )
+
+
+def take(group: Any, cells: NDArray[np.intp]) -> Any:
+    """Select cells of a nested (named) tuple of arrays by index; 0-d members serve every cell."""
+    if isinstance(group, tuple):
+        members = [take(member, cells) for member in group]
+        return group._make(members) if hasattr(group, "_make") else tuple(members)
+    return group.take(cells) if group.ndim else group
+
+
+def put(group: tuple[Any, ...], cells: NDArray[np.intp], values: tuple[Any, ...]) -> None:
+    """Write the selected cells of a tuple of arrays, the inverse of ``take``."""
+    for target, source in zip(group, values, strict=True):
+        target[cells] = source

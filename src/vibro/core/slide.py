@@ -1,0 +1,222 @@
+"""One slide from rest, solved once: where it ends, how far it goes, how fast it gets.
+
+Equation numbers are those of docs/theory.md. All quantities are normalised by the inertial load:
+lengths by A, speeds by A w, phases in radians. A forward slide and a back slide are the same
+problem; the caller turns the sign.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.groups import put, take
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Onset", "Slide", "peak", "slide", "start_inside"]
+
+# 1 - sin(x)/x = x^2 Q(x^2) and sin x - x cos x = x^3 R(x^2) on 0 <= x <= pi, highest power first:
+# Chebyshev economisations computed with 60 digits, error below 6e-18 of the value (test_slide.py),
+# since both differences cancel for short slides.
+_Q: Final = (
+    -1.77516651900580094e-20, 8.18304374281322528e-18, -2.81102438733084008e-15, 7.64713352785736226e-13,
+    -1.60590425313094057e-10, 2.50521083511001472e-8, -2.75573192234679305e-6, 0.00019841269841265893,
+    -0.00833333333333332184, 0.166666666666666666,
+)  # fmt: skip
+_R: Final = (
+    7.7088580917279416e-22, -3.89610970345939686e-19, 1.47947161254262735e-16, -4.49831175269064113e-14,
+    1.07060281802820307e-11, -1.92708525689134348e-9, 2.5052108384699699e-7, -0.0000220458553791796289,
+    0.00119047619047618481, -0.033333333333333332, 0.333333333333333333,
+)  # fmt: skip
+
+# Start of the refinement, Eq. (13): coefficients of rho theta^2, theta^2, rho and 1, with rho = c / theta.
+_START: Final = (-0.07074, 0.001219, 0.11467, -0.314847)
+
+_TINY: Final = 1e-300
+_BISECTIONS: Final = 55  # from an interval below pi down to an ulp
+
+# A second step above this fraction of x would leave more than rounding errors behind.
+_SETTLED: Final = 1e-4
+
+
+class Onset(NamedTuple):
+    """Start of a slide at phase p0, in the form that does not cancel near the crest of the load.
+
+    Attributes
+    ----------
+    c : array
+        pi/2 - p0 [rad]: positive before the load's crest, negative behind it.
+    cos, sin, vers : array
+        cos c = sin p0, sin c = cos p0, and 1 - cos c computed without cancellation.
+    excess : array
+        sin p0 - k, computed without cancellation.
+    k : array
+        Resistance over load amplitude while sliding.
+    """
+
+    c: Floats
+    cos: Floats
+    sin: Floats
+    vers: Floats
+    excess: Floats
+    k: Floats
+
+
+def start_inside(c: Floats, k: Floats) -> Onset:
+    """Onset of a slide that follows another one directly, anywhere inside its load window."""
+    half = np.sin(0.5 * c)
+    vers = 2.0 * half * half
+    cos = 1.0 - vers
+    return Onset(c, cos, np.sin(c), vers, cos - k, k)
+
+
+def _polynomial(y: Floats, coefficients: tuple[float, ...]) -> Floats:
+    """Horner's rule, in place."""
+    value = coefficients[0] * y
+    for a in coefficients[1:-1]:
+        value += a
+        value *= y
+    value += coefficients[-1]
+    return value
+
+
+def _theta(onset: Onset) -> tuple[Floats, Floats]:
+    """1 - k and theta = acos k, without cancellation for k -> 1; pi for k < -1, where no slide ends."""
+    kappa = onset.vers + onset.excess
+    return kappa, 2.0 * np.arcsin(np.sqrt(np.minimum(0.5 * kappa, 1.0)))
+
+
+def _start(onset: Onset, theta: Floats) -> Floats:
+    """First estimate of half the slide's length in phase, Eq. (13).
+
+    Exact for k -> 0, of the right order for theta -> 0 and with the right branch point in the corner
+    k -> 0, p0 -> 0; everywhere within 1.2 % of the distance to the nearest other root (test_slide.py).
+    """
+    c, k = onset.c, onset.k
+    p0 = 0.5 * np.pi - c
+    resistance = 2.0 * k
+    # _TINY: k = 0 from p0 = 0 is 0 / 0 otherwise
+    corner = resistance / (p0 + np.sqrt(p0 * p0 + resistance * (np.pi + 2.0 * c)) + _TINY)
+    rho = c / theta
+    bend = (_START[0] * rho + _START[1]) * (theta * theta) + (_START[2] * rho + _START[3])
+    return (theta + c) * (1.0 - corner - k * bend)
+
+
+class _Evaluation(NamedTuple):
+    """Eq. (12) at x, with what the displacement needs; u = x - c."""
+
+    step: Floats
+    sin_x: Floats
+    cos_x: Floats
+    sin_u: Floats
+    cos_u: Floats
+
+
+def _evaluate(x: Floats, onset: Onset, kappa: Floats) -> _Evaluation:
+    """Halley's step at x, written in terms that all vanish like x^2."""
+    t = np.tan(0.5 * x)
+    vers_x = 2.0 / (1.0 + t * t)
+    sin_x = vers_x * t
+    vers_x = sin_x * t
+    cos_x = 1.0 - vers_x
+    cos_u = onset.cos * cos_x + onset.sin * sin_x
+    sin_u = onset.cos * sin_x - onset.sin * cos_x
+    cos_minus = onset.sin * sin_x - onset.cos * vers_x  # cos u - cos c
+    y = x * x
+    f = x * (cos_minus + onset.excess - cos_u * (y * _polynomial(y, _Q)))
+    f1 = kappa - (vers_x + cos_x * (onset.vers - cos_minus) + sin_x * sin_u)
+    f2 = -2.0 * (sin_x * cos_u + cos_x * sin_u)
+    return _Evaluation(f * f1 / (0.5 * f * f2 - f1 * f1), sin_x, cos_x, sin_u, cos_u)
+
+
+class Slide(NamedTuple):
+    """End of a slide.
+
+    Attributes
+    ----------
+    x : array
+        Half of the slide's length in phase [rad]: it ends at p0 + 2 x; inf where it never ends.
+    reach : array
+        Displacement over the slide's load amplitude, >= 0 [A]: D = C * reach; NaN where it never ends.
+    settled : bool array
+        Whether the last refinement step was as small as it must be.
+    """
+
+    x: Floats
+    reach: Floats
+    settled: NDArray[np.bool_]
+
+
+def slide(onset: Onset) -> Slide:
+    """Solve slides from rest, 1-D arrays, for ``k <= sin p0``, ``0 < sin p0 <= 1``.
+
+    Notes
+    -----
+    For k >= 0, two steps of Halley's iteration on Eq. (12): from within 1.2 % the first leaves about
+    1e-6, the second about 1e-18. The second is applied to the displacement, Eq. (11), by its Taylor
+    series, whose first neglected term is of the same order; so the trigonometric functions are needed
+    only twice. For k < 0 (the trough steeper than the friction angle) see ``_slide_downhill``.
+    """
+    downhill = onset.k < 0.0
+    if not downhill.any():
+        return _slide(onset)
+    whole = Slide(np.empty_like(onset.c), np.empty_like(onset.c), np.empty(onset.c.shape, np.bool_))
+    for part, solver in ((~downhill, _slide), (downhill, _slide_downhill)):
+        cells = np.flatnonzero(part)
+        put(whole, cells, solver(take(onset, cells)))
+    return whole
+
+
+def _slide(onset: Onset) -> Slide:
+    kappa, theta = _theta(onset)
+    x = _start(onset, theta)
+    x += _evaluate(x, onset, kappa).step
+    step, sin_x, cos_x, sin_u, cos_u = _evaluate(x, onset, kappa)
+    y = x * x
+    bulge = x * y * _polynomial(y, _R)  # sin x - x cos x
+    slope = x * sin_x  # its derivative
+    first = cos_u * bulge + sin_u * slope
+    second = sin_u * (sin_x + x * cos_x - bulge) + 2.0 * cos_u * slope
+    reach = 2.0 * (sin_u * bulge + step * (first + 0.5 * step * second))
+    return Slide(x + step, reach, np.abs(step) <= _SETTLED * x)
+
+
+def _slide_downhill(onset: Onset) -> Slide:
+    """Slides with k < 0: gravity along the trough exceeds kinetic friction.
+
+    The speed, over C, cos p0 - cos p + |k| (p - p0) grows up to p = pi + asin|k|, falls up to
+    2 pi - asin|k| and grows from cycle to cycle. The slide ends between 2 pi - p0 (or the speed's maximum)
+    and that minimum, Eq. (16), or never. Bisection: rare cells, no start to prove.
+    """
+    c, k = onset.c, -onset.k
+    least = 1.5 * np.pi + np.arccos(np.minimum(k, 1.0))  # 2 pi - asin|k|
+
+    def speed(p: Floats) -> Floats:
+        return onset.sin - np.cos(p) + k * (p - (0.5 * np.pi - c))
+
+    low = np.maximum(1.5 * np.pi + c, 3.0 * np.pi - least)
+    high = least
+    ends = speed(high) <= 0.0
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        moving = speed(middle) > 0.0
+        low = np.where(moving, middle, low)
+        high = np.where(moving, high, middle)
+    x = 0.5 * (high - (0.5 * np.pi - c))
+    reach = 2.0 * np.sin(x - c) * (x * x * x * _polynomial(x * x, _R))
+    return Slide(np.where(ends, x, np.inf), np.where(ends, reach, np.nan), np.ones(c.shape, np.bool_))
+
+
+def peak(onset: Onset) -> Floats:
+    """Largest speed of a slide from rest over its load amplitude, Eq. (14) [A w].
+
+    Written as a sum of terms that all vanish like the cube of the slide's length.
+    """
+    kappa, theta = _theta(onset)
+    t, y = theta * theta, onset.c * onset.c
+    return theta * t * _polynomial(t, _R) + onset.c * (kappa - y * _polynomial(y, _Q))
