@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Codes = NDArray[np.int8]
 
-__all__ = ["SteadyCycle", "solve"]
+__all__ = ["SteadyCycle", "grid_blocks", "solve"]
 
 _PATTERN_TEXTS = np.array(PATTERNS)
 _MODEL_TEXTS = np.array(MODELS)
@@ -139,7 +139,7 @@ def solve(scene: Scene) -> SteadyCycle:
     def run(block: tuple[slice, ...]) -> None:
         _solve_block(out, block, [a[_within(block, a.shape)] for a in arrays])
 
-    blocks = list(_blocks(shape, _BLOCK))
+    blocks = list(grid_blocks(shape, _BLOCK))
     if len(blocks) > 1:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             for _ in pool.map(run, blocks):
@@ -163,7 +163,7 @@ def _empty(shape: tuple[int, ...]) -> SteadyCycle:
     )  # fmt: skip
 
 
-def _blocks(shape: tuple[int, ...], size: int) -> Iterator[tuple[slice, ...]]:
+def grid_blocks(shape: tuple[int, ...], size: int) -> Iterator[tuple[slice, ...]]:
     """Cut a grid into slabs of at most ``size`` cells, in the order of its cells."""
     if 0 in shape:
         return

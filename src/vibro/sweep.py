@@ -2,17 +2,107 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.axes import Axis
+from vibro.core.limits import CriticalLoads, critical_loads
+from vibro.scene import Scene
+from vibro.steady import SteadyCycle, grid_blocks, solve
+from vibro.units import to_si
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
-    from vibro.axes import Axis
-    from vibro.core.limits import CriticalLoads
-    from vibro.steady import SteadyCycle
+    from numpy.typing import NDArray
 
-__all__ = ["SweepResult"]
+    Floats = NDArray[np.float64]
+
+__all__ = ["Block", "Grid", "SweepResult", "sweep_blocks", "sweep_picture"]
+
+# [cells] Enough that a block's fixed costs vanish, few enough that memory stays bounded and an interrupt is
+# noticed at once.
+_BLOCK: Final = 131_072
+
+# [values of one axis] More than a picture has room for; the table always has them all.
+_DRAWN: Final = 600
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """What a sweep covers, in the user's units.
+
+    Attributes
+    ----------
+    axes : mapping of str to Axis
+        The axes that vary, in the order amplitude, frequency, drive_angle, static_friction, kinetic_friction
+        or friction_ratio, trough_angle.
+    fixed : mapping of str to float
+        Every other quantity of the scene by name, with gravity and restitution.
+    length : float or None
+        Length of the trough [mm].
+    """
+
+    axes: Mapping[str, Axis]
+    fixed: Mapping[str, float]
+    length: float | None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis) for axis in self.axes.values())
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return math.prod(self.shape)
+
+    def values(self, box: tuple[slice, ...]) -> dict[str, Floats]:
+        """Return every quantity of a box of cells, in the user's units.
+
+        Parameters
+        ----------
+        box : tuple of slice
+            One for each axis.
+
+        Returns
+        -------
+        dict of str to array
+            By name; broadcastable to the box's shape. The kinetic friction is always among them.
+        """
+        result = {name: np.full((1,) * len(box), value) for name, value in self.fixed.items()}
+        for i, (axis, part) in enumerate(zip(self.axes.values(), box, strict=True)):
+            result[axis.name] = axis.values[part].reshape([-1 if j == i else 1 for j in range(len(box))])
+        if "friction_ratio" in result:
+            result["kinetic_friction"] = result["friction_ratio"] * result["static_friction"]
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A solved part of a grid, as tables need it.
+
+    Attributes
+    ----------
+    values : mapping of str to array
+        Every quantity by name, in the user's units; broadcastable to the cycle's shape.
+    cycle : SteadyCycle
+        Results of the block's cells.
+    length : float or None
+        Length of the trough [mm].
+    """
+
+    values: Mapping[str, Floats]
+    cycle: SteadyCycle
+    length: float | None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the block's cells."""
+        return self.cycle.status.shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,3 +143,70 @@ class SweepResult:
     def shape(self) -> tuple[int, ...]:
         """Number of values of each axis."""
         return tuple(len(axis) for axis in self.axes.values())
+
+
+def sweep_blocks(grid: Grid) -> Iterator[Block]:
+    """Solve a grid block by block, in the order of its cells.
+
+    Parameters
+    ----------
+    grid : Grid
+        Every value within its own range; combinations may be infeasible.
+
+    Yields
+    ------
+    Block
+        Together the whole grid; the last axis runs fastest.
+    """
+    for box in grid_blocks(grid.shape, _BLOCK):
+        values = grid.values(box)
+        yield Block(values, solve(_scene(values)), grid.length)
+
+
+def sweep_picture(
+    grid: Grid, drawn: Mapping[str, tuple[int, ...]], operating_point: Mapping[str, float] | None, title: str
+) -> SweepResult:
+    """Solve the part of a grid that pictures show.
+
+    Parameters
+    ----------
+    grid : Grid
+        The whole grid.
+    drawn : mapping of str to tuple of int
+        Indices to keep of an axis, by name; a single one holds the axis at that value.
+    operating_point : mapping of str to float, or None
+        The scene's own values.
+    title : str
+        What the sweep is of.
+
+    Returns
+    -------
+    SweepResult
+        Its axes have no more values than a picture has room for.
+    """
+    axes: dict[str, Axis] = {}
+    fixed = dict(grid.fixed)
+    for name, axis in grid.axes.items():
+        values = axis.values[list(drawn[name])] if name in drawn else axis.values
+        if len(values) == 1:
+            fixed[name] = float(values[0])
+        else:
+            step = -(-len(values) // _DRAWN)
+            axes[name] = replace(axis, values=values[::step])
+    part = Grid(axes, fixed, grid.length)
+    values = part.values((slice(None),) * len(axes))
+    point = None
+    if operating_point is not None and axes.keys() <= operating_point.keys():
+        point = {name: operating_point[name] for name in axes}
+    return SweepResult(axes, fixed, solve(_scene(values)), _limits(values), grid.length, point, title)
+
+
+def _scene(values: Mapping[str, Floats]) -> Scene:
+    return Scene.allowing_infeasible(
+        **{name: to_si(name, value) for name, value in values.items() if name != "friction_ratio"}
+    )
+
+
+def _limits(values: Mapping[str, Floats]) -> CriticalLoads:
+    names = ("drive_angle", "static_friction", "kinetic_friction", "trough_angle")
+    return critical_loads(*(to_si(name, values[name]) for name in names))

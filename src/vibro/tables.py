@@ -1,0 +1,211 @@
+"""Results as tables: the column list, CSV with exact floats, data frames."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import MODELS, PATTERNS, Regime, Status
+from vibro.units import QUANTITIES, from_si, to_si
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from vibro.sweep import Block
+
+__all__ = ["COLUMNS", "STROKES", "Column", "CsvFormat", "columns_with", "record", "to_frame"]
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of every table.
+
+    Attributes
+    ----------
+    name : str
+        Header, with the unit.
+    unit : str
+        Unit of the numbers; empty for pure numbers and texts.
+    values : callable
+        From a ``Block`` to an array that broadcasts to its shape: floats, NaN or inf where there is no
+        number, or codes into ``texts``.
+    texts : tuple of str, optional
+        What the codes mean, the last one standing for -1; None for a column of numbers.
+    """
+
+    name: str
+    unit: str
+    values: Callable[[Block], NDArray[Any]]
+    texts: tuple[str, ...] | None = None
+
+
+def _given(name: str) -> Column:
+    quantity = QUANTITIES[name]
+    return Column(quantity.column, quantity.unit, lambda block: block.values[name])
+
+
+def _result(name: str, unit: str, attribute: str, scale: float = 1.0) -> Column:
+    if scale == 1.0:
+        return Column(name, unit, lambda block: np.asarray(getattr(block.cycle, attribute)))
+    return Column(name, unit, lambda block: scale * getattr(block.cycle, attribute))
+
+
+def _traverse_time(block: Block) -> NDArray[np.float64]:
+    if block.length is None:
+        return np.full((1,) * len(block.shape), np.nan)
+    return np.asarray(block.cycle.traverse_time(to_si("trough_length", block.length)))
+
+
+def _strokes(block: Block) -> NDArray[np.float64]:
+    return _traverse_time(block) * block.values["frequency"]
+
+
+_MM: Final = from_si("amplitude", 1.0)
+
+COLUMNS: Final = (
+    *map(
+        _given,
+        ("amplitude", "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle"),
+    ),
+    Column("regime", "", lambda block: block.cycle.regime, (*(r.label for r in Regime if r >= 0), "")),
+    Column("pattern", "", lambda block: block.cycle.pattern_code, PATTERNS),
+    _result("mean_velocity_mm_s", "mm/s", "mean_velocity", _MM),
+    _result("displacement_per_cycle_mm", "mm", "displacement_per_cycle", _MM),
+    _result("peak_velocity_mm_s", "mm/s", "peak_velocity", _MM),
+    Column("traverse_time_s", "s", _traverse_time),
+    _result("throw_number", "", "throw_number"),
+    _result("forward_ratio", "", "forward_ratio"),
+    _result("back_ratio", "", "back_ratio"),
+    Column("model", "", lambda block: block.cycle.model_code, MODELS),
+    Column("status", "", lambda block: block.cycle.status, tuple(s.label for s in Status)),
+)
+
+STROKES: Final = Column("strokes", "", _strokes)
+
+
+def columns_with(*extra: Column) -> tuple[Column, ...]:
+    """Return the columns of a table that has more than the common ones: they go before ``model``."""
+    place = [column.name for column in COLUMNS].index("model")
+    return (*COLUMNS[:place], *extra, *COLUMNS[place:])
+
+
+@dataclass(frozen=True)
+class CsvFormat:
+    """How a CSV is written.
+
+    Attributes
+    ----------
+    excel : bool
+        Whether it begins with a byte order mark, by which spreadsheets know UTF-8.
+    decimal_comma : bool
+        Whether decimals are written with a comma, and cells separated by semicolons.
+    """
+
+    excel: bool = False
+    decimal_comma: bool = False
+
+    @property
+    def separator(self) -> str:
+        """What stands between cells."""
+        return ";" if self.decimal_comma else ","
+
+    def header(self, columns: Sequence[Column]) -> str:
+        """Return the first line."""
+        return ("\ufeff" if self.excel else "") + self.separator.join(c.name for c in columns) + "\n"
+
+    def rows(self, columns: Sequence[Column], block: Block) -> str:
+        """Return the lines of a block, one a cell, in the order of its cells.
+
+        Parameters
+        ----------
+        columns : sequence of Column
+            What to write.
+        block : Block
+            Solved cells.
+
+        Returns
+        -------
+        str
+            Floats have the fewest digits that read back as the same double; no number is an empty cell.
+        """
+        if not math.prod(block.shape):
+            return ""
+        cells = [self._cells(column, block) for column in columns]
+        return "\n".join(map(self.separator.join, zip(*cells, strict=True))) + "\n"
+
+    def _cells(self, column: Column, block: Block) -> list[str]:
+        values = column.values(block)
+        # Only the values that differ are converted: an axis has few, however many cells there are.
+        if column.texts is not None:
+            texts = np.array(column.texts, dtype=object)[values]
+        else:
+            texts = np.array(self._numbers(values.ravel()), dtype=object).reshape(values.shape)
+        return np.broadcast_to(texts, block.shape).ravel().tolist()
+
+    def _numbers(self, values: NDArray[np.float64]) -> list[str]:
+        texts = list(map(float.__repr__, values.tolist()))
+        for i in np.flatnonzero(~np.isfinite(values)):
+            texts[i] = ""
+        for i in np.flatnonzero(values == np.trunc(values)):
+            texts[i] = texts[i].removesuffix(".0")
+        return [text.replace(".", ",") for text in texts] if self.decimal_comma else texts
+
+
+def record(columns: Sequence[Column], block: Block, index: int = 0) -> dict[str, float | str | None]:
+    """Return one cell as a mapping, for JSON.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        The keys.
+    block : Block
+        Solved cells.
+    index : int
+        Which cell, in their order.
+
+    Returns
+    -------
+    dict
+        None where there is no number.
+    """
+    result: dict[str, float | str | None] = {}
+    for column in columns:
+        value = np.broadcast_to(column.values(block), block.shape).flat[index]
+        if column.texts is not None:
+            result[column.name] = column.texts[value]
+        else:
+            result[column.name] = float(value) if math.isfinite(value) else None
+    return result
+
+
+def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
+    """Return cells as a data frame, one row a cell.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        What it holds.
+    block : Block
+        Solved cells.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Texts are categorical; no number is NaN.
+    """
+    import pandas as pd
+
+    data: dict[str, Any] = {}
+    for column in columns:
+        values = np.broadcast_to(column.values(block), block.shape).ravel()
+        if column.texts is not None:
+            data[column.name] = pd.Categorical.from_codes(values % len(column.texts), list(column.texts))
+        else:
+            data[column.name] = np.where(np.isfinite(values), values, np.nan)
+    return pd.DataFrame(data)
