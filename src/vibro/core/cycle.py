@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Cycles",
+    "never_at_rest",
     "one_way_cycles",
     "resting_start",
     "speed_at_closing",
@@ -126,7 +127,7 @@ class _Restless(NamedTuple):
     cos_m: Floats
 
 
-def _never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[_Restless, _Verdict]:
+def never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[_Restless, _Verdict]:
     """Phases of the never-at-rest cycle, and whether both its slides start beyond static friction."""
     mu_d = scene.kinetic_friction
     possible = (forward.onset.k > 0.0) & (back.onset.k > 0.0)
@@ -247,7 +248,7 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
         [_moving(speed(start, other), start, other) for speed in (speed_at_opening, speed_at_closing)]
         for start, other in ((forward.onset, back.onset), (back.onset, forward.onset))
     )
-    phases, restless = _never_at_rest(scene, forward, back)
+    phases, restless = never_at_rest(scene, forward, back)
 
     # Equality belongs to rest: a slide that stops just where the opposite window closes stays at rest.
     f_only = f_outlasts.positive | f_outlasts.edge

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from scipy.optimize import elementwise
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from vibro.core.slide import Floats, Onset
 
 __all__ = ["CriticalLoads", "critical_loads"]
-
-_TOLERANCES: Final = {"xatol": 0.0, "xrtol": 4 * 2.0**-52, "fatol": 0.0, "frtol": 0.0}
 
 # [1] 1/G of the lower end of a bracket over that of the upper: s is then below 1e-9 at either onset, and
 # the speeds at the edges of the windows have their signs for G -> infinity.
@@ -131,7 +129,7 @@ def _advance(limit: Floats, cells: np.ndarray, unit: Loads, speed: Callable[[Ons
         return
     scenes = take(unit, cells)
 
-    def value(weight: Floats, *members: Floats) -> Floats:
+    def value(weight: Floats, /, *members: Any) -> Floats:
         return _edge_speed(weight, Loads(*members), speed)
 
     high = 1.0 / limit[cells]
@@ -139,7 +137,10 @@ def _advance(limit: Floats, cells: np.ndarray, unit: Loads, speed: Callable[[Ons
     if waits.size:
         high = high[waits]
         root = elementwise.find_root(
-            value, (_SMALL * high, high), args=tuple(take(scenes, waits)), tolerances=_TOLERANCES
+            value,
+            (_SMALL * high, high),
+            args=tuple(take(scenes, waits)),
+            tolerances={"xatol": 0.0, "xrtol": 4 * 2.0**-52, "fatol": 0.0, "frtol": 0.0},
         )
         limit[cells[waits]] = 1.0 / root.x
 
