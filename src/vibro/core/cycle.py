@@ -120,11 +120,13 @@ def _moving(speed: Floats, start: Onset, other: Onset) -> _Verdict:
 
 
 class _Restless(NamedTuple):
-    """Phases of the never-at-rest cycle, Eqs. (18)-(19); NaN where there is none."""
+    """The never-at-rest cycle, Eqs. (18)-(19): y = x - pi/2 and m; NaN where there is none."""
 
     y: Floats
+    sin_y: Floats
+    cos_y: Floats
     sin_m: Floats
-    cos_m: Floats
+    cos_m: Floats  # of pi - m: positive
 
 
 def never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[_Restless, _Verdict]:
@@ -134,15 +136,20 @@ def never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[_Restles
     with np.errstate(invalid="ignore", divide="ignore"):
         turn = mu_d * mu_d * scene.across * scene.normal - scene.tangential * scene.along
         y = np.where(possible, 0.5 * np.pi * turn / (mu_d * scene.contrast), np.nan)
-    cos_y, sin_y = np.cos(y), np.sin(y)
+    t = np.tan(0.5 * y)
+    cos_y = 2.0 / (1.0 + t * t)
+    sin_y = cos_y * t
+    cos_y -= 1.0
     sin_m = forward.onset.k * (0.5 * np.pi + y) / cos_y
     possible &= sin_m < 1.0
     sin_m = np.where(possible, sin_m, np.nan)
-    cos_m = -np.sqrt((1.0 - sin_m) * (1.0 + sin_m))
-    ahead = _verdict(-sin_m * sin_y - cos_m * cos_y - forward.onset.cos, 1.0 + sin_m)
-    behind = _verdict(sin_m * sin_y - cos_m * cos_y - back.onset.cos, 1.0 + sin_m)
+    cos_m = np.sqrt((1.0 - sin_m) * (1.0 + sin_m))
+    rise, fall = cos_m * cos_y, sin_m * sin_y
+    scale = 1.0 + sin_m
+    ahead = _verdict(rise - fall - forward.onset.cos, scale)
+    behind = _verdict(rise + fall - back.onset.cos, scale)
     valid = (ahead.positive | ahead.edge) & (behind.positive | behind.edge)
-    return _Restless(y, sin_m, cos_m), _Verdict(valid, valid & (ahead.edge | behind.edge))
+    return _Restless(y, sin_y, cos_y, sin_m, cos_m), _Verdict(valid, valid & (ahead.edge | behind.edge))
 
 
 def _never_at_rest_motion(
@@ -150,16 +157,18 @@ def _never_at_rest_motion(
 ) -> tuple[Floats, Floats]:
     """Displacement, Eq. (20), and peak speed of the never-at-rest cycle.
 
-    ``lift`` is mu_d sin(alpha); ``slides`` the k and the load of the forward and the back slide.
+    ``lift`` is mu_d sin(alpha); ``slides`` the k and the load of the forward and the back slide, which
+    start at c = pi - m + y and c = pi - m - y. They are never short, so that Eq. (14) is used as it stands.
     """
-    sin_y, cos_y = np.sin(cycle.y), np.cos(cycle.y)
-    lean = 2.0 * lift * cos_y + (2.0 * lift * cycle.y + np.pi * along) * sin_y
-    c_m = np.arcsin(cycle.sin_m)  # pi - m
+    lean = 2.0 * lift * cycle.cos_y + (2.0 * lift * cycle.y + np.pi * along) * cycle.sin_y
+    c_m = np.arcsin(cycle.sin_m)
+    middle, tilt = cycle.sin_m * cycle.cos_y, cycle.cos_m * cycle.sin_y
     peaks = [
-        load * peak(start_inside(c_m + side * cycle.y, k))
+        load
+        * (middle + side * tilt + np.sqrt((1.0 - k) * (1.0 + k)) - k * (c_m + side * cycle.y + np.arccos(k)))
         for (k, load), side in zip(slides, (1.0, -1.0), strict=True)
     ]
-    return -2.0 * cycle.cos_m * lean, np.maximum(*peaks)
+    return 2.0 * cycle.cos_m * lean, np.maximum(*peaks)
 
 
 def one_way_cycles(scene: Loads, at: Margins, direction: int) -> Cycles:

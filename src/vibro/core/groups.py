@@ -55,12 +55,13 @@ def loads(
     """
     w = 2.0 * np.pi * frequency
     weight = np.minimum((gravity / w) / (amplitude * w), _MOST_GRAVITY)  # 1/G
+    along = np.cos(drive_angle)
     return Loads(
-        along=np.cos(drive_angle),
+        along=along,
         across=np.sin(drive_angle),
         normal=weight * np.cos(trough_angle),
         tangential=weight * np.sin(trough_angle),
-        contrast=weight * np.cos(drive_angle + trough_angle),
+        contrast=weight * (np.cos(drive_angle + trough_angle) if trough_angle.any() else along),
         static_friction=static_friction,
         kinetic_friction=kinetic_friction,
     )
