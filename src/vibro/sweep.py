@@ -27,8 +27,8 @@ __all__ = ["Block", "Grid", "SweepResult", "sweep_blocks", "sweep_picture"]
 # noticed at once.
 _BLOCK: Final = 131_072
 
-# [values of one axis] More than a picture has room for; the table always has them all.
-_DRAWN: Final = 600
+# [values of an axis] More than a picture of one, two or three axes has room for; tables always have them all.
+_DRAWN: Final = {1: 4000, 2: 600, 3: 200}
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,22 +182,24 @@ def sweep_picture(
     Returns
     -------
     SweepResult
-        Its axes have no more values than a picture has room for.
+        Of at most three axes, with no more values than a picture has room for.
     """
-    axes: dict[str, Axis] = {}
-    fixed = dict(grid.fixed)
-    for name, axis in grid.axes.items():
-        values = axis.values[list(drawn[name])] if name in drawn else axis.values
-        if len(values) == 1:
-            fixed[name] = float(values[0])
-        else:
-            step = -(-len(values) // _DRAWN)
-            axes[name] = replace(axis, values=values[::step])
+    kept = {
+        name: axis.values[list(drawn[name])] if name in drawn else axis.values
+        for name, axis in grid.axes.items()
+    }
+    fixed = {**grid.fixed, **{name: float(values[0]) for name, values in kept.items() if len(values) == 1}}
+    varying = {name: values for name, values in kept.items() if len(values) > 1}
+    room = _DRAWN[len(varying)]
+    axes = {
+        name: replace(grid.axes[name], values=values[:: -(-len(values) // room)])
+        for name, values in varying.items()
+    }
     part = Grid(axes, fixed, grid.length)
     values = part.values((slice(None),) * len(axes))
     point = None
-    if operating_point is not None and axes.keys() <= operating_point.keys():
-        point = {name: operating_point[name] for name in axes}
+    if operating_point is not None and grid.axes.keys() <= operating_point.keys():
+        point = {name: operating_point[name] for name in grid.axes}
     return SweepResult(axes, fixed, solve(_scene(values)), _limits(values), grid.length, point, title)
 
 

@@ -205,7 +205,7 @@ def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
     for column in columns:
         values = np.broadcast_to(column.values(block), block.shape).ravel()
         if column.texts is not None:
-            data[column.name] = pd.Categorical.from_codes(values % len(column.texts), list(column.texts))
+            data[column.name] = pd.Categorical(np.array(column.texts, dtype=object)[values])
         else:
             data[column.name] = np.where(np.isfinite(values), values, np.nan)
     return pd.DataFrame(data)

@@ -1,0 +1,154 @@
+"""The command ``vibro``: its commands, and how every run ends."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import threading
+import traceback
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+from typer.core import TyperGroup
+
+from vibro.cli.console import print_error, tolerate_any_encoding
+from vibro.cli.map import map_command
+from vibro.cli.options import print_version, shares_options
+from vibro.cli.solve import solve_command
+from vibro.cli.traverse_time import traverse_time_command
+from vibro.errors import FileError, InputError, VibroError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from types import FrameType
+
+__all__ = ["app", "main"]
+
+_FAILED = 1
+_WRONG_INPUT = 2
+_INTERRUPTED = 130
+
+
+class _Commands(TyperGroup):
+    """The group of commands; it turns whatever a run raises into a message and an exit code."""
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        windows_expand_args: bool = True,
+        **extra: Any,
+    ) -> NoReturn:
+        argv = list(sys.argv[1:] if args is None else args)
+        tolerate_any_encoding()
+        try:
+            with _interruptible():
+                code = super().main(
+                    args=argv,
+                    prog_name="vibro",
+                    complete_var=complete_var,
+                    standalone_mode=False,
+                    obj=argv,
+                    **extra,
+                )
+                sys.stdout.flush()
+        except KeyboardInterrupt:
+            code = _INTERRUPTED
+        except Exception as exc:
+            code = _report(exc, argv)
+        if code == _INTERRUPTED:
+            print_error(["interrupted"])
+        sys.exit(code)
+
+
+@contextlib.contextmanager
+def _interruptible() -> Iterator[None]:
+    """Let SIGTERM end a run as Ctrl-C does: by an exception, so that everything is cleaned up."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _report(exc: Exception, argv: Sequence[str]) -> int:
+    """Print what went wrong and return the exit code."""
+    if "--debug" in argv:
+        traceback.print_exception(exc)
+    if isinstance(exc, InputError):
+        print_error(exc.problems, exc.hint)
+        return _WRONG_INPUT
+    if isinstance(exc, FileError):
+        print_error([str(exc)], exc.hint)
+        return _FAILED
+    if isinstance(exc, VibroError):
+        print_error([str(exc)])
+        return _WRONG_INPUT
+    if hasattr(exc, "format_message"):  # how typer says that the arguments are wrong
+        command = next((arg for arg in argv if not arg.startswith("-")), "")
+        known = command if command in _NAMES else ""
+        print_error([exc.format_message().strip()], " ".join(filter(None, ["see vibro", known, "--help"])))
+        return _WRONG_INPUT
+    if isinstance(exc, OSError):
+        _silence_stdout()
+        if not isinstance(exc, BrokenPipeError):
+            print_error([f"cannot read or write: {exc.strerror or exc}"])
+        return _FAILED
+    if isinstance(exc, MemoryError):
+        print_error(["not enough memory"], "ask for fewer values")
+        return _FAILED
+    print_error([f"unexpected {type(exc).__name__}: {exc}"], "please report it with the output of --debug")
+    return _FAILED
+
+
+def _silence_stdout() -> None:
+    """Keep the interpreter from failing once more when it flushes what could not be written."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+app = typer.Typer(
+    cls=_Commands,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # rich would double the time that --help takes
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+@app.callback(invoke_without_command=True)
+def _vibro(
+    context: typer.Context,
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version and exit.", callback=print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Regimes, conveying speed and traverse time of parts on vibratory conveyors."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+_NAMES: dict[str, Callable[..., int]] = {
+    "map": map_command,
+    "traverse-time": traverse_time_command,
+    "solve": solve_command,
+}
+for _name, _command in _NAMES.items():
+    app.command(_name)(shares_options(_command))
+
+
+def main() -> None:
+    """Run the command line of this process."""
+    app()

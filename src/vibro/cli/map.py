@@ -1,0 +1,126 @@
+"""``vibro map``: sweep a scene and draw its regimes and speeds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from vibro.cli.console import Console
+from vibro.cli.options import Options  # typer reads the annotations
+from vibro.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibro.cli.request import Request
+
+__all__ = ["map_command"]
+
+# Swept where they are not given. Friction and drive angle are never invented.
+_RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
+_FORMATS: Final = ("png", "svg", "pdf")
+_SHORT_NAMES: Final = {
+    "a": "amplitude",
+    "f": "frequency",
+    "alpha": "drive_angle",
+    "mu_s": "static_friction",
+    "mu_d": "kinetic_friction",
+    "mu_ratio": "friction_ratio",
+}
+
+
+def map_command(
+    context: typer.Context,
+    options: Options,
+    x: Annotated[
+        str | None, typer.Option("--x", metavar="AXIS", help="The axis drawn across.", show_default=False)
+    ] = None,
+    y: Annotated[
+        str | None, typer.Option("--y", metavar="AXIS", help="The axis drawn up.", show_default=False)
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="AXIS=VALUE",
+            help="Where the pictures hold an axis; repeatable.",
+            show_default=False,
+        ),
+    ] = None,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="png,svg,pdf", help="The pictures' formats.")
+    ] = "png",
+) -> int:
+    """Map the regimes, speeds and traverse times of a scene over any of its quantities.
+
+    An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log.
+    Numbers may carry units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm
+    and 5:60 Hz. The results go to STEM.csv, STEM.json and pictures.
+    """
+    from vibro.cli.output import Pictures, make_grid, write_sweep
+    from vibro.cli.request import gather
+    from vibro.plots.view import choose_view
+    from vibro.tables import COLUMNS
+
+    console = Console(quiet=options.quiet)
+    wanted = _formats(formats)
+    request = gather(options, context.obj, reads_map=True, takes_axes=True, ranges=_RANGES)
+    grid = make_grid(request, console)
+    view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
+    name = request.name or "vibro-map"
+    if options.output == "-":
+        return write_sweep(grid, COLUMNS, options, context.obj, console, name)
+
+    def draw() -> dict[str, Figure]:
+        from vibro.plots import map_figures
+        from vibro.sweep import sweep_picture
+
+        drawn: dict[str, tuple[int, ...]] = {held: (i,) for held, i in view.held.items()}
+        if view.facet:
+            drawn[view.facet.name] = view.facet_indices
+        result = sweep_picture(grid, drawn, request.own, request.name or "")
+        return map_figures(result, x=view.x.name, y=view.y.name if view.y else None)
+
+    names = (["regime"] if view.y else []) + ["speed"] + (["traverse"] if grid.length is not None else [])
+    pictures = Pictures(names, wanted, draw)
+    return write_sweep(grid, COLUMNS, options, context.obj, console, name, pictures)
+
+
+def _formats(text: str) -> list[str]:
+    names = list(dict.fromkeys(name.strip().casefold() for name in text.split(",")))
+    for name in names:
+        if name not in _FORMATS:
+            raise InputError(
+                f"--format {text}: {name!r} is not a format of pictures",
+                hint=f"they are {', '.join(_FORMATS)}",
+            )
+    return names
+
+
+def _axis_name(text: str) -> str:
+    """Return the name of the quantity that a user calls an axis."""
+    from vibro.units import QUANTITIES
+
+    name = text.strip().removeprefix("--").replace("-", "_")
+    for quantity in QUANTITIES.values():
+        if name in (quantity.name, quantity.column):
+            return quantity.name
+    return _SHORT_NAMES.get(name.casefold(), text)
+
+
+def _held(texts: list[str], request: Request) -> dict[str, float]:
+    from vibro.units import QUANTITIES, exact_number
+
+    held = {}
+    for text in (part for given in texts for part in given.split(",")):
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InputError(f"--at {text}: not of the form AXIS=VALUE", hint="write it like --at mu_s=0.6")
+        quantity = QUANTITIES.get(_axis_name(name))
+        if quantity is None:
+            raise InputError(
+                f"--at {text}: {name!r} is no axis", hint=f"the axes are {', '.join(request.varying)}"
+            )
+        held[quantity.name] = float(exact_number(value, quantity))
+    return held
