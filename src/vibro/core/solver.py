@@ -106,7 +106,7 @@ def steady_state(scene: Loads) -> SteadyState:
         uphill = np.broadcast_to(scene.tangential > 0.0, n)
         regime[runaway] = np.where(uphill[runaway], Regime.BACK_SLIP, Regime.FORWARD_SLIP)
 
-    throw, forward, back = _ratios(scene, at.margins)
+    throw, forward, back = (np.broadcast_to(ratio, n) for ratio in _ratios(scene, at.margins))
     out = SteadyState(
         regime,
         status,
