@@ -13,7 +13,7 @@ import numpy as np
 
 from vibro.core.codes import MODELS, PATTERNS
 from vibro.core.groups import Loads, loads
-from vibro.core.solver import steady_state
+from vibro.core.solver import SteadyState, steady_state
 from vibro.errors import Problem, SceneError
 
 if TYPE_CHECKING:
@@ -134,14 +134,14 @@ def solve(scene: Scene) -> SteadyCycle:
     >>> print(f"{cycle.mean_velocity:.9f} m/s, {cycle.pattern}")
     0.016263456 m/s, F_
     """
-    shape = scene.shape
-    arrays = [a.reshape((1,) * (len(shape) - a.ndim) + a.shape) for a in scene.arrays()]
-    out = _empty(shape)
+    grid = scene.shape or (1,)
+    arrays = [a.reshape((1,) * (len(grid) - a.ndim) + a.shape) for a in scene.arrays()]
+    out = _empty(grid)
 
     def run(block: tuple[slice, ...]) -> None:
         _solve_block(out, block, [a[_within(block, a.shape)] for a in arrays])
 
-    blocks = list(grid_blocks(shape, _BLOCK))
+    blocks = list(grid_blocks(grid, _BLOCK))
     if len(blocks) > 1:
         _retain_freed_memory()
         with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -149,7 +149,9 @@ def solve(scene: Scene) -> SteadyCycle:
                 pass
     elif blocks:
         run(blocks[0])
-    return SteadyCycle(**{f.name: getattr(out, f.name)[()] for f in fields(SteadyCycle)})
+    if scene.shape:
+        return out
+    return SteadyCycle(**{f.name: getattr(out, f.name)[0] for f in fields(SteadyCycle)})
 
 
 @cache
@@ -202,21 +204,33 @@ def _within(block: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ..
 
 
 def _solve_block(out: SteadyCycle, block: tuple[slice, ...], arrays: list[Floats]) -> None:
-    """Solve one block and write it in place, scaled to SI."""
+    """Solve one block in place and scale it to SI."""
+    part = {f.name: getattr(out, f.name)[block] for f in fields(SteadyCycle)}
+    shape = part["status"].shape
+    flat = {name: array.reshape(-1) for name, array in part.items()}  # a view: blocks are contiguous
+    state = SteadyState(
+        regime=flat["regime"],
+        status=flat["status"],
+        pattern=flat["pattern_code"],
+        model=flat["model_code"],
+        displacement=flat["displacement_per_cycle"],
+        peak=flat["peak_velocity"],
+        throw_number=flat["throw_number"],
+        forward_ratio=flat["forward_ratio"],
+        back_ratio=flat["back_ratio"],
+        coexists=flat["coexists"],
+    )
+    steady_state(Loads(*(_flat(a, shape) for a in loads(*arrays[:7]))), state)
     amplitude, frequency = arrays[0], arrays[1]
-    shape = out.status[block].shape
-    state = steady_state(Loads(*(_flat(a, shape) for a in loads(*arrays[:7]))))
-    for name in ("regime", "status", "throw_number", "forward_ratio", "back_ratio", "coexists"):
-        getattr(out, name)[block] = getattr(state, name).reshape(shape)
-    out.pattern_code[block] = state.pattern.reshape(shape)
-    out.model_code[block] = state.model.reshape(shape)
-    out.displacement_per_cycle[block] = amplitude * state.displacement.reshape(shape)
-    out.mean_velocity[block] = out.displacement_per_cycle[block] * frequency
-    out.peak_velocity[block] = (2.0 * np.pi * frequency) * amplitude * state.peak.reshape(shape)
+    part["displacement_per_cycle"] *= amplitude
+    np.multiply(part["displacement_per_cycle"], frequency, out=part["mean_velocity"])
+    part["peak_velocity"] *= 2.0 * np.pi * frequency * amplitude
 
 
 def _flat(field: Floats, shape: tuple[int, ...]) -> Floats:
     """Make a field 1-D over a block; 0-d where one value serves all its cells."""
+    if field.shape == shape:
+        return field.reshape(-1)
     if field.size == 1 and math.prod(shape) > 1:
         return field.reshape(())
     return np.broadcast_to(field, shape).reshape(-1)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from vibro.core.cycle import resting_start, speed_at_closing, speed_at_opening
 from vibro.core.groups import Loads, take
@@ -135,6 +134,8 @@ def _advance(limit: Floats, cells: np.ndarray, unit: Loads, speed: Callable[[Ons
     high = 1.0 / limit[cells]
     waits = np.flatnonzero(value(high, *scenes) > 0.0)
     if waits.size:
+        from scipy.optimize import elementwise  # late: most scenes do not need its import time
+
         high = high[waits]
         root = elementwise.find_root(
             value,

@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.core.codes import Model, Pattern, Regime, Status
 from vibro.core.cycle import one_way_cycles, two_way_cycles
-from vibro.core.groups import take
+from vibro.core.groups import put, take
 from vibro.core.onset import thresholds
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from vibro.core.cycle import Cycles
     from vibro.core.groups import Loads
-    from vibro.core.onset import Margins
     from vibro.core.slide import Floats
 
     Codes = NDArray[np.int8]
@@ -62,17 +61,7 @@ class SteadyState(NamedTuple):
     coexists: Bools
 
 
-def _ratios(scene: Loads, at: Margins) -> tuple[Floats, Floats, Floats]:
-    """Throw number, 1/s_f and 1/s_b; inf where nothing rests, 0 where no load slips it back."""
-    hold = scene.static_friction * scene.normal
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        throw = scene.across / scene.normal
-        forward = np.where(hold > -scene.tangential, at.forward_load / (hold + scene.tangential), np.inf)
-        back = np.where(hold > scene.tangential, at.back_load / (hold - scene.tangential), np.inf)
-    return throw, forward, np.where(at.back_load > 0.0, back, 0.0)
-
-
-def steady_state(scene: Loads) -> SteadyState:
+def steady_state(scene: Loads, out: SteadyState) -> None:
     """Solve the steady cycle from rest of every scene.
 
     Scenes at rest cost their thresholds, scenes that slip one way a slide, others what
@@ -82,70 +71,83 @@ def steady_state(scene: Loads) -> SteadyState:
     ----------
     scene : Loads
         Groups of the scenes, 1-D, or 0-d where one value serves all.
-
-    Returns
-    -------
-    SteadyState
-        1-D arrays.
+    out : SteadyState
+        1-D arrays that are filled.
     """
     at = thresholds(scene)
-    mu_s, mu_d = scene.static_friction, scene.kinetic_friction
-    n = at.edge.size
-    status = np.where(at.edge, Status.BOUNDARY, Status.OK).astype(np.int8)
-    regime = np.full(n, Regime.NO_SLIP, np.int8)
-    # later lines overrule earlier ones
-    status[at.restless] = Status.RUNAWAY
-    status[np.broadcast_to(mu_s == 0.0, n)] = Status.INDETERMINATE
-    status[at.hops] = Status.FLIGHT_NOT_MODELLED
-    status[np.broadcast_to((mu_d > mu_s) | (scene.contrast <= 0.0), n)] = Status.INFEASIBLE
-    answered = status <= Status.BOUNDARY
-    regime[~answered] = Regime.UNDEFINED
-    regime[status == Status.FLIGHT_NOT_MODELLED] = Regime.HOPPING
-    runaway = status == Status.RUNAWAY
-    if runaway.any():
-        uphill = np.broadcast_to(scene.tangential > 0.0, n)
-        regime[runaway] = np.where(uphill[runaway], Regime.BACK_SLIP, Regime.FORWARD_SLIP)
+    hold = scene.static_friction * scene.normal
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        np.divide(scene.across, scene.normal, out=out.throw_number)
+        np.divide(at.margins.forward_load, hold + scene.tangential, out=out.forward_ratio)
+        np.divide(np.maximum(at.margins.back_load, 0.0), hold - scene.tangential, out=out.back_ratio)
+    out.status[:] = at.edge  # OK is 0, BOUNDARY is 1
+    out.regime.fill(Regime.NO_SLIP)
+    out.pattern.fill(Pattern.R)
+    out.model.fill(Model.REST)
+    for array in (out.displacement, out.peak, out.coexists):
+        array.fill(0)
 
-    throw, forward, back = (np.broadcast_to(ratio, n) for ratio in _ratios(scene, at.margins))
-    out = SteadyState(
-        regime,
-        status,
-        pattern=np.where(answered, np.int8(Pattern.R), np.int8(Pattern.NONE)),
-        model=np.where(answered, np.int8(Model.REST), np.int8(Model.NONE)),
-        displacement=np.where(answered, 0.0, np.nan),
-        peak=np.where(answered, 0.0, np.nan),
-        throw_number=throw,
-        forward_ratio=forward,
-        back_ratio=back,
-        coexists=np.zeros(n, np.bool_),
-    )
+    # mu_s = 0 is restless too
+    infeasible = (scene.kinetic_friction > scene.static_friction) | (scene.contrast <= 0.0)
+    exceptional = at.hops | at.restless | infeasible
+    cells = np.flatnonzero(exceptional)
+    if cells.size:
+        _except(out, cells, take(scene, cells), at.hops[cells])
+        at = at._replace(forward=at.forward & ~exceptional, back=at.back & ~exceptional)
     for slipping, solver in (
         (at.forward & ~at.back, partial(one_way_cycles, direction=1)),
         (at.back & ~at.forward, partial(one_way_cycles, direction=-1)),
         (at.forward & at.back, two_way_cycles),
     ):
-        cells = np.flatnonzero(answered & slipping)
+        cells = np.flatnonzero(slipping)
         if cells.size:
             _write(out, cells, solver(take(scene, cells), take(at.margins, cells)))
-    return out
+
+
+def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools) -> None:
+    """Give scenes without a steady contact cycle the status that says why."""
+    hold = scene.static_friction * scene.normal
+    lean = scene.tangential
+    infeasible = (scene.kinetic_friction > scene.static_friction) | (scene.contrast <= 0.0)
+    kinds = [infeasible, hops, hold <= 0.0]  # the rest is restless
+    status = np.select(
+        kinds, [Status.INFEASIBLE, Status.FLIGHT_NOT_MODELLED, Status.INDETERMINATE], Status.RUNAWAY
+    )
+    downhill = np.where(lean > 0.0, Regime.BACK_SLIP, Regime.FORWARD_SLIP)
+    out.status[cells] = status
+    out.regime[cells] = np.select(kinds, [Regime.UNDEFINED, Regime.HOPPING, Regime.UNDEFINED], downhill)
+    out.pattern[cells] = Pattern.NONE
+    out.model[cells] = Model.NONE
+    out.displacement[cells] = np.nan
+    out.peak[cells] = np.nan
+    # Where nothing rests, any load makes it slip.
+    out.forward_ratio[cells] = np.where(hold + lean > 0.0, out.forward_ratio[cells], np.inf)
+    slips_back = (hold - lean <= 0.0) & (scene.along > scene.static_friction * scene.across)
+    out.back_ratio[cells] = np.where(slips_back, np.inf, np.maximum(out.back_ratio[cells], 0.0))
 
 
 def _write(out: SteadyState, cells: NDArray[np.intp], cycles: Cycles) -> None:
     """Put the solved cells where they belong, with the status that each has earned."""
+    status = cycles.edge.view(np.int8) | out.status[cells]  # OK is 0, BOUNDARY is 1
+    pattern, regime = cycles.pattern, _REGIME_OF_PATTERN[cycles.pattern]
     endless = np.isnan(cycles.displacement)
-    edge = cycles.edge | (out.status[cells] == Status.BOUNDARY)
-    status = np.where(edge, np.int8(Status.BOUNDARY), np.int8(Status.OK))
-    status[endless] = Status.RUNAWAY
-    status[~cycles.settled] = Status.UNRESOLVED
-    pattern = cycles.pattern
-    out.regime[cells] = _REGIME_OF_PATTERN[pattern]
-    out.status[cells] = status
-    unanswered = status > Status.BOUNDARY
-    pattern[unanswered] = Pattern.NONE
-    cycles.displacement[unanswered] = np.nan
-    cycles.peak[unanswered] = np.nan
-    out.pattern[cells] = pattern
-    out.model[cells] = _MODEL_OF_PATTERN[pattern]
-    out.displacement[cells] = cycles.displacement
-    out.peak[cells] = cycles.peak
-    out.coexists[cells] = cycles.coexists
+    if endless.any() or not cycles.settled.all():
+        status[endless] = Status.RUNAWAY
+        status[~cycles.settled] = Status.UNRESOLVED
+        unanswered = status > Status.BOUNDARY
+        pattern[unanswered] = Pattern.NONE
+        cycles.displacement[unanswered] = np.nan
+        cycles.peak[unanswered] = np.nan
+    put(
+        (out.status, out.regime, out.pattern, out.model, out.displacement, out.peak, out.coexists),
+        cells,
+        (
+            status,
+            regime,
+            pattern,
+            _MODEL_OF_PATTERN[pattern],
+            cycles.displacement,
+            cycles.peak,
+            cycles.coexists,
+        ),
+    )
