@@ -1,0 +1,183 @@
+"""How fast is the steady solve? Beside a root finder, an event loop and the machine's floor, in one run.
+
+Usage: python benchmarks/kernel.py [--scenes 1000000] [--linearity 10000000]
+
+All inputs are random: drive angle 2-45 deg, mu_s 0.1-1, mu_d/mu_s 0.4-1, G log-uniform from 0.1 to 6 or to
+hopping if that comes first. Times are the best of several repeats; ratios are of the same run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import time
+from collections.abc import Callable
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+from scipy.optimize import elementwise
+
+import vibro
+from vibro.accuracy.events import simulate_by_events
+from vibro.accuracy.motion import motions
+
+G0 = 9.81  # [m/s^2]
+BLOCK = 16_384  # [scenes] so that the temporaries of the plain formulas stay in cache too
+
+
+def random_fields(n: int, seed: int = 1) -> dict[str, np.ndarray]:
+    """Contact scenes of every pattern, as fields of ``vibro.Scene``."""
+    rng = np.random.default_rng(seed)
+    alpha = np.radians(rng.uniform(2.0, 45.0, n))
+    mu_s = rng.uniform(0.1, 1.0, n)
+    highest = np.minimum(6.0, (1.0 - 1e-9) / np.sin(alpha))
+    load = 0.1 * (highest / 0.1) ** rng.uniform(0.0, 1.0, n)
+    frequency = rng.uniform(5.0, 60.0, n)
+    return {
+        "amplitude": load * G0 / (2.0 * np.pi * frequency) ** 2,
+        "frequency": frequency,
+        "drive_angle": alpha,
+        "static_friction": mu_s,
+        "kinetic_friction": mu_s * rng.uniform(0.4, 1.0, n),
+    }
+
+
+def best_time(run: Callable[[], Any], repeats: int) -> float:
+    """Shortest time of a call [s]."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def solve_time(fields: dict[str, np.ndarray], threads: int, repeats: int) -> float:
+    """Time of building a scene and solving it [s]."""
+    with patch("os.cpu_count", return_value=threads):
+        return best_time(lambda: vibro.solve(vibro.Scene(**fields)), repeats)
+
+
+def forward_slides(fields: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Start p0 and resistance k of the forward slides of the scenes that slip, by the textbook formulas."""
+    along, across = np.cos(fields["drive_angle"]), np.sin(fields["drive_angle"])
+    mu_s, mu_d = fields["static_friction"], fields["kinetic_friction"]
+    load = fields["amplitude"] * (2.0 * np.pi * fields["frequency"]) ** 2 / G0
+    s = mu_s / (load * (along + mu_s * across))
+    slips = s < 1.0
+    return np.arcsin(s[slips]), (mu_d / (load * (along + mu_d * across)))[slips]
+
+
+def find_root_time(p0: np.ndarray, k: np.ndarray, repeats: int) -> float:
+    """Time of the slides' ends (E1) by SciPy's root finder, bracketed by peak speed and x = pi - p0."""
+
+    def equation(x: np.ndarray, p0: np.ndarray, k: np.ndarray) -> np.ndarray:
+        return np.sin(p0 + x) * np.sin(x) - k * x
+
+    def run() -> None:
+        for i in range(0, p0.size, BLOCK):
+            part = slice(i, i + BLOCK)
+            bracket = (0.5 * (np.pi - np.arcsin(k[part]) - p0[part]), np.pi - p0[part])
+            elementwise.find_root(equation, bracket, args=(p0[part], k[part]))
+
+    return best_time(run, repeats)
+
+
+def plain_functions_time(p0: np.ndarray, repeats: int) -> float:
+    """Time of one sin, one cos and one asin of each value, in cache-sized blocks [s]."""
+
+    def run() -> None:
+        for i in range(0, p0.size, BLOCK):
+            sine = np.sin(p0[i : i + BLOCK])
+            np.cos(p0[i : i + BLOCK])
+            np.arcsin(sine)
+
+    return best_time(run, repeats)
+
+
+def copy_time(fields: dict[str, np.ndarray], repeats: int) -> float:
+    """Time of copying the inputs in and the outputs of a ``SteadyCycle`` out, nothing else [s]."""
+    n = fields["amplitude"].size
+    numbers, codes = np.zeros(n), np.zeros(n, np.int8)
+
+    def run() -> None:
+        for field in fields.values():
+            field.copy()
+        for _ in range(6):
+            numbers.copy()
+        for _ in range(5):
+            codes.copy()
+
+    return best_time(run, repeats)
+
+
+def event_loop_time(fields: dict[str, np.ndarray], n: int) -> float:
+    """Time of ``n`` scenes by ``solve_ivp`` with events (DOP853, rtol 1e-9) [s]."""
+    scene = vibro.Scene(**{name: field[:n] for name, field in fields.items()})
+    return best_time(lambda: [simulate_by_events(m, "DOP853", 1e-9) for m in motions(scene)], 1)
+
+
+def single_scene_time() -> float:
+    """Time of one scene through the public names [s]."""
+    scene = {
+        "amplitude": 1e-3,
+        "frequency": 15.0,
+        "drive_angle": math.radians(20.0),
+        "static_friction": 0.74,
+        "kinetic_friction": 0.57,
+    }
+    return best_time(lambda: vibro.solve(vibro.Scene(**scene)), 300)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--scenes", type=int, default=1_000_000, help="scenes of the main table")
+    parser.add_argument(
+        "--linearity", type=int, default=10_000_000, help="scenes of the last line of the second"
+    )
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--event-scenes", type=int, default=100)
+    arguments = parser.parse_args()
+
+    n, repeats = arguments.scenes, arguments.repeats
+    cores = os.cpu_count() or 1
+    fields = random_fields(n)
+    cycle = vibro.solve(vibro.Scene(**fields))
+    patterns, counts = np.unique(cycle.pattern, return_counts=True)
+    shares = ", ".join(f"{p} {c / n:.1%}" for p, c in zip(patterns, counts, strict=True))
+    print(f"{n} contact scenes: {shares}\n")
+
+    p0, k = forward_slides(fields)
+    few = min(arguments.event_scenes, n)
+    one = solve_time(fields, 1, repeats)
+    rows = [("vibro.solve, 1 thread", n, one)]
+    if cores > 1:
+        rows.append((f"vibro.solve, {cores} threads", n, solve_time(fields, cores, repeats)))
+    rows += [
+        ("find_root on (E1) alone, 1 thread, of scenes that slip forward", p0.size, find_root_time(p0, k, 2)),
+        ("solve_ivp with events, DOP853, rtol 1e-9", few, event_loop_time(fields, few)),
+        ("sin + cos + asin of one value, 1 thread", p0.size, plain_functions_time(p0, repeats)),
+        ("copying inputs in and outputs out, 1 thread", n, copy_time(fields, repeats)),
+    ]
+    print(f"{'':64} {'scenes':>9} {'ns a scene':>12} {'ratio':>10}")
+    for name, number, seconds in rows:
+        ns = 1e9 * seconds / number
+        print(f"{name:64} {number:9} {ns:12.1f} {ns / (1e9 * one / n):10.3g}")
+
+    print(f"\n{'scenes':>9} {'ns, 1 thread':>14} {f'ns, {cores} threads':>14}")
+    size = 10_000
+    while size <= arguments.linearity:
+        many = random_fields(size)
+        few_repeats = max(2, min(50, 10_000_000 // size // 2))
+        single, all_cores = (1e9 * solve_time(many, t, few_repeats) / size for t in (1, cores))
+        print(f"{size:9} {single:14.1f} {all_cores:14.1f}")
+        size *= 10
+    print(f"\none scene through vibro.solve: {1e6 * single_scene_time():.0f} us")
+
+
+if __name__ == "__main__":
+    main()

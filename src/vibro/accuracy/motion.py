@@ -1,0 +1,76 @@
+"""Equations of motion as a simulation starts from, and what a simulation finds.
+
+Independent of ``vibro.core`` on purpose: what is compared must not share its formulas. Lengths in A,
+speeds in A w, loads in m A w^2, phases p = w t in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from vibro.scene import Scene
+
+__all__ = ["Found", "Motion", "motions"]
+
+
+class Motion(NamedTuple):
+    """A body on a trough; numbers for one scene, or arrays for many.
+
+    Attributes
+    ----------
+    along, across : float or array
+        Amplitudes of the inertial load along the trough and off it: cos(alpha), sin(alpha).
+    normal, tangential : float or array
+        Weight on the trough and down it: g cos(beta) / (A w^2), g sin(beta) / (A w^2).
+    static_friction, kinetic_friction : float or array
+        mu_s and mu_d.
+    """
+
+    along: Any
+    across: Any
+    normal: Any
+    tangential: Any
+    static_friction: Any
+    kinetic_friction: Any
+
+    def onsets(self) -> tuple[float | None, float | None]:
+        """Phases in [0, 2 pi) at which one scene at rest starts forward and back; None if it never does."""
+        mu_s = self.static_friction
+        phases: list[float | None] = []
+        for sign, zero in ((1.0, 0.0), (-1.0, math.pi)):
+            load = self.along + sign * mu_s * self.across
+            threshold = mu_s * self.normal + sign * self.tangential
+            starts = 0.0 <= threshold < load
+            phases.append(zero + math.asin(threshold / load) if starts else None)
+        return phases[0], phases[1]
+
+
+class Found(NamedTuple):
+    """What a method says about one scene.
+
+    Attributes
+    ----------
+    displacement : float
+        Displacement per drive cycle [A]; NaN if the method gave up.
+    slides : str
+        Directions of sliding in the steady cycle: any of F and B, empty at rest.
+    """
+
+    displacement: float
+    slides: str
+
+
+def motions(scene: Scene) -> Iterator[Motion]:
+    """Form the equations of motion of scenes one by one, in the order of their cells."""
+    for a, f, alpha, mu_s, mu_d, beta, g, _ in np.broadcast(*scene.arrays()):
+        w = 2.0 * math.pi * f
+        weight = g / (a * w * w)
+        yield Motion(
+            math.cos(alpha), math.sin(alpha), weight * math.cos(beta), weight * math.sin(beta), mu_s, mu_d
+        )
