@@ -74,6 +74,8 @@ def steady_state(scene: Loads, out: SteadyState) -> None:
     out : SteadyState
         1-D arrays that are filled.
     """
+    # so that every threshold is 1-D
+    scene = scene._replace(normal=np.broadcast_to(scene.normal, out.status.shape))
     at = thresholds(scene)
     hold = scene.static_friction * scene.normal
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
