@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Model, Pattern, Regime, Status
-from vibro.core.cycle import one_way_cycles, two_way_cycles
+from vibro.core.cycle import one_way_cycles, slides_forward_only, two_way_cycles
 from vibro.core.groups import put, take
-from vibro.core.onset import thresholds
+from vibro.core.onset import Thresholds, thresholds
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,7 +61,7 @@ class SteadyState(NamedTuple):
     coexists: Bools
 
 
-def steady_state(scene: Loads, out: SteadyState) -> None:
+def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False) -> None:
     """Solve the steady cycle from rest of every scene.
 
     Scenes at rest cost their thresholds, scenes that slip one way a slide, others what
@@ -73,6 +73,8 @@ def steady_state(scene: Loads, out: SteadyState) -> None:
         Groups of the scenes, 1-D, or 0-d where one value serves all.
     out : SteadyState
         1-D arrays that are filled.
+    classes_alone : bool
+        Whether to find the regimes only: slipping cells then have neither pattern nor numbers.
     """
     # so that every threshold is 1-D
     scene = scene._replace(normal=np.broadcast_to(scene.normal, out.status.shape))
@@ -96,6 +98,8 @@ def steady_state(scene: Loads, out: SteadyState) -> None:
     if cells.size:
         _except(out, cells, take(scene, cells), at.hops[cells])
         at = at._replace(forward=at.forward & ~exceptional, back=at.back & ~exceptional)
+    if classes_alone:
+        at = _classify(out, scene, at)
     for slipping, solver in (
         (at.forward & ~at.back, partial(one_way_cycles, direction=1)),
         (at.back & ~at.forward, partial(one_way_cycles, direction=-1)),
@@ -104,6 +108,30 @@ def steady_state(scene: Loads, out: SteadyState) -> None:
         cells = np.flatnonzero(slipping)
         if cells.size:
             _write(out, cells, solver(take(scene, cells), take(at.margins, cells)))
+
+
+def _classify(out: SteadyState, scene: Loads, at: Thresholds) -> Thresholds:
+    """Find the regimes of slipping cells without solving a slide; return the cells that need one.
+
+    A cell that slips both ways slips back in its steady cycle unless its forward slide outlasts the back
+    window. Only where the trough is steeper than the angle of kinetic friction may a slide never end.
+    """
+    steep = np.abs(scene.tangential) >= scene.kinetic_friction * scene.normal
+    one_way = (at.forward & ~at.back & ~steep, at.back & ~at.forward & ~steep)
+    for slipping, regime in zip(one_way, (Regime.FORWARD_SLIP, Regime.BACK_SLIP), strict=True):
+        out.regime[slipping] = regime
+    both = at.forward & at.back & ~steep
+    cells = np.flatnonzero(both)
+    if cells.size:
+        lasts, edge = slides_forward_only(take(scene, cells), take(at.margins, cells))
+        out.regime[cells] = np.where(lasts, np.int8(Regime.FORWARD_SLIP), np.int8(Regime.BACK_SLIP))
+        out.status[cells] |= edge.view(np.int8)
+    slipping = one_way[0] | one_way[1] | both
+    for codes in (out.pattern, out.model):
+        codes[slipping] = 0
+    for numbers in (out.displacement, out.peak):
+        numbers[slipping] = np.nan
+    return at._replace(forward=at.forward & steep, back=at.back & steep)
 
 
 def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools) -> None:
@@ -126,6 +154,8 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
     out.forward_ratio[cells] = np.where(hold + lean > 0.0, out.forward_ratio[cells], np.inf)
     slips_back = (hold - lean <= 0.0) & (scene.along > scene.static_friction * scene.across)
     out.back_ratio[cells] = np.where(slips_back, np.inf, np.maximum(out.back_ratio[cells], 0.0))
+    for ratio in (out.throw_number, out.forward_ratio, out.back_ratio):
+        ratio[cells[infeasible]] = np.nan
 
 
 def _write(out: SteadyState, cells: NDArray[np.intp], cycles: Cycles) -> None:
