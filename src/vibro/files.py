@@ -112,7 +112,7 @@ def read_scene_file(path: Path) -> SceneFile:
                     problems += [f"{path}: [{name}] {problem}" for problem in exc.problems]
                     hints += [exc.hint] if exc.hint else []
     if problems:
-        raise InputError(*problems, hint="; ".join(dict.fromkeys(hints)))
+        raise InputError(*problems, hint="\n".join(dict.fromkeys(hints)))
     return SceneFile(path.stem, tables["scene"], tables["map"])
 
 

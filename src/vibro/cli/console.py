@@ -20,11 +20,11 @@ def tolerate_any_encoding() -> None:
 
 
 def print_error(problems: Sequence[str], hint: str = "") -> None:
-    """Print what is wrong, a line each, and how to put it right."""
+    """Print what is wrong and how to put it right, a line each."""
     for problem in problems:
         print(f"error: {problem}", file=sys.stderr)
-    if hint:
-        print(f"hint: {hint}", file=sys.stderr)
+    for line in hint.splitlines():
+        print(f"hint: {line}", file=sys.stderr)
 
 
 class Console:

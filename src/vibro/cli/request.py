@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final
@@ -14,7 +15,7 @@ from vibro.scene import STANDARD_GRAVITY, Scene
 from vibro.units import QUANTITIES, SWEPT, to_si
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from vibro.cli.options import Options
 
@@ -42,6 +43,7 @@ _HARMLESS: Final = {
 }
 
 Specs = dict[str, AxisSpec]
+_Ways = Mapping[str, tuple[str, str]]
 
 
 @dataclass(frozen=True)
@@ -79,18 +81,22 @@ class _Problems:
     def __init__(self) -> None:
         self.slots: set[str] = set()
         self._texts: list[tuple[str, str]] = []
-        self._hints: list[str] = []
+        self._hints: list[tuple[str, str]] = []
 
     def add(self, slot: str, text: str, hint: str = "") -> None:
         self.slots.add(slot)
         self._texts.append((slot, text))
-        self._hints += [hint] if hint and hint not in self._hints else []
+        self._hints += [(slot, hint)] if hint else []
 
     def settle(self) -> None:
-        if self._texts:
-            order = [*QUANTITIES, ""]
-            texts = sorted(self._texts, key=lambda problem: order.index(problem[0]))
-            raise InputError(*(text for _, text in texts), hint="; ".join(self._hints))
+        if not self._texts:
+            return
+        order = [*QUANTITIES, ""]
+        texts = [text for _, text in sorted(self._texts, key=lambda problem: order.index(problem[0]))]
+        hints = [hint for _, hint in self._hints]
+        if len(texts) > 1:
+            hints = [f"{QUANTITIES[slot].label}: {hint}" if slot else hint for slot, hint in self._hints]
+        raise InputError(*texts, hint="\n".join(hints))
 
 
 def gather(
@@ -151,11 +157,13 @@ def gather(
         _check_varies(slot, spec, argv[0], takes_axes, problems)
         _check_range(slot, spec, problems)
     _check_combinations(merged, problems)
-    required = _REQUIRED | (_LENGTH if needs_length else {})
-    _check_missing({s: how for s, how in required.items() if s not in merged}, argv, problems)
+    if ranges and not problems.slots and not any(spec.varies for spec in merged.values()):
+        problems.add("", "nothing varies", "give an axis, for example -A 0.1:3:200")
+    required = {
+        s: how for s, how in (_REQUIRED | (_LENGTH if needs_length else {})).items() if s not in ranges
+    }
+    _check_missing({s: how for s, how in required.items() if s not in merged}, required, argv, problems)
     problems.settle()
-    if takes_axes and ranges and not any(spec.varies for spec in merged.values()):
-        raise InputError("nothing varies", hint="give an axis, for example -A 0.1:3:200")
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
     order = [name for name in (*SWEPT, "gravity", "restitution", "trough_length") if name in named]
@@ -257,13 +265,12 @@ def _check_combinations(specs: Specs, problems: _Problems) -> None:
             problems.add("drive_angle", f"{text}: must be less than 90 deg together with {other}")
 
 
-def _check_missing(missing: Mapping[str, tuple[str, str]], argv: Sequence[str], problems: _Problems) -> None:
+def _check_missing(missing: _Ways, required: _Ways, argv: Sequence[str], problems: _Problems) -> None:
     missing = {slot: how for slot, how in missing.items() if slot not in problems.slots}
     if not missing:
         return
     names = ", ".join(f"{QUANTITIES[slot].label} ({option})" for slot, (option, _) in missing.items())
     # What was typed makes an example that runs only if nothing is wrong with it.
-    start = shlex.join(argv) if not problems.slots else argv[0]
-    wanted = missing if not problems.slots else _REQUIRED | missing
-    example = " ".join(["vibro", start, *(example for _, example in wanted.values())])
+    typed, wanted = (argv[:1], required) if problems.slots else (argv, missing)
+    example = " ".join(["vibro", shlex.join(typed), *(example for _, example in wanted.values())])
     problems.add("", f"missing: {names}", f"for example: {example}")

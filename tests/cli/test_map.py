@@ -1,0 +1,297 @@
+"""``vibro map``: axes, defaults, files, pictures and their options."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+
+import pytest
+from commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
+
+from vibro.tables import COLUMNS
+
+SCENE = """
+[scene]
+amplitude_mm = 1
+frequency_hz = 15
+drive_angle_deg = 20
+static_friction = 0.74
+kinetic_friction = 0.57
+"""
+
+
+def names() -> list[str]:
+    return sorted(path.name for path in Path().rglob("*") if path.is_file())
+
+
+def test_a_map_writes_its_table_pictures_and_sidecar(run: Run) -> None:
+    result = run(
+        "map", "-A", "0.5:2:4", "-f", "10:30:5", *NUT_ANGLE_AND_FRICTION, "-L", "600", "-o", "out/nut"
+    )
+    assert result.exit_code == 0
+    assert result.stdout == ""
+    assert names() == ["nut-regime.png", "nut-speed.png", "nut-traverse.png", "nut.csv", "nut.json"]
+    assert result.stderr.splitlines()[:2] == [
+        "amplitude: 4 values, 0.5 ... 2 mm, step 0.5",
+        "frequency: 5 values, 10 ... 30 Hz, step 5",
+    ]
+    rows = rows_of(Path("out/nut.csv").read_text(encoding="utf-8"))
+    assert list(rows[0]) == [column.name for column in COLUMNS]
+    assert [(row["amplitude_mm"], row["frequency_hz"]) for row in rows] == list(
+        itertools.product(["0.5", "1", "1.5", "2"], ["10", "15", "20", "25", "30"])
+    )
+
+
+def test_the_sidecar_says_how_to_run_it_again(run: Run) -> None:
+    args = ("map", "-A", "0.5,1.1", "-f", "10:30:5", *NUT_ANGLE_AND_FRICTION, "-L", "600", "-o", "nut")
+    assert run(*args).exit_code == 0
+    content = json.loads(Path("nut.json").read_text(encoding="utf-8"))
+    assert content["version"]
+    assert content["argv"] == ["vibro", *args]
+    assert content["scene"] == {
+        "drive_angle_deg": 20,
+        "static_friction": 0.74,
+        "kinetic_friction": 0.57,
+        "trough_angle_deg": 0,
+        "gravity_m_s2": 9.81,
+        "restitution": 0,
+        "trough_length_mm": 600,
+    }
+    assert content["axes"]["amplitude_mm"] == {
+        "count": 2, "first": 0.5, "last": 1.1, "spacing": "list", "values": [0.5, 1.1],
+    }  # fmt: skip
+    assert content["axes"]["frequency_hz"] == {"count": 5, "first": 10, "last": 30, "spacing": "linear"}
+    assert content["cells"] == 10
+    rows = rows_of(Path("nut.csv").read_text(encoding="utf-8"))
+    for key in ("status", "regime"):
+        for label, number in content[key].items():
+            assert sum(row[key] == label for row in rows) == number
+    assert content["columns"]["mean_velocity_mm_s"] == "mm/s"
+    assert content["files"] == [
+        "nut.csv", "nut-regime.png", "nut-speed.png", "nut-traverse.png", "nut.json",
+    ]  # fmt: skip
+
+
+def test_pictures_carry_the_sidecar(run: Run) -> None:
+    from PIL import Image
+
+    assert run("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION, "-o", "nut").exit_code == 0
+    content = json.loads(Path("nut.json").read_text(encoding="utf-8"))
+    with Image.open("nut-speed.png") as picture:
+        assert json.loads(picture.info["Description"]) == content
+
+
+def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
+    result = run("map", "-A", "0.5:2:3", "-f", "15", *NUT_ANGLE_AND_FRICTION, "-o", "nut", "--json")
+    assert json.loads(result.stdout) == json.loads(Path("nut.json").read_text(encoding="utf-8"))
+
+
+def test_one_axis_makes_one_picture(run: Run) -> None:
+    assert run("map", *NUT[2:], "-A", "0.5:2:5", "-o", "nut").exit_code == 0
+    assert names() == ["nut-speed.png", "nut.csv", "nut.json"]
+
+
+@pytest.mark.parametrize(
+    ("axes", "counts"),
+    [
+        (("-A", "0.5:1"), [200]),
+        (("-A", "0.5:1", "--mu-s", "0.6:0.9"), [100, 100]),
+        (("-A", "0.5:1", "-f", "5:9", "--mu-s", "0.6:0.9"), [20, 20, 20]),
+        (("-A", "0.5:1:3", "-f", "5:9", "-a", "10,20"), [3, 20, 2]),
+    ],
+)
+def test_open_counts_depend_on_the_number_of_axes(run: Run, axes: tuple[str, ...], counts: list[int]) -> None:
+    result = run("map", *NUT, *axes, "-o", "-")
+    assert result.exit_code == 0
+    echoed = [
+        int(line.split(": ")[1].split()[0]) for line in result.stderr.splitlines() if " values, " in line
+    ]
+    assert echoed == counts
+
+
+def test_amplitude_and_frequency_are_swept_without_being_asked(run: Run) -> None:
+    result = run("map", *NUT_ANGLE_AND_FRICTION, "-o", "-")
+    assert result.exit_code == 0
+    assert "amplitude: 100 values, 0.1 ... 3 mm" in result.stderr
+    assert "frequency: 100 values, 5 ... 60 Hz" in result.stderr
+
+
+def test_a_scene_without_axes_is_mapped_about_its_point(run: Run) -> None:
+    Path("nut.toml").write_text(SCENE, encoding="utf-8")
+    result = run("map", "nut.toml", "-A", "0.9:1.1:2", "-o", "-")
+    assert {row["frequency_hz"] for row in rows_of(result.stdout)} == {"15"}
+    result = run("map", "nut.toml", "-A", "1", "-o", "-")
+    assert "frequency: 200 values, 5 ... 60 Hz" in result.stderr
+    result = run("map", "nut.toml", "-o", "-")
+    assert "amplitude: 100 values, 0.1 ... 3 mm" in result.stderr
+
+
+def test_friction_and_angle_are_never_invented(run: Run) -> None:
+    result = run("map")
+    assert result.exit_code == 2
+    error, hint = result.stderr.splitlines()
+    assert error == (
+        "error: missing: drive angle (-a), static friction (--mu-s), kinetic friction (--mu-d or --mu-ratio)"
+    )
+    assert run(*hint.removeprefix("hint: for example: vibro ").split(), "-o", "-").exit_code == 0
+
+
+def test_nothing_that_varies_is_an_error(run: Run) -> None:
+    result = run("map", *NUT)
+    assert result.exit_code == 2
+    assert result.stderr == "error: nothing varies\nhint: give an axis, for example -A 0.1:3:200\n"
+
+
+def test_infeasible_combinations_are_rows_without_numbers(run: Run) -> None:
+    result = run("map", *NUT[:6], "--mu-s", "0.2:1:5", "--mu-d", "0.2:1:5", "-o", "-")
+    assert result.exit_code == 0
+    assert "10 of 25 cells: infeasible (the combination cannot be" in result.stderr
+    given = {"amplitude_mm", "frequency_hz", "drive_angle_deg", "static_friction", "kinetic_friction"}
+    for row in rows_of(result.stdout):
+        infeasible = float(row["kinetic_friction"]) > float(row["static_friction"])
+        assert (row["status"] == "infeasible") == infeasible
+        if infeasible:
+            empty = set(row) - given - {"trough_angle_deg", "status"}
+            assert {row[name] for name in empty} == {""}
+
+
+def test_angles_that_cannot_be_are_infeasible_too(run: Run) -> None:
+    result = run("map", *NUT, "-a", "10,60", "--trough-angle", "0,40", "-o", "-")
+    assert result.exit_code == 2  # 0,40 is a decimal comma
+    result = run("map", *NUT, "-a", "10,60", "--trough-angle", "0.0,40", "-o", "-")
+    assert [row["status"] == "infeasible" for row in rows_of(result.stdout)] == [False, False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("args", "problem"),
+    [
+        (
+            ("--mu-s", "0.2:0.4", "--mu-d", "0.5:0.9"),
+            "kinetic friction = 0.5: must be at most static friction = 0.4",
+        ),
+        (
+            ("-a", "50:60", "--trough-angle", "40:50"),
+            "drive angle = 50 deg: must be less than 90 deg together with trough angle = 40 deg",
+        ),
+        (("--mu-ratio", "1.1:1.5"), "friction ratio = 1.1: must be in [0, 1]"),
+        (("-a", "80:95"), "drive angle = 95 deg: must be in [0, 90) deg"),
+        (("-A", "-1:1"), "amplitude = -1 mm: must be finite and > 0 mm"),
+        (("--gravity", "1.62,9.81"), "gravity = 1.62 m/s^2...9.81 m/s^2: it cannot be an axis"),
+    ],
+)
+def test_only_infeasible_combinations_are_an_error(run: Run, args: tuple[str, ...], problem: str) -> None:
+    base = dict(zip(NUT[::2], NUT[1::2], strict=True)) | {"-A": "0.5:1"}
+    if "--mu-ratio" in args:
+        del base["--mu-d"]
+    base |= dict(zip(args[::2], args[1::2], strict=True))
+    result = run("map", *itertools.chain(*base.items()), "-o", "-")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.splitlines()[0] == f"error: {problem}"
+
+
+def test_a_ratio_is_an_axis_and_a_stroke_is_its_amplitude(run: Run) -> None:
+    ratio = run(
+        "map",
+        "--stroke",
+        "1:2:3",
+        "-f",
+        "15",
+        "-a",
+        "20",
+        "--mu-s",
+        "0.4,0.8",
+        "--mu-ratio",
+        "0.5,1",
+        "-o",
+        "-",
+    )
+    rows = rows_of(ratio.stdout)
+    assert [row["amplitude_mm"] for row in rows[::4]] == ["0.5", "0.75", "1"]
+    pairs = [(row["static_friction"], row["kinetic_friction"]) for row in rows[:4]]
+    assert pairs == [("0.4", "0.2"), ("0.4", "0.4"), ("0.8", "0.4"), ("0.8", "0.8")]
+
+
+def test_numbers_are_written_back_as_given(run: Run) -> None:
+    result = run(
+        "map", "-A", "3.97,4.01", "-f", "14.9", "-a", "20.1", "--mu-s", "0.7400", "--mu-d", "0.57", "-o", "-"
+    )
+    rows = [list(row.values())[:6] for row in rows_of(result.stdout)]
+    assert rows == [
+        ["3.97", "14.9", "20.1", "0.74", "0.57", "0"],
+        ["4.01", "14.9", "20.1", "0.74", "0.57", "0"],
+    ]
+
+
+def test_scene_file_and_options_merge_by_name(run: Run) -> None:
+    Path("nut.toml").write_text(
+        SCENE + '\n[map]\namplitude_mm = "0.5:1.5:3"\nstatic_friction = [0.7, 0.8]\n', encoding="utf-8"
+    )
+    result = run("map", "nut.toml", "--mu-s", "0.75", "-a", "25", "-o", "-")
+    rows = rows_of(result.stdout)
+    assert [row["amplitude_mm"] for row in rows] == ["0.5", "1", "1.5"]
+    assert {(row["static_friction"], row["drive_angle_deg"]) for row in rows} == {("0.75", "25")}
+    # A stroke is the same quantity as an amplitude, a ratio the same as kinetic friction.
+    result = run("map", "nut.toml", "--stroke", "2", "--mu-ratio", "0.5", "-o", "-")
+    assert {row["amplitude_mm"] for row in rows_of(result.stdout)} == {"1"}
+    assert {row["kinetic_friction"] for row in rows_of(result.stdout)} == {"0.35", "0.4"}
+
+
+def test_four_axes_draw_a_slice_and_the_table_holds_all(run: Run) -> None:
+    args = ("-A", "0.5:2:3", "-f", "10:30:3", "-a", "10,20", "--mu-s", "0.6,0.7", "--mu-d", "0.5")
+    result = run("map", *args, "-o", "nut", "--at", "mu_s=0.7", "--x", "amplitude", "--y", "drive-angle")
+    assert result.exit_code == 0
+    assert len(rows_of(Path("nut.csv").read_text(encoding="utf-8"))) == 36
+    assert names() == ["nut-regime.png", "nut-speed.png", "nut.csv", "nut.json"]
+
+
+@pytest.mark.parametrize(
+    ("args", "problem"),
+    [
+        (("--x", "mu_s"), "static_friction does not vary in this sweep"),
+        (("--x", "f", "--y", "f"), "frequency is asked for twice"),
+        (("--at", "A=9"), "amplitude = 9 lies outside of the sweep"),
+        (("--at", "A"), "--at A: not of the form AXIS=VALUE"),
+        (("--at", "colour=1"), "--at colour=1: 'colour' is no axis"),
+        (("--at", "A=1,f=12"), "every axis of the sweep is held: nothing is left to draw"),
+        (("--format", "bmp"), "--format bmp: 'bmp' is not a format of pictures"),
+    ],
+)
+def test_a_wrong_choice_of_picture_is_refused_beforehand(
+    run: Run, args: tuple[str, ...], problem: str
+) -> None:
+    result = run("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION, "-o", "nut", *args)
+    assert result.exit_code == 2
+    assert f"error: {problem}" in result.stderr
+    assert names() == []
+
+
+def test_formats(run: Run) -> None:
+    result = run(
+        "map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION, "-o", "nut", "--format", "svg,pdf"
+    )
+    assert result.exit_code == 0
+    assert names() == [
+        "nut-regime.pdf", "nut-regime.svg", "nut-speed.pdf", "nut-speed.svg", "nut.csv", "nut.json",
+    ]  # fmt: skip
+    assert Path("nut-speed.pdf").read_bytes().startswith(b"%PDF")
+    assert "<svg" in Path("nut-speed.svg").read_text(encoding="utf-8")
+
+
+def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    import vibro.sweep
+    from vibro.core.codes import Status
+    from vibro.scene import Scene
+    from vibro.steady import SteadyCycle, solve
+
+    def doubtful(scene: Scene) -> SteadyCycle:
+        cycle = solve(scene)
+        cycle.status.flat[0] = Status.UNRESOLVED
+        return cycle
+
+    monkeypatch.setattr(vibro.sweep, "solve", doubtful)
+    result = run("map", "-A", "0.5:2:3", "-f", "15", *NUT_ANGLE_AND_FRICTION, "-o", "nut")
+    assert result.exit_code == 3
+    assert "1 of 3 cells: unresolved" in result.stderr
+    assert "nut.csv" in names()

@@ -1,0 +1,185 @@
+"""``vibro solve``: the report, its JSON, and every way in which a scene can be wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from commands import NUT, Run, rows_of
+
+from vibro.tables import COLUMNS
+
+
+def test_json_has_the_keys_of_a_table(run: Run) -> None:
+    result = run("solve", *NUT, "--json")
+    assert result.exit_code == 0
+    assert result.stderr == ""
+    answer = json.loads(result.stdout)
+    assert list(answer) == [column.name for column in COLUMNS]
+    assert answer["mean_velocity_mm_s"] == pytest.approx(16.263456166287, rel=1e-13)
+    assert answer["regime"] == "forward-slip"
+    assert answer["pattern"] == "F_"
+    assert answer["status"] == "ok"
+    assert answer["traverse_time_s"] is None
+    assert answer["amplitude_mm"] == 1
+
+
+def test_the_length_gives_a_traverse_time(run: Run) -> None:
+    answer = json.loads(run("solve", *NUT, "-L", "600", "--json").stdout)
+    assert answer["traverse_time_s"] == pytest.approx(600 / answer["mean_velocity_mm_s"], rel=1e-15)
+
+
+def test_the_report_says_what_a_practitioner_dials(run: Run) -> None:
+    result = run("solve", *NUT)
+    assert result.exit_code == 0
+    lines = {line.split("  ")[0]: " ".join(line.split()) for line in result.stdout.splitlines()}
+    assert lines["regime"] == "regime forward-slip, pattern F_"
+    assert lines["mean speed"] == "mean speed 16.2635 mm/s"
+    assert lines["peak speed"] == "peak speed 60.1496 mm/s"
+    assert lines["per cycle"] == "per cycle 1.08423 mm"
+    assert lines["acceleration"] == "acceleration 0.905468 g along the drive"
+    # Published: physics of the nut's scene, amplitudes at which the classes begin.
+    assert lines["forward slip"].split()[2:4] == ["1.4595", "0.685165"]
+    assert lines["back slip"].split()[3] == "1.1903"
+    assert lines["hopping"].split()[2] == "3.22905"
+    assert lines["forward slide"] == "forward slide 8.00900 38.68329 1.08423"
+    assert lines["rest"] == "rest 38.68329 74.67567 0.00000"
+
+
+def test_each_beginning_is_where_the_regime_changes(run: Run) -> None:
+    lines = run("solve", *NUT).stdout.splitlines()
+    begins = {line[:14].strip(): line.split()[-2:] for line in lines}
+    for name, below, above in (
+        ("forward slip", "no-slip", "forward-slip"),
+        ("back slip", "forward-slip", "back-slip"),
+        ("hopping", "back-slip", "hopping"),
+    ):
+        amplitude, frequency = map(float, begins[name])
+        for option, limit in (("-A", amplitude), ("-f", frequency)):
+            for factor, regime in ((1 - 1e-5, below), (1 + 1e-5, above)):
+                answer = json.loads(run("solve", *NUT, option, repr(limit * factor), "--json").stdout)
+                assert answer["regime"] == regime
+
+
+def test_all_that_is_wrong_is_named_in_the_users_units(run: Run) -> None:
+    result = run("solve", "-A", "-1", "-f", "nan", "-a", "95", "--mu-s", ".5", "--mu-d", ".6")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.splitlines() == [
+        "error: amplitude = -1 mm: must be finite and > 0 mm",
+        "error: frequency = nan: must be a finite number",
+        "error: drive angle = 95 deg: must be in [0, 90) deg",
+        "error: kinetic friction = 0.6: must be at most static friction = 0.5",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("args", "problem"),
+    [
+        (("-A", "0"), "amplitude = 0 mm: must be finite and > 0 mm"),
+        (("-A", "inf"), "amplitude = inf: must be a finite number"),
+        (("--stroke", "-2"), "stroke = -2 mm: must be finite and > 0 mm"),
+        (("-f", "0"), "frequency = 0 Hz: must be finite and > 0 Hz"),
+        (("-a", "-1"), "drive angle = -1 deg: must be in [0, 90) deg"),
+        (("-a", "90"), "drive angle = 90 deg: must be in [0, 90) deg"),
+        (("--mu-s", "-0.1"), "static friction = -0.1: must be finite and >= 0"),
+        (("--mu-d", "-0.1"), "kinetic friction = -0.1: must be finite and >= 0"),
+        (("--mu-ratio", "1.1"), "friction ratio = 1.1: must be in [0, 1]"),
+        (("--mu-ratio", "-0.1"), "friction ratio = -0.1: must be in [0, 1]"),
+        (("--trough-angle", "90"), "trough angle = 90 deg: must be in (-90, 90) deg"),
+        (
+            ("--trough-angle", "70"),
+            "drive angle = 20 deg: must be less than 90 deg together with trough angle = 70 deg",
+        ),
+        (("--gravity", "0"), "gravity = 0 m/s^2: must be finite and > 0 m/s^2"),
+        (("--restitution", "1"), "restitution = 1: must be in [0, 1)"),
+        (("-L", "0"), "trough length = 0 mm: must be finite and > 0 mm"),
+        (("-f", "15mm"), "frequency = '15mm': 'mm' is no unit of frequency"),
+        (("--mu-s", "0,74"), "static friction = '0,74': a decimal comma"),
+        (("-A", "1:2"), "amplitude = 1 mm...2 mm: vibro solve takes one value"),
+        (("-L", "1,2"), "trough length = 1 mm...2 mm: it cannot be an axis"),
+    ],
+)
+def test_a_value_out_of_range_is_named(run: Run, args: tuple[str, str], problem: str) -> None:
+    base = dict(zip(NUT[::2], NUT[1::2], strict=True))
+    replaced = {"--stroke": "-A", "--mu-ratio": "--mu-d"}.get(args[0], args[0])
+    base.pop(replaced, None)
+    result = run("solve", *(part for pair in base.items() for part in pair), *args)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.splitlines()[0] == f"error: {problem}"
+
+
+@pytest.mark.parametrize(
+    ("args", "problem"),
+    [
+        (("--stroke", "2"), "the command line gives both amplitude and stroke"),
+        (("--mu-ratio", "0.8"), "the command line gives both kinetic friction and friction ratio"),
+    ],
+)
+def test_two_ways_of_the_same_exclude_each_other(run: Run, args: tuple[str, str], problem: str) -> None:
+    result = run("solve", *NUT, *args)
+    assert result.exit_code == 2
+    assert result.stderr == f"error: {problem}\nhint: give one of them\n"
+
+
+def test_what_is_missing_is_named_at_once_with_an_example_that_runs(run: Run) -> None:
+    result = run("solve", "-A", "2", "--mu-s", "0.3")
+    assert result.exit_code == 2
+    error, hint = result.stderr.splitlines()
+    assert error == (
+        "error: missing: frequency (-f), drive angle (-a), kinetic friction (--mu-d or --mu-ratio)"
+    )
+    example = hint.removeprefix("hint: for example: vibro ")
+    assert example.startswith("solve -A 2 --mu-s 0.3 ")
+    assert run(*example.split()).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (("--stroke", "2"), ("-A", "1")),
+        (("--stroke", "2mm"), ("-A", "1000um")),
+        (("-A", "0.05in"), ("-A", "1.27")),
+        (("-f", "900rpm"), ("-f", "15")),
+        (("-a", "20\u00b0"), ("--alpha", "20")),
+        (("--mu-ratio", "0.5"), ("--mu-d", "0.37")),
+    ],
+)
+def test_the_same_scene_in_other_words(run: Run, one: tuple[str, str], other: tuple[str, str]) -> None:
+    base = dict(zip(NUT[::2], NUT[1::2], strict=True))
+    for option in (one[0], other[0]):
+        base.pop({"--stroke": "-A", "--mu-ratio": "--mu-d", "--alpha": "-a"}.get(option, option), None)
+    common = [part for pair in base.items() for part in pair]
+    first, second = (run("solve", *common, *given, "--json") for given in (one, other))
+    assert first.exit_code == 0
+    assert first.stdout == second.stdout
+
+
+def test_a_scene_that_hops_says_what_is_unknown(run: Run) -> None:
+    result = run("solve", *NUT, "-A", "4")
+    assert result.exit_code == 0
+    assert "regime        hopping" in result.stdout
+
+
+def test_minus_o_writes_the_row_beside_the_report(run: Run) -> None:
+    result = run("solve", *NUT, "-o", "out/nut", "--json")
+    assert result.exit_code == 0
+    (row,) = rows_of(Path("out/nut.csv").read_text(encoding="utf-8"))
+    answer = json.loads(result.stdout)
+    assert float(row["mean_velocity_mm_s"]) == answer["mean_velocity_mm_s"]
+    assert json.loads(Path("out/nut.json").read_text(encoding="utf-8"))["cells"] == 1
+    assert run("solve", *NUT, "-o", "out/nut").exit_code == 1
+    assert run("solve", *NUT, "-o", "out/nut", "--force").exit_code == 0
+
+
+def test_minus_o_minus_puts_the_row_on_stdout(run: Run) -> None:
+    result = run("solve", *NUT, "-o", "-")
+    assert result.exit_code == 0
+    header, row = result.stdout.splitlines()
+    assert header == ",".join(column.name for column in COLUMNS)
+    assert row.startswith("1,15,20,0.74,0.57,0,forward-slip,F_,16.263456166287")
+    clash = run("solve", *NUT, "-o", "-", "--json")
+    assert clash.exit_code == 2
+    assert clash.stderr.startswith("error: --json and -o - both want stdout\n")

@@ -1,0 +1,135 @@
+"""``vibro traverse-time``: one scene, sweeps, and bodies that never arrive."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from commands import NUT, Run, rows_of
+
+SCENE = """
+[scene]
+amplitude_mm = 1
+frequency_hz = 15
+drive_angle_deg = 20
+static_friction = 0.74
+kinetic_friction = 0.57
+trough_length_mm = 600
+
+[map]
+amplitude_mm = [0.5, 1, 1.5]
+"""
+
+
+def test_one_scene(run: Run) -> None:
+    result = run("traverse-time", *NUT, "-L", "600")
+    assert result.exit_code == 0
+    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
+    assert lines[0] == "traverse time 36.8925 s over 600 mm"
+    assert "mean speed 16.2635 mm/s" in lines
+    assert "regime forward-slip, pattern F_" in lines
+    assert "strokes 553.388" in lines
+
+
+def test_json_has_the_strokes_before_the_model(run: Run) -> None:
+    answer = json.loads(run("traverse-time", *NUT, "-L", "600", "--json").stdout)
+    keys = list(answer)
+    assert keys[keys.index("model") - 1] == "strokes"
+    assert answer["strokes"] == pytest.approx(15 * answer["traverse_time_s"], rel=1e-15)
+
+
+def test_a_body_at_rest_says_by_how_much_amplitude_or_frequency_must_grow(run: Run) -> None:
+    result = run("traverse-time", *NUT, "-A", "0.5", "-L", "600")
+    assert result.exit_code == 0
+    advice = result.stdout.splitlines()[0]
+    found = re.search(
+        r"the amplitude above ([\d.]+) mm \((.*) x\) or with the frequency above ([\d.]+) Hz", advice
+    )
+    assert found is not None
+    amplitude, factor, frequency = map(float, found.groups())
+    assert factor == pytest.approx(amplitude / 0.5, rel=1e-3)
+    for option, limit, other in (("-A", amplitude, ()), ("-f", frequency, ("-A", "0.5"))):
+        for nearby, rests in ((limit * (1 - 1e-5), True), (limit * (1 + 1e-5), False)):
+            text = run("traverse-time", *NUT, *other, option, repr(nearby), "-L", "600").stdout
+            assert ("the body rests" in text) == rests
+
+
+def test_a_body_that_hops_before_it_slips_is_told_so(run: Run) -> None:
+    args = ("-A", "0.5", "-f", "15", "-a", "80", "--mu-s", "0.9", "--mu-d", "0.9", "-L", "600")
+    advice = run("traverse-time", *args).stdout.splitlines()[0]
+    assert re.search(r"never: the body rests; (forward slip|hopping) begins with the amplitude above", advice)
+
+
+def test_a_body_that_is_conveyed_backwards_is_told_so(run: Run) -> None:
+    args = ("-A", "0.9", "-f", "15", "-a", "20", "--mu-s", "0.3", "--mu-d", "0.29", "--trough-angle", "15")
+    result = run("traverse-time", *args, "-L", "600")
+    assert result.exit_code == 0
+    first = result.stdout.splitlines()[0]
+    assert re.search(r"never: the body is conveyed backwards at [\d.]+ mm/s", first)
+    answer = json.loads(run("traverse-time", *args, "-L", "600", "--json").stdout)
+    assert answer["mean_velocity_mm_s"] < 0
+    assert answer["traverse_time_s"] is None
+    assert answer["strokes"] is None
+
+
+def test_a_body_that_slides_to_and_fro_is_told_so(run: Run) -> None:
+    args = ("-A", "1", "-f", "15", "-a", "0", "--mu-s", "0.2", "--mu-d", "0.2", "-L", "600")
+    assert "never: the body slides to and fro" in run("traverse-time", *args).stdout
+
+
+def test_a_runaway_says_why_its_time_is_unknown(run: Run) -> None:
+    args = (
+        "-A",
+        "0.1",
+        "-f",
+        "15",
+        "-a",
+        "0",
+        "--mu-s",
+        "0.2",
+        "--mu-d",
+        "0.2",
+        "--trough-angle",
+        "-60",
+        "-L",
+        "1",
+    )
+    assert "unknown: the body never comes to rest and gains speed" in run("traverse-time", *args).stdout
+
+
+def test_the_length_is_needed(run: Run) -> None:
+    result = run("traverse-time", *NUT)
+    assert result.exit_code == 2
+    error, hint = result.stderr.splitlines()
+    assert error == "error: missing: trough length (-L)"
+    assert run(*hint.removeprefix("hint: for example: vibro ").split()).exit_code == 0
+
+
+def test_the_scene_files_axes_count_only_with_sweep(run: Run) -> None:
+    Path("nut.toml").write_text(SCENE, encoding="utf-8")
+    single = run("traverse-time", "nut.toml")
+    assert single.stdout.startswith("traverse time  36.8925 s")
+    swept = run("traverse-time", "nut.toml", "--sweep")
+    assert swept.exit_code == 0
+    assert swept.stdout == ""
+    assert "amplitude: 3 values, 0.5, 1, 1.5 mm" in swept.stderr
+    rows = rows_of(Path("nut-traverse-time.csv").read_text(encoding="utf-8"))
+    assert [row["amplitude_mm"] for row in rows] == ["0.5", "1", "1.5"]
+    assert [bool(row["traverse_time_s"]) for row in rows] == [False, True, True]
+    assert float(rows[1]["strokes"]) == pytest.approx(553.388, abs=1e-3)
+    assert sorted(path.name for path in Path().iterdir()) == [
+        "nut-traverse-time.csv", "nut-traverse-time.json", "nut.toml",
+    ]  # fmt: skip
+
+
+def test_an_axis_among_the_options_sweeps(run: Run) -> None:
+    result = run("traverse-time", *NUT, "-A", "0.5:2:4", "-L", "600", "-o", "-")
+    assert result.exit_code == 0
+    assert [row["regime"] for row in rows_of(result.stdout)] == [
+        "no-slip",
+        "forward-slip",
+        "back-slip",
+        "back-slip",
+    ]
