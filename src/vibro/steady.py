@@ -7,14 +7,14 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from vibro.core.codes import MODELS, PATTERNS
 from vibro.core.groups import Loads, loads
 from vibro.core.solver import SteadyState, steady_state
-from vibro.errors import Problem, SceneError
+from vibro.errors import Problem, SceneError, VibroError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Codes = NDArray[np.int8]
 
-__all__ = ["SteadyCycle", "grid_blocks", "solve"]
+__all__ = ["Accuracy", "SteadyCycle", "grid_blocks", "solve"]
+
+Accuracy = Literal["exact", "regimes"]
 
 _PATTERN_TEXTS = np.array(PATTERNS)
 _MODEL_TEXTS = np.array(MODELS)
@@ -107,13 +109,16 @@ class SteadyCycle:
             return np.where(np.isnan(self.mean_velocity), np.nan, length / velocity)[()]
 
 
-def solve(scene: Scene) -> SteadyCycle:
+def solve(scene: Scene, *, accuracy: Accuracy = "exact") -> SteadyCycle:
     """Steady cycle that a body at rest settles into, for every scene.
 
     Parameters
     ----------
     scene : Scene
         Operating points of any shape.
+    accuracy : {"exact", "regimes"}, optional
+        With "regimes" only the classes, ratios and statuses are found: a slipping cell has neither
+        pattern nor model, and NaN for its displacement and speeds.
 
     Returns
     -------
@@ -134,12 +139,14 @@ def solve(scene: Scene) -> SteadyCycle:
     >>> print(f"{cycle.mean_velocity:.9f} m/s, {cycle.pattern}")
     0.016263456 m/s, F_
     """
+    if accuracy not in get_args(Accuracy):
+        raise VibroError(f"accuracy = {accuracy!r}: must be one of {', '.join(get_args(Accuracy))}")
     grid = scene.shape or (1,)
     arrays = [a.reshape((1,) * (len(grid) - a.ndim) + a.shape) for a in scene.arrays()]
     out = _empty(grid)
 
     def run(block: tuple[slice, ...]) -> None:
-        _solve_block(out, block, [a[_within(block, a.shape)] for a in arrays])
+        _solve_block(out, block, [a[_within(block, a.shape)] for a in arrays], accuracy == "regimes")
 
     blocks = list(grid_blocks(grid, _BLOCK))
     if len(blocks) > 1:
@@ -203,7 +210,9 @@ def _within(block: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ..
     return tuple(slice(None) if n == 1 else part for part, n in zip(block, shape, strict=True))
 
 
-def _solve_block(out: SteadyCycle, block: tuple[slice, ...], arrays: list[Floats]) -> None:
+def _solve_block(
+    out: SteadyCycle, block: tuple[slice, ...], arrays: list[Floats], classes_alone: bool
+) -> None:
     """Solve one block in place and scale it to SI."""
     part = {f.name: getattr(out, f.name)[block] for f in fields(SteadyCycle)}
     shape = part["status"].shape
@@ -220,11 +229,12 @@ def _solve_block(out: SteadyCycle, block: tuple[slice, ...], arrays: list[Floats
         back_ratio=flat["back_ratio"],
         coexists=flat["coexists"],
     )
-    steady_state(Loads(*(_flat(a, shape) for a in loads(*arrays[:7]))), state)
+    steady_state(Loads(*(_flat(a, shape) for a in loads(*arrays[:7]))), state, classes_alone=classes_alone)
     amplitude, frequency = arrays[0], arrays[1]
-    part["displacement_per_cycle"] *= amplitude
-    np.multiply(part["displacement_per_cycle"], frequency, out=part["mean_velocity"])
-    part["peak_velocity"] *= 2.0 * np.pi * frequency * amplitude
+    with np.errstate(over="ignore"):  # inf where the result is beyond the range of doubles
+        part["displacement_per_cycle"] *= amplitude
+        np.multiply(part["displacement_per_cycle"], frequency, out=part["mean_velocity"])
+        part["peak_velocity"] *= 2.0 * np.pi * frequency * amplitude
 
 
 def _flat(field: Floats, shape: tuple[int, ...]) -> Floats:

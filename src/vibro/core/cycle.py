@@ -28,6 +28,7 @@ __all__ = [
     "never_at_rest",
     "one_way_cycles",
     "resting_start",
+    "slides_forward_only",
     "speed_at_closing",
     "speed_at_opening",
     "two_way_cycles",
@@ -117,6 +118,13 @@ def speed_at_closing(start: Onset, other: Onset) -> Floats:
 
 def _moving(speed: Floats, start: Onset, other: Onset) -> _Verdict:
     return _verdict(speed, start.sin + other.sin + np.abs(start.k))
+
+
+def slides_forward_only(scene: Loads, at: Margins) -> tuple[Bools, Bools]:
+    """Whether the forward slide of a scene that slips both ways outlasts the back window, and if barely."""
+    forward, back = (resting_start(scene, at, direction).onset for direction in (1, -1))
+    outlasts = _moving(speed_at_closing(forward, back), forward, back)
+    return outlasts.positive | outlasts.edge, outlasts.edge
 
 
 class _Restless(NamedTuple):

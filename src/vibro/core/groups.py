@@ -11,9 +11,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Loads", "loads", "put", "take"]
+__all__ = ["Loads", "cosine_of_sum", "loads", "put", "take"]
 
-_MOST_GRAVITY: Final = 1e150  # [1] caps 1/G so that no product overflows; the body rests long before
+# [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
+_LEAST_GRAVITY: Final = 1e-150
+_MOST_GRAVITY: Final = 1e150
 
 
 class Loads(NamedTuple):
@@ -53,18 +55,25 @@ def loads(
 
     1/G rather than G is formed, from factors that stay finite when A, f or G are extreme.
     """
-    w = 2.0 * np.pi * frequency
-    weight = np.minimum((gravity / w) / (amplitude * w), _MOST_GRAVITY)  # 1/G
+    with np.errstate(over="ignore", divide="ignore"):
+        w = 2.0 * np.pi * frequency
+        weight = np.clip((gravity / w) / (amplitude * w), _LEAST_GRAVITY, _MOST_GRAVITY)  # 1/G
     along = np.cos(drive_angle)
     return Loads(
         along=along,
         across=np.sin(drive_angle),
         normal=weight * np.cos(trough_angle),
         tangential=weight * np.sin(trough_angle),
-        contrast=weight * (np.cos(drive_angle + trough_angle) if trough_angle.any() else along),
+        contrast=weight * (cosine_of_sum(drive_angle, trough_angle) if trough_angle.any() else along),
         static_friction=static_friction,
         kinetic_friction=kinetic_friction,
     )
+
+
+def cosine_of_sum(drive_angle: Floats, trough_angle: Floats) -> Floats:
+    """cos(alpha + beta); 0 from 90 deg on, where the double next to it still has a positive cosine."""
+    total = drive_angle + trough_angle
+    return np.where(total < 0.5 * np.pi, np.cos(total), 0.0)
 
 
 def take(group: Any, cells: NDArray[np.intp]) -> Any:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.cycle import resting_start, speed_at_closing, speed_at_opening
-from vibro.core.groups import Loads, take
+from vibro.core.groups import Loads, cosine_of_sum, take
 from vibro.core.onset import thresholds
 
 if TYPE_CHECKING:
@@ -81,7 +81,9 @@ def critical_loads(
     ]
     shape = np.broadcast_shapes(*(a.shape for a in fields))
     alpha, mu_s, mu_d, beta = (np.broadcast_to(a, shape).reshape(-1) for a in fields)
-    unit = Loads(np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta), np.cos(alpha + beta), mu_s, mu_d)
+    unit = Loads(
+        np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta), cosine_of_sum(alpha, beta), mu_s, mu_d
+    )
     feasible = (mu_d <= mu_s) & (mu_s > 0.0) & (unit.contrast > 0.0)
     out = CriticalLoads(*(np.full(alpha.size, np.nan) for _ in CriticalLoads._fields))
     cells = np.flatnonzero(feasible)
