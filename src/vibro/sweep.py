@@ -27,8 +27,8 @@ __all__ = ["Block", "Grid", "SweepResult", "sweep_blocks", "sweep_picture"]
 # noticed at once.
 _BLOCK: Final = 131_072
 
-# [values of an axis] More than a picture of one, two or three axes has room for; tables always have them all.
-_DRAWN: Final = {1: 4000, 2: 600, 3: 200}
+# [values of an axis] What a picture of one, two or three axes resolves, whatever the table's axes hold.
+_RESOLVED: Final = {1: 4001, 2: 361, 3: 161}
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,14 +166,15 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
 def sweep_picture(
     grid: Grid, drawn: Mapping[str, tuple[int, ...]], operating_point: Mapping[str, float] | None, title: str
 ) -> SweepResult:
-    """Solve the part of a grid that pictures show.
+    """Solve what pictures show of a grid, with a resolution of their own.
 
     Parameters
     ----------
     grid : Grid
         The whole grid.
     drawn : mapping of str to tuple of int
-        Indices to keep of an axis, by name; a single one holds the axis at that value.
+        Indices to keep of an axis, by name; a single one holds the axis at that value. Every other axis is
+        resolved evenly between its ends.
     operating_point : mapping of str to float, or None
         The scene's own values.
     title : str
@@ -182,18 +183,17 @@ def sweep_picture(
     Returns
     -------
     SweepResult
-        Of at most three axes, with no more values than a picture has room for.
+        Of at most three axes.
     """
-    kept = {
-        name: axis.values[list(drawn[name])] if name in drawn else axis.values
-        for name, axis in grid.axes.items()
-    }
-    fixed = {**grid.fixed, **{name: float(values[0]) for name, values in kept.items() if len(values) == 1}}
-    varying = {name: values for name, values in kept.items() if len(values) > 1}
-    room = _DRAWN[len(varying)]
+    held = {name: indices[0] for name, indices in drawn.items() if len(indices) == 1}
+    fixed = {**grid.fixed, **{name: float(grid.axes[name].values[i]) for name, i in held.items()}}
+    varying = [axis for name, axis in grid.axes.items() if name not in held]
+    count = _RESOLVED[len(varying)]
     axes = {
-        name: replace(grid.axes[name], values=values[:: -(-len(values) // room)])
-        for name, values in varying.items()
+        axis.name: replace(axis, values=axis.values[list(drawn[axis.name])])
+        if axis.name in drawn
+        else _resolved(axis, count)
+        for axis in varying
     }
     part = Grid(axes, fixed, grid.length)
     values = part.values((slice(None),) * len(axes))
@@ -201,6 +201,14 @@ def sweep_picture(
     if operating_point is not None and grid.axes.keys() <= operating_point.keys():
         point = {name: operating_point[name] for name in grid.axes}
     return SweepResult(axes, fixed, solve(_scene(values)), _limits(values), grid.length, point, title)
+
+
+def _resolved(axis: Axis, count: int) -> Axis:
+    """Spread values evenly between the ends of an axis."""
+    ends = float(axis.values[0]), float(axis.values[-1])
+    if axis.spacing == "log":
+        return Axis(axis.name, np.geomspace(*ends, count), "log")
+    return Axis(axis.name, np.linspace(*ends, count), "linear")
 
 
 def _scene(values: Mapping[str, Floats]) -> Scene:
