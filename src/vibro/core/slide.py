@@ -37,7 +37,8 @@ _R: Final = (
 # Start of the refinement, Eq. (13): coefficients of rho theta^2, theta^2, rho and 1, with rho = c / theta.
 _START: Final = (-0.07074, 0.001219, 0.11467, -0.314847)
 
-_TINY: Final = 1e-300
+# [rad] Rounding of p0 = pi/2 - c, which may even turn its sign; added where k -> 0 and p0 -> 0 divide 0 by 0.
+_PHASE_NOISE: Final = 1e-15
 _BISECTIONS: Final = 55  # from an interval below pi down to an ulp
 
 # A second step above this fraction of x would leave more than rounding errors behind.
@@ -100,8 +101,7 @@ def _start(onset: Onset, theta: Floats) -> Floats:
     c, k = onset.c, onset.k
     p0 = 0.5 * np.pi - c
     resistance = 2.0 * k
-    # _TINY: k = 0 from p0 = 0 is 0 / 0 otherwise
-    corner = resistance / (p0 + np.sqrt(p0 * p0 + resistance * (np.pi + 2.0 * c)) + _TINY)
+    corner = resistance / (p0 + np.sqrt(p0 * p0 + resistance * (np.pi + 2.0 * c)) + _PHASE_NOISE)
     rho = c / theta
     bend = (_START[0] * rho + _START[1]) * (theta * theta) + (_START[2] * rho + _START[3])
     return (theta + c) * (1.0 - corner - k * bend)
