@@ -1,0 +1,195 @@
+"""Scenes: every field's range, what the error says, and that a scene never changes."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vibro import Scene, SceneError, Status, VibroError, solve
+
+VALID: dict[str, Any] = {
+    "amplitude": 1e-3,
+    "frequency": 15.0,
+    "drive_angle": math.radians(20.0),
+    "static_friction": 0.74,
+    "kinetic_friction": 0.57,
+    "trough_angle": 0.0,
+    "gravity": 9.81,
+    "restitution": 0.0,
+}
+
+
+def _error(**values: Any) -> SceneError:
+    with pytest.raises(SceneError) as caught:
+        Scene(**(VALID | values))
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "shown", "allowed"),
+    [
+        ("amplitude", 0.0, "0 m", "finite and > 0 m"),
+        ("amplitude", -1e-3, "-0.001 m", "finite and > 0 m"),
+        ("frequency", 0.0, "0 Hz", "finite and > 0 Hz"),
+        ("frequency", -15.0, "-15 Hz", "finite and > 0 Hz"),
+        ("drive_angle", -1e-9, "-1e-09 rad", "in [0, 90) deg"),
+        ("drive_angle", math.pi / 2, "(90 deg)", "in [0, 90) deg"),
+        ("drive_angle", 20.0, "(1145.92 deg)", "in [0, 90) deg"),
+        ("static_friction", -0.1, "-0.1", "finite and >= 0"),
+        ("kinetic_friction", -0.1, "-0.1", "finite and >= 0"),
+        ("kinetic_friction", 0.75, "0.75", "<= static_friction = 0.74"),
+        ("trough_angle", math.pi / 2, "(90 deg)", "in (-90, 90) deg"),
+        ("trough_angle", -math.pi / 2, "(-90 deg)", "in (-90, 90) deg"),
+        ("gravity", 0.0, "0 m/s^2", "finite and > 0 m/s^2"),
+        ("gravity", -9.81, "-9.81 m/s^2", "finite and > 0 m/s^2"),
+        ("restitution", 1.0, "1", "in [0, 1)"),
+        ("restitution", -0.1, "-0.1", "in [0, 1)"),
+    ],
+)
+def test_a_value_out_of_range_is_named_with_what_is_allowed(
+    field: str, value: float, shown: str, allowed: str
+) -> None:
+    error = _error(**{field: value})
+    problem = error.problems[0]
+    assert problem.field == field
+    assert shown in problem.value
+    assert problem.allowed == allowed
+    assert str(problem) in str(error)
+
+
+@pytest.mark.parametrize("field", VALID)
+@pytest.mark.parametrize(
+    ("value", "shown"), [(math.nan, "nan"), (None, "nan"), (math.inf, "inf"), (-math.inf, "-inf")]
+)
+def test_a_value_that_is_not_finite_is_refused(field: str, value: float | None, shown: str) -> None:
+    problems = _error(**{field: value}).problems
+    assert problems[0].field == field
+    assert shown in problems[0].value
+
+
+@pytest.mark.parametrize("field", VALID)
+@pytest.mark.parametrize("value", ["wide", "1 mm", [1.0, [2.0]], object(), 1j])
+def test_a_value_that_is_no_number_is_refused(field: str, value: Any) -> None:
+    (problem,) = _error(**{field: value}).problems
+    assert problem.field == field
+    assert problem.allowed == "a number or an array of numbers"
+
+
+def test_one_bad_value_in_an_array_is_found_and_shown() -> None:
+    (problem,) = _error(frequency=[[10.0, 20.0], [-3.0, 40.0]]).problems
+    assert (problem.field, problem.value) == ("frequency", "-3 Hz")
+
+
+def test_drive_and_trough_together_stay_below_the_vertical() -> None:
+    (problem,) = _error(drive_angle=math.radians(60.0), trough_angle=math.radians(30.5)).problems
+    assert problem.field == "drive_angle"
+    assert "(60 deg)" in problem.value
+    assert "less than 90 deg together with trough_angle" in problem.allowed
+    assert "(30.5 deg)" in problem.allowed
+
+
+def test_drive_and_trough_of_exactly_90_deg_are_refused_everywhere_alike() -> None:
+    values = VALID | {"drive_angle": np.radians(80.0), "trough_angle": np.radians(10.0)}
+    with pytest.raises(SceneError, match="less than 90 deg together"):
+        Scene(**values)
+    assert solve(Scene.allowing_infeasible(**values)).status == Status.INFEASIBLE
+
+
+def test_the_ends_of_the_ranges_that_are_allowed() -> None:
+    below = math.nextafter(math.pi / 2, 0.0)
+    Scene(**(VALID | {"drive_angle": 0.0, "kinetic_friction": 0.74}))
+    Scene(**(VALID | {"drive_angle": below, "trough_angle": -1e-3}))
+    Scene(**(VALID | {"trough_angle": -below}))
+    Scene(**(VALID | {"static_friction": 0.0, "kinetic_friction": 0.0}))
+    Scene(**(VALID | {"restitution": math.nextafter(1.0, 0.0)}))
+
+
+def test_shapes_that_do_not_broadcast_are_shown() -> None:
+    (problem,) = _error(amplitude=[1e-3, 2e-3], frequency=[10.0, 20.0, 30.0]).problems
+    assert problem.field == "shapes"
+    assert "amplitude (2,)" in problem.value
+    assert "frequency (3,)" in problem.value
+    assert "broadcast" in problem.allowed
+
+
+def test_all_problems_are_reported_at_once_in_the_order_of_the_fields() -> None:
+    error = _error(
+        amplitude=-1.0, frequency=math.nan, static_friction=0.3, kinetic_friction=0.4, restitution=2.0
+    )
+    assert [p.field for p in error.problems] == ["amplitude", "frequency", "restitution", "kinetic_friction"]
+    assert str(error) == "; ".join(str(p) for p in error.problems)
+    wrong_types = _error(amplitude="a", gravity=1j).problems
+    assert [p.field for p in wrong_types] == ["amplitude", "gravity"]
+
+
+def test_the_error_is_of_the_package_and_a_value_error() -> None:
+    error = _error(amplitude=0.0)
+    assert isinstance(error, VibroError)
+    assert isinstance(error, ValueError)
+
+
+def test_the_error_survives_pickling() -> None:
+    error = _error(amplitude=0.0, gravity=-1.0)
+    copy = pickle.loads(pickle.dumps(error))
+    assert type(copy) is SceneError
+    assert copy.problems == error.problems
+    assert str(copy) == str(error)
+
+
+def test_a_scene_is_frozen() -> None:
+    scene = Scene(**VALID)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        scene.amplitude = np.array(2e-3)  # type: ignore[misc]
+    with pytest.raises(ValueError, match="read-only"):
+        scene.amplitude[...] = 2e-3
+
+
+def test_a_scene_keeps_its_values_when_the_caller_s_array_changes() -> None:
+    mine = np.array([1e-3, 2e-3])
+    scene = Scene(**(VALID | {"amplitude": mine}))
+    mine[0] = 5.0
+    assert scene.amplitude.tolist() == [1e-3, 2e-3]
+    assert mine.flags.writeable
+
+
+def test_a_scene_s_fields_are_doubles_and_its_shape_is_their_common_one() -> None:
+    scene = Scene(**(VALID | {"amplitude": [[1], [2]], "frequency": np.array([15, 20, 25], np.float32)}))
+    assert scene.shape == (2, 3)
+    assert {x.dtype for x in scene.arrays()} == {np.dtype(np.float64)}
+    assert Scene(**VALID).shape == ()
+
+
+def test_a_scene_survives_pickling() -> None:
+    scene = Scene(**(VALID | {"amplitude": [1e-3, 2e-3]}))
+    copy = pickle.loads(pickle.dumps(scene))
+    for mine, theirs in zip(scene.arrays(), copy.arrays(), strict=True):
+        assert np.array_equal(mine, theirs)
+    assert np.array_equal(solve(copy).mean_velocity, solve(scene).mean_velocity)
+
+
+def test_a_sweep_may_hold_combinations_that_cannot_be() -> None:
+    values = VALID | {
+        "static_friction": [0.5, 0.7, 0.7],
+        "kinetic_friction": 0.6,
+        "drive_angle": np.radians([20.0, 20.0, 80.0]),
+        "trough_angle": np.radians(10.0),
+    }
+    with pytest.raises(SceneError):
+        Scene(**values)
+    status = solve(Scene.allowing_infeasible(**values)).status
+    assert [Status(s) for s in status] == [Status.INFEASIBLE, Status.OK, Status.INFEASIBLE]
+
+
+def test_a_sweep_checks_each_field_alone_and_fills_in_the_defaults() -> None:
+    required = {k: v for k, v in VALID.items() if k not in ("trough_angle", "gravity", "restitution")}
+    scene = Scene.allowing_infeasible(**required)
+    assert [float(x) for x in (scene.trough_angle, scene.gravity, scene.restitution)] == [0.0, 9.81, 0.0]
+    with pytest.raises(SceneError, match="amplitude = -1 m: must be finite and > 0 m"):
+        Scene.allowing_infeasible(**(required | {"amplitude": -1.0}))
+    with pytest.raises(SceneError, match="shapes"):
+        Scene.allowing_infeasible(**(required | {"amplitude": [1, 2], "frequency": [1, 2, 3]}))
