@@ -1,0 +1,101 @@
+"""Pictures of solved sweeps: matplotlib figures without a window; nothing is solved here.
+
+``map_figures`` draws; ``save`` writes a figure to a file.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vibro.plots.fields import Fields
+from vibro.plots.lines import speed_lines, traverse_line
+from vibro.plots.maps import regime_map, speed_map, traverse_map
+from vibro.plots.style import RC
+from vibro.plots.view import View, choose_view, panels
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+
+    from vibro.sweep import SweepResult
+
+__all__ = ["View", "choose_view", "map_figures", "save"]
+
+
+def map_figures(
+    result: SweepResult,
+    *,
+    x: str | None = None,
+    y: str | None = None,
+    at: Mapping[str, float] | None = None,
+) -> dict[str, Figure]:
+    """Draw a solved sweep.
+
+    Parameters
+    ----------
+    result : SweepResult
+        At least one axis varies; those drawn across and up are evenly spaced, as ``sweep_picture`` has them.
+    x, y, at : optional
+        What to draw of it, see ``choose_view``.
+
+    Returns
+    -------
+    dict of str to Figure
+        Two axes and more: ``regime``, ``speed`` and, with a length, ``traverse``. One axis: ``speed`` (with
+        the regimes as bands) and, with a length, ``traverse``.
+
+    Raises
+    ------
+    InputError
+        If what is asked for cannot be drawn.
+    """
+    import matplotlib as mpl
+
+    view = choose_view(result.axes, x, y, at)
+    parts = panels(result, view)
+    with mpl.rc_context(RC):
+        if view.y is None:
+            line = Fields(parts[0])
+            figures = {"speed": speed_lines(result, line)}
+            if result.length is not None:
+                figures["traverse"] = traverse_line(result, result.length, line)
+            return figures
+        fields = [Fields(panel) for panel in parts]
+        figures = {"regime": regime_map(result, fields), "speed": speed_map(result, fields)}
+        if result.length is not None:
+            figures["traverse"] = traverse_map(result, result.length, fields)
+        return figures
+
+
+def save(figure: Figure, path: Path, picture_format: str, metadata: Mapping[str, str]) -> None:
+    """Write a figure to a file.
+
+    Parameters
+    ----------
+    figure : Figure
+        From ``map_figures``.
+    path : Path
+        Where to; its suffix does not matter.
+    picture_format : str
+        ``png``, ``svg`` or ``pdf``.
+    metadata : mapping of str to str
+        Carried by the file: every entry of its own in PNG, and as one text where a format has fixed keys.
+        ``Title`` keeps its place in all of them.
+    """
+    import matplotlib as mpl
+
+    with mpl.rc_context(RC):
+        figure.savefig(path, format=picture_format, metadata=_metadata(picture_format, metadata))
+
+
+def _metadata(picture_format: str, metadata: Mapping[str, str]) -> dict[str, str | None]:
+    if picture_format == "png":
+        return dict(metadata)
+    text = "\n".join(f"{key}: {value}" for key, value in metadata.items() if key != "Title")
+    place = {"svg": "Description", "pdf": "Subject"}[picture_format]
+    # Without a date the same picture is the same file.
+    undated = {"svg": "Date", "pdf": "CreationDate"}[picture_format]
+    title = {"Title": metadata["Title"]} if "Title" in metadata else {}
+    return {**title, place: text, undated: None}

@@ -1,0 +1,234 @@
+"""Smooth fields on a picture's grid, and the regions and curves that they bound.
+
+A regime begins where the load G passes a critical one, so ``ln(G / G_critical)`` is a smooth function of the
+drawn quantities whose zero line is the boundary, between the grid's points too. Amplitude and frequency enter
+it through ln A + 2 ln f: contoured over their logarithms it is exact to rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.units import to_si
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.path import Path
+    from numpy.typing import NDArray
+
+    from vibro.axes import Axis
+    from vibro.plots.view import Panel
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Fields", "clip_line", "fill_unknown", "zero_lines", "zero_points", "zero_region"]
+
+_LEAST_RATIO: Final = 1e-30  # G / G_critical where no load is critical: finite, and far from 1
+
+
+@dataclass(frozen=True, eq=False)
+class Fields:
+    """The drawn fields of one panel, arrays of shape (y, x).
+
+    Attributes
+    ----------
+    panel : Panel
+        What is drawn; x and y evenly spaced on the paper.
+    """
+
+    panel: Panel
+
+    @cached_property
+    def x(self) -> Floats:
+        """Grid along x, in the user's units."""
+        return self.panel.x.values
+
+    @cached_property
+    def y(self) -> Floats:
+        """Grid along y, in the user's units; one zero without a y axis."""
+        return np.zeros(1) if self.panel.y is None else self.panel.y.values
+
+    @cached_property
+    def log_ratio(self) -> dict[str, Floats]:
+        """ln(G / G_critical) of each critical curve: positive beyond it."""
+        load = self._load
+        ratios = {}
+        for name, critical in self.panel.critical.items():
+            # An infeasible neighbour has no critical load; its region is covered up to the exact boundary.
+            filled = fill_unknown(critical, ~np.isnan(critical))
+            with np.errstate(divide="ignore"):
+                ratio = np.clip(load / filled, _LEAST_RATIO, 1.0 / _LEAST_RATIO)
+            ratios[name] = np.log(ratio)
+        return ratios
+
+    @cached_property
+    def infeasible(self) -> Floats:
+        """Positive where the combination cannot be: mu_d > mu_s, or drive + trough angle above 90 deg."""
+        friction = self._kinetic_friction - self._quantity("static_friction")
+        angles = self._quantity("drive_angle") + self._quantity("trough_angle") - 90.0
+        return np.asarray(np.maximum(friction, angles / 90.0) + self._zeros)
+
+    @cached_property
+    def rest(self) -> Floats:
+        """Positive where nothing moves."""
+        curves = ("forward_onset", "back_slip", "hop")
+        return np.asarray(-np.maximum.reduce([self.log_ratio[name] for name in curves]))
+
+    @cached_property
+    def velocity(self) -> Floats:
+        """Mean conveying speed [m/s]; that of the nearest moving cell where there is none, NaN without any.
+
+        Regions are cut out of it by their exact boundaries, up to which it must reach.
+        """
+        values = self.panel.cycle["mean_velocity"]
+        known = np.isfinite(values) & (self.panel.cycle["regime"] != Regime.NO_SLIP)
+        return fill_unknown(values, known) if known.any() else np.full(values.shape, np.nan)
+
+    @cached_property
+    def coexists(self) -> Floats:
+        """Positive where there are two steady cycles."""
+        return np.where(self.panel.cycle["coexists"], 0.5, -0.5)
+
+    @cached_property
+    def statuses(self) -> set[Status]:
+        """Statuses that occur."""
+        return {Status(int(code)) for code in np.unique(self.panel.cycle["status"])}
+
+    def unanswered(self, status: Status) -> Floats:
+        """Positive where cells have a status that brings no answer; as smooth as its cause is known."""
+        if status is Status.INFEASIBLE:
+            return self.infeasible
+        cells = self.panel.cycle["status"] == status
+        hopping = self.panel.cycle["regime"] == Regime.HOPPING
+        if status is Status.FLIGHT_NOT_MODELLED and np.array_equal(cells, hopping):
+            return self.log_ratio["hop"]
+        return np.where(cells, 0.5, -0.5)
+
+    @cached_property
+    def u(self) -> Floats:
+        """``x`` in the coordinate in which the fields are nearly linear."""
+        return _straightened(self.panel.x, self.x)
+
+    @cached_property
+    def v(self) -> Floats:
+        """``y`` in the coordinate in which the fields are nearly linear."""
+        return self.y if self.panel.y is None else _straightened(self.panel.y, self.y)
+
+    def on_paper(self, points: Floats) -> Floats:
+        """Turn points (u, v) into points (x, y) in the user's units."""
+        y = points[:, 1] if self.panel.y is None else _unstraightened(self.panel.y, points[:, 1])
+        return np.column_stack([_unstraightened(self.panel.x, points[:, 0]), y])
+
+    @property
+    def _zeros(self) -> Floats:
+        return np.zeros((len(self.y), len(self.x)))
+
+    @property
+    def _load(self) -> Floats:
+        """G = A w^2 / g."""
+        amplitude = to_si("amplitude", self._quantity("amplitude"))
+        w = 2.0 * math.pi * self._quantity("frequency")
+        return np.asarray(amplitude * w**2 / self._quantity("gravity") + self._zeros)
+
+    @property
+    def _kinetic_friction(self) -> Any:
+        panel = self.panel
+        drawn = {panel.x.name, panel.y.name if panel.y else ""}
+        if "friction_ratio" in panel.values or "friction_ratio" in drawn:
+            return self._quantity("friction_ratio") * self._quantity("static_friction")
+        return self._quantity("kinetic_friction")
+
+    def _quantity(self, name: str) -> Any:
+        """Value of a quantity on the grid, in the user's units."""
+        panel = self.panel
+        if name == panel.x.name:
+            return self.x[np.newaxis, :]
+        if panel.y is not None and name == panel.y.name:
+            return self.y[:, np.newaxis]
+        return panel.values[name]
+
+
+def _straightened(axis: Axis, values: Floats) -> Floats:
+    return np.log(values) if axis.name in ("amplitude", "frequency") else values
+
+
+def _unstraightened(axis: Axis, values: Floats) -> Floats:
+    return np.exp(values) if axis.name in ("amplitude", "frequency") else values
+
+
+def fill_unknown(values: Floats, known: NDArray[np.bool_]) -> Floats:
+    """Give unknown cells the value of the nearest known one; all zero where none is known."""
+    if known.all():
+        return values
+    if not known.any():
+        return np.zeros(values.shape)
+    from scipy.ndimage import distance_transform_edt
+
+    nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    return np.asarray(values[tuple(nearest)])
+
+
+def zero_region(fields: Fields, field: Floats) -> Path | None:
+    """Area in which a field is positive, as a path in the user's units; None if it never is."""
+    from contourpy import FillType, contour_generator
+    from matplotlib.path import Path
+
+    generator: Any = contour_generator(fields.u, fields.v, field, fill_type=FillType.OuterCode)
+    points, codes = generator.filled(0.0, np.inf)
+    if not points:
+        return None
+    return Path(fields.on_paper(np.concatenate(points)), np.concatenate(codes))
+
+
+def zero_lines(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) -> list[Floats]:
+    """Lines on which a field is zero, where the fields that hide it are not positive, in the user's units."""
+    from contourpy import LineType, contour_generator
+
+    lines: Any = contour_generator(fields.u, fields.v, field, line_type=LineType.Separate).lines(0.0)
+    for hiding in hidden_by:
+        lines = [part for line in lines for part in clip_line(line, _sample(fields, hiding, line))]
+    return [fields.on_paper(line) for line in lines]
+
+
+def zero_points(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) -> Floats:
+    """Values of x at which a field of one row is zero and no hiding field is positive, ascending."""
+    row = field[0]
+    left = np.flatnonzero((row[1:] > 0.0) != (row[:-1] > 0.0))
+    share = row[left] / (row[left] - row[left + 1])
+    u = fields.u[left] + share * (fields.u[left + 1] - fields.u[left])
+    for hiding in hidden_by:
+        u = u[np.interp(u, fields.u, hiding[0]) <= 0.0]
+    return _unstraightened(fields.panel.x, u)
+
+
+def clip_line(line: Floats, hidden: Floats) -> list[Floats]:
+    """Keep the parts of a line where a quantity given at its points is not positive, up to its zeros."""
+    inside = hidden <= 0.0
+    cuts = np.flatnonzero(inside[1:] != inside[:-1])
+    share = hidden[cuts] / (hidden[cuts] - hidden[cuts + 1])
+    ends = line[cuts] + share[:, np.newaxis] * (line[cuts + 1] - line[cuts])
+    points = np.insert(line, cuts + 1, ends, axis=0)
+    kept = np.insert(inside, cuts + 1, True)
+    runs = np.split(np.arange(len(points)), np.flatnonzero(kept[1:] != kept[:-1]) + 1)
+    return [points[run] for run in runs if kept[run[0]] and len(run) > 1]
+
+
+def _sample(fields: Fields, field: Floats, points: Floats) -> Floats:
+    """Bilinear value of a field at points (u, v)."""
+    column, s = _cell(fields.u, points[:, 0])
+    row, t = _cell(fields.v, points[:, 1])
+    below = (1 - s) * field[row, column] + s * field[row, column + 1]
+    above = (1 - s) * field[row + 1, column] + s * field[row + 1, column + 1]
+    return np.asarray((1 - t) * below + t * above)
+
+
+def _cell(grid: Floats, values: Floats) -> tuple[NDArray[np.intp], Floats]:
+    left = np.clip(np.searchsorted(grid, values) - 1, 0, len(grid) - 2)
+    return left, (values - grid[left]) / (grid[left + 1] - grid[left])

@@ -1,0 +1,176 @@
+"""The frame of a picture: figure, axes with names and units, titles, operating point, legend."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.plots.style import INK, axis_label, values_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from vibro.axes import Axis
+    from vibro.plots.view import Panel
+    from vibro.sweep import SweepResult
+
+__all__ = [
+    "make_logarithmic",
+    "map_frame",
+    "mark_operating_point",
+    "operating_points",
+    "scale_axis",
+    "set_heading",
+    "settle",
+]
+
+_SINGLE_SIZE: Final = (7.4, 5.6)  # [in]
+_FACET_SIZE: Final = (3.1, 2.7)  # [in]
+_EXTRA_SIZE: Final = (1.2, 1.3)  # [in] for colour bar, heading and legend beside the facets
+_FACET_COLUMNS: Final = {1: 1, 2: 2, 3: 3, 4: 2, 5: 3, 6: 3, 7: 4, 8: 4, 9: 3, 10: 4, 11: 4, 12: 4}
+_DECADES_FOR_TENS: Final = 3.0  # a longer logarithmic scale has ticks at powers of ten alone
+_HANDLE_WIDTH: Final = 0.65  # [in] of a legend's column, with its gap
+_LETTER_WIDTH: Final = 0.075  # [in] in a legend
+_OPERATING_POINT: Final = "operating point"
+_MARKER: Final[dict[str, Any]] = {
+    "marker": "o",
+    "markersize": 8.0,
+    "markerfacecolor": "#FFFFFF",
+    "markeredgecolor": "#000000",
+    "markeredgewidth": 2.0,
+    "linestyle": "none",
+}
+
+
+def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[Figure, list[Axes]]:
+    """Make a figure with the axes of its maps, named and scaled, nothing on them yet."""
+    from matplotlib.figure import Figure
+
+    n = len(panels)
+    columns = _FACET_COLUMNS[n]
+    rows = math.ceil(n / columns)
+    size = _SINGLE_SIZE
+    if n > 1:
+        size = (columns * _FACET_SIZE[0] + _EXTRA_SIZE[0], rows * _FACET_SIZE[1] + _EXTRA_SIZE[1])
+    figure = Figure(figsize=size)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=n > 1, sharey=n > 1)
+    axes: list[Axes] = list(grid.flat)[:n]
+    for unused in list(grid.flat)[n:]:
+        unused.remove()
+    common = dict(panels[0].values)
+    for number, (panel, a) in enumerate(zip(panels, axes, strict=True)):
+        assert panel.y is not None
+        scale_axis(a.xaxis, panel.x)
+        scale_axis(a.yaxis, panel.y)
+        if number % columns == 0:
+            a.set_ylabel(axis_label(panel.y))
+        if number + columns >= n:
+            a.set_xlabel(axis_label(panel.x))
+            a.tick_params(labelbottom=True)
+        if panel.facet is not None:
+            common.pop(panel.facet, None)
+            a.set_title(values_text({panel.facet: panel.values[panel.facet]}, all_of_them=True))
+    set_heading(figure, result, heading, common)
+    return figure, axes
+
+
+def set_heading(figure: Figure, result: SweepResult, heading: str, held: Mapping[str, float]) -> None:
+    """Write what the picture shows, of what, and at which values."""
+    lines = [f"{heading} – {result.title}" if result.title else heading, values_text(held)]
+    figure.suptitle("\n".join(line for line in lines if line), fontsize=10.5, linespacing=1.5)
+
+
+def scale_axis(axis: Any, of: Axis) -> None:
+    """Give an axis of a plot the range of an axis of the sweep, logarithmic if that is."""
+    low, high = float(of.values[0]), float(of.values[-1])
+    axis.axes.set(**{f"{axis.axis_name}lim": (low, high)})
+    if of.spacing == "log":
+        make_logarithmic(axis, low, high)
+
+
+def make_logarithmic(axis: Any, low: float, high: float) -> None:
+    """Scale an axis logarithmically, with plain numbers at as many ticks as its range needs."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+    decades = math.log10(high / low)
+    subs = (1.0,) if decades > _DECADES_FOR_TENS else (1.0, 2.0, 5.0)
+    axis.set_major_locator(LogLocator(subs=subs))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def operating_points(result: SweepResult, panel: Panel) -> NDArray[np.float64]:
+    """Return the scene's own point on a panel, as an array of shape (0 or 1, 2), in the user's units."""
+    point = result.operating_point
+    if point is None:
+        return np.empty((0, 2))
+    elsewhere = any(
+        not math.isclose(value, panel.values[name], rel_tol=1e-6, abs_tol=1e-12)
+        for name, value in point.items()
+        if name in panel.values
+    )
+    drawn = [axis for axis in (panel.x, panel.y) if axis is not None]
+    outside = any(not axis.values[0] <= point[axis.name] <= axis.values[-1] for axis in drawn)
+    if elsewhere or outside:
+        return np.empty((0, 2))
+    return np.array([[point[axis.name] for axis in drawn] + [0.0] * (2 - len(drawn))])
+
+
+def mark_operating_point(axes: Axes, points: NDArray[np.float64], legend: dict[str, dict[str, Any]]) -> None:
+    """Mark the scene's own point on top of everything."""
+    if len(points):
+        axes.plot(
+            points[:, 0],
+            points[:, 1],
+            zorder=7,
+            gid=_OPERATING_POINT,
+            label=_OPERATING_POINT,
+            clip_on=False,
+            **_MARKER,
+        )
+        legend[_OPERATING_POINT] = dict(_MARKER)
+
+
+def settle(figure: Figure, legend: Mapping[str, dict[str, Any]]) -> None:
+    """Put the legend under the axes and let the layout find its sizes, which then stay.
+
+    Parameters
+    ----------
+    figure : Figure
+        May have been settled before, with another legend.
+    legend : mapping of str to dict
+        What is not named on the axes: text, and the style of its patch or line.
+    """
+    for old in list(figure.legends):
+        old.remove()
+    if legend:
+        _add_legend(figure, legend)
+    figure.set_layout_engine("constrained", w_pad=0.08, h_pad=0.04)
+    engine = figure.get_layout_engine()
+    assert engine is not None
+    engine.execute(figure)
+    figure.set_layout_engine("none")
+
+
+def _add_legend(figure: Figure, styles: Mapping[str, dict[str, Any]]) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = []
+    for text, style in styles.items():
+        if "facecolor" in style:
+            edge = style.get("edgecolor", INK)
+            handles.append(Patch(**{**style, "edgecolor": edge, "linewidth": 0.6, "label": text}))
+        else:
+            handles.append(Line2D([], [], label=text, **style))
+    longest = max(len(text) for text in styles)
+    per_row = int(figure.get_size_inches()[0] / (_HANDLE_WIDTH + _LETTER_WIDTH * longest))
+    rows = math.ceil(len(handles) / max(1, per_row))
+    figure.legend(handles=handles, loc="outside lower center", ncols=math.ceil(len(handles) / rows))

@@ -1,0 +1,269 @@
+"""What is drawn on one map: filled regions, hatched covers, critical curves, contours, and their words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.plots.fields import zero_lines, zero_region
+from vibro.plots.labels import Labeller
+from vibro.plots.style import (
+    COEXISTS_HATCH,
+    COEXISTS_LABEL,
+    CURVES,
+    INK,
+    NO_ANSWER_FACE,
+    NO_ANSWER_HATCH,
+    NO_ANSWER_INK,
+    REGIME_COLOURS,
+    ink_on,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap, Normalize
+    from numpy.typing import NDArray
+
+    from vibro.plots.fields import Fields
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["BEGINS_AT", "MapLayers", "hiding_fields"]
+
+# Behind these curves another class rules, and a curve bounds none.
+_HIDDEN_BY: Final = {
+    "forward_onset": ("back_slip", "hop"),
+    "back_slip": ("hop",),
+    "rest_vanishes": ("hop",),
+    "hop": (),
+}
+# Later ones overrule earlier ones.
+BEGINS_AT: Final = {
+    Regime.FORWARD_SLIP: "forward_onset",
+    Regime.BACK_SLIP: "back_slip",
+    Regime.HOPPING: "hop",
+}
+_FACET_TYPE: Final = 0.8  # size of type in facets against single maps
+
+
+def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
+    """Fields that are positive where a critical curve bounds nothing: beyond others, or without an answer."""
+    statuses = [Status.INFEASIBLE, Status.INDETERMINATE]
+    if curve != "hop":
+        statuses.append(Status.RUNAWAY)
+    hiding = [fields.log_ratio[other] for other in _HIDDEN_BY[curve]]
+    return hiding + [fields.unanswered(status) for status in statuses if status in fields.statuses]
+
+
+class MapLayers:
+    """Layers of one map, each drawn when it is called for; the words come last, where room is left.
+
+    Parameters
+    ----------
+    axes : Axes
+        With their final limits.
+    fields : Fields
+        What is drawn.
+    single : bool
+        Whether the map stands alone: the legend then explains only what finds no room on it.
+    """
+
+    def __init__(self, axes: Axes, fields: Fields, single: bool) -> None:
+        self.axes = axes
+        self.fields = fields
+        self.legend: dict[str, dict[str, Any]] = {}  # text -> style of its handle
+        self._single = single
+        self._scale = 1.0 if single else _FACET_TYPE
+        self._has_numbers = False
+        self._covers: list[Floats] = []
+        self._regions: list[tuple[str, NDArray[np.bool_], dict[str, Any]]] = []
+        self._words: list[Any] = []
+        self._spines: dict[str, list[Floats]] = {}
+        self._curves: dict[str, list[Floats]] = {}
+        self._contours: list[tuple[str, list[Floats], Any]] = []
+        self._regime = fields.panel.cycle["regime"]
+
+    @property
+    def open(self) -> NDArray[np.bool_]:
+        """Grid points where no cover hides the colours."""
+        seen = np.ones((len(self.fields.y), len(self.fields.x)), np.bool_)
+        for cover in self._covers:
+            seen &= cover <= 0.0
+        return seen
+
+    def fill_regimes(self) -> None:
+        """Fill every regime with its colour, bounded by the critical curves."""
+        self.axes.set_facecolor(REGIME_COLOURS[Regime.NO_SLIP])
+        for regime, curve in BEGINS_AT.items():
+            self._fill(
+                self.fields.log_ratio[curve],
+                gid=f"regime {regime.label}",
+                facecolor=REGIME_COLOURS[regime],
+                zorder=1,
+            )
+
+    def name_regimes(self) -> None:
+        """Ask for the names of the regimes that are to be seen."""
+        for regime, colour in REGIME_COLOURS.items():
+            member = (self._regime == regime) & self.open
+            if member.any():
+                self._name_region(regime.label, member, facecolor=colour)
+                self._spines[regime.label] = self._spine(regime)
+
+    def _spine(self, regime: Regime) -> list[Floats]:
+        """Line midway between the curves where a regime begins and ends; none for the first and last."""
+        if regime not in BEGINS_AT or regime is Regime.HOPPING:
+            return []
+        ratio = self.fields.log_ratio
+        begin = ratio[BEGINS_AT[regime]]
+        end = np.maximum.reduce([ratio[name] for name in _HIDDEN_BY[BEGINS_AT[regime]]])
+        return zero_lines(self.fields, begin + end, [-begin, *self._covers])
+
+    def cover_rest(self) -> None:
+        """Cover the area where nothing moves with its regime's colour."""
+        colour = REGIME_COLOURS[Regime.NO_SLIP]
+        member = (self._regime == Regime.NO_SLIP) & self.open
+        if self._fill(self.fields.rest, gid="regime no-slip", facecolor=colour, zorder=1.8):
+            self._covers.append(self.fields.rest)
+            if member.any():
+                self._name_region(Regime.NO_SLIP.label, member, facecolor=colour)
+
+    def hatch_unanswered(self, *, regimes_show: bool) -> None:
+        """Hatch where there is no answer; a picture of regimes shows that of bodies in unmodelled flight."""
+        for status, hatch in NO_ANSWER_HATCH.items():
+            known = regimes_show and status is Status.FLIGHT_NOT_MODELLED
+            if status in self.fields.statuses and not known:
+                self.hatch(self.fields.unanswered(status), status.label.replace("-", " "), hatch)
+
+    def hatch_coexisting(self) -> None:
+        """Hatch where a disturbed body may settle into another cycle."""
+        if self.fields.panel.cycle["coexists"].any():
+            self.hatch(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH, "none")
+
+    def hatch(
+        self, field: Floats, label: str, hatch: str, face: str = NO_ANSWER_FACE, zorder: float = 2.0
+    ) -> None:
+        """Hatch the area in which a field is positive and say why; a face hides what is below."""
+        style = {"facecolor": face, "hatch": hatch, "edgecolor": NO_ANSWER_INK}
+        if not self._fill(field, gid=label, zorder=zorder, **style):
+            return
+        if face == "none":
+            self.legend[label] = style
+        else:
+            member = (field > 0.0) & self.open
+            self._covers.append(field)
+            if member.any():
+                self._name_region(label, member, **style)
+
+    def draw_curves(self) -> None:
+        """Draw the critical curves where they bound a regime, lifted off a ground of numbers."""
+        from matplotlib.patheffects import withStroke
+
+        lifted = self._has_numbers
+        for name, style in CURVES.items():
+            pieces = zero_lines(self.fields, self.fields.log_ratio[name], hiding_fields(self.fields, name))
+            if pieces:
+                width = style.width * self._scale
+                self._line(
+                    pieces,
+                    label=style.label,
+                    gid=name,
+                    color=INK,
+                    linestyle=style.dashes,
+                    linewidth=width,
+                    zorder=3,
+                    path_effects=[withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)]
+                    if lifted
+                    else None,
+                )
+                self._curves[name] = pieces
+                if not self._single:
+                    self._explain_curve(name)
+
+    def draw_numbers(self, values: Floats, norm: Normalize, colours: Colormap, levels: Floats) -> None:
+        """Draw numbers as colour under the covers, with contours to be labelled."""
+        fields = self.fields
+        self._has_numbers = True
+        self.axes.set_facecolor(NO_ANSWER_FACE)
+        self.axes.pcolormesh(
+            fields.x, fields.y, values, norm=norm, cmap=colours, shading="nearest", rasterized=True, zorder=0
+        )
+        for level in levels:
+            pieces = zero_lines(fields, np.nan_to_num(values - level), self._covers)
+            if pieces:
+                ground = colours(norm(level))
+                width = (1.3 if level == 0.0 else 0.6) * self._scale
+                self._line(
+                    pieces, color=ink_on(ground), linewidth=width, zorder=1.5, gid=f"contour {level:g}"
+                )
+                self._contours.append((f"{level:g}", pieces, ground))
+
+    def write(self, *, avoid: Floats) -> None:
+        """Write the words where they have room, in place of earlier ones; the legend has the others.
+
+        Parameters
+        ----------
+        avoid : (n, 2) float array
+            Points, in the user's units, to be kept clear.
+        """
+        for word in self._words:
+            word.remove()
+        labeller = Labeller(self.axes)
+        labeller.avoid(avoid, radius=9.0)
+        for pieces in self._curves.values():
+            for piece in pieces:
+                labeller.avoid_line(piece)
+        self._write_regions(labeller)
+        self._write_curves(labeller)
+        for text, pieces, ground in self._contours:
+            labeller.along(text, pieces, halo=ground, color=ink_on(ground), fontsize=8.0 * self._scale)
+        self._words = labeller.words
+
+    def _write_regions(self, labeller: Labeller) -> None:
+        for text, member, style in self._regions:
+            face = style["facecolor"]
+            halo = face if "hatch" in style else None
+            type_style: dict[str, Any] = {"color": ink_on(face), "fontsize": 10.0 * self._scale}
+            fits = labeller.in_region(text, member, halo=halo, **type_style)
+            fits = fits or labeller.along(text, self._spines.get(text, []), **type_style)
+            if not fits:
+                self.legend[text] = style
+
+    def _write_curves(self, labeller: Labeller) -> None:
+        if not self._has_numbers:
+            # Where regimes are filled, words in ink are read on all of them but the darkest.
+            rows, columns = np.nonzero(self._regime[::5, ::5] == Regime.HOPPING)
+            labeller.avoid(np.column_stack([self.fields.x[::5][columns], self.fields.y[::5][rows]]))
+        halo = "#FFFFFF" if self._has_numbers else None
+        for name, pieces in self._curves.items():
+            style = CURVES[name]
+            type_style: dict[str, Any] = {"halo": halo, "color": INK, "fontsize": 8.5}
+            if self._single and not labeller.along(style.label, pieces, beside=True, **type_style):
+                self._explain_curve(name)
+
+    def _explain_curve(self, name: str) -> None:
+        style = CURVES[name]
+        self.legend[style.label] = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
+
+    def _name_region(self, text: str, member: NDArray[np.bool_], **style: Any) -> None:
+        self._regions.append((text, member, style))
+        if not self._single:
+            self.legend[text] = style
+
+    def _fill(self, field: Floats, **style: Any) -> bool:
+        """Fill the area in which a field is positive; False if there is none."""
+        from matplotlib.patches import PathPatch
+
+        path = zero_region(self.fields, field)
+        if path is None:
+            return False
+        self.axes.add_patch(PathPatch(path, **{"linewidth": 0.0, "edgecolor": "none", **style}))
+        return True
+
+    def _line(self, pieces: list[Floats], **style: Any) -> None:
+        """Draw the pieces of one line as one artist."""
+        gap = np.full((1, 2), np.nan)
+        points = np.concatenate([part for piece in pieces for part in (piece, gap)])
+        self.axes.plot(points[:, 0], points[:, 1], **style)

@@ -1,0 +1,147 @@
+"""Maps of two axes, alone or as facets: regimes, conveying speed, traverse time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.plots.frame import map_frame, mark_operating_point, operating_points, settle
+from vibro.plots.layers import MapLayers
+
+if TYPE_CHECKING:
+    from matplotlib.colors import Colormap, Normalize
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from vibro.plots.fields import Fields
+    from vibro.sweep import SweepResult
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["regime_map", "speed_map", "traverse_map"]
+
+_NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
+_LONGEST_OVER_SHORTEST: Final = (
+    100.0  # traverse times told apart by colour: they grow without bound near rest
+)
+_MILLIMETRE: Final = 1e3  # [1/m]
+
+
+def regime_map(result: SweepResult, fields: list[Fields]) -> Figure:
+    """Map of the regimes, one colour each, bounded by the critical curves."""
+    figure, maps = _start(result, fields, "Steady regimes")
+    for layers in maps:
+        layers.fill_regimes()
+        layers.hatch_unanswered(regimes_show=True)
+        layers.name_regimes()
+    return _finish(figure, result, maps)
+
+
+def speed_map(result: SweepResult, fields: list[Fields]) -> Figure:
+    """Map of the mean conveying speed, diverging about zero where transport reverses."""
+    from matplotlib import colormaps
+    from matplotlib.colors import CenteredNorm, Normalize
+    from matplotlib.ticker import MaxNLocator
+
+    figure, maps = _start(result, fields, "Mean conveying speed")
+    for layers in maps:
+        layers.cover_rest()
+        layers.hatch_unanswered(regimes_show=False)
+    speeds = [_MILLIMETRE * f.velocity for f in fields]
+    low, high = _range(maps, speeds)
+    reverses = low < 0.0
+    norm: Normalize = CenteredNorm(0.0, max(-low, high)) if reverses else Normalize(0.0, high or 1.0)
+    colours = colormaps["RdBu" if reverses else "cividis"]
+    levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(min(low, 0.0), high))
+    levels = levels[(levels > low) & (levels < high) & (reverses | (levels != 0.0))]
+    for layers, speed in zip(maps, speeds, strict=True):
+        layers.draw_numbers(speed, norm, colours, levels)
+    _colour_bar(figure, maps, norm, colours, "mean conveying speed [mm/s]")
+    return _finish(figure, result, maps)
+
+
+def traverse_map(result: SweepResult, length: float, fields: list[Fields]) -> Figure:
+    """Map of the time to convey over a length [mm] at the mean speed, in a logarithmic scale."""
+    from matplotlib import colormaps
+    from matplotlib.colors import LogNorm
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
+    figure, maps = _start(result, fields, f"Traverse time over {length:.6g} mm")
+    times = []
+    for layers, f in zip(maps, fields, strict=True):
+        layers.cover_rest()
+        layers.hatch_unanswered(regimes_show=False)
+        # Drawn below the rest, which is why it comes last: it has no boundaries of its own there.
+        layers.hatch(np.nan_to_num(-f.velocity, nan=-1.0), "moves backwards", "||", zorder=1.7)
+        with np.errstate(divide="ignore"):
+            times.append(np.where(f.velocity > 0.0, length / (_MILLIMETRE * f.velocity), np.nan))
+    shortest, longest = _range(maps, times)
+    shortest = shortest or 1.0
+    top = max(1.01 * shortest, min(longest, _LONGEST_OVER_SHORTEST * shortest))
+    wide = top > 5.0 * shortest
+    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if wide else MaxNLocator(nbins=7, steps=_NICE)
+    levels = np.asarray(locator.tick_values(shortest, top))
+    levels = levels[(levels > shortest) & (levels < top)]
+    norm, colours = LogNorm(shortest, top), colormaps["cividis_r"]
+    for layers, time in zip(maps, times, strict=True):
+        layers.draw_numbers(time, norm, colours, levels)
+    _colour_bar(
+        figure, maps, norm, colours, "traverse time [s]", "max" if longest > top else "neither", levels
+    )
+    return _finish(figure, result, maps)
+
+
+def _start(result: SweepResult, fields: list[Fields], heading: str) -> tuple[Figure, list[MapLayers]]:
+    figure, axes = map_frame(result, [f.panel for f in fields], heading)
+    return figure, [MapLayers(a, f, single=len(fields) == 1) for a, f in zip(axes, fields, strict=True)]
+
+
+def _range(maps: list[MapLayers], values: list[Floats]) -> tuple[float, float]:
+    """Least and largest finite value to be seen; (0, 0) where there is none."""
+    seen = np.concatenate([v[m.open & np.isfinite(v)] for m, v in zip(maps, values, strict=True)])
+    return (float(seen.min()), float(seen.max())) if seen.size else (0.0, 0.0)
+
+
+def _colour_bar(
+    figure: Figure,
+    maps: list[MapLayers],
+    norm: Normalize,
+    colours: Colormap,
+    label: str,
+    extend: str = "neither",
+    ticks: Floats | None = None,
+) -> None:
+    from matplotlib.cm import ScalarMappable
+
+    axes = [layers.axes for layers in maps]
+    bar = figure.colorbar(
+        ScalarMappable(norm, colours), ax=axes, label=label, extend=extend, pad=0.02, aspect=28
+    )
+    if ticks is not None:
+        bar.set_ticks(list(ticks), labels=[f"{tick:g}" for tick in ticks])
+        bar.minorticks_off()
+
+
+def _finish(figure: Figure, result: SweepResult, maps: list[MapLayers]) -> Figure:
+    """Draw what every map has on top, and write the words once the layout has settled."""
+    marked: dict[str, dict[str, Any]] = {}
+    points = [operating_points(result, layers.fields.panel) for layers in maps]
+    for layers, point in zip(maps, points, strict=True):
+        layers.hatch_coexisting()
+        layers.draw_curves()
+        mark_operating_point(layers.axes, point, marked)
+    # Words need the final layout, which the legend is part of, which explains what found no room.
+    legend = _legend(maps) | marked
+    while True:
+        settle(figure, legend)
+        for layers, point in zip(maps, points, strict=True):
+            layers.write(avoid=point)
+        needed = _legend(maps) | marked
+        if needed.keys() == legend.keys():
+            return figure
+        legend = needed
+
+
+def _legend(maps: list[MapLayers]) -> dict[str, dict[str, Any]]:
+    return {text: style for layers in maps for text, style in layers.legend.items()}

@@ -1,0 +1,141 @@
+"""How pictures look: colours, hatches, lines and words, the same in every one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from vibro.core.codes import Regime, Status
+from vibro.units import QUANTITIES
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from vibro.axes import Axis
+
+__all__ = [
+    "COEXISTS_HATCH",
+    "COEXISTS_LABEL",
+    "CURVES",
+    "INK",
+    "NO_ANSWER_FACE",
+    "NO_ANSWER_HATCH",
+    "NO_ANSWER_INK",
+    "RC",
+    "REGIME_COLOURS",
+    "axis_label",
+    "ink_on",
+    "number_text",
+    "values_text",
+]
+
+# Tol's medium-contrast palette: safe for the colour-blind, and CIE lightness 100, 83, 62, 41 in grey.
+REGIME_COLOURS: Final[Mapping[Regime, str]] = {
+    Regime.NO_SLIP: "#FFFFFF",
+    Regime.BACK_SLIP: "#EECC66",
+    Regime.FORWARD_SLIP: "#6699CC",
+    Regime.HOPPING: "#994455",
+}
+INK: Final = "#222222"
+
+NO_ANSWER_FACE: Final = "#E9E9E9"
+NO_ANSWER_INK: Final = "#8A8A8A"
+NO_ANSWER_HATCH: Final[Mapping[Status, str]] = {
+    Status.INFEASIBLE: "////",
+    Status.FLIGHT_NOT_MODELLED: "\\\\\\\\",
+    Status.RUNAWAY: "xxx",
+    Status.INDETERMINATE: "---",
+    Status.UNRESOLVED: "+++",
+}
+COEXISTS_HATCH: Final = "..."
+COEXISTS_LABEL: Final = "two steady cycles"
+
+
+class CurveStyle(NamedTuple):
+    """How a critical curve is drawn and called."""
+
+    label: str
+    dashes: Any
+    width: float
+
+
+# Keys are the fields of CriticalLoads, in the order of rising load in the usual scene.
+CURVES: Final[Mapping[str, CurveStyle]] = {
+    "forward_onset": CurveStyle("forward-slip onset", (0, (7, 2, 1.5, 2)), 1.4),
+    "back_slip": CurveStyle("back-slip onset", (0, (5, 2)), 1.4),
+    "rest_vanishes": CurveStyle("rest vanishes", (0, (1, 1.6)), 1.4),
+    "hop": CurveStyle("hop limit", "-", 1.8),
+}
+
+RC: Final[Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.labelsize": 9.5,
+    "axes.edgecolor": INK,
+    "axes.linewidth": 0.8,
+    "axes.formatter.use_mathtext": False,
+    "xtick.direction": "out",
+    "ytick.direction": "out",
+    "hatch.linewidth": 0.6,
+    "legend.fontsize": 8.5,
+    "legend.frameon": False,
+    "mathtext.fontset": "dejavusans",
+    "text.usetex": False,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "vibro",  # the same picture is the same file
+    "figure.dpi": 150,
+    "savefig.dpi": 150,
+}
+
+_SYMBOLS: Final = {
+    "amplitude": "A",
+    "frequency": "f",
+    "drive_angle": r"\alpha",
+    "static_friction": r"\mu_s",
+    "kinetic_friction": r"\mu_d",
+    "friction_ratio": r"\mu_d/\mu_s",
+    "trough_angle": r"\beta",
+    "gravity": "g",
+    "restitution": "e",
+    "trough_length": "L",
+    "stroke": "2A",
+}
+_UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
+_EVEN_LUMINANCE: Final = 0.2  # relative luminance on which INK and white have about the same contrast
+# What a caption leaves out, because it goes without saying.
+_USUAL: Final = {"trough_angle": 0.0, "gravity": 9.81, "restitution": 0.0}
+
+
+def axis_label(axis: Axis) -> str:
+    """Name, symbol and unit of an axis: ``frequency f [Hz]``."""
+    unit = f" [{_UNIT_SIGNS.get(axis.unit, axis.unit)}]" if axis.unit else ""
+    return f"{axis.label} ${_SYMBOLS[axis.name]}${unit}"
+
+
+def number_text(name: str, value: float) -> str:
+    """Write a value of a quantity with its unit, as pictures do."""
+    unit = QUANTITIES[name].unit
+    sign = _UNIT_SIGNS.get(unit, unit)
+    return f"{value:.5g}{'' if sign in ('°', '') else ' '}{sign}"
+
+
+def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> str:
+    """Write quantities in the user's units, in the order of tables: ``α = 20°, f = 15 Hz``.
+
+    Those that have their usual value are left out unless all are asked for.
+    """
+    parts = []
+    for name in QUANTITIES:
+        if name in values and (all_of_them or _USUAL.get(name) != values[name]):
+            parts.append(f"${_SYMBOLS[name]}$ = {number_text(name, values[name])}")
+    return ", ".join(parts)
+
+
+def ink_on(colour: Any) -> str:
+    """Black or white, whichever has more contrast on a colour."""
+    from matplotlib.colors import to_rgb
+
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
+    luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    return INK if luminance > _EVEN_LUMINANCE else "#FFFFFF"
