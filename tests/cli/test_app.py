@@ -1,0 +1,333 @@
+"""How runs begin and end: start-up, messages, exit codes, faults, signals, terminals."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import pytest
+from commands import NUT, NUT_ANGLE_AND_FRICTION, Run
+
+import vibro
+
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals, limits and terminals")
+SMALL = ("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
+LONG = ("map", "-A", "0.1:3:3000", "-f", "5:60:3000", *NUT_ANGLE_AND_FRICTION)
+VIBRO = (sys.executable, "-c", "from vibro.cli.app import main; main()")
+COMMANDS = ("map", "solve", "traverse-time")
+
+
+def started(*args: str, cwd: Path, **settings: Any) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [*VIBRO, *args],
+        cwd=cwd, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **settings,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("args", [["--help"], ["--version"], ["map", "--help"], ["solve", "-h"]])
+def test_help_loads_no_numerical_library(args: list[str]) -> None:
+    code = textwrap.dedent("""
+        import atexit, sys
+
+        heavy = "numpy", "scipy", "pandas", "matplotlib", "rich"
+        atexit.register(lambda: print("LOADED", [name for name in heavy if name in sys.modules]))
+        from vibro.cli.app import main
+
+        main()
+    """)
+    done = subprocess.run([sys.executable, "-c", code, *args], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "LOADED []"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_every_shared_option(run: Run, command: str) -> None:
+    text = run(command, "--help").stdout
+    for option in (
+        "-A", "--amplitude", "--stroke", "-f", "--frequency", "-a", "--drive-angle", "--alpha", "--mu-s",
+        "--mu-d", "--mu-ratio", "--trough-angle", "--gravity", "--restitution", "-L", "--length", "-o",
+        "--output", "--json", "--force", "-q", "--quiet", "--debug", "--version", "SCENE.toml",
+    ):  # fmt: skip
+        assert option in text
+
+
+@pytest.mark.parametrize("args", [["--version"], *([command, "--version"] for command in COMMANDS)])
+def test_version(run: Run, args: list[str]) -> None:
+    result = run(*args)
+    assert (result.exit_code, result.stdout) == (0, f"vibro {vibro.__version__}\n")
+
+
+def test_without_arguments_help_is_shown(run: Run) -> None:
+    result = run()
+    assert result.exit_code == 0
+    assert all(command in result.stdout for command in COMMANDS)
+
+
+@pytest.mark.parametrize(
+    ("args", "problem", "hint"),
+    [
+        (["mapp"], "'mapp'", "see vibro --help"),
+        (["map", "--mu-x", "1"], "--mu-x", "see vibro map --help"),
+        (["solve", "-A"], "-A", "see vibro solve --help"),
+        (["solve", "a.toml", "b.toml"], "b.toml", "see vibro solve --help"),
+        (["solve", "--sweep"], "--sweep", "see vibro solve --help"),
+    ],
+)
+def test_wrong_arguments_are_one_error_and_one_hint(
+    run: Run, args: list[str], problem: str, hint: str
+) -> None:
+    result = run(*args)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    error, last = result.stderr.splitlines()
+    assert error.startswith("error: ")
+    assert problem in error
+    assert last == f"hint: {hint}"
+
+
+def test_a_missing_scene_file_is_exit_code_1(run: Run) -> None:
+    Path("nut.toml").touch()
+    result = run("map", "nutt.toml")
+    assert result.exit_code == 1
+    assert result.stderr.startswith("error: cannot read nutt.toml: ")
+    assert result.stderr.endswith("hint: did you mean nut.toml?\n")
+
+
+def test_a_wrong_scene_file_is_exit_code_2(run: Run) -> None:
+    Path("nut.toml").write_text("[scene]\namplitude = 1\nfrequency = 2\n", encoding="utf-8")
+    result = run("map", "nut.toml")
+    assert result.exit_code == 2
+    assert result.stderr.splitlines() == [
+        "error: nut.toml: [scene] unknown key 'amplitude'; did you mean 'amplitude_mm'?",
+        "error: nut.toml: [scene] unknown key 'frequency'; did you mean 'frequency_hz'?",
+    ]
+
+
+def test_a_scene_file_must_not_give_the_same_twice(run: Run) -> None:
+    Path("nut.toml").write_text("[scene]\namplitude_mm = 1\nstroke_mm = 2\n", encoding="utf-8")
+    assert "error: [scene] gives both amplitude and stroke\n" in run("map", "nut.toml").stderr
+
+
+def test_a_traceback_is_shown_only_for_debugging(run: Run) -> None:
+    plain, debug = run("map", "no.toml"), run("map", "no.toml", "--debug")
+    assert "Traceback" not in plain.stderr
+    assert "Traceback" in debug.stderr
+    assert debug.stderr.endswith(plain.stderr)
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (ZeroDivisionError("oops"), "error: unexpected ZeroDivisionError: oops\nhint: please report it"),
+        (MemoryError(), "error: not enough memory\nhint: ask for fewer values"),
+        (OSError(errno.EIO, "Input/output error"), "error: cannot write to .: Input/output error\n"),
+        (
+            OSError(errno.ENOSPC, "No space left"),
+            "error: cannot write to .: No space left\nhint: free some space",
+        ),
+    ],
+)
+def test_faults_are_told_in_one_line_and_leave_nothing(
+    run: Run, monkeypatch: pytest.MonkeyPatch, error: Exception, message: str
+) -> None:
+    def fail(*_: object) -> str:
+        raise error
+
+    monkeypatch.setattr("vibro.tables.CsvFormat.rows", fail)
+    result = run(*SMALL, "-o", "nut")
+    assert result.exit_code == 1
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
+    assert list(Path().iterdir()) == []
+
+
+def test_existing_files_are_known_before_computing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("nut-speed.png").touch()
+    monkeypatch.setattr("vibro.cli.output.sweep_blocks", None)
+    result = run(*SMALL, "-o", "nut")
+    assert result.exit_code == 1
+    assert result.stderr.endswith(
+        "error: nut-speed.png exists already\nhint: replace with --force, or choose another name with -o\n"
+    )
+    assert [path.name for path in Path().iterdir()] == ["nut-speed.png"]
+
+
+def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
+    Path("out").touch()
+    result = run(*SMALL, "-o", "out/nut")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-2].startswith("error: cannot use the folder out: ")
+    assert result.stderr.endswith("hint: out is a file\n")
+
+
+def test_a_grid_too_large_for_the_disk_is_refused_with_its_size(run: Run) -> None:
+    result = run("map", "-A", "0.1:3:1000000", "-f", "5:60:1000000", *NUT_ANGLE_AND_FRICTION, "-o", "new/nut")
+    assert result.exit_code == 2
+    assert "error: 1000000 x 1000000 = 1 000 000 000 000 cells are about 210 TB, but only" in result.stderr
+    assert list(Path().iterdir()) == []
+
+
+def test_more_rows_than_a_sheet_holds_are_a_warning(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.cli.output._ROWS_OF_A_SHEET", 8)
+    result = run(*SMALL, "-o", "-")
+    assert "warning: 9 rows are more than the 8 of a spreadsheet\n" in result.stderr
+    assert result.exit_code == 0
+
+
+def test_quiet_prints_errors_alone(run: Run) -> None:
+    assert run(*SMALL, "-o", "nut", "-q").stderr == ""
+    assert run(*SMALL, "-o", "nut", "-q").stderr.startswith("error: nut.csv")
+
+
+def test_stems_and_folders(run: Run) -> None:
+    Path("nut.toml").write_text(
+        "[scene]\ndrive_angle_deg = 20\nstatic_friction = 0.7\nkinetic_friction = 0.6\n"
+    )
+    axes = ("-A", "1,2", "-f", "15", "-q")
+    for output, written in (
+        (("-o", "run1.5"), "run1.5.csv"),
+        (("-o", "new/"), "new/nut.csv"),
+        (("-o", "new/stem"), "new/stem.csv"),
+        (("-o", "new"), "new/nut.csv"),
+        ((), "nut.csv"),
+    ):
+        assert run("map", "nut.toml", *axes, *output, "--force").exit_code == 0
+        assert Path(written).is_file()
+        Path(written).unlink()
+    assert run("map", *NUT, *axes).exit_code == 0
+    assert Path("vibro-map.csv").is_file()
+
+
+def test_csv_for_spreadsheets(run: Run) -> None:
+    assert run(*SMALL, "-o", "nut", "--excel", "--decimal-comma", "-q").exit_code == 0
+    content = Path("nut.csv").read_bytes()
+    assert content.startswith(b"\xef\xbb\xbfamplitude_mm;frequency_hz;")
+    assert b"\n0,5;10;20;0,74;0,57;0;no-slip;" in content
+    assert b"\r" not in content
+    stdout = run(*SMALL, "-o", "-", "--excel", "-q").stdout_bytes
+    assert stdout.startswith(b"\xef\xbb\xbfamplitude_mm,")
+
+
+@POSIX
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("output", ["out/big", "big"])
+def test_an_interrupt_leaves_nothing_and_exits_with_130(tmp_path: Path, number: str, output: str) -> None:
+    run = started(*LONG, "-o", output, cwd=tmp_path)
+    assert run.stderr is not None
+    run.stderr.readline()
+    folder = (tmp_path / output).parent
+    while not any(path.stat().st_size for path in folder.glob(".vibro-*")):
+        assert run.poll() is None
+    run.send_signal(getattr(signal, number))
+    _, stderr = run.communicate()
+    assert run.returncode == 130
+    assert stderr.endswith("error: interrupted\n")
+    assert "Traceback" not in stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@POSIX
+def test_a_killed_run_is_swept_by_the_next(tmp_path: Path) -> None:
+    run = started(*LONG, "-o", "big", cwd=tmp_path)
+    while not any(path.stat().st_size for path in tmp_path.glob(".vibro-*")):
+        assert run.poll() is None
+    run.kill()
+    run.communicate()
+    assert [path.suffix for path in tmp_path.iterdir()] == 4 * [".tmp"]
+    after = started(*SMALL, "-o", "nut", cwd=tmp_path)
+    after.communicate()
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "nut-regime.png", "nut-speed.png", "nut.csv", "nut.json",
+    ]  # fmt: skip
+
+
+@POSIX
+def test_a_file_that_may_not_grow_is_told_and_leaves_nothing(tmp_path: Path) -> None:
+    import resource
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, 500_000))
+
+    run = started(*LONG, "-o", "out/big", cwd=tmp_path, preexec_fn=limit)
+    _, stderr = run.communicate()
+    assert run.returncode == 1
+    assert "error: cannot write to out: " in stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@POSIX
+def test_a_reader_that_stops_early_ends_the_run_quietly(tmp_path: Path) -> None:
+    run = started(*LONG, "-o", "-", "-q", cwd=tmp_path)
+    assert run.stdout is not None
+    assert run.stderr is not None
+    assert run.stdout.readline().startswith("amplitude_mm,")
+    run.stdout.close()
+    assert run.stderr.read() == ""
+    assert run.wait() == 1
+    run.stderr.close()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_device_behind_stdout(tmp_path: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        run = subprocess.run(
+            [*VIBRO, *SMALL, "-o", "-", "-q"],
+            cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    assert run.returncode == 1
+    assert run.stderr == f"error: cannot read or write: {os.strerror(errno.ENOSPC)}\n"
+
+
+@POSIX
+@pytest.mark.parametrize("colour", [True, False])
+def test_a_terminal_sees_progress_files_and_shares(tmp_path: Path, colour: bool) -> None:
+    import pty
+
+    ours, theirs = pty.openpty()
+    environment = {name: value for name, value in os.environ.items() if name != "NO_COLOR"}
+    environment |= {"TERM": "xterm-256color", "COLUMNS": "100"} | ({} if colour else {"NO_COLOR": "1"})
+    args = ("map", "-A", "0.5:3:300", "-f", "10:30:300", *NUT_ANGLE_AND_FRICTION, "-o", "n")
+    with subprocess.Popen(
+        [*VIBRO, *args],
+        cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=theirs,
+    ) as run:  # fmt: skip
+        os.close(theirs)
+        seen = b""
+        while True:
+            try:
+                part = os.read(ours, 4096)
+            except OSError:  # the other end has been closed
+                break
+            if not part:
+                break
+            seen += part
+        assert run.stdout is not None
+        assert run.stdout.read() == b""
+    os.close(ours)
+    text = seen.decode()
+    assert run.returncode == 0
+    assert "solving" in text
+    assert "90000/90000" in text
+    assert ("\x1b[38;5;" in text or "\x1b[3" in text) == colour
+    lines = text.splitlines()
+    assert [line for line in lines if line.startswith("wrote ")] == [
+        "wrote n.csv", "wrote n-regime.png", "wrote n-speed.png", "wrote n.json",
+    ]  # fmt: skip
+    shares = {line.split()[0]: float(line.split()[1].rstrip("%")) for line in lines[-4:]}
+    assert set(shares) == {"no-slip", "forward-slip", "back-slip", "hopping"}
+    assert sum(shares.values()) == pytest.approx(100, abs=0.3)
+
+
+def test_a_console_without_the_characters_shows_substitutes(tmp_path: Path) -> None:
+    (tmp_path / "\u03bc.toml").write_text("[scene]\nx = 1\n", encoding="utf-8")
+    run = subprocess.run(
+        [*VIBRO, "map", "\u03bc.toml"],
+        cwd=tmp_path, capture_output=True, check=False, env=os.environ | {"PYTHONIOENCODING": "cp1252"},
+    )  # fmt: skip
+    assert run.returncode == 2
+    assert run.stderr.startswith(b"error: ?.toml: [scene] unknown key 'x'")
