@@ -1,0 +1,66 @@
+"""Every scene file among the examples runs and shows what its comment says."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from commands import rows_of
+from typer.testing import CliRunner, Result
+
+from vibro.cli.app import app
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+SCENES = sorted(path.name for path in EXAMPLES.glob("*.toml"))
+
+
+def run(*args: object) -> Result:
+    return CliRunner().invoke(app, [str(arg) for arg in args])
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_map_of_every_scene(name: str, tmp_path: Path) -> None:
+    result = run("map", EXAMPLES / name, "-o", f"{tmp_path}/")
+    assert result.exit_code == 0, result.stderr
+    stem = Path(name).stem
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {f"{stem}.csv", f"{stem}.json", f"{stem}-speed.png", f"{stem}-traverse.png"} <= written
+    content = json.loads((tmp_path / f"{stem}.json").read_text(encoding="utf-8"))
+    assert set(content["files"]) == written
+
+
+def rows_of_map(name: str) -> list[dict[str, str]]:
+    result = run("map", EXAMPLES / name, "-o", "-")
+    assert result.exit_code == 0
+    return rows_of(result.stdout)
+
+
+def test_the_scenes_are_the_documented_ones() -> None:
+    assert {"safety_nut.toml", "mains_feeder.toml", "climbing_track.toml", "friction_grid.toml"} <= set(
+        SCENES
+    )
+
+
+def test_the_safety_nut_is_the_papers_scene() -> None:
+    answer = json.loads(run("traverse-time", EXAMPLES / "safety_nut.toml", "--json").stdout)
+    assert answer["mean_velocity_mm_s"] == pytest.approx(16.263456166287, rel=1e-13)
+    assert answer["traverse_time_s"] == pytest.approx(600 / 16.263456166287, rel=1e-13)
+
+
+def test_the_mains_feeder_hops_above_the_amplitude_that_its_comment_says() -> None:
+    hopping = [
+        float(row["amplitude_mm"]) for row in rows_of_map("mains_feeder.toml") if row["regime"] == "hopping"
+    ]
+    assert min(hopping) == pytest.approx(0.29, abs=0.005)
+
+
+def test_the_climbing_track_has_angles_that_convey_either_way() -> None:
+    speeds = [float(row["mean_velocity_mm_s"] or "nan") for row in rows_of_map("climbing_track.toml")]
+    assert min(speeds) < 0 < max(speeds)
+
+
+def test_half_of_the_friction_grid_is_infeasible() -> None:
+    status = Counter(row["status"] for row in rows_of_map("friction_grid.toml"))
+    assert status == {"infeasible": 81 * 80 // 2, "ok": 81 * 82 // 2}
