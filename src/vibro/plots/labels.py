@@ -20,9 +20,10 @@ __all__ = ["Labeller", "outline"]
 _MARGIN: Final = 2.0  # [px] belongs to a label on every side
 _GRAIN: Final = 4.0  # [px] between the points that stand for lines and rectangles
 _LEAST_CLEARANCE: Final = 3.0  # [px] between such points: anything less could cross
-_CANDIDATES: Final = 80  # places tried along a line
+_CANDIDATES: Final = 50  # places tried along a line
 _MOST_BEND: Final = 0.6  # a line under its label may leave the chord by this share of the text's height
 _CORNER: Final = 0.72  # distance of a rectangle's corner from its middle, in its own sides, with a little air
+_AS_GOOD: Final = 0.97  # share of the most room with which a place nearer to the middle is better
 _HALO: Final = 2.4  # [pt]
 
 
@@ -100,7 +101,8 @@ class Labeller:
             extent = artist.get_window_extent(self._renderer)
             width, height = extent.width + 2 * _MARGIN, extent.height + 2 * _MARGIN
             room = distance_transform_edt(free, sampling=(step_y / height, step_x / width))
-            row, column = np.unravel_index(int(room.argmax()), room.shape)
+            best = np.argwhere(room > _AS_GOOD * room.max())
+            row, column = best[np.argmin(np.hypot(*(best - best.mean(axis=0)).T))]
             if room[row, column] > _CORNER:
                 place = ((column - 1) / (columns - 1), (row - 1) / (rows - 1))
                 artist.set_position(place)

@@ -19,6 +19,7 @@ from vibro.plots.style import (
     NO_ANSWER_INK,
     REGIME_COLOURS,
     ink_on,
+    number_text,
 )
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ BEGINS_AT: Final = {
     Regime.BACK_SLIP: "back_slip",
     Regime.HOPPING: "hop",
 }
+_COVERS: Final = 2.0  # zorder of the uppermost cover
 _FACET_TYPE: Final = 0.8  # size of type in facets against single maps
 
 
@@ -99,7 +101,7 @@ class MapLayers:
         for regime, curve in BEGINS_AT.items():
             self._fill(
                 self.fields.log_ratio[curve],
-                gid=f"regime {regime.label}",
+                gid=regime.label,
                 facecolor=REGIME_COLOURS[regime],
                 zorder=1,
             )
@@ -121,15 +123,6 @@ class MapLayers:
         end = np.maximum.reduce([ratio[name] for name in _HIDDEN_BY[BEGINS_AT[regime]]])
         return zero_lines(self.fields, begin + end, [-begin, *self._covers])
 
-    def cover_rest(self) -> None:
-        """Cover the area where nothing moves with its regime's colour."""
-        colour = REGIME_COLOURS[Regime.NO_SLIP]
-        member = (self._regime == Regime.NO_SLIP) & self.open
-        if self._fill(self.fields.rest, gid="regime no-slip", facecolor=colour, zorder=1.8):
-            self._covers.append(self.fields.rest)
-            if member.any():
-                self._name_region(Regime.NO_SLIP.label, member, facecolor=colour)
-
     def hatch_unanswered(self, *, regimes_show: bool) -> None:
         """Hatch where there is no answer; a picture of regimes shows that of bodies in unmodelled flight."""
         for status, hatch in NO_ANSWER_HATCH.items():
@@ -137,35 +130,29 @@ class MapLayers:
             if status in self.fields.statuses and not known:
                 self.hatch(self.fields.unanswered(status), status.label.replace("-", " "), hatch)
 
-    def hatch_coexisting(self) -> None:
-        """Hatch where a disturbed body may settle into another cycle."""
-        if self.fields.panel.cycle["coexists"].any():
-            self.hatch(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH, "none")
+    def hatch(self, field: Floats, label: str, hatch: str) -> None:
+        """Hatch the area in which a field is positive, below earlier covers, and say why."""
+        self._cover(field, label, facecolor=NO_ANSWER_FACE, hatch=hatch, edgecolor=NO_ANSWER_INK)
 
-    def hatch(
-        self, field: Floats, label: str, hatch: str, face: str = NO_ANSWER_FACE, zorder: float = 2.0
-    ) -> None:
-        """Hatch the area in which a field is positive and say why; a face hides what is below."""
-        style = {"facecolor": face, "hatch": hatch, "edgecolor": NO_ANSWER_INK}
-        if not self._fill(field, gid=label, zorder=zorder, **style):
-            return
-        if face == "none":
-            self.legend[label] = style
-        else:
-            member = (field > 0.0) & self.open
-            self._covers.append(field)
-            if member.any():
-                self._name_region(label, member, **style)
+    def cover_rest(self) -> None:
+        """Cover the area where nothing moves with its regime's colour, below earlier covers."""
+        self._cover(self.fields.rest, Regime.NO_SLIP.label, facecolor=REGIME_COLOURS[Regime.NO_SLIP])
+
+    def hatch_coexisting(self) -> None:
+        """Hatch, without hiding anything, where a disturbed body may settle into another cycle."""
+        style = {"facecolor": "none", "hatch": COEXISTS_HATCH, "edgecolor": NO_ANSWER_INK}
+        if self._fill(self.fields.coexists, gid=COEXISTS_LABEL, zorder=_COVERS, **style):
+            self.legend[COEXISTS_LABEL] = style
 
     def draw_curves(self) -> None:
         """Draw the critical curves where they bound a regime, lifted off a ground of numbers."""
         from matplotlib.patheffects import withStroke
 
-        lifted = self._has_numbers
         for name, style in CURVES.items():
             pieces = zero_lines(self.fields, self.fields.log_ratio[name], hiding_fields(self.fields, name))
             if pieces:
                 width = style.width * self._scale
+                halo = withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)
                 self._line(
                     pieces,
                     label=style.label,
@@ -174,9 +161,7 @@ class MapLayers:
                     linestyle=style.dashes,
                     linewidth=width,
                     zorder=3,
-                    path_effects=[withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)]
-                    if lifted
-                    else None,
+                    path_effects=[halo] if self._has_numbers else None,
                 )
                 self._curves[name] = pieces
                 if not self._single:
@@ -190,15 +175,16 @@ class MapLayers:
         self.axes.pcolormesh(
             fields.x, fields.y, values, norm=norm, cmap=colours, shading="nearest", rasterized=True, zorder=0
         )
+        heights = np.asarray(norm(values))
         for level in levels:
-            pieces = zero_lines(fields, np.nan_to_num(values - level), self._covers)
+            pieces = zero_lines(fields, np.nan_to_num(heights - norm(level)), self._covers)
             if pieces:
                 ground = colours(norm(level))
                 width = (1.3 if level == 0.0 else 0.6) * self._scale
                 self._line(
                     pieces, color=ink_on(ground), linewidth=width, zorder=1.5, gid=f"contour {level:g}"
                 )
-                self._contours.append((f"{level:g}", pieces, ground))
+                self._contours.append((number_text(level), pieces, ground))
 
     def write(self, *, avoid: Floats) -> None:
         """Write the words where they have room, in place of earlier ones; the legend has the others.
@@ -247,6 +233,14 @@ class MapLayers:
         style = CURVES[name]
         self.legend[style.label] = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
 
+    def _cover(self, field: Floats, label: str, **style: Any) -> None:
+        """Hide what is below the area in which a field is positive, and name it where it is to be seen."""
+        if self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **style):
+            member = (field > 0.0) & self.open
+            self._covers.append(field)
+            if member.any():
+                self._name_region(label, member, **style)
+
     def _name_region(self, text: str, member: NDArray[np.bool_], **style: Any) -> None:
         self._regions.append((text, member, style))
         if not self._single:
@@ -259,7 +253,7 @@ class MapLayers:
         path = zero_region(self.fields, field)
         if path is None:
             return False
-        self.axes.add_patch(PathPatch(path, **{"linewidth": 0.0, "edgecolor": "none", **style}))
+        self.axes.add_artist(PathPatch(path, **{"linewidth": 0.0, "edgecolor": "none", **style}))
         return True
 
     def _line(self, pieces: list[Floats], **style: Any) -> None:

@@ -31,7 +31,7 @@ from vibro.plots.style import (
     REGIME_COLOURS,
     axis_label,
     ink_on,
-    number_text,
+    value_text,
 )
 
 if TYPE_CHECKING:
@@ -158,16 +158,16 @@ def _critical_lines(axes: Axes, fields: Fields, legend: dict[str, dict[str, Any]
     for name, style in CURVES.items():
         for x in zero_points(fields, fields.log_ratio[name], hiding_fields(fields, name)):
             look = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
-            label = f"{style.label}: {number_text(fields.panel.x.name, x)}"
+            label = f"{style.label}: {value_text(fields.panel.x.name, x)}"
             axes.axvline(x, zorder=2, gid=name, label=label, **look)
             legend[label] = look
 
 
 def _line(axes: Axes, fields: Fields, values: Floats) -> None:
-    """Draw numbers, broken where slip begins with a jump."""
+    """Draw numbers, broken where regimes meet, since they jump there."""
     x = fields.panel.x.values
-    rest = fields.panel.cycle["regime"][0] == Regime.NO_SLIP
-    jumps = np.flatnonzero(rest[1:] != rest[:-1]) + 1
+    regime = fields.panel.cycle["regime"][0]
+    jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1
     axes.plot(
         np.insert(x, jumps, np.nan),
         np.insert(values, jumps, np.nan),
@@ -186,7 +186,7 @@ def _name_bands(figure: Figure, strip: Axes, bands: list[_Band]) -> dict[str, di
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     strip.set_yticks([])
-    strip.tick_params(axis="x", bottom=False, labelbottom=False)
+    strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
     renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     to_pixels = strip.transData
     unnamed: dict[str, dict[str, Any]] = {}

@@ -25,6 +25,7 @@ _NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
 _LONGEST_OVER_SHORTEST: Final = (
     100.0  # traverse times told apart by colour: they grow without bound near rest
 )
+_LEAST_VELOCITY: Final = 1e-12  # [m/s] keeps times finite where the body moves backwards, which is covered
 _MILLIMETRE: Final = 1e3  # [1/m]
 
 
@@ -46,8 +47,8 @@ def speed_map(result: SweepResult, fields: list[Fields]) -> Figure:
 
     figure, maps = _start(result, fields, "Mean conveying speed")
     for layers in maps:
-        layers.cover_rest()
         layers.hatch_unanswered(regimes_show=False)
+        layers.cover_rest()
     speeds = [_MILLIMETRE * f.velocity for f in fields]
     low, high = _range(maps, speeds)
     reverses = low < 0.0
@@ -57,7 +58,8 @@ def speed_map(result: SweepResult, fields: list[Fields]) -> Figure:
     levels = levels[(levels > low) & (levels < high) & (reverses | (levels != 0.0))]
     for layers, speed in zip(maps, speeds, strict=True):
         layers.draw_numbers(speed, norm, colours, levels)
-    _colour_bar(figure, maps, norm, colours, "mean conveying speed [mm/s]")
+    if (low, high) != (0.0, 0.0):
+        _colour_bar(figure, maps, norm, colours, "mean conveying speed [mm/s]")
     return _finish(figure, result, maps)
 
 
@@ -70,13 +72,12 @@ def traverse_map(result: SweepResult, length: float, fields: list[Fields]) -> Fi
     figure, maps = _start(result, fields, f"Traverse time over {length:.6g} mm")
     times = []
     for layers, f in zip(maps, fields, strict=True):
-        layers.cover_rest()
         layers.hatch_unanswered(regimes_show=False)
-        # Drawn below the rest, which is why it comes last: it has no boundaries of its own there.
-        layers.hatch(np.nan_to_num(-f.velocity, nan=-1.0), "moves backwards", "||", zorder=1.7)
-        with np.errstate(divide="ignore"):
-            times.append(np.where(f.velocity > 0.0, length / (_MILLIMETRE * f.velocity), np.nan))
+        layers.cover_rest()
+        layers.hatch(np.nan_to_num(-f.velocity, nan=-1.0), "moves backwards", "||")
+        times.append(length / (_MILLIMETRE * np.maximum(f.velocity, _LEAST_VELOCITY)))
     shortest, longest = _range(maps, times)
+    moves = shortest > 0.0
     shortest = shortest or 1.0
     top = max(1.01 * shortest, min(longest, _LONGEST_OVER_SHORTEST * shortest))
     wide = top > 5.0 * shortest
@@ -86,9 +87,9 @@ def traverse_map(result: SweepResult, length: float, fields: list[Fields]) -> Fi
     norm, colours = LogNorm(shortest, top), colormaps["cividis_r"]
     for layers, time in zip(maps, times, strict=True):
         layers.draw_numbers(time, norm, colours, levels)
-    _colour_bar(
-        figure, maps, norm, colours, "traverse time [s]", "max" if longest > top else "neither", levels
-    )
+    if moves:
+        extend = "max" if longest > top else "neither"
+        _colour_bar(figure, maps, norm, colours, "traverse time [s]", extend, levels)
     return _finish(figure, result, maps)
 
 

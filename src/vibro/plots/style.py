@@ -25,6 +25,7 @@ __all__ = [
     "axis_label",
     "ink_on",
     "number_text",
+    "value_text",
     "values_text",
 ]
 
@@ -113,11 +114,16 @@ def axis_label(axis: Axis) -> str:
     return f"{axis.label} ${_SYMBOLS[axis.name]}${unit}"
 
 
-def number_text(name: str, value: float) -> str:
-    """Write a value of a quantity with its unit, as pictures do."""
+def number_text(value: float) -> str:
+    """Write a number with five digits and a proper minus."""
+    return f"{value:.5g}".replace("-", "\N{MINUS SIGN}")
+
+
+def value_text(name: str, value: float) -> str:
+    """Write a value of a quantity with its unit."""
     unit = QUANTITIES[name].unit
     sign = _UNIT_SIGNS.get(unit, unit)
-    return f"{value:.5g}{'' if sign in ('°', '') else ' '}{sign}"
+    return number_text(value) + ("" if sign in ("°", "") else " ") + sign
 
 
 def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> str:
@@ -128,7 +134,7 @@ def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> st
     parts = []
     for name in QUANTITIES:
         if name in values and (all_of_them or _USUAL.get(name) != values[name]):
-            parts.append(f"${_SYMBOLS[name]}$ = {number_text(name, values[name])}")
+            parts.append(f"${_SYMBOLS[name]}$ = {value_text(name, values[name])}")
     return ", ".join(parts)
 
 
