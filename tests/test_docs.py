@@ -1,0 +1,116 @@
+"""The theory and the nomenclature say what the code says: equation numbers, code names, CSV columns."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import vibro
+from vibro import tables
+
+ROOT = Path(__file__).parent.parent
+THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+NOMENCLATURE = (ROOT / "docs" / "nomenclature.md").read_text(encoding="utf-8")
+MODULES = sorted((ROOT / "src" / "vibro").rglob("*.py"))
+
+# "Eq. (7)", "Eqs. (4) and (5)", "Eqs. (3)-(6)"; a citation may continue on the next line of a comment
+CITATION = re.compile(r"\bEqs?\.[\s#]+\(\d+\)(?:(?:-|,|[\s#]+and)?[\s#]*\(\d+\))*")
+RANGE = re.compile(r"\((\d+)\)(?:-\((\d+)\))?")
+SECTION = re.compile(r"theory\.md,[\s#]+section (\d+)")
+
+HEADER = "| symbol | code name | unit | CSV column | meaning |"
+
+
+def cited(text: str) -> set[int]:
+    """Numbers of all equations that a text cites, those inside ranges too."""
+    numbers: set[int] = set()
+    for citation in CITATION.findall(text):
+        for first, last in RANGE.findall(citation):
+            numbers.update(range(int(first), int(last or first) + 1))
+    return numbers
+
+
+def rows() -> list[tuple[str, ...]]:
+    """Cells of every table of the nomenclature."""
+    found = []
+    for line in NOMENCLATURE.splitlines():
+        if line.startswith("|") and line != HEADER and not line.startswith("|---"):
+            found.append(tuple(cell.strip() for cell in line.strip("|").split("|")))
+    return found
+
+
+def resolve(name: str) -> None:
+    """Find a dotted name in the package, or a field of a dataclass; raise if there is none."""
+    found: Any = vibro
+    module = "vibro"
+    for part in name.split("."):
+        if is_dataclass(found) and part in {field.name for field in fields(found)}:
+            return
+        module += f".{part}"
+        found = getattr(found, part) if hasattr(found, part) else import_module(module)
+
+
+def test_citations_are_understood() -> None:
+    assert cited("x  # Eq. (7)") == {7}
+    assert cited("Eqs. (4) and (5). Later (9)") == {4, 5}
+    assert cited("by Eqs. (3)-(6), (8)") == {3, 4, 5, 6, 8}
+    assert cited("a value, Eq.\n    # (11)") == {11}
+
+
+def test_equations_are_numbered_once_and_in_order() -> None:
+    numbers = [int(n) for n in re.findall(r"\\tag\{(\d+)\}", THEORY)]
+    assert len(numbers) >= 22
+    assert numbers == sorted(set(numbers))
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_every_equation_and_section_that_the_code_cites_exists(module: Path) -> None:
+    text = module.read_text(encoding="utf-8")
+    equations = {int(n) for n in re.findall(r"\\tag\{(\d+)\}", THEORY)}
+    sections = set(re.findall(r"^## (\d+)\.", THEORY, flags=re.MULTILINE))
+    assert cited(text) <= equations
+    assert set(SECTION.findall(text)) <= sections
+
+
+def test_the_core_cites_its_equations() -> None:
+    text = "".join(path.read_text(encoding="utf-8") for path in MODULES if path.parent.name == "core")
+    assert len(cited(text)) >= 15
+
+
+def test_links_inside_the_docs_lead_somewhere() -> None:
+    for page in (ROOT / "docs").glob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_every_code_name_exists_and_is_listed_once() -> None:
+    names = [row[1] for row in rows()]
+    assert len(names) > 40
+    assert len(set(names)) == len(names)
+    for name in names:
+        resolve(name.strip("`"))
+
+
+def test_a_code_name_that_does_not_exist_is_noticed() -> None:
+    for name in ("Scene.amplitud", "core.groups.Loads.upward", "core.nowhere.Loads"):
+        with pytest.raises((AttributeError, ImportError)):
+            resolve(name)
+
+
+def test_columns_are_those_of_the_tables() -> None:
+    listed = [row[3].strip("`") for row in rows() if row[3] != "-"]
+    known = {column.name for column in tables.COLUMNS}
+    known |= {value.name for value in vars(tables).values() if isinstance(value, tables.Column)}
+    assert len(set(listed)) == len(listed)
+    assert set(listed) == known
+
+
+def test_every_quantity_of_the_nomenclature_is_explained() -> None:
+    for symbol, name, unit, column, meaning in rows():
+        assert all((symbol, name, unit, column, meaning)), name
