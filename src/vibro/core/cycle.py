@@ -29,8 +29,6 @@ __all__ = [
     "one_way_cycles",
     "resting_start",
     "slides_forward_only",
-    "speed_at_closing",
-    "speed_at_opening",
     "two_way_cycles",
 ]
 
@@ -98,12 +96,12 @@ def _verdict(value: Floats, scale: Floats) -> _Verdict:
     return _Verdict(value > noise, np.abs(value) <= noise)
 
 
-def speed_at_opening(start: Onset, other: Onset) -> Floats:
+def _speed_at_opening(start: Onset, other: Onset) -> Floats:
     """Speed of a slide where the opposite load window opens, own phase 3 pi/2 - c, Eq. (17) [load]."""
     return start.sin + other.sin - start.k * (np.pi + start.c - other.c)
 
 
-def speed_at_closing(start: Onset, other: Onset) -> Floats:
+def _speed_at_closing(start: Onset, other: Onset) -> Floats:
     """Speed of a slide where the opposite load window closes, own phase 3 pi/2 + c, Eq. (17) [load].
 
     For k < 0 the speed grows again behind 2 pi - asin|k|, and is looked at there if that comes first.
@@ -123,7 +121,7 @@ def _moving(speed: Floats, start: Onset, other: Onset) -> _Verdict:
 def slides_forward_only(scene: Loads, at: Margins) -> tuple[Bools, Bools]:
     """Whether the forward slide of a scene that slips both ways outlasts the back window, and if barely."""
     forward, back = (resting_start(scene, at, direction).onset for direction in (1, -1))
-    outlasts = _moving(speed_at_closing(forward, back), forward, back)
+    outlasts = _moving(_speed_at_closing(forward, back), forward, back)
     return outlasts.positive | outlasts.edge, outlasts.edge
 
 
@@ -262,7 +260,7 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
     """
     forward, back = resting_start(scene, at, 1), resting_start(scene, at, -1)
     (f_reaches, f_outlasts), (b_reaches, b_outlasts) = (
-        [_moving(speed(start, other), start, other) for speed in (speed_at_opening, speed_at_closing)]
+        [_moving(speed(start, other), start, other) for speed in (_speed_at_opening, _speed_at_closing)]
         for start, other in ((forward.onset, back.onset), (back.onset, forward.onset))
     )
     phases, restless = never_at_rest(scene, forward, back)
@@ -281,7 +279,8 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
     b_only = apart & (b_outlasts.positive | b_outlasts.edge)
     b_then_f = apart & b_reaches.positive & ~b_only
     f_and_b = apart & ~b_only & ~b_then_f
-    probe = f_only & ~restless.positive & b_reaches.positive & ~b_outlasts.positive
+    # Without kinetic friction other cycles are a neutral family: none attracts.
+    probe = f_only & ~restless.positive & b_reaches.positive & ~b_outlasts.positive & (forward.onset.k > 0.0)
     b = _legs(apart | probe, back)
     f_next = _legs(b_then_f | probe, forward, after=(back.onset, b))
 
@@ -311,7 +310,6 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
     # A disturbed body can settle elsewhere: F_ beside FB or F_B, and the mirrored pairs.
     probe &= 2.0 * f_next.x - f_next.c + back.onset.c < np.pi  # its forward slide ends before p_b
     out.coexists[:] = (f_only & (restless.positive | probe)) | ((never | f_then_b) & b_outlasts.positive)
-    out.coexists[:] |= b_only & restless.positive
     out.edge[:] = f_outlasts.edge | (~f_only & f_reaches.edge) | (meets & restless.edge)
     out.edge[:] |= apart & (b_reaches.edge | b_outlasts.edge)
     return out

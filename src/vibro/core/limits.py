@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from vibro.core.cycle import resting_start, speed_at_closing, speed_at_opening
 from vibro.core.groups import Loads, cosine_of_sum, take
-from vibro.core.onset import thresholds
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import ArrayLike
 
-    from vibro.core.slide import Floats, Onset
+    from vibro.core.slide import Floats
 
 __all__ = ["CriticalLoads", "critical_loads"]
-
-# [1] 1/G of the lower end of a bracket over that of the upper: s is then below 1e-9 at either onset, and
-# the speeds at the edges of the windows have their signs for G -> infinity.
-_SMALL: Final = 1e-9
 
 
 class CriticalLoads(NamedTuple):
@@ -71,10 +63,10 @@ def critical_loads(
     -----
     Hop and onsets are closed forms, Eqs. (4) and (5). Rest vanishes where both slides of the
     never-at-rest cycle start on their onsets, a closed form too, Eq. (21), since the shape of that
-    cycle does not depend on G; but not before a cycle with rest has given way to it. Back slip enters
-    at its onset, or where the forward slide stops outlasting the back window: the root of a speed in
-    a bracket that has both signs by Eq. (22), by Chandrupatla's method. Classes follow each other in
-    one order as G grows in every scene tried (tests/core/test_limits.py).
+    cycle does not depend on G; but not before back slip has entered. Back slip enters at its onset, or
+    where the forward slide stops outlasting the back window: the one root of a monotone function, Eq. (22),
+    in a bracket that has both signs, by Chandrupatla's method. The classes follow each other in one order
+    as G grows (theory.md, section 6; tests/core/test_limits.py).
     """
     fields = [
         np.asarray(a, np.float64) for a in (drive_angle, static_friction, kinetic_friction, trough_angle)
@@ -104,59 +96,55 @@ def _critical(unit: Loads) -> CriticalLoads:
             unit.along > lift, np.maximum(hold - unit.tangential, 0.0) / (unit.along - lift), np.inf
         )
     slips_both = np.isfinite(back) & (np.abs(unit.tangential) < hold)
-    start = np.maximum(forward, back)
 
-    # Back slip: the forward slide may outlast the back window for a while, or for ever if k <= 0.
+    # The forward slide may outlast the back window for a while, or for ever if nothing brakes it.
     back_slip = back.copy()
-    resists = unit.kinetic_friction * unit.normal + unit.tangential > 0.0
-    waits = np.flatnonzero(slips_both & (back > forward) & resists)
-    back_slip[slips_both & (back > forward) & ~resists] = np.inf
-    _advance(back_slip, waits, unit, speed_at_closing)
+    outlasts = slips_both & (back > forward)
+    braked = unit.kinetic_friction * unit.normal + unit.tangential > 0.0
+    back_slip[outlasts & ~braked] = np.inf
+    cells = np.flatnonzero(outlasts & braked)
+    if cells.size:
+        back_slip[cells] = _back_slip_enters(forward[cells], back[cells], _resistance(take(unit, cells)))
 
-    # Rest: the closed form, then until a cycle with rest has given way.
     vanishes = np.full(hop.shape, np.inf)
-    cells = np.flatnonzero(slips_both & np.isfinite(back_slip) & resists)
-    vanishes[cells] = np.maximum(_rest_vanishes(take(unit, cells)), start[cells])
-    cells = cells[np.isfinite(vanishes[cells])]
-    _advance(vanishes, cells, unit, lambda forward, back: -speed_at_opening(forward, back))
-    vanishes = np.maximum(vanishes, back_slip)
+    cells = np.flatnonzero(slips_both & braked)
+    vanishes[cells] = np.maximum(_rest_vanishes(take(unit, cells)), back_slip[cells])
     vanishes[np.abs(unit.tangential) >= hold] = 0.0
     return CriticalLoads(hop, forward, back, back_slip, vanishes)
 
 
-def _advance(limit: Floats, cells: np.ndarray, unit: Loads, speed: Callable[[Onset, Onset], Floats]) -> None:
-    """Raise limits to where a speed of the forward slide falls to zero, if it is positive at the limit."""
-    if not cells.size:
-        return
-    scenes = take(unit, cells)
+def _resistance(unit: Loads) -> Floats:
+    """G k of the forward slide, Eq. (3)."""
+    return (unit.kinetic_friction * unit.normal + unit.tangential) / (
+        unit.along + unit.kinetic_friction * unit.across
+    )
 
-    def value(weight: Floats, /, *members: Any) -> Floats:
-        return _edge_speed(weight, Loads(*members), speed)
 
-    high = 1.0 / limit[cells]
-    waits = np.flatnonzero(value(high, *scenes) > 0.0)
-    if waits.size:
+def _back_slip_enters(forward: Floats, back: Floats, resistance: Floats) -> Floats:
+    """Load from which the forward slide ends before the back window closes; at least the back onset."""
+
+    def speed(weight: Floats, forward: Floats, back: Floats, resistance: Floats) -> Floats:
+        """Speed of the forward slide where the back window closes, over 1/G, Eq. (22): monotone."""
+        s_f, s_b = weight * forward, np.minimum(weight * back, 1.0)
+        cosines = np.sqrt((1.0 - s_f) * (1.0 + s_f)) + np.sqrt((1.0 - s_b) * (1.0 + s_b))
+        gain: Floats = weight * (back - forward) * (back + forward) / cosines
+        loss: Floats = resistance * (np.pi + np.arccos(s_f) + np.arccos(s_b))
+        return gain - loss
+
+    limit = back.copy()
+    cells = np.flatnonzero(speed(1.0 / back, forward, back, resistance) > 0.0)
+    if cells.size:
         from scipy.optimize import elementwise  # late: most scenes do not need its import time
 
-        high = high[waits]
+        members = (forward[cells], back[cells], resistance[cells])
         root = elementwise.find_root(
-            value,
-            (_SMALL * high, high),
-            args=tuple(take(scenes, waits)),
+            speed,
+            (np.zeros(cells.size), 1.0 / back[cells]),
+            args=members,
             tolerances={"xatol": 0.0, "xrtol": 4 * 2.0**-52, "fatol": 0.0, "frtol": 0.0},
         )
-        limit[cells[waits]] = 1.0 / root.x
-
-
-def _edge_speed(weight: Floats, unit: Loads, speed: Callable[[Onset, Onset], Floats]) -> Floats:
-    """Speed of the forward slide from rest at an edge of the back window, at G = 1 / weight."""
-    scene = unit._replace(
-        normal=weight * unit.normal, tangential=weight * unit.tangential, contrast=weight * unit.contrast
-    )
-    margins = thresholds(scene).margins
-    # At a critical load itself a margin is zero up to rounding.
-    margins = margins._replace(forward=np.maximum(margins.forward, 0.0), back=np.maximum(margins.back, 0.0))
-    return speed(resting_start(scene, margins, 1).onset, resting_start(scene, margins, -1).onset)
+        limit[cells] = 1.0 / root.x
+    return limit
 
 
 def _rest_vanishes(unit: Loads) -> Floats:
@@ -166,9 +154,7 @@ def _rest_vanishes(unit: Loads) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
         turn = mu_d * mu_d * unit.across * unit.normal - unit.tangential * unit.along
         y = np.where(possible, 0.5 * np.pi * turn / (mu_d * unit.contrast), np.nan)
-    lift = mu_d * unit.across
-    k = (mu_d * unit.normal + unit.tangential) / (unit.along + lift)
-    middle = k * (0.5 * np.pi + y) / np.cos(y)  # G sin m
+    middle = _resistance(unit) * (0.5 * np.pi + y) / np.cos(y)  # G sin m
     drop = middle * np.sin(y)
     static = mu_s * unit.across
     forward = (mu_s * unit.normal + unit.tangential) / (unit.along + static)
