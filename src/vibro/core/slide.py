@@ -163,10 +163,10 @@ def slide(onset: Onset) -> Slide:
 
     Notes
     -----
-    For k >= 0, two steps of Halley's iteration on Eq. (12): from within 1.2 % the first leaves about
-    4e-6 at most, the second rounding errors. The second is applied to the displacement, Eq. (11), by its Taylor
-    series, whose first neglected term is of the same order; so the trigonometric functions are needed
-    only twice. For k < 0 (the trough steeper than the friction angle) see ``_slide_downhill``.
+    For k >= 0, two steps of Halley's iteration on Eq. (12): from within 1.2 % the first leaves at most
+    4e-6, the second rounding errors. The second is applied to the displacement, Eq. (11), by its Taylor
+    series, whose first neglected term is as small; so the trigonometric functions are needed only twice.
+    For k < 0 (the trough steeper than the friction angle) see ``_slide_downhill``.
     """
     downhill = onset.k < 0.0
     if not downhill.any():
