@@ -104,6 +104,25 @@ def test_an_axis_says_what_was_understood(text: str, name: str, echo: str) -> No
     assert str(parse_axis(text, QUANTITIES[name]).axis(7)) == echo
 
 
+@pytest.mark.parametrize(
+    "text", ["1:1.0000000000000001:3", "0.1:0.10000000000000001:log", "1,1.00000000000000000001"]
+)
+def test_values_that_doubles_cannot_tell_apart_are_refused(text: str) -> None:
+    spec = parse_axis(text, QUANTITIES["amplitude"])
+    with pytest.raises(InputError, match="too close for doubles"):
+        spec.axis(5)
+
+
+@pytest.mark.parametrize(
+    "text", ["1e-300:1e300:7:log", "1e-300:1e300:step=10:log", "-1e308:1e308:5", "1e-320:1e-310:3"]
+)
+def test_extreme_ranges_are_spelled_out(text: str) -> None:
+    values = values_of(text)
+    assert values[0] == float(text.split(":")[0])
+    assert values[-1] == pytest.approx(float(text.split(":")[1]), rel=1e-14)
+    assert values == sorted(set(values))
+
+
 def test_counts_left_open_depend_on_the_number_of_axes() -> None:
     assert [default_count(n) for n in (1, 2, 3, 4)] == [200, 100, 20, 20]
 

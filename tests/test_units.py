@@ -51,6 +51,7 @@ def test_a_number_is_read_in_the_default_unit(name: str, text: str, expected: fl
         ("frequency", "-INF", "frequency = -INF: must be a finite number", ""),
         ("frequency", "1e999", "must be a finite number", ""),
         ("frequency", "1e99999999999", "must be a finite number", ""),
+        ("amplitude", "1e308m", "must be a finite number", ""),
         ("frequency", "", "not a number", "write it like 1.5Hz"),
         ("amplitude", "1.2.3", "not a number", "write it like 1.5mm"),
         ("amplitude", "1,2", "not a number", "write a decimal point: 1.2"),

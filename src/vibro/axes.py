@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final
 
@@ -131,21 +132,30 @@ class AxisSpec:
             Every value is the double nearest to the exact one, so ``0.1:0.5:5`` holds 0.3, not
             0.30000000000000004. A geometric range is rounded to 15 digits.
         """
-        name = self.quantity.name
+        values = self._spelled_out(count)
+        if len(values) > 1 and not np.all(np.diff(values) > 0.0):
+            ends = f"{self.quantity.text(self.values[0])} ... {self.quantity.text(self.values[-1])}"
+            raise InputError(
+                f"{self.quantity.label} = {ends}: {len(values)} values are too close for doubles",
+                hint="ask for fewer values, or a wider range",
+            )
+        spacing = "list" if not self.is_range else "log" if self.log else "linear"
+        return Axis(self.quantity.name, values, spacing)
+
+    def _spelled_out(self, count: int) -> NDArray[np.float64]:
         if not self.is_range:
-            return Axis(name, np.array([float(v) for v in self.values]), "list")
+            return np.array([float(v) for v in self.values])
         n = self.count or count
         first, last = self.values
         if self.log:
             powers = np.geomspace(float(first), float(last), n)
             # 15 digits, so that 5:80:step=2:log holds 10, not 10.000000000000002.
-            return Axis(name, np.fromiter((float(f"{v:.15g}") for v in powers.tolist()), float, n), "log")
+            return np.fromiter((float(f"{v:.15g}") for v in powers.tolist()), float, n)
         # i-th value = (start + i step) / scale in whole numbers, whose quotient Python rounds correctly.
         scale = first.denominator * last.denominator * (n - 1)
         start = first.numerator * last.denominator * (n - 1)
         step = last.numerator * first.denominator - first.numerator * last.denominator
-        values = np.fromiter(((start + i * step) / scale for i in range(n)), float, n)
-        return Axis(name, values, "linear")
+        return np.fromiter(((start + i * step) / scale for i in range(n)), float, n)
 
 
 def default_count(varying: int) -> int:
@@ -256,8 +266,8 @@ def _stepped(
                 f"{quantity.label} = {text!r}: the step of a logarithmic range is a factor above 1"
             )
         # The quotient's rounding must not cost the last value of 5:80:step=2:log.
-        steps = int(math.log(last / first) / math.log(factor) + 1e-9)
-        end = Fraction(float(first) * float(factor) ** steps)
+        steps = int((math.log(last) - math.log(first)) / math.log(factor) + 1e-9)
+        end = Fraction(_decimal(first) * _decimal(factor) ** min(steps, MAX_VALUES))
     else:
         step = exact_number(step_text, quantity)
         if step <= 0:
@@ -268,6 +278,11 @@ def _stepped(
         raise InputError(f"{quantity.label} = {text!r}: the step is longer than the range")
     _refuse_too_many(text, quantity, steps + 1)
     return AxisSpec(quantity, (first, end), is_range=True, count=steps + 1, log=log)
+
+
+def _decimal(number: Fraction) -> Decimal:
+    """Return a number to 28 digits, whose powers neither grow as a fraction's do nor overflow."""
+    return Decimal(number.numerator) / Decimal(number.denominator)
 
 
 def _refuse_too_many(text: str, quantity: Quantity, count: int) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final
@@ -258,7 +259,11 @@ def exact_number(text: str, quantity: Quantity) -> Fraction:
     if not math.isfinite(rounded):
         raise InputError(f"{quantity.label} = {text}: must be a finite number")
     exact = Fraction(digits) if rounded else Fraction(0)
-    return exact * _unit_size(unit, text, quantity) if unit else exact
+    if unit:
+        exact *= _unit_size(unit, text, quantity)
+    if abs(exact) > sys.float_info.max:
+        raise InputError(f"{quantity.label} = {text}: must be a finite number")
+    return exact
 
 
 def _unit_size(unit: str, text: str, quantity: Quantity) -> Fraction:

@@ -133,3 +133,9 @@ def test_an_axis_among_the_options_sweeps(run: Run) -> None:
         "back-slip",
         "back-slip",
     ]
+
+
+def test_a_sweep_of_nothing_is_an_error(run: Run) -> None:
+    result = run("traverse-time", *NUT, "-L", "600", "--sweep")
+    assert result.exit_code == 2
+    assert result.stderr == "error: nothing varies\nhint: give an axis, for example -A 0.1:3:200\n"

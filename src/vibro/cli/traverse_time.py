@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibro.cli.options import Options  # typer reads the annotations
+from vibro.errors import InputError
 
 if TYPE_CHECKING:
     from vibro.cli.report import OneScene
@@ -31,6 +32,8 @@ def traverse_time_command(
     request = gather(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
     columns = columns_with(STROKES)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
+    if sweep and not request.varying:
+        raise InputError("nothing varies", hint="give an axis, for example -A 0.1:3:200")
     if not request.varying:
         return answer_one(make_grid(request), columns, options, context.obj, name, _report)
     console = Console(quiet=options.quiet)
