@@ -8,7 +8,6 @@ import io
 import re
 from collections import Counter
 from dataclasses import dataclass
-from itertools import islice
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -205,7 +204,7 @@ def _take_apart(path: Path, text: str) -> _Table:
         )
     above = [cells for _, cells in rows[:first]]
     data = rows[first:]
-    comma = any("," in cell for _, cells in islice(data, _LOOKED_AT) for cell in cells)
+    comma = any("," in cell for _, cells in data[:_LOOKED_AT] for cell in cells)
     headers = _headers(above)
     for row, cells in data:
         if any(cells[len(headers) :]):

@@ -1,0 +1,281 @@
+"""Where a record stands in the drive's cycle: the one unknown between a measurement and the model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from vibro.errors import InputError
+from vibro.folding import Folded, fold, independent_samples
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.measured import Record
+    from vibro.settled import SettledMotion
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Alignment", "Observation", "align", "computed", "data_frequency"]
+
+_GRID: Final = 512  # shifts that the search starts from
+# A misfit of zero would outweigh every other signal: none is taken below this part of the signal itself.
+_LEAST_MISFIT: Final = 1e-9
+# A computed motion that fits no place in the cycle better than this is the same everywhere: the body rests.
+_FLAT: Final = 1e-3
+# The fine search covers this part of the cycle to each side of the rough one, in so many steps.
+_SEARCHED: Final = 0.05
+_STEPS: Final = 41
+_SIGMAS: Final = 3.0  # within which a second place in the cycle fits as well
+_TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
+
+
+class Alignment(NamedTuple):
+    """Trough time of the record's clock.
+
+    Attributes
+    ----------
+    shift : float
+        Trough time at the clock's zero, in [0, period): the trough passes its middle upwards at trough
+        time 0 [s]. NaN where the computed motion is the same at any time.
+    error : float
+        Its standard error, for noise [s].
+    rivals : tuple of float
+        Other shifts that fit nearly as well [s].
+    """
+
+    shift: float
+    error: float
+    rivals: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """A record as the comparison uses it, in SI units.
+
+    Attributes
+    ----------
+    time : array
+        Ascending [s].
+    signals : mapping of str to array
+        ``displacement``, ``velocity``, ``acceleration`` relative to the trough and ``friction`` on the body per
+        unit mass, positive in the conveying direction; any subset.
+    frequency : float
+        Of the drive [Hz].
+    """
+
+    time: Floats
+    signals: Mapping[str, Floats]
+    frequency: float
+
+    @classmethod
+    def of(
+        cls, record: Record, frequency: float, *, mass: float | None = None, reverse: bool = False
+    ) -> Observation:
+        """Take what can be compared from a record.
+
+        Parameters
+        ----------
+        record : Record
+            With at least one signal.
+        frequency : float
+            Of the drive [Hz].
+        mass : float, optional
+            Of the body, without which forces cannot be compared [kg].
+        reverse : bool
+            Whether the record's axis points against the conveying direction.
+        """
+        sign = -1.0 if reverse else 1.0
+        signals = {name: sign * values for name, values in record.signals.items() if name != "force"}
+        if "force" in record.signals and mass is not None:
+            signals["friction"] = sign * record.signals["force"] / mass
+        if not signals:
+            raise InputError("the data hold a force alone, and the mass is unknown", hint="give --mass 0.02kg")
+        return cls(record.time, signals, frequency)
+
+    @property
+    def period(self) -> float:
+        """Of the drive [s]."""
+        return 1.0 / self.frequency
+
+    @cached_property
+    def sample_time(self) -> float:
+        """Usual step of the time [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    @cached_property
+    def folded(self) -> Mapping[str, Folded]:
+        """What each signal repeats in every cycle."""
+        return {
+            name: fold(self.time, values, self.frequency, _TRENDS[name])
+            for name, values in self.signals.items()
+        }
+
+    def residuals(self, motion: SettledMotion, shift: float, *, trend: bool = True) -> dict[str, Floats]:
+        """Measured minus computed, of each signal.
+
+        Parameters
+        ----------
+        motion : SettledMotion
+            The model.
+        shift : float
+            Trough time at the clock's zero [s].
+        trend : bool
+            Whether the growth of the displacement counts. Its zero never does: sensors have their own.
+        """
+        result = {}
+        for name, values in self.signals.items():
+            residual = values - computed(motion, name, self.time + shift, self.sample_time)
+            if name == "displacement":
+                residual = residual - residual.mean()
+                if not trend:
+                    time = self.time - self.time.mean()
+                    residual = residual - time * float(time @ residual) / float(time @ time)
+            result[name] = residual
+        return result
+
+    def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
+        """Return the best shift on a grid over the cycle, and half the log-likelihood loss at all of them.
+
+        All shifts cost one correlation of the folded signals. The trend does not count.
+        """
+        grid = np.arange(_GRID) * self.period / _GRID
+        loss = np.zeros(_GRID)
+        for name, folded in self.folded.items():
+            measured = folded.periodic(grid)
+            model = computed(motion, name, grid, self.sample_time)
+            if name == "displacement":
+                model = model - motion.advance * grid / self.period
+                model = model - model.mean()
+            else:
+                measured = measured + folded.coefficients[0]
+            both = np.fft.irfft(np.conj(np.fft.rfft(measured)) * np.fft.rfft(model), _GRID)
+            energy = float(measured @ measured + model @ model)
+            misfit = np.maximum(energy - 2.0 * both, 0.0) + _LEAST_MISFIT * energy
+            loss += 0.5 * self.time.size * np.log(misfit + np.finfo(float).tiny)
+        return float(grid[np.argmin(loss)]), loss
+
+
+def computed(motion: SettledMotion, name: str, time: Floats, sample_time: float) -> Floats:
+    """Return a signal of the model as a sensor samples it.
+
+    Accelerations and friction jump where a slide begins or ends: they are averaged over one sample, which no
+    record resolves, exactly, from the velocities at its ends.
+
+    Parameters
+    ----------
+    motion : SettledMotion
+        The model.
+    name : str
+        Of a signal of ``Observation``.
+    time : array
+        Trough times [s].
+    sample_time : float
+        Step of the record [s].
+    """
+    if name == "displacement":
+        return motion.displacement(time)
+    if name == "velocity":
+        return motion.velocity(time)
+    half = 0.5 * sample_time
+    acceleration = (motion.velocity(time + half) - motion.velocity(time - half)) / sample_time
+    return acceleration if name == "acceleration" else acceleration - motion.inertial(time)
+
+
+def align(observation: Observation, motion: SettledMotion) -> Alignment:
+    """Find the trough time of a record's clock.
+
+    One-dimensional search for the least mean absolute misfit, every signal weighing by its own; the growth of
+    the displacement does not count. Absolute, not squared, because friction that a solver or an elastic
+    body smooths misses the model most in the few samples where a slide begins or ends. The error is
+    where the (Laplace) likelihood has fallen by that of one sigma.
+
+    Parameters
+    ----------
+    observation : Observation
+        The record.
+    motion : SettledMotion
+        The model.
+
+    Returns
+    -------
+    Alignment
+        The best shift.
+    """
+    period = observation.period
+    rough, losses = observation.rough_shift(motion)
+    counts = {
+        name: independent_samples(observation.time, r, observation.frequency)
+        for name, r in observation.residuals(motion, rough, trend=False).items()
+    }
+    least = {name: _LEAST_MISFIT * float(np.abs(s).mean()) for name, s in observation.signals.items()}
+    if float(np.ptp(losses)) < _FLAT * observation.time.size:
+        return Alignment(math.nan, math.nan, ())
+    # The rough search took every sample for independent.
+    losses = losses * max(counts.values()) / observation.time.size
+
+    def loss(shift: float) -> float:
+        residuals = observation.residuals(motion, shift, trend=False)
+        return sum(
+            counts[name] * math.log(float(np.abs(r).mean()) + least[name] + np.finfo(float).tiny)
+            for name, r in residuals.items()
+        )
+
+    near = rough + period * np.linspace(-_SEARCHED, _SEARCHED, _STEPS)
+    place = float(near[np.argmin([loss(shift) for shift in near])])
+    step = float(near[1] - near[0])
+    best = minimize_scalar(
+        loss, bounds=(place - step, place + step), method="bounded", options={"xatol": 1e-9 * period}
+    )
+    shift, least_loss = float(best.x), float(best.fun)
+    error = 0.5 * sum(_reach(loss, shift, least_loss, way * period) for way in (1, -1))
+    low = (losses <= np.roll(losses, 1)) & (losses <= np.roll(losses, -1))
+    rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * _SIGMAS**2)) * period / _GRID
+    apart = np.abs((rivals - shift + 0.5 * period) % period - 0.5 * period) > _SEARCHED * period
+    return Alignment(shift % period, error, tuple(rivals[apart].tolist()))
+
+
+def _reach(loss: Callable[[float], float], shift: float, least: float, period: float) -> float:
+    """Distance to the side of the sign of ``period`` at which the log-likelihood has fallen by 1/2."""
+    near, far = 0.0, 1e-7 * period
+    while loss(shift + far) - least < 0.5:
+        near, far = far, 2.0 * far
+        if abs(far) > 0.5 * abs(period):
+            return 0.5 * abs(period)
+    for _ in range(20):
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if loss(shift + middle) - least < 0.5 else (near, middle)
+    return abs(far)
+
+
+def data_frequency(observation: Observation) -> float:
+    """Frequency at which the data repeat, near that of the drive [Hz].
+
+    The frequency of the largest fundamental within half to twice of the drive's.
+    """
+    name = next(n for n in ("velocity", "acceleration", "friction", "displacement") if n in observation.signals)
+    values, time = observation.signals[name], observation.time
+    span = float(time[-1] - time[0])
+    middle = (time - time.mean()) / span
+    power = 2 if name == "displacement" else 1
+    trend = np.vander(middle, power, increasing=True)
+    values = values - trend @ np.linalg.lstsq(trend, values, rcond=None)[0]
+
+    def strength(frequency: float) -> float:
+        turn = 2j * math.pi * frequency
+        return abs(complex(np.exp(-turn * time) @ values))
+
+    f = observation.frequency
+    grid = np.arange(0.5 * f, 2.0 * f, 0.25 / span)
+    peak = float(grid[np.argmax([strength(g) for g in grid])])
+    best = minimize_scalar(
+        lambda g: -strength(g), bounds=(peak - 0.25 / span, peak + 0.25 / span), method="bounded"
+    )
+    return float(best.x)

@@ -1,0 +1,291 @@
+"""A measured record beside the exact steady motion: what was measured, what is computed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.alignment import Alignment, Observation, align, computed, data_frequency
+from vibro.folding import Estimate
+from vibro.settled import SettledMotion, settled_motion
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.folding import Folded
+    from vibro.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Comparison", "Row", "compare"]
+
+_THRESHOLD: Final = 0.1  # of a slide's computed peak speed: where its start and end are told
+_FINE: Final = 4096  # points a cycle at which folded signals are searched
+_FOREIGN: Final = 0.05  # cycles by which drive and data may slip over the record
+_NAN: Final = Estimate(math.nan, math.nan)
+
+
+class Row(NamedTuple):
+    """One quantity, measured and computed.
+
+    Attributes
+    ----------
+    key : str
+        Name for tables.
+    label : str
+        Name in words.
+    unit : str
+        Unit in tables, to which the values are to be scaled.
+    kind : str
+        ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``: the values are in its SI unit.
+    measured : Estimate
+        With its standard error; NaN where the record does not tell.
+    computed : float
+        The model's value; NaN where there is none.
+    """
+
+    key: str
+    label: str
+    kind: str
+    measured: Estimate
+    computed: float
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A record and the model on one clock.
+
+    Attributes
+    ----------
+    observation : Observation
+        The record.
+    motion : SettledMotion
+        The model.
+    alignment : Alignment
+        Trough time of the record's clock.
+    rows : tuple of Row
+        What was measured and what is computed.
+    computed : mapping of str to array
+        The model's signals at the record's times, by the names of the measured ones; displacements share
+        their mean.
+    warnings : tuple of str
+        What casts doubt on the comparison.
+    """
+
+    observation: Observation
+    motion: SettledMotion
+    alignment: Alignment
+    rows: tuple[Row, ...]
+    computed: Mapping[str, Floats]
+    warnings: tuple[str, ...]
+
+
+def compare(scene: Scene, observation: Observation) -> Comparison:
+    """Compare a record with the steady motion of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of shape ().
+    observation : Observation
+        The record; its drive frequency is the scene's.
+
+    Returns
+    -------
+    Comparison
+        With the record's place in the cycle, unknown beforehand.
+
+    Raises
+    ------
+    InputError
+        If the record has too few cycles, or too few samples a cycle.
+    VibroError
+        If the scene has no steady motion.
+
+    Notes
+    -----
+    Mean values come from a regression on a trend and the harmonics of the drive (``folding``), so that whole
+    cycles are not needed. Peaks, starts and ends of slides come from its velocity. Errors are one
+    standard error of the noise, correlation allowed for.
+    """
+    motion = settled_motion(scene)
+    alignment = align(observation, motion)
+    # Any time of a body at rest is as good as any other.
+    shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
+    signals = {
+        name: computed(motion, name, observation.time + shift, observation.sample_time)
+        for name in observation.signals
+    }
+    if "displacement" in signals:
+        offset = float((observation.signals["displacement"] - signals["displacement"]).mean())
+        signals["displacement"] = signals["displacement"] + offset
+    rows = [*_means(observation, motion)]
+    velocity = _Velocity.of(observation, shift)
+    if velocity is not None:
+        rows += _speeds(velocity, motion, alignment)
+    rows += _misfits(observation, motion, shift)
+    return Comparison(
+        observation, motion, alignment, tuple(rows), signals, _warnings(observation, motion, alignment, signals)
+    )
+
+
+def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
+    """Advance, mean speed and its drift, from the best signal that tells them."""
+    folded = observation.folded
+    if "displacement" in folded:
+        mean = folded["displacement"].trend(1)
+        drift = _drift(observation, "displacement")
+    elif "velocity" in folded:
+        mean = folded["velocity"].trend(0)
+        drift = _drift(observation, "velocity")
+    else:
+        return []
+    period = observation.period
+    return [
+        Row("stroke_advance", "stroke advance", "displacement", _scaled(mean, period), motion.advance),
+        Row("mean_speed", "mean speed", "velocity", mean, motion.advance / period),
+        Row("drift", "drift of the mean speed over the record", "velocity", drift, 0.0),
+    ]
+
+
+def _drift(observation: Observation, name: str) -> Estimate:
+    """Change of the mean speed over the record."""
+    from vibro.folding import fold
+
+    power = 2 if name == "displacement" else 1
+    folded = fold(observation.time, observation.signals[name], observation.frequency, power + 1)
+    return _scaled(folded.trend(power), power * 2.0 * folded.half)
+
+
+def _scaled(estimate: Estimate, factor: float) -> Estimate:
+    return Estimate(estimate.value * factor, estimate.error * factor)
+
+
+@dataclass(frozen=True, eq=False)
+class _Velocity:
+    """The folded velocity over trough time, from a velocity or by differentiating a displacement."""
+
+    folded: Folded
+    derivative: int
+    mean: float
+    shift: float
+
+    @classmethod
+    def of(cls, observation: Observation, shift: float) -> _Velocity | None:
+        folded = observation.folded
+        if "velocity" in folded:
+            return cls(folded["velocity"], 0, folded["velocity"].trend(0).value, shift)
+        if "displacement" in folded:
+            return cls(folded["displacement"], 1, folded["displacement"].trend(1).value, shift)
+        return None
+
+    def at(self, time: Floats) -> Floats:
+        return self.mean + self.folded.periodic(time - self.shift, self.derivative)
+
+    def error(self, time: float) -> float:
+        return float(self.folded.error(np.array([time - self.shift]), self.derivative, self.derivative)[0])
+
+    def slope(self, time: float) -> float:
+        return float(self.folded.periodic(np.array([time - self.shift]), self.derivative + 1)[0])
+
+
+def _speeds(velocity: _Velocity, motion: SettledMotion, alignment: Alignment) -> list[Row]:
+    """Peak speed, the speed at rest, start and end of every slide."""
+    period = motion.period
+    cycle = np.arange(_FINE) * period / _FINE
+    measured, model = velocity.at(cycle), motion.velocity(cycle)
+    fastest = int(np.argmax(np.abs(measured)))
+    peak = Estimate(abs(float(measured[fastest])), velocity.error(float(cycle[fastest])))
+    rows = [Row("peak_speed", "peak speed", "velocity", peak, float(np.abs(model).max()))]
+    rest = _middle_of_rest(motion)
+    if rest is not None:
+        creep = Estimate(float(velocity.at(np.array([rest]))[0]), velocity.error(rest))
+        rows.append(Row("rest_speed", "speed in the middle of the rest", "velocity", creep, 0.0))
+    ways = [way for way, _, _ in motion.slides]
+    for way, start, end in motion.slides:
+        name = "forward" if way > 0 else "back"
+        fine = start + (end - start) * np.linspace(0.0, 1.0, _FINE)
+        level = _THRESHOLD * float(np.max(way * motion.velocity(fine)))
+        assert ways.count(way) == 1
+        for key, label, rising, inside in (("start", "starts", True, fine), ("end", "ends", False, fine[::-1])):
+            # Computed at the same level as measured, not at zero: like with like.
+            reached = float(inside[np.argmax(way * motion.velocity(inside) >= level)])
+            seen = _crossing(velocity, way, level, reached, rising, period)
+            error = math.hypot(seen.error, 0.0 if math.isnan(alignment.error) else alignment.error)
+            rows.append(
+                Row(
+                    f"{name}_slip_{key}",
+                    f"{name} slip {label} ({1e3 * level:.3g} mm/s)",
+                    "time",
+                    Estimate(seen.value, error),
+                    reached,
+                )
+            )
+    return rows
+
+
+def _middle_of_rest(motion: SettledMotion) -> float | None:
+    """Middle of the longest rest of a cycle, as a trough time [s]."""
+    if not motion.slides:
+        return None
+    longest, middle = 0.0, None
+    after = [*motion.slides[1:], motion.slides[0]]
+    for (_, _, end), (_, start, _) in zip(motion.slides, after, strict=True):
+        rest = (start - end) % motion.period
+        if longest < rest < motion.period * (1.0 - 1e-9) and rest > 1e-6 * motion.period:
+            longest, middle = rest, end + 0.5 * rest
+    return middle
+
+
+def _crossing(velocity: _Velocity, way: int, level: float, near: float, rising: bool, period: float) -> Estimate:
+    """Trough time nearest to ``near`` at which the folded velocity passes a level."""
+    time = near + period * (np.arange(_FINE + 1) / _FINE - 0.5)
+    above = way * velocity.at(time) >= level
+    passed = np.flatnonzero(above[1:] & ~above[:-1] if rising else above[:-1] & ~above[1:])
+    if not passed.size:
+        return _NAN
+    i = int(passed[np.argmin(np.abs(time[passed] - near))])
+    ends = way * velocity.at(time[i : i + 2])
+    at = float(time[i] + (time[i + 1] - time[i]) * (level - ends[0]) / (ends[1] - ends[0]))
+    slope = abs(velocity.slope(at))
+    return Estimate(at, velocity.error(at) / slope if slope else math.nan)
+
+
+def _misfits(observation: Observation, motion: SettledMotion, shift: float) -> list[Row]:
+    """Root mean squares of measured minus computed."""
+    rows = []
+    for trend in (True, False):
+        for name, residual in observation.residuals(motion, shift, trend=trend).items():
+            if trend or name == "displacement":
+                without = "" if trend else " without trend"
+                rms = Estimate(float(np.sqrt(np.mean(residual**2))), math.nan)
+                key = f"rms_{name}{without.replace(' ', '_')}"
+                rows.append(Row(key, f"RMS difference of {name}{without}", name, rms, math.nan))
+    return rows
+
+
+def _warnings(
+    observation: Observation, motion: SettledMotion, alignment: Alignment, model: Mapping[str, Floats]
+) -> tuple[str, ...]:
+    warnings = []
+    if math.isnan(alignment.shift):
+        warnings.append("the computed body rests: the data's place in the cycle cannot be found")
+    for rival in alignment.rivals:
+        warnings.append(f"the data fit nearly as well {1e3 * rival:.4g} ms after the trough's middle")
+    found = data_frequency(observation)
+    span = float(observation.time[-1] - observation.time[0])
+    if abs(found - observation.frequency) * span > _FOREIGN:
+        warnings.append(
+            f"the data repeat at {found:.5g} Hz, the drive of the scene at {observation.frequency:.5g} Hz"
+        )
+    advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
+    if advance * motion.advance < 0.0:
+        warnings.append("the data run against the computed direction: --reverse turns their axis round")
+    if "friction" in model and float(np.corrcoef(model["friction"], observation.signals["friction"])[0, 1]) < 0.0:
+        warnings.append("the friction has the opposite sign: it must be the force on the body, not on the trough")
+    return tuple(warnings)

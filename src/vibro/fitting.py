@@ -1,0 +1,326 @@
+"""Estimates of a scene's friction, amplitude and drive angle from a record, and what it cannot tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from vibro.errors import InputError, SceneError, VibroError
+from vibro.folding import independent_samples
+from vibro.scene import Scene
+from vibro.settled import settled_motion
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from vibro.alignment import Observation
+    from vibro.settled import SettledMotion
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
+
+FITTABLE: Final = ("static_friction", "kinetic_friction", "amplitude", "drive_angle")
+
+# Where each may lie, in SI units; an amplitude relative to the scene's.
+_BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
+    "static_friction": (1e-3, 3.0),
+    "kinetic_friction": (1e-3, 3.0),
+    "amplitude": (0.2, 5.0),
+    "drive_angle": (math.radians(0.5), math.radians(80.0)),
+}
+# Starts of the search, besides the scene's own values; kinetic friction over static.
+_STARTS: Final[Mapping[str, tuple[float, ...]]] = {
+    "static_friction": (0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0),
+    "kinetic_friction": (0.25, 0.5, 0.65, 0.75, 0.85, 0.95),
+    "amplitude": (0.6, 0.8, 1.0, 1.2, 1.5),
+    "drive_angle": tuple(math.radians(a) for a in (10.0, 20.0, 30.0, 40.0)),
+}
+_TRIED: Final = 3  # of the starts, the best
+_ROUNDS: Final = 4  # of weighing the signals by their misfit
+_STEP: Final = 1e-4  # relative, of the derivatives: the model's noise is 1e-15, its curvature of order 1
+_CONFIDENCE: Final = 1.96  # sigma, for 95 %
+# A combination known worse than this, one relative sigma, is not known.
+_UNKNOWN: Final = 0.3
+_SHARE: Final = 0.05  # of an unknown combination, which a parameter must have to be part of it
+_AT_LIMIT: Final = 1e-4  # relative distance
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One estimate.
+
+    Attributes
+    ----------
+    name : str
+        A field of ``Scene``.
+    value : float
+        The estimate [SI].
+    low, high : float
+        Its interval of 95 % confidence, for noise and misfit, not for what the model leaves out [SI]; NaN where
+        the data cannot identify it.
+    """
+
+    name: str
+    value: float
+    low: float
+    high: float
+
+    @property
+    def identified(self) -> bool:
+        """Whether the data tell it."""
+        return not math.isnan(self.low)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Estimates and what is to be known about them.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene with the estimates.
+    parameters : tuple of Parameter
+        In the order asked for.
+    statements : tuple of str
+        What each parameter is read from, and which ones the data cannot identify, and why.
+    """
+
+    scene: Scene
+    parameters: tuple[Parameter, ...]
+    statements: tuple[str, ...]
+
+
+class _Problem:
+    """Weighted residuals as a function of the free parameters, scaled to order 1, and the shift."""
+
+    def __init__(self, scene: Scene, observation: Observation, names: Sequence[str]) -> None:
+        self.observation = observation
+        self.names = tuple(names)
+        self.fixed = {
+            name: float(getattr(scene, name))
+            for name in (*FITTABLE, "frequency", "trough_angle", "gravity", "restitution")
+        }
+        self.weights = {
+            name: 1.0 / max(float(np.std(values)), np.finfo(float).tiny)
+            for name, values in observation.signals.items()
+        }
+        bounds = {name: _BOUNDS[name] for name in self.names}
+        if "amplitude" in bounds:
+            bounds["amplitude"] = tuple(self.fixed["amplitude"] * b for b in bounds["amplitude"])
+        if "drive_angle" in bounds:
+            highest = min(bounds["drive_angle"][1], 0.5 * math.pi - self.fixed["trough_angle"] - 1e-3)
+            bounds["drive_angle"] = (bounds["drive_angle"][0], highest)
+        # Kinetic friction never exceeds static: alone it is bounded, beside it the excess of static is free.
+        if self.names.count("static_friction") != self.names.count("kinetic_friction"):
+            if "static_friction" in bounds:
+                bounds["static_friction"] = (max(self.fixed["kinetic_friction"], 1e-3), _BOUNDS["static_friction"][1])
+            else:
+                bounds["kinetic_friction"] = (_BOUNDS["kinetic_friction"][0], self.fixed["static_friction"])
+        self.excess = {"static_friction", "kinetic_friction"} <= set(self.names)
+        if self.excess:
+            bounds["static_friction"] = (0.0, _BOUNDS["static_friction"][1])
+        self.bounds = np.array([bounds[name] for name in self.names]).T
+
+    def encode(self, values: Mapping[str, float]) -> Floats:
+        coded = dict(values)
+        if self.excess:
+            coded["static_friction"] -= coded["kinetic_friction"]
+        return np.array([coded[name] for name in self.names])
+
+    def decode(self, coded: Floats) -> dict[str, float]:
+        values = self.fixed | dict(zip(self.names, coded.tolist(), strict=True))
+        if self.excess:
+            values["static_friction"] += values["kinetic_friction"]
+        return values
+
+    def motion(self, values: Mapping[str, float]) -> SettledMotion | None:
+        try:
+            return settled_motion(Scene(**values))
+        except (SceneError, VibroError):
+            return None
+
+    def residuals(self, coded: Floats) -> dict[str, Floats]:
+        motion = self.motion(self.decode(coded[:-1]))
+        if motion is None:  # no steady motion there: as bad as no motion at all, and more
+            return {name: 2.0 * values for name, values in self.observation.signals.items()}
+        return self.observation.residuals(motion, float(coded[-1]) * self.observation.period)
+
+    def weighted(self, coded: Floats) -> Floats:
+        return np.concatenate([r * self.weights[name] for name, r in self.residuals(coded).items()])
+
+
+def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
+    """Estimate quantities of a scene from a record.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of shape (); it gives what is not estimated, and one start of the search.
+    observation : Observation
+        The record.
+    names : sequence of str
+        Some of ``FITTABLE``.
+
+    Returns
+    -------
+    Fit
+        By least squares over all signals, each weighing by its own misfit, and over the unknown trigger time.
+
+    Raises
+    ------
+    InputError
+        If a name is none of ``FITTABLE``, or is given twice.
+
+    Notes
+    -----
+    Identifiability: singular values of the sensitivities relative to each parameter, after the trigger time
+    has taken its part. A combination of parameters that the data leave free by more than 30 % is named.
+    """
+    for name in names:
+        if name not in FITTABLE or list(names).count(name) > 1:
+            raise InputError(
+                f"--fit {','.join(names)}: {name!r} cannot be estimated, or is named twice",
+                hint="choose from mu_s, mu_d, A and alpha",
+            )
+    problem = _Problem(scene, observation, names)
+    best = min((_refine(problem, start) for start in _starts(problem)), key=lambda found: found[0])[1]
+    for _ in range(_ROUNDS - 1):
+        _weigh(problem, best)
+        best = _refine(problem, best)[1]
+    _weigh(problem, best)
+    return _judge(problem, best)
+
+
+def _starts(problem: _Problem) -> list[Floats]:
+    """Return the best of a grid of parameters, and the scene's own, each with its best shift."""
+    grids = []
+    for name in FITTABLE:
+        own = problem.fixed[name]
+        if name not in problem.names:
+            grids.append((own,))
+        elif name == "amplitude":
+            grids.append(tuple(own * factor for factor in _STARTS[name]))
+        else:
+            grids.append(_STARTS[name])
+    candidates = [dict(zip(FITTABLE, point, strict=True)) for point in product(*grids)]
+    if "kinetic_friction" in problem.names:
+        for candidate in candidates:
+            candidate["kinetic_friction"] *= candidate["static_friction"]
+    found = []
+    for candidate in [{name: problem.fixed[name] for name in FITTABLE}, *candidates]:
+        values = problem.fixed | candidate
+        motion = problem.motion(values)
+        if motion is None or not motion.slides:
+            continue
+        shift, losses = problem.observation.rough_shift(motion)
+        coded = np.clip(problem.encode(values), *problem.bounds)
+        found.append((float(losses.min()), np.append(coded, shift / problem.observation.period)))
+    if not found:
+        values = problem.encode(problem.fixed)
+        return [np.append(np.clip(values, *problem.bounds), 0.0)]
+    own = found[0][1]
+    found.sort(key=lambda pair: pair[0])
+    return [own, *(start for _, start in found[:_TRIED])]
+
+
+def _refine(problem: _Problem, start: Floats) -> tuple[float, Floats]:
+    low = np.append(problem.bounds[0], -1.0)
+    high = np.append(problem.bounds[1], 2.0)
+    scale = np.append(np.maximum(np.abs(start[:-1]), 1e-3), 0.01)
+    inside = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+    result = least_squares(
+        problem.weighted, inside, "3-point", (low, high), x_scale=scale, diff_step=_STEP, xtol=1e-10, ftol=1e-10
+    )
+    return float(result.cost), np.asarray(result.x)
+
+
+def _weigh(problem: _Problem, coded: Floats) -> None:
+    """Let every signal weigh by its misfit and its number of independent samples."""
+    observation = problem.observation
+    for name, residual in problem.residuals(coded).items():
+        variance = float(np.mean(residual**2)) + 1e-18 * float(np.var(observation.signals[name]))
+        count = independent_samples(observation.time, residual, observation.frequency)
+        problem.weights[name] = math.sqrt(count / residual.size / max(variance, np.finfo(float).tiny))
+
+
+def _judge(problem: _Problem, best: Floats) -> Fit:
+    """Confidence intervals, and what cannot be identified."""
+    values = problem.decode(best[:-1])
+    steps = np.append(np.maximum(np.abs(best[:-1]), 1e-3), 1.0) * _STEP
+    jacobian = np.stack(
+        [(problem.weighted(best + e) - problem.weighted(best - e)) / (2.0 * e.sum()) for e in np.diag(steps)], axis=1
+    )
+    if problem.excess:  # from (excess, kinetic) to (static, kinetic)
+        s, k = problem.names.index("static_friction"), problem.names.index("kinetic_friction")
+        jacobian[:, k] -= jacobian[:, s]
+    clock = jacobian[:, -1:]
+    power = float((clock**2).sum())
+    free = jacobian[:, :-1]
+    if power > 0.0:
+        free = free - clock @ (clock.T @ free) / power
+    sizes = np.array([abs(values[name]) for name in problem.names])
+    _, singular, directions = np.linalg.svd(free * sizes, full_matrices=False)
+    unknown = singular * _UNKNOWN < 1.0
+    groups = [
+        tuple(name for name, share in zip(problem.names, direction, strict=True) if abs(share) > _SHARE)
+        for direction in directions[unknown]
+    ]
+    # What the data leave free is still within a factor of about two.
+    spreads = 1.0 / np.maximum(singular, 1.0)
+    relative = np.sqrt(((directions * spreads[:, None]) ** 2).sum(axis=0))
+    lost = {name for name, error in zip(problem.names, relative, strict=True) if error > _UNKNOWN}
+    errors = sizes * relative
+    parameters = []
+    for name, error in zip(problem.names, errors.tolist(), strict=True):
+        half = math.nan if name in lost else _CONFIDENCE * error
+        parameters.append(Parameter(name, values[name], values[name] - half, values[name] + half))
+    motion = problem.motion(values)
+    statements = _statements(problem, best, motion.pattern if motion else "", groups, lost)
+    return Fit(Scene(**values), tuple(parameters), tuple(statements))
+
+
+_SYMBOLS: Final = {"static_friction": "mu_s", "kinetic_friction": "mu_d", "amplitude": "A", "drive_angle": "alpha"}
+
+
+def _statements(
+    problem: _Problem, best: Floats, pattern: str, groups: Sequence[tuple[str, ...]], lost: set[str]
+) -> list[str]:
+    statements = []
+    told = [name for name in ("static_friction", "kinetic_friction") if name in problem.names and name not in lost]
+    if pattern and "_" in pattern and pattern != "_" and told:
+        effects = {"static_friction": "mu_s sets the start of a slide", "kinetic_friction": "mu_d its end"}
+        if told == ["kinetic_friction"]:
+            effects["kinetic_friction"] = "mu_d sets the end of a slide"
+        statements.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
+    for group in groups:
+        symbols = " and ".join(_SYMBOLS[name] for name in group)
+        if pattern == "_" or not pattern:
+            statements.append(f"the data cannot identify {symbols}: the fitted body rests")
+        elif group == ("static_friction",) and "_" not in pattern:
+            statements.append(
+                f"the data cannot identify mu_s: in pattern {pattern} the body never rests, and mu_s has no effect at all"
+            )
+        elif len(group) == 1:
+            statements.append(f"the data cannot identify {symbols}: its effect drowns in the misfit")
+        else:
+            statements.append(
+                f"the data cannot tell {symbols} apart: their effects cancel; give one of them"
+            )
+    for name, value, low, high in zip(problem.names, best[:-1], *problem.bounds, strict=True):
+        if name in lost:
+            continue
+        if value - low < _AT_LIMIT * (high - low):
+            limit = "mu_d = mu_s" if name == "static_friction" else "the lowest value tried"
+            statements.append(f"{_SYMBOLS[name]} is at its limit, {limit}")
+        elif high - value < _AT_LIMIT * (high - low):
+            limit = "mu_d = mu_s" if name == "kinetic_friction" and not problem.excess else "the highest value tried"
+            statements.append(f"{_SYMBOLS[name]} is at its limit, {limit}")
+    return statements
