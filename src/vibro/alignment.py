@@ -65,8 +65,8 @@ class Observation:
     time : array
         Ascending [s].
     signals : mapping of str to array
-        ``displacement``, ``velocity``, ``acceleration`` relative to the trough and ``friction`` on the body per
-        unit mass, positive in the conveying direction; any subset.
+        ``displacement``, ``velocity``, ``acceleration`` relative to the trough and ``friction`` on the body
+        per unit mass, positive in the conveying direction; any subset.
     frequency : float
         Of the drive [Hz].
     """
@@ -97,7 +97,9 @@ class Observation:
         if "force" in record.signals and mass is not None:
             signals["friction"] = sign * record.signals["force"] / mass
         if not signals:
-            raise InputError("the data hold a force alone, and the mass is unknown", hint="give --mass 0.02kg")
+            raise InputError(
+                "the data hold a force alone, and the mass is unknown", hint="give --mass 0.02kg"
+            )
         return cls(record.time, signals, frequency)
 
     @property
@@ -260,7 +262,9 @@ def data_frequency(observation: Observation) -> float:
 
     The frequency of the largest fundamental within half to twice of the drive's.
     """
-    name = next(n for n in ("velocity", "acceleration", "friction", "displacement") if n in observation.signals)
+    name = next(
+        n for n in ("velocity", "acceleration", "friction", "displacement") if n in observation.signals
+    )
     values, time = observation.signals[name], observation.time
     span = float(time[-1] - time[0])
     middle = (time - time.mean()) / span

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.alignment import Alignment, Observation, align, computed, data_frequency
-from vibro.folding import Estimate
+from vibro.folding import Estimate, fold
 from vibro.settled import SettledMotion, settled_motion
 
 if TYPE_CHECKING:
@@ -39,10 +39,8 @@ class Row(NamedTuple):
         Name for tables.
     label : str
         Name in words.
-    unit : str
-        Unit in tables, to which the values are to be scaled.
     kind : str
-        ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``: the values are in its SI unit.
+        ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``: values are in SI units.
     measured : Estimate
         With its standard error; NaN where the record does not tell.
     computed : float
@@ -130,7 +128,12 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
         rows += _speeds(velocity, motion, alignment)
     rows += _misfits(observation, motion, shift)
     return Comparison(
-        observation, motion, alignment, tuple(rows), signals, _warnings(observation, motion, alignment, signals)
+        observation,
+        motion,
+        alignment,
+        tuple(rows),
+        signals,
+        _warnings(observation, motion, alignment, signals),
     )
 
 
@@ -155,8 +158,6 @@ def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
 
 def _drift(observation: Observation, name: str) -> Estimate:
     """Change of the mean speed over the record."""
-    from vibro.folding import fold
-
     power = 2 if name == "displacement" else 1
     folded = fold(observation.time, observation.signals[name], observation.frequency, power + 1)
     return _scaled(folded.trend(power), power * 2.0 * folded.half)
@@ -212,7 +213,10 @@ def _speeds(velocity: _Velocity, motion: SettledMotion, alignment: Alignment) ->
         fine = start + (end - start) * np.linspace(0.0, 1.0, _FINE)
         level = _THRESHOLD * float(np.max(way * motion.velocity(fine)))
         assert ways.count(way) == 1
-        for key, label, rising, inside in (("start", "starts", True, fine), ("end", "ends", False, fine[::-1])):
+        for key, label, rising, inside in (
+            ("start", "starts", True, fine),
+            ("end", "ends", False, fine[::-1]),
+        ):
             # Computed at the same level as measured, not at zero: like with like.
             reached = float(inside[np.argmax(way * motion.velocity(inside) >= level)])
             seen = _crossing(velocity, way, level, reached, rising, period)
@@ -242,7 +246,9 @@ def _middle_of_rest(motion: SettledMotion) -> float | None:
     return middle
 
 
-def _crossing(velocity: _Velocity, way: int, level: float, near: float, rising: bool, period: float) -> Estimate:
+def _crossing(
+    velocity: _Velocity, way: int, level: float, near: float, rising: bool, period: float
+) -> Estimate:
     """Trough time nearest to ``near`` at which the folded velocity passes a level."""
     time = near + period * (np.arange(_FINE + 1) / _FINE - 0.5)
     above = way * velocity.at(time) >= level
@@ -286,6 +292,11 @@ def _warnings(
     advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
     if advance * motion.advance < 0.0:
         warnings.append("the data run against the computed direction: --reverse turns their axis round")
-    if "friction" in model and float(np.corrcoef(model["friction"], observation.signals["friction"])[0, 1]) < 0.0:
-        warnings.append("the friction has the opposite sign: it must be the force on the body, not on the trough")
+    if (
+        "friction" in model
+        and float(np.corrcoef(model["friction"], observation.signals["friction"])[0, 1]) < 0.0
+    ):
+        warnings.append(
+            "the friction has the opposite sign: it must be the force on the body, not on the trough"
+        )
     return tuple(warnings)

@@ -51,6 +51,7 @@ _CONFIDENCE: Final = 1.96  # sigma, for 95 %
 _UNKNOWN: Final = 0.3
 _SHARE: Final = 0.05  # of an unknown combination, which a parameter must have to be part of it
 _AT_LIMIT: Final = 1e-4  # relative distance
+_HALVINGS: Final = 20
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,8 @@ class Parameter:
     value : float
         The estimate [SI].
     low, high : float
-        Its interval of 95 % confidence, for noise and misfit, not for what the model leaves out [SI]; NaN where
-        the data cannot identify it.
+        Its interval of 95 % confidence [SI], for noise and misfit, not for what the model leaves out; NaN
+        where the data cannot identify it.
     """
 
     name: str
@@ -112,21 +113,20 @@ class _Problem:
             name: 1.0 / max(float(np.std(values)), np.finfo(float).tiny)
             for name, values in observation.signals.items()
         }
-        bounds = {name: _BOUNDS[name] for name in self.names}
+        bounds = {name: list(_BOUNDS[name]) for name in self.names}
         if "amplitude" in bounds:
-            bounds["amplitude"] = tuple(self.fixed["amplitude"] * b for b in bounds["amplitude"])
+            bounds["amplitude"] = [self.fixed["amplitude"] * b for b in bounds["amplitude"]]
         if "drive_angle" in bounds:
-            highest = min(bounds["drive_angle"][1], 0.5 * math.pi - self.fixed["trough_angle"] - 1e-3)
-            bounds["drive_angle"] = (bounds["drive_angle"][0], highest)
-        # Kinetic friction never exceeds static: alone it is bounded, beside it the excess of static is free.
-        if self.names.count("static_friction") != self.names.count("kinetic_friction"):
-            if "static_friction" in bounds:
-                bounds["static_friction"] = (max(self.fixed["kinetic_friction"], 1e-3), _BOUNDS["static_friction"][1])
-            else:
-                bounds["kinetic_friction"] = (_BOUNDS["kinetic_friction"][0], self.fixed["static_friction"])
-        self.excess = {"static_friction", "kinetic_friction"} <= set(self.names)
-        if self.excess:
-            bounds["static_friction"] = (0.0, _BOUNDS["static_friction"][1])
+            upright = 0.5 * math.pi - self.fixed["trough_angle"]
+            bounds["drive_angle"][1] = min(bounds["drive_angle"][1], upright - _BOUNDS["drive_angle"][0])
+        # Kinetic friction never exceeds static: beside it, the excess of static friction is what is free.
+        self.excess = {"static_friction", "kinetic_friction"} <= bounds.keys()
+        self.equality = ("kinetic_friction", "highest")
+        if "static_friction" in bounds:
+            self.equality = ("static_friction", "lowest")
+            bounds["static_friction"][0] = 0.0 if self.excess else self.fixed["kinetic_friction"]
+        elif "kinetic_friction" in bounds:
+            bounds["kinetic_friction"][1] = self.fixed["static_friction"]
         self.bounds = np.array([bounds[name] for name in self.names]).T
 
     def encode(self, values: Mapping[str, float]) -> Floats:
@@ -201,7 +201,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
 
 def _starts(problem: _Problem) -> list[Floats]:
     """Return the best of a grid of parameters, and the scene's own, each with its best shift."""
-    grids = []
+    grids: list[tuple[float, ...]] = []
     for name in FITTABLE:
         own = problem.fixed[name]
         if name not in problem.names:
@@ -214,7 +214,7 @@ def _starts(problem: _Problem) -> list[Floats]:
     if "kinetic_friction" in problem.names:
         for candidate in candidates:
             candidate["kinetic_friction"] *= candidate["static_friction"]
-    found = []
+    found: list[tuple[float, Floats]] = []
     for candidate in [{name: problem.fixed[name] for name in FITTABLE}, *candidates]:
         values = problem.fixed | candidate
         motion = problem.motion(values)
@@ -224,11 +224,10 @@ def _starts(problem: _Problem) -> list[Floats]:
         coded = np.clip(problem.encode(values), *problem.bounds)
         found.append((float(losses.min()), np.append(coded, shift / problem.observation.period)))
     if not found:
-        values = problem.encode(problem.fixed)
-        return [np.append(np.clip(values, *problem.bounds), 0.0)]
-    own = found[0][1]
+        return [np.append(np.clip(problem.encode(problem.fixed), *problem.bounds), 0.0)]
+    scenes_own = found[0][1]
     found.sort(key=lambda pair: pair[0])
-    return [own, *(start for _, start in found[:_TRIED])]
+    return [scenes_own, *(start for _, start in found[:_TRIED])]
 
 
 def _refine(problem: _Problem, start: Floats) -> tuple[float, Floats]:
@@ -237,7 +236,14 @@ def _refine(problem: _Problem, start: Floats) -> tuple[float, Floats]:
     scale = np.append(np.maximum(np.abs(start[:-1]), 1e-3), 0.01)
     inside = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
     result = least_squares(
-        problem.weighted, inside, "3-point", (low, high), x_scale=scale, diff_step=_STEP, xtol=1e-10, ftol=1e-10
+        problem.weighted,
+        inside,
+        "3-point",
+        (low, high),
+        x_scale=scale,
+        diff_step=np.full(scale.size, _STEP),
+        xtol=1e-10,
+        ftol=1e-10,
     )
     return float(result.cost), np.asarray(result.x)
 
@@ -256,7 +262,8 @@ def _judge(problem: _Problem, best: Floats) -> Fit:
     values = problem.decode(best[:-1])
     steps = np.append(np.maximum(np.abs(best[:-1]), 1e-3), 1.0) * _STEP
     jacobian = np.stack(
-        [(problem.weighted(best + e) - problem.weighted(best - e)) / (2.0 * e.sum()) for e in np.diag(steps)], axis=1
+        [(problem.weighted(best + e) - problem.weighted(best - e)) / (2.0 * e.sum()) for e in np.diag(steps)],
+        axis=1,
     )
     if problem.excess:  # from (excess, kinetic) to (static, kinetic)
         s, k = problem.names.index("static_friction"), problem.names.index("kinetic_friction")
@@ -287,40 +294,57 @@ def _judge(problem: _Problem, best: Floats) -> Fit:
     return Fit(Scene(**values), tuple(parameters), tuple(statements))
 
 
-_SYMBOLS: Final = {"static_friction": "mu_s", "kinetic_friction": "mu_d", "amplitude": "A", "drive_angle": "alpha"}
+_SYMBOLS: Final = {
+    "static_friction": "mu_s",
+    "kinetic_friction": "mu_d",
+    "amplitude": "A",
+    "drive_angle": "alpha",
+}
 
 
 def _statements(
     problem: _Problem, best: Floats, pattern: str, groups: Sequence[tuple[str, ...]], lost: set[str]
 ) -> list[str]:
+    """Say what is read from where, what cannot be, and what ended at a bound."""
+    values = problem.decode(best[:-1])
+    names = problem.names
+    if "F" not in pattern and "B" not in pattern:
+        said = ", ".join(_SYMBOLS[name] for name in names if name in lost)
+        return [f"the fitted body rests: beyond that, the data cannot identify {said}"] if said else []
     statements = []
-    told = [name for name in ("static_friction", "kinetic_friction") if name in problem.names and name not in lost]
-    if pattern and "_" in pattern and pattern != "_" and told:
+    rests = "_" in pattern
+    told = [name for name in ("static_friction", "kinetic_friction") if name in names and name not in lost]
+    if rests and told:
         effects = {"static_friction": "mu_s sets the start of a slide", "kinetic_friction": "mu_d its end"}
         if told == ["kinetic_friction"]:
             effects["kinetic_friction"] = "mu_d sets the end of a slide"
         statements.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
     for group in groups:
         symbols = " and ".join(_SYMBOLS[name] for name in group)
-        if pattern == "_" or not pattern:
-            statements.append(f"the data cannot identify {symbols}: the fitted body rests")
-        elif group == ("static_friction",) and "_" not in pattern:
+        if group == ("static_friction",) and not rests:
+            highest = _highest_static_friction(problem, values, pattern)
             statements.append(
-                f"the data cannot identify mu_s: in pattern {pattern} the body never rests, and mu_s has no effect at all"
+                f"the data cannot identify mu_s: in pattern {pattern} the body never rests, and mu_s has no"
+                f" effect at all, from mu_d up to {highest:.4g}"
             )
         elif len(group) == 1:
             statements.append(f"the data cannot identify {symbols}: its effect drowns in the misfit")
         else:
-            statements.append(
-                f"the data cannot tell {symbols} apart: their effects cancel; give one of them"
-            )
-    for name, value, low, high in zip(problem.names, best[:-1], *problem.bounds, strict=True):
-        if name in lost:
-            continue
-        if value - low < _AT_LIMIT * (high - low):
-            limit = "mu_d = mu_s" if name == "static_friction" else "the lowest value tried"
-            statements.append(f"{_SYMBOLS[name]} is at its limit, {limit}")
-        elif high - value < _AT_LIMIT * (high - low):
-            limit = "mu_d = mu_s" if name == "kinetic_friction" and not problem.excess else "the highest value tried"
-            statements.append(f"{_SYMBOLS[name]} is at its limit, {limit}")
+            statements.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")
+    for name, value, low, high in zip(names, best[:-1], *problem.bounds, strict=True):
+        for distance, limit in ((value - low, "lowest"), (high - value, "highest")):
+            if name not in lost and distance < _AT_LIMIT * (high - low):
+                equal = (name, limit) == problem.equality
+                which = "mu_d = mu_s" if equal else f"the {limit} value that is tried"
+                statements.append(f"{_SYMBOLS[name]} is at its limit, {which}")
     return statements
+
+
+def _highest_static_friction(problem: _Problem, values: Mapping[str, float], pattern: str) -> float:
+    """Largest static friction at which the fitted pattern stays, by bisection."""
+    low, high = values["static_friction"], 2.0 * _BOUNDS["static_friction"][1]
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        motion = problem.motion({**values, "static_friction": middle})
+        low, high = (middle, high) if motion and motion.pattern == pattern else (low, middle)
+    return low
