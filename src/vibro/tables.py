@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
@@ -12,14 +14,17 @@ from vibro.core.codes import MODELS, PATTERNS, Regime, Status
 from vibro.units import QUANTITIES, from_si, to_si
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     import pandas as pd
     from numpy.typing import NDArray
 
     from vibro.sweep import Block
 
-__all__ = ["COLUMNS", "STROKES", "Column", "CsvFormat", "columns_with", "record", "to_frame"]
+__all__ = ["COLUMNS", "STROKES", "Column", "CsvFormat", "TableColumns", "columns_with", "record", "to_frame"]
+
+# Numbers, or texts, by their header.
+TableColumns: TypeAlias = "Mapping[str, NDArray[np.float64] | Sequence[str]]"
 
 
 @dataclass(frozen=True)
@@ -139,6 +144,30 @@ class CsvFormat:
         cells = [self._cells(column, block) for column in columns]
         return "\n".join(map(self.separator.join, zip(*cells, strict=True))) + "\n"
 
+    def table(self, columns: TableColumns) -> str:
+        """Return a whole table of columns of equal length.
+
+        Parameters
+        ----------
+        columns : mapping of str to array or sequence of str
+            By their header.
+
+        Returns
+        -------
+        str
+            Numbers as ``rows`` writes them. Texts are quoted where they must be, and those that a spreadsheet
+            would take for a formula begin with an apostrophe.
+        """
+        stream = io.StringIO()
+        writer = csv.writer(stream, delimiter=self.separator, lineterminator="\n")
+        writer.writerow([_harmless(name) for name in columns])
+        cells = [
+            self._numbers(values) if isinstance(values, np.ndarray) else list(map(_harmless, values))
+            for values in columns.values()
+        ]
+        writer.writerows(zip(*cells, strict=True))
+        return ("\ufeff" if self.excel else "") + stream.getvalue()
+
     def _cells(self, column: Column, block: Block) -> list[str]:
         values = column.values(block)
         # Only the values that differ are converted: an axis has few, however many cells there are.
@@ -155,6 +184,10 @@ class CsvFormat:
         for i in np.flatnonzero(values == np.trunc(values)):
             texts[i] = texts[i].removesuffix(".0")
         return [text.replace(".", ",") for text in texts] if self.decimal_comma else texts
+
+
+def _harmless(text: str) -> str:
+    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
 
 
 def record(columns: Sequence[Column], block: Block, index: int = 0) -> dict[str, float | str | None]:

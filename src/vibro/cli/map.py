@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from vibro.cli.console import Console
-from vibro.cli.options import Options  # typer reads the annotations
+from vibro.cli.options import Options, picture_formats
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ __all__ = ["map_command"]
 
 # Swept where they are not given. Friction and drive angle are never invented.
 _RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
-_FORMATS: Final = ("png", "svg", "pdf")
 _SHORT_NAMES: Final = {
     "a": "amplitude",
     "f": "frequency",
@@ -64,7 +63,7 @@ def map_command(
     from vibro.tables import COLUMNS
 
     console = Console(quiet=options.quiet)
-    wanted = _formats(formats)
+    wanted = picture_formats(formats)
     request = gather(options, context.obj, reads_map=True, takes_axes=True, ranges=_RANGES)
     grid = make_grid(request, console)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
@@ -85,17 +84,6 @@ def map_command(
     names = (["regime"] if view.y else []) + ["speed"] + (["traverse"] if grid.length is not None else [])
     pictures = Pictures(names, wanted, draw)
     return write_sweep(grid, COLUMNS, options, context.obj, console, name, pictures)
-
-
-def _formats(text: str) -> list[str]:
-    names = list(dict.fromkeys(name.strip().casefold() for name in text.split(",")))
-    for name in names:
-        if name not in _FORMATS:
-            raise InputError(
-                f"--format {text}: {name!r} is not a format of pictures",
-                hint=f"they are {', '.join(_FORMATS)}",
-            )
-    return names
 
 
 def _axis_name(text: str) -> str:

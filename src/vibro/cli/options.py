@@ -6,14 +6,18 @@ import functools
 import inspect
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
 import typer
+
+from vibro.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Options", "print_version", "shares_options"]
+__all__ = ["Options", "picture_formats", "print_version", "shares_options"]
+
+_FORMATS: Final = ("png", "svg", "pdf")
 
 
 def print_version(wanted: bool) -> None:
@@ -23,6 +27,18 @@ def print_version(wanted: bool) -> None:
 
         print(f"vibro {__version__}")
         raise typer.Exit
+
+
+def picture_formats(text: str) -> list[str]:
+    """Read the formats that pictures are to have, such as ``png,svg``."""
+    names = list(dict.fromkeys(name.strip().casefold() for name in text.split(",")))
+    for name in names:
+        if name not in _FORMATS:
+            raise InputError(
+                f"--format {text}: {name!r} is not a format of pictures",
+                hint=f"they are {', '.join(_FORMATS)}",
+            )
+    return names
 
 
 def _quantity(*names: str, text: str, metavar: str = "VALUE") -> Any:
