@@ -64,3 +64,22 @@ def random_scenes(
     hop = np.cos(np.radians(trough)) / np.sin(np.radians(drive))
     load = np.exp(random.uniform(np.log(0.05), np.log(0.999 * hop)))
     return at_load(load, drive, mu_s, mu_s * random.uniform(least_ratio, 1.0, count), trough)
+
+
+def groups_of(scene: vibro.Scene) -> list[Groups]:
+    """List the groups of scenes, one by one."""
+    load = scene.amplitude * (2.0 * np.pi * scene.frequency) ** 2 / scene.gravity
+    fields = (
+        load,
+        np.degrees(scene.drive_angle),
+        scene.static_friction,
+        scene.kinetic_friction,
+        np.degrees(scene.trough_angle),
+    )
+    columns = (np.broadcast_to(x, scene.shape).tolist() for x in fields)
+    return [Groups(*row) for row in zip(*columns, strict=True)]
+
+
+def solve_one(groups: Groups) -> vibro.SteadyCycle:
+    """Solve the scene of some groups."""
+    return vibro.solve(at_load(*groups))
