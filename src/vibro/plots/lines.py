@@ -144,7 +144,7 @@ def _shade(axes: Axes, bands: list[_Band], legend: dict[str, dict[str, Any]]) ->
         style = band.style
         if "hatch" not in style:
             style = {**style, "alpha": _TINT, "linewidth": 0.0}
-        axes.axvspan(band.low, band.high, zorder=0, gid=f"band {band.name}", **style)
+        axes.axvspan(band.low, band.high, zorder=0, gid=band.name, **style)
         extra = [(COEXISTS_LABEL, COEXISTS_HATCH)] if band.coexists else []
         if band.unanswered is Status.FLIGHT_NOT_MODELLED:
             extra.append((band.unanswered.label.replace("-", " "), NO_ANSWER_HATCH[band.unanswered]))
@@ -173,6 +173,7 @@ def _line(axes: Axes, fields: Fields, values: Floats) -> None:
         np.insert(values, jumps, np.nan),
         color=INK,
         linewidth=1.8,
+        gid="numbers",
         zorder=3,
     )
     finite = values[np.isfinite(values)]
@@ -193,7 +194,7 @@ def _name_bands(figure: Figure, strip: Axes, bands: list[_Band]) -> dict[str, di
     for name, group in groupby(bands, key=lambda band: band.name):
         run = list(group)
         low, high, style = run[0].low, run[-1].high, run[0].style
-        strip.axvspan(low, high, gid=f"strip {name}", **{"linewidth": 0.0, **style})
+        strip.axvspan(low, high, gid=name, **{"linewidth": 0.0, **style})
         left, right = to_pixels.transform([(low, 0.0), (high, 0.0)])[:, 0]
         middle = to_pixels.inverted().transform((0.5 * (left + right), 0.0))[0]
         text = strip.text(

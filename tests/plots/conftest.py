@@ -1,0 +1,59 @@
+"""Pictures that several tests look at."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from drawn import OWN, sweep
+
+from vibro.plots import map_figures
+from vibro.sweep import SweepResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@pytest.fixture(scope="session")
+def nut() -> SweepResult:
+    return sweep(own=OWN, length=600, amplitude="0.1:3", frequency="5:60")
+
+
+@pytest.fixture(scope="session")
+def pictures(nut: SweepResult) -> dict[str, Figure]:
+    return map_figures(nut)
+
+
+@pytest.fixture(scope="session")
+def friction() -> SweepResult:
+    return sweep(static_friction="0.2:1", kinetic_friction="0.2:1")
+
+
+@pytest.fixture(scope="session")
+def friction_pictures(friction: SweepResult) -> dict[str, Figure]:
+    return map_figures(friction)
+
+
+@pytest.fixture(scope="session")
+def climb() -> SweepResult:
+    return sweep(length=600, amplitude="0.1:3", trough_angle="-15:15")
+
+
+@pytest.fixture(scope="session")
+def climb_pictures(climb: SweepResult) -> dict[str, Figure]:
+    return map_figures(climb)
+
+
+@pytest.fixture(scope="session")
+def facets() -> dict[str, Figure]:
+    return map_figures(sweep(own=OWN, amplitude="0.2:3", frequency="10:50", drive_angle="10,20,30"))
+
+
+@pytest.fixture(scope="session")
+def one_axis() -> SweepResult:
+    return sweep(own=OWN, length=600, amplitude="0.1:4")
+
+
+@pytest.fixture(scope="session")
+def line_pictures(one_axis: SweepResult) -> dict[str, Figure]:
+    return map_figures(one_axis)

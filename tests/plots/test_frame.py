@@ -1,0 +1,87 @@
+"""Axes, units, headings, the operating point."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+import pytest
+from drawn import OWN, curve, legend, only_map, said, sweep
+
+from vibro.plots import map_figures
+from vibro.sweep import SweepResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def test_which_pictures_there_are(pictures: dict[str, Figure]) -> None:
+    assert list(pictures) == ["regime", "speed", "traverse"]
+
+
+def test_no_traverse_picture_without_a_length(friction_pictures: dict[str, Figure]) -> None:
+    assert list(friction_pictures) == ["regime", "speed"]
+
+
+@pytest.mark.parametrize("name", ["regime", "speed", "traverse"])
+def test_axes_have_names_units_and_the_range_of_the_sweep(pictures: dict[str, Figure], name: str) -> None:
+    axes = only_map(pictures[name])
+    assert axes.get_xlabel() == "frequency $f$ [Hz]"
+    assert axes.get_ylabel() == "amplitude $A$ [mm]"
+    assert axes.get_xlim() == (5, 60)
+    assert axes.get_ylim() == (0.1, 3)
+
+
+def test_angles_and_coefficients(
+    climb_pictures: dict[str, Figure], friction_pictures: dict[str, Figure]
+) -> None:
+    assert only_map(climb_pictures["speed"]).get_ylabel() == r"trough angle $\beta$ [°]"
+    assert only_map(friction_pictures["speed"]).get_xlabel() == r"static friction $\mu_s$"
+
+
+def test_heading_says_what_of_what_and_where(pictures: dict[str, Figure]) -> None:
+    heading = pictures["traverse"].get_suptitle()
+    assert heading.startswith("Traverse time over 600 mm – a sweep\n")
+    for part in (r"$\alpha$ = 20°", r"$\mu_s$ = 0.74", r"$\mu_d$ = 0.57"):
+        assert part in heading
+    assert r"\beta" not in heading  # a level trough goes without saying
+
+
+def test_colour_bars_have_units(pictures: dict[str, Figure]) -> None:
+    (bar,) = [a for a in pictures["speed"].axes if a.get_label() == "<colorbar>"]
+    assert bar.get_ylabel() == "mean conveying speed [mm/s]"
+    (bar,) = [a for a in pictures["traverse"].axes if a.get_label() == "<colorbar>"]
+    assert bar.get_ylabel() == "traverse time [s]"
+    assert [label.get_text() for label in bar.get_yticklabels()] == [
+        "10",
+        "20",
+        "50",
+        "100",
+        "200",
+        "500",
+    ]
+
+
+def test_logarithmic_axes_have_plain_numbers() -> None:
+    figure = map_figures(sweep(amplitude="0.1:3:log", frequency="5:60:log"))["regime"]
+    axes = only_map(figure)
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    figure.canvas.draw()
+    ticks = [label.get_text() for label in axes.get_yticklabels()]
+    assert {"0.1", "0.2", "0.5", "1", "2"} <= set(ticks)
+
+
+def test_the_operating_point_is_marked(pictures: dict[str, Figure]) -> None:
+    for figure in pictures.values():
+        assert curve(only_map(figure), "operating point").tolist() == [[15, 1]]
+        assert "operating point" in legend(figure)
+
+
+@pytest.mark.parametrize(
+    "own",
+    [None, OWN | {"static_friction": 0.8}, OWN | {"amplitude": 4.0}],
+    ids=["none", "held", "outside"],
+)
+def test_no_operating_point_elsewhere(nut: SweepResult, own: dict[str, float] | None) -> None:
+    figure = map_figures(dataclasses.replace(nut, operating_point=own, length=None))["regime"]
+    assert "operating point" not in said(figure)

@@ -1,0 +1,93 @@
+"""Hatches: no answer, two cycles."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from drawn import legend, only_map, patch, path_of, said, sweep, words
+from matplotlib.colors import to_rgba
+
+from vibro import Status
+from vibro.plots import map_figures
+from vibro.plots.style import NO_ANSWER_HATCH
+from vibro.sweep import SweepResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def test_infeasible_half_is_cut_along_its_exact_boundary(friction_pictures: dict[str, Figure]) -> None:
+    for figure in friction_pictures.values():
+        axes = only_map(figure)
+        found = patch(axes, "infeasible")
+        assert found is not None
+        assert found.get_hatch() == NO_ANSWER_HATCH[Status.INFEASIBLE]
+        static = np.linspace(0.21, 0.99, 100)
+        above = np.column_stack([static, static + 1e-6])
+        below = np.column_stack([static, static - 1e-6])
+        assert found.get_path().contains_points(above).all()
+        assert not found.get_path().contains_points(below).any()
+        assert "infeasible" in words(axes)
+
+
+def test_drive_and_trough_angle_of_90_degrees() -> None:
+    figure = map_figures(sweep(amplitude=0.7, drive_angle="0:89", trough_angle="-25:25"))["speed"]
+    inside = path_of(only_map(figure), "infeasible").contains_points([(80, 10.01), (80, 9.99)])
+    assert inside.tolist() == [True, False]
+
+
+def test_unmodelled_flight_is_hatched_but_for_the_regimes(
+    pictures: dict[str, Figure], nut: SweepResult
+) -> None:
+    if not (nut.cycle.status == Status.FLIGHT_NOT_MODELLED).any():
+        pytest.skip("flights are modelled")
+    assert patch(only_map(pictures["regime"]), "flight not modelled") is None
+    assert path_of(only_map(pictures["speed"]), "flight not modelled").contains_point((30, 2))
+    assert "flight not modelled" in said(pictures["traverse"])
+
+
+@pytest.mark.parametrize(
+    "status", [Status.RUNAWAY, Status.INDETERMINATE, Status.UNRESOLVED, Status.FLIGHT_NOT_MODELLED]
+)
+def test_cells_of_every_status(nut: SweepResult, status: Status) -> None:
+    codes = np.full(nut.shape, Status.OK, np.int8)
+    codes[100:200, 150:250] = status  # amplitude 0.9 ... 1.7 mm, frequency 28 ... 43 Hz
+    velocity = np.where(codes == status, np.nan, 0.05)
+    cycle = dataclasses.replace(nut.cycle, status=codes, mean_velocity=velocity)
+    figure = map_figures(dataclasses.replace(nut, cycle=cycle, length=None))["speed"]
+    label = status.label.replace("-", " ")
+    found = patch(only_map(figure), label)
+    assert found is not None
+    assert found.get_hatch() == NO_ANSWER_HATCH[status]
+    inside = found.get_path().contains_points([(30, 1.3), (20, 1.3), (30, 0.8), (30, 1.8), (45, 1.3)])
+    assert inside.tolist() == [True, False, False, False, False]
+    assert label in said(figure)
+
+
+def test_every_status_without_an_answer_has_a_hatch() -> None:
+    assert set(NO_ANSWER_HATCH) == {s for s in Status if s not in (Status.OK, Status.BOUNDARY)}
+    assert len(set(NO_ANSWER_HATCH.values())) == len(NO_ANSWER_HATCH)
+
+
+def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
+    result = sweep(amplitude="0.1:3", drive_angle="5:60", static_friction=0.4, kinetic_friction=0.02)
+    assert result.cycle.coexists.any()
+    for figure in map_figures(result).values():
+        found = patch(only_map(figure), "two steady cycles")
+        assert found is not None
+        assert found.get_hatch() == "..."
+        assert to_rgba(found.get_facecolor())[3] == 0
+        columns, rows = np.nonzero(result.cycle.coexists)
+        amplitude, angle = (axis.values for axis in result.axes.values())
+        points = np.column_stack([amplitude[columns], angle[rows]])
+        assert found.get_path().contains_points(points).mean() > 0.98  # those on its edge are cut in half
+        assert "two steady cycles" in legend(figure)
+
+
+def test_no_hatch_without_a_reason(climb_pictures: dict[str, Figure], climb: SweepResult) -> None:
+    assert not climb.cycle.coexists.any()
+    axes = only_map(climb_pictures["regime"])
+    assert [p for p in axes.patches if p.get_hatch()] == []

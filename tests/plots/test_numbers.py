@@ -1,0 +1,116 @@
+"""Maps of speed and traverse time."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from drawn import GRAVITY, curve, maps_of, mesh_of, only_map, path_of, said, scene_of, sweep, words
+from matplotlib.colors import LogNorm
+
+from vibro import Regime, Scene, solve
+from vibro.plots import map_figures
+from vibro.sweep import SweepResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def test_speeds_in_a_sequential_scale_from_zero(pictures: dict[str, Figure], nut: SweepResult) -> None:
+    mesh = mesh_of(only_map(pictures["speed"]))
+    assert mesh.get_cmap().name == "cividis"
+    answered = np.isfinite(nut.cycle.mean_velocity)
+    fastest = 1e3 * np.nanmax(nut.cycle.mean_velocity)
+    assert (mesh.norm.vmin, mesh.norm.vmax) == (0, pytest.approx(fastest, rel=0.02))
+    moving = answered & (nut.cycle.regime != Regime.NO_SLIP)
+    values = np.ma.getdata(mesh.get_array()).reshape(nut.shape)
+    np.testing.assert_array_equal(values[moving], 1e3 * nut.cycle.mean_velocity[moving])
+
+
+def test_grids_are_pixels_in_vector_formats(pictures: dict[str, Figure]) -> None:
+    mesh = mesh_of(only_map(pictures["speed"]))
+    assert mesh.get_rasterized()
+
+
+def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:
+    axes = only_map(pictures["speed"])
+    levels = [
+        gid.split()[1] for gid in (line.get_gid() or "" for line in axes.lines) if gid.startswith("contour")
+    ]
+    assert len(levels) >= 4
+    assert len(set(levels) & set(words(axes))) >= 4
+    for level in levels:
+        frequency, amplitude = curve(axes, f"contour {level}").T
+        cycle = solve(scene_of(1e-3 * amplitude, frequency))
+        speed = 1e3 * cycle.mean_velocity
+        off = np.abs(speed - float(level))[np.isfinite(speed)]
+        assert np.median(off) < 1e-2
+        assert np.quantile(off, 0.98) < 2.5  # the speed drops by 6 % where back slip begins
+
+
+def test_rest_is_not_a_speed(pictures: dict[str, Figure], nut: SweepResult) -> None:
+    axes = only_map(pictures["speed"])
+    frequency = np.linspace(12, 38, 100)
+    onset = 1e3 * nut.limits.forward_onset.item() * GRAVITY / (2 * math.pi * frequency) ** 2
+    cover = path_of(axes, "no-slip")
+    assert cover.contains_points(np.column_stack([frequency, 0.999 * onset])).all()
+    assert not cover.contains_points(np.column_stack([frequency, 1.001 * onset])).any()
+
+
+def test_a_diverging_scale_about_zero_where_transport_reverses(climb_pictures: dict[str, Figure]) -> None:
+    axes = only_map(climb_pictures["speed"])
+    mesh = mesh_of(axes)
+    assert mesh.get_cmap().name == "RdBu"
+    assert mesh.norm.vmin == -mesh.norm.vmax
+    assert "0" in words(axes)
+    amplitude, angle = curve(axes, "contour 0").T
+    cycle = solve(
+        Scene(
+            amplitude=1e-3 * amplitude,
+            frequency=15,
+            drive_angle=math.radians(20),
+            static_friction=0.74,
+            kinetic_friction=0.57,
+            trough_angle=np.radians(angle),
+        )
+    )
+    assert np.median(np.abs(cycle.mean_velocity)) < 1e-4
+
+
+def test_negative_contours_have_a_minus() -> None:
+    figure = map_figures(sweep(amplitude=0.7, drive_angle="0:60", trough_angle="-20:20"))["speed"]
+    assert any(text.startswith("\N{MINUS SIGN}") for text in words(only_map(figure)))
+
+
+def test_traverse_times(pictures: dict[str, Figure], nut: SweepResult) -> None:
+    mesh = mesh_of(only_map(pictures["traverse"]))
+    assert type(mesh.norm) is LogNorm
+    moving = np.isfinite(nut.cycle.mean_velocity) & (nut.cycle.mean_velocity > 0)
+    values = np.ma.getdata(mesh.get_array()).reshape(nut.shape)
+    np.testing.assert_allclose(values[moving], 0.6 / nut.cycle.mean_velocity[moving], rtol=1e-12)
+    shortest, longest = mesh.get_clim()
+    assert shortest == pytest.approx(0.6 / np.nanmax(nut.cycle.mean_velocity), rel=0.02)
+    assert longest == pytest.approx(100 * shortest)
+
+
+def test_bodies_that_move_backwards_never_arrive(
+    climb_pictures: dict[str, Figure], climb: SweepResult
+) -> None:
+    figure = climb_pictures["traverse"]
+    assert "moves backwards" in said(figure)
+    hatched = path_of(only_map(figure), "moves backwards")
+    columns, rows = np.nonzero(climb.cycle.mean_velocity < -1e-4)
+    amplitude, angle = (axis.values for axis in climb.axes.values())
+    assert hatched.contains_points(np.column_stack([amplitude[columns], angle[rows]])).mean() > 0.98
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "frequency", "name"), [("0.01:0.1", "5:10", "no-slip"), ("4:10", "30:50", "hopping")]
+)
+def test_a_single_regime_fills_the_map(amplitude: str, frequency: str, name: str) -> None:
+    figures = map_figures(sweep(length=600, amplitude=amplitude, frequency=frequency))
+    assert words(only_map(figures["regime"])) == [name]
+    if name == "no-slip":
+        assert all(figure.axes == maps_of(figure) for figure in figures.values())  # nothing to colour

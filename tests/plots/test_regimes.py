@@ -1,0 +1,141 @@
+"""Regions, critical curves and their words."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from drawn import (
+    GRAVITY,
+    corners,
+    curve,
+    drawn_regime,
+    legend,
+    lightness,
+    only_map,
+    patch,
+    said,
+    scene_of,
+    sweep,
+    words,
+)
+from matplotlib.colors import to_rgb
+from matplotlib.path import Path as Outline
+
+from vibro import Regime, Scene, Status, solve
+from vibro.core.limits import critical_loads
+from vibro.plots import choose_view, map_figures
+from vibro.plots.style import CURVES, REGIME_COLOURS
+from vibro.sweep import SweepResult
+from vibro.units import to_si
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def test_colours_are_apart_in_grey() -> None:
+    assert all(colour.startswith("#") and len(colour) == 7 for colour in REGIME_COLOURS.values())
+    shades = sorted(lightness(colour) for colour in REGIME_COLOURS.values())
+    assert min(high - low for low, high in itertools.pairwise(shades)) > 15
+
+
+def test_every_region_has_its_regimes_colour(pictures: dict[str, Figure]) -> None:
+    axes = only_map(pictures["regime"])
+    assert to_rgb(axes.get_facecolor()) == to_rgb(REGIME_COLOURS[Regime.NO_SLIP])
+    for regime in (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING):
+        found = patch(axes, regime.label)
+        assert found is not None
+        assert to_rgb(found.get_facecolor()) == to_rgb(REGIME_COLOURS[regime])
+
+
+def test_all_regimes_and_curves_are_named(pictures: dict[str, Figure]) -> None:
+    names = {regime.label for regime in REGIME_COLOURS} | {style.label for style in CURVES.values()}
+    assert names <= said(pictures["regime"])
+    assert {style.label for style in CURVES.values()} <= said(pictures["speed"])
+
+
+@pytest.mark.parametrize("name", ["regime", "speed", "traverse"])
+def test_words_lie_inside_and_apart(pictures: dict[str, Figure], name: str) -> None:
+    axes = only_map(pictures[name])
+    outlines = {text.get_text(): corners(text) for text in axes.texts}
+    assert len(outlines) >= 5
+    box = axes.get_window_extent()
+    for text, outline in outlines.items():
+        assert (outline >= [box.x0, box.y0]).all(), text
+        assert (outline <= [box.x1, box.y1]).all(), text
+    for (one, first), (other, second) in itertools.combinations(outlines.items(), 2):
+        assert not Outline(first).intersects_path(Outline(second), filled=True), (one, other)
+
+
+def test_critical_curves_are_exact(pictures: dict[str, Figure], nut: SweepResult) -> None:
+    for name in CURVES:
+        frequency, amplitude = curve(only_map(pictures["regime"]), name).T
+        load = amplitude * 1e-3 * (2 * math.pi * frequency) ** 2 / GRAVITY
+        assert len(load) > 100
+        np.testing.assert_allclose(load, getattr(nut.limits, name).item(), rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["forward_onset", "back_slip", "hop"])
+def test_boundaries_are_the_curves_and_not_the_cells(
+    pictures: dict[str, Figure], nut: SweepResult, name: str
+) -> None:
+    # Off the curve by a thousandth of the load: far less than a cell, whose side is a quarter per cent
+    # of the axis; the chords between the grid's points are 2e-4 off where the curves bend most.
+    frequency = np.linspace(12, 40, 701)
+    critical = getattr(nut.limits, name).item() * GRAVITY / (2 * math.pi * frequency) ** 2
+    for side in (0.999, 1.001):
+        amplitude = side * critical
+        shown = (amplitude > 0.1e-3) & (amplitude < 3e-3)
+        expected = solve(scene_of(amplitude[shown], frequency[shown])).regime
+        found = drawn_regime(only_map(pictures["regime"]), frequency[shown], 1e3 * amplitude[shown])
+        np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("changes", [
+    {"amplitude": "0.1:3", "static_friction": "0.2:1", "kinetic_friction": 0.2},
+    {"amplitude": "0.1:3", "trough_angle": "-25:25"},
+    {"drive_angle": "1:60", "frequency": "5:60:log"},
+    {"amplitude": 1.5, "static_friction": "0.1:1", "friction_ratio": "0.01:1"},
+], ids=str)  # fmt: skip
+def test_colours_agree_with_the_solver_anywhere(changes: dict[str, Any]) -> None:
+    result = sweep(**changes)
+    axes = only_map(map_figures(result)["regime"])
+    rng = np.random.default_rng(1)
+    x, y = rng.uniform(*axes.get_xlim(), 1500), rng.uniform(*axes.get_ylim(), 1500)
+    view = choose_view(result.axes)
+    assert view.y is not None
+    values: dict[str, Any] = {**result.fixed, view.x.name: x, view.y.name: y}
+    if "friction_ratio" in values:
+        values["kinetic_friction"] = values.pop("friction_ratio") * values["static_friction"]
+    limits = critical_loads(*(
+        to_si(name, values[name])
+        for name in ("drive_angle", "static_friction", "kinetic_friction", "trough_angle")
+    ))  # fmt: skip
+    cycle = solve(Scene(**{name: to_si(name, value) for name, value in values.items()}))
+    load = values["amplitude"] * 1e-3 * (2 * math.pi * values["frequency"]) ** 2 / GRAVITY
+    near = np.zeros(x.shape, bool)  # linear interpolation between the grid's points may be this far off
+    for name in ("forward_onset", "back_slip", "hop"):
+        near |= np.abs(load / getattr(limits, name) - 1) < 2e-3
+    answered = cycle.status <= Status.BOUNDARY
+    checked = ~near & (answered | (cycle.status == Status.FLIGHT_NOT_MODELLED))
+    assert checked.mean() > 0.6
+    np.testing.assert_array_equal(drawn_regime(axes, x, y)[checked], cycle.regime[checked])
+
+
+def test_regions_too_small_for_words_are_in_the_legend() -> None:
+    figure = map_figures(sweep(amplitude="0.1:3", frequency="20:60", drive_angle=2))["regime"]
+    small = [name for name in ("no-slip", "forward-slip") if name not in words(only_map(figure))]
+    assert small
+    assert set(small) <= set(legend(figure))
+
+
+def test_curves_end_where_another_class_rules(climb_pictures: dict[str, Figure]) -> None:
+    axes = only_map(climb_pictures["regime"])
+    amplitude, angle = curve(axes, "forward_onset").T
+    limits = critical_loads(math.radians(20), 0.74, 0.57, np.radians(angle))
+    load = amplitude * 1e-3 * (2 * math.pi * 15) ** 2 / GRAVITY
+    np.testing.assert_allclose(load, limits.forward_onset, rtol=1e-3)
+    assert (load <= limits.back_slip * 1.001).all()

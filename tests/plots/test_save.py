@@ -1,0 +1,80 @@
+"""Pictures as files."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from PIL import Image
+
+from vibro.plots import save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+METADATA = {"Title": "Steady regimes", "Software": "vibro 0.1.0", "scene": '{"amplitude_mm": 1.0}'}
+
+
+def test_png_carries_everything(pictures: dict[str, Figure], tmp_path: Path) -> None:
+    path = tmp_path / "picture.tmp"
+    save(pictures["regime"], path, "png", METADATA)
+    with Image.open(path) as image:
+        assert image.format == "PNG"
+        assert image.width > 1000
+        assert {key: image.info[key] for key in METADATA} == METADATA
+        assert json.loads(image.info["scene"]) == {"amplitude_mm": 1.0}
+
+
+def test_svg_is_small_and_carries_the_rest_as_its_description(
+    pictures: dict[str, Figure], tmp_path: Path
+) -> None:
+    path = tmp_path / "picture.svg"
+    save(pictures["speed"], path, "svg", METADATA)
+    text = path.read_text(encoding="utf-8")
+    assert "Steady regimes" in text
+    assert "amplitude_mm" in text
+    assert len(text) < 1_500_000  # 130 000 cells as paths would be a hundred times that
+
+
+def test_pdf(pictures: dict[str, Figure], tmp_path: Path) -> None:
+    path = tmp_path / "picture.pdf"
+    save(pictures["traverse"], path, "pdf", METADATA)
+    content = path.read_bytes()
+    assert content.startswith(b"%PDF")
+    assert b"Steady regimes" in content
+
+
+@pytest.mark.parametrize("picture_format", ["png", "svg", "pdf"])
+def test_the_same_picture_is_the_same_file(
+    climb_pictures: dict[str, Figure], tmp_path: Path, picture_format: str
+) -> None:
+    for name in ("one", "other"):
+        save(climb_pictures["regime"], tmp_path / name, picture_format, METADATA)
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "other").read_bytes()
+
+
+def test_no_window_is_asked_for() -> None:
+    code = (
+        "import sys, numpy as np\n"
+        "from vibro.axes import Axis\n"
+        "from vibro.sweep import Grid, sweep_picture\n"
+        "from vibro.plots import map_figures\n"
+        "axes = {'amplitude': Axis('amplitude', np.linspace(.1, 3, 5), 'linear')}\n"
+        "fixed = dict(frequency=15., drive_angle=20., static_friction=.74, kinetic_friction=.57,\n"
+        "             trough_angle=0., gravity=9.81, restitution=0.)\n"
+        "map_figures(sweep_picture(Grid(axes, fixed, None), {}, None, ''))\n"
+        "print([m for m in ('matplotlib.pyplot', 'tkinter', 'PyQt6') if m in sys.modules])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert done.stdout.strip() == "[]"
