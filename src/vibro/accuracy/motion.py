@@ -6,6 +6,7 @@ speeds in A w, loads in m A w^2, phases p = w t in radians.
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     from vibro.scene import Scene
 
-__all__ = ["Found", "Motion", "motions"]
+__all__ = ["Found", "Motion", "motion_arrays", "motions"]
 
 
 class Motion(NamedTuple):
@@ -66,11 +67,14 @@ class Found(NamedTuple):
     slides: str
 
 
+def motion_arrays(scene: Scene) -> Motion:
+    """Form the equations of motion of all scenes at once, as flat arrays in the order of their cells."""
+    flat = (field.reshape(-1) for field in np.broadcast_arrays(*scene.arrays()))
+    amplitude, frequency, alpha, mu_s, mu_d, beta, gravity, _ = flat
+    weight = gravity / (amplitude * (2.0 * np.pi * frequency) ** 2)
+    return Motion(np.cos(alpha), np.sin(alpha), weight * np.cos(beta), weight * np.sin(beta), mu_s, mu_d)
+
+
 def motions(scene: Scene) -> Iterator[Motion]:
     """Form the equations of motion of scenes one by one, in the order of their cells."""
-    for a, f, alpha, mu_s, mu_d, beta, g, _ in np.broadcast(*scene.arrays()):
-        w = 2.0 * math.pi * f
-        weight = g / (a * w * w)
-        yield Motion(
-            math.cos(alpha), math.sin(alpha), weight * math.cos(beta), weight * math.sin(beta), mu_s, mu_d
-        )
+    return itertools.starmap(Motion, zip(*(a.tolist() for a in motion_arrays(scene)), strict=True))

@@ -37,7 +37,7 @@ _MARKER_SIZE: Final = {"*": 13.0}
 # Offsets of a label from its point that are tried in turn, and from where on a line leads to it.
 _REACHES: Final = (5, 7, 15, 25, 38, 52)  # [pt]
 _DIRECTIONS: Final = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
-_LED: Final = 20  # [pt]
+_LED: Final = 12  # [pt]
 _LEADER: Final[dict[str, Any]] = {"arrowstyle": "-", "color": "#888888", "linewidth": 0.5}
 _HORIZONTAL: Final = {1: "left", 0: "center", -1: "right"}
 _VERTICAL: Final = {1: "bottom", 0: "center", -1: "top"}
@@ -120,13 +120,14 @@ def _draw_front(axes: Axes, rows: Sequence[Row]) -> None:
     """Join the methods than which none is both faster and closer, as a staircase to the picture's edges."""
     points = sorted(map(_point, rows))
     front: list[tuple[float, float]] = []
-    for x, y in points:
-        if not front or y < front[-1][1]:
-            front.append((x, y))
+    for point in points:
+        if not front or point[1] < front[-1][1]:
+            front.append(point)
     if not front:
         return
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     corners = [(front[0][0], top), *front, (right, front[-1][1])]
+    x, y = zip(*corners, strict=True)
     axes.step(x, y, where="post", color="#BBBBBB", linewidth=3.0, zorder=1, label="none is faster and closer")
     axes.set(xlim=(left, right), ylim=(bottom, top))
 

@@ -1,0 +1,152 @@
+"""The methods that are compared, each as it is really run."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.accuracy.events import simulate_by_events
+from vibro.accuracy.motion import Found, motion_arrays, motions
+from vibro.accuracy.smoothed import simulate_smoothed
+from vibro.accuracy.stepping import simulate_by_steps
+from vibro.core.codes import Regime
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from vibro.accuracy.motion import Motion
+    from vibro.scene import Scene
+
+    Floats = NDArray[np.float64]
+    Tick = Callable[[], None]
+
+__all__ = ["METHODS", "Answers", "Method", "converged_answers", "regimes_of"]
+
+_REPEATS: Final = 5  # of the solver, whose one run is over in milliseconds
+
+
+class Answers(NamedTuple):
+    """What a method says about scenes.
+
+    Attributes
+    ----------
+    displacement : array
+        Per drive cycle [A]; NaN where the method gave up.
+    regime : int array
+        Codes of ``Regime``.
+    seconds : float
+        Time that it took.
+    """
+
+    displacement: Floats
+    regime: NDArray[Any]
+    seconds: float
+
+
+class Method(NamedTuple):
+    """A way to solve scenes.
+
+    Attributes
+    ----------
+    name, setting : str
+        What it is, and what trades its speed for accuracy.
+    share : float
+        Of the sample that it is run on: slow methods on its beginning only.
+    answer : callable
+        ``answer(scene, tick)`` solves flat scenes; calls ``tick()`` after each scene, or never.
+    """
+
+    name: str
+    setting: str
+    share: float
+    answer: Callable[[Scene, Tick], Answers]
+
+
+def regimes_of(slides: Sequence[str]) -> NDArray[Any]:
+    """Class cycles by the directions of their slides."""
+    codes = [
+        Regime.BACK_SLIP if "B" in s else Regime.FORWARD_SLIP if "F" in s else Regime.NO_SLIP for s in slides
+    ]
+    return np.array(codes, np.int8)
+
+
+def _answers(found: Sequence[Found], seconds: float) -> Answers:
+    return Answers(np.array([f.displacement for f in found]), regimes_of([f.slides for f in found]), seconds)
+
+
+def _one_by_one(simulate: Callable[[Motion], Found], scene: Scene, tick: Tick) -> Answers:
+    bodies = list(motions(scene))
+    found = []
+    start = time.perf_counter()
+    with warnings.catch_warnings():
+        # A solver that complains also fails, and that is counted.
+        warnings.simplefilter("ignore")
+        for body in bodies:
+            found.append(simulate(body))
+            tick()
+    return _answers(found, time.perf_counter() - start)
+
+
+def _by_steps(steps: int, scene: Scene, tick: Tick) -> Answers:
+    motion = motion_arrays(scene)
+    start = time.perf_counter()
+    found = simulate_by_steps(motion, steps)
+    return _answers(found, time.perf_counter() - start)
+
+
+def _by_vibro(scene: Scene, tick: Tick) -> Answers:
+    seconds = []
+    for _ in range(_REPEATS):
+        start = time.perf_counter()
+        cycle = solve(scene)
+        seconds.append(time.perf_counter() - start)
+    return Answers(cycle.displacement_per_cycle / scene.amplitude, cycle.regime, min(seconds))
+
+
+def converged_answers(scene: Scene, tick: Tick) -> Answers:
+    """Solve scenes by event-driven runs of the highest accuracy, DOP853 at rtol 1e-13."""
+    return _one_by_one(partial(simulate_by_events, solver="DOP853", rtol=1e-13), scene, tick)
+
+
+def _events(solver: Any, rtol: float, share: float, max_step: float = np.inf) -> Method:
+    setting = f"rtol {rtol:.0e}".replace("e-0", "e-") + (", short steps" if np.isfinite(max_step) else "")
+    run = partial(simulate_by_events, solver=solver, rtol=rtol, max_step=max_step)
+    return Method(f"events, {solver}", setting, share, partial(_one_by_one, run))
+
+
+def _smoothed(width: float, share: float) -> Method:
+    run = partial(simulate_smoothed, width=width)
+    return Method("smoothed friction", f"width {width:g} A w", share, partial(_one_by_one, run))
+
+
+def _steps(steps: int, share: float) -> Method:
+    return Method("time steps", f"{steps} a cycle", share, partial(_by_steps, steps))
+
+
+METHODS: Final = (
+    Method("vibro", "exact", 1.0, _by_vibro),
+    _events("RK45", 1e-3, 0.1),
+    _events("RK45", 1e-6, 0.04),
+    _events("RK45", 1e-9, 0.01),
+    _events("DOP853", 1e-6, 0.04),
+    _events("DOP853", 1e-9, 0.02),
+    _events("DOP853", 1e-12, 0.01),
+    _events("LSODA", 1e-3, 0.1),
+    _events("LSODA", 1e-6, 0.04),
+    _events("LSODA", 1e-6, 0.02, max_step=2.0 * np.pi / 50.0),
+    _events("LSODA", 1e-9, 0.02),
+    _smoothed(1e-2, 0.02),
+    _smoothed(1e-3, 0.02),
+    _smoothed(1e-4, 0.02),
+    _steps(20, 1.0),
+    _steps(40, 1.0),  # the frames a cycle of the paper's CAD simulation
+    _steps(400, 0.2),
+    _steps(4000, 0.02),
+)
