@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
+from vibro.cli.compare import compare_command
 from vibro.cli.console import print_error, tolerate_any_encoding
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
@@ -144,6 +145,7 @@ _NAMES: dict[str, Callable[..., int]] = {
     "map": map_command,
     "traverse-time": traverse_time_command,
     "solve": solve_command,
+    "compare": compare_command,
 }
 for _name, _command in _NAMES.items():
     app.command(_name)(shares_options(_command))
@@ -151,4 +153,9 @@ for _name, _command in _NAMES.items():
 
 def main() -> None:
     """Run the command line of this process."""
-    app()
+    try:
+        app()
+    finally:
+        # All is written or removed: a late signal must not turn the exit code into a lie.
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
