@@ -26,6 +26,7 @@ __all__ = ["Comparison", "Row", "compare"]
 
 _THRESHOLD: Final = 0.1  # of a slide's computed peak speed: where its start and end are told
 _FINE: Final = 4096  # points a cycle at which folded signals are searched
+_CURVE: Final = 1001  # points of a smooth curve
 _FOREIGN: Final = 0.05  # cycles by which drive and data may slip over the record
 _NAN: Final = Estimate(math.nan, math.nan)
 
@@ -68,9 +69,13 @@ class Comparison:
         Trough time of the record's clock.
     rows : tuple of Row
         What was measured and what is computed.
+    trough_time : array
+        Trough time of each sample; the trough passes its middle upwards at whole periods [s].
     computed : mapping of str to array
         The model's signals at the record's times, by the names of the measured ones; displacements share
         their mean.
+    curve_time, curves : array, mapping of str to array
+        The same, as smooth curves over one cycle of trough time; displacements begin at 0.
     warnings : tuple of str
         What casts doubt on the comparison.
     """
@@ -79,7 +84,10 @@ class Comparison:
     motion: SettledMotion
     alignment: Alignment
     rows: tuple[Row, ...]
+    trough_time: Floats
     computed: Mapping[str, Floats]
+    curve_time: Floats
+    curves: Mapping[str, Floats]
     warnings: tuple[str, ...]
 
 
@@ -115,25 +123,30 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     alignment = align(observation, motion)
     # Any time of a body at rest is as good as any other.
     shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
-    signals = {
-        name: computed(motion, name, observation.time + shift, observation.sample_time)
-        for name in observation.signals
-    }
+    trough_time = observation.time + shift
+    step = observation.sample_time
+    signals = {name: computed(motion, name, trough_time, step) for name in observation.signals}
+    cycle = np.linspace(0.0, motion.period, _CURVE)
+    curves = {name: computed(motion, name, cycle, step) for name in observation.signals}
     if "displacement" in signals:
         offset = float((observation.signals["displacement"] - signals["displacement"]).mean())
         signals["displacement"] = signals["displacement"] + offset
+        curves["displacement"] = curves["displacement"] - curves["displacement"][0]
     rows = [*_means(observation, motion)]
     velocity = _Velocity.of(observation, shift)
     if velocity is not None:
         rows += _speeds(velocity, motion, alignment)
     rows += _misfits(observation, motion, shift)
     return Comparison(
-        observation,
-        motion,
-        alignment,
-        tuple(rows),
-        signals,
-        _warnings(observation, motion, alignment, signals),
+        observation=observation,
+        motion=motion,
+        alignment=alignment,
+        rows=tuple(rows),
+        trough_time=trough_time,
+        computed=signals,
+        curve_time=cycle,
+        curves=curves,
+        warnings=_warnings(observation, motion, alignment, signals),
     )
 
 
@@ -207,12 +220,10 @@ def _speeds(velocity: _Velocity, motion: SettledMotion, alignment: Alignment) ->
     if rest is not None:
         creep = Estimate(float(velocity.at(np.array([rest]))[0]), velocity.error(rest))
         rows.append(Row("rest_speed", "speed in the middle of the rest", "velocity", creep, 0.0))
-    ways = [way for way, _, _ in motion.slides]
     for way, start, end in motion.slides:
         name = "forward" if way > 0 else "back"
         fine = start + (end - start) * np.linspace(0.0, 1.0, _FINE)
         level = _THRESHOLD * float(np.max(way * motion.velocity(fine)))
-        assert ways.count(way) == 1
         for key, label, rising, inside in (
             ("start", "starts", True, fine),
             ("end", "ends", False, fine[::-1]),

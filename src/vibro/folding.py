@@ -134,7 +134,7 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     freedom = max(1, time.size - basis.shape[1])
     variance = float(residual @ residual) / freedom / _independent_share(residual)
     covariance = variance * np.linalg.pinv(basis.T @ basis)
-    return Folded(frequency, trends, middle, half, coefficients, covariance.astype(np.float64))
+    return Folded(frequency, trends, middle, half, coefficients.astype(np.float64), covariance)
 
 
 def independent_samples(time: Floats, misfit: Floats, frequency: float) -> float:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-from vibro.cli.compare import compare_command
+from vibro.cli.compare import CompareCommand, compare_command
+from vibro.cli.accuracy import accuracy_command
 from vibro.cli.console import print_error, tolerate_any_encoding
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
@@ -145,10 +146,12 @@ _NAMES: dict[str, Callable[..., int]] = {
     "map": map_command,
     "traverse-time": traverse_time_command,
     "solve": solve_command,
+    "accuracy": accuracy_command,
     "compare": compare_command,
 }
+_CLASSES = {"compare": CompareCommand}
 for _name, _command in _NAMES.items():
-    app.command(_name)(shares_options(_command))
+    app.command(_name, cls=_CLASSES.get(_name))(shares_options(_command))
 
 
 def main() -> None:

@@ -1,0 +1,360 @@
+"""``vibro compare``: a measured or simulated record beside the exact motion."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+from typer.core import TyperCommand
+
+from vibro.cli.console import Console
+from vibro.cli.options import Options, picture_formats
+from vibro.errors import InputError
+
+if TYPE_CHECKING:
+    from vibro.compare import Comparison, Row
+    from vibro.fitting import Fit
+    from vibro.measured import Record
+    from vibro.tables import TableColumns
+
+__all__ = ["CompareCommand", "compare_command"]
+
+# What follows the flag --force without being a header.
+_FILES: Final = (".toml", ".csv", ".txt")
+_FITTED: Final = {
+    "mu_s": "static_friction",
+    "mu_d": "kinetic_friction",
+    "A": "amplitude",
+    "alpha": "drive_angle",
+}
+# kind of a quantity -> unit in tables, its size in SI units; friction is per unit mass without a mass.
+_UNITS: Final = {
+    "displacement": ("mm", 1e-3),
+    "velocity": ("mm/s", 1e-3),
+    "time": ("ms", 1e-3),
+    "acceleration": ("m/s^2", 1.0),
+    "friction": ("m/s^2", 1.0),
+}
+
+
+class CompareCommand(TyperCommand):
+    """``vibro compare``, where ``--force`` with the header of a column means the force, not the flag."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Give ``--force HEADER`` the name that the flag leaves free."""
+        renamed: list[str] = []
+        for arg, following in zip(args, [*args[1:], "-"], strict=True):
+            is_header = not following.startswith("-") and Path(following).suffix.casefold() not in _FILES
+            if arg == "--force" and is_header:
+                arg = "--friction"
+            elif arg.startswith("--force="):
+                arg = arg.replace("--force", "--friction", 1)
+            renamed.append(arg)
+        return super().parse_args(ctx, renamed)
+
+
+def _column(name: str, text: str) -> Any:
+    return typer.Option(f"--{name}", metavar="HEADER", help=text, show_default=False)
+
+
+def compare_command(
+    context: typer.Context,
+    options: Options,
+    data: Annotated[
+        Path | None, typer.Argument(metavar="DATA.csv", help="Signals over time.", show_default=False)
+    ] = None,
+    time: Annotated[str | None, _column("time", "Column of the time.")] = None,
+    displacement: Annotated[
+        str | None, _column("displacement", "Column of the displacement relative to the trough.")
+    ] = None,
+    velocity: Annotated[str | None, _column("velocity", "Column of the relative velocity.")] = None,
+    acceleration: Annotated[
+        str | None, _column("acceleration", "Column of the relative acceleration.")
+    ] = None,
+    friction: Annotated[
+        str | None,
+        _column("friction", "Column of the friction on the body, or --force HEADER; needs --mass."),
+    ] = None,
+    mass: Annotated[
+        str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
+    ] = None,
+    reverse: Annotated[
+        bool, typer.Option("--reverse", help="The data's axis points against the conveying direction.")
+    ] = False,
+    fitted: Annotated[
+        str | None,
+        typer.Option(
+            "--fit",
+            metavar="mu_s,mu_d,A,alpha",
+            help="Estimate any of these from the data.",
+            show_default=False,
+        ),
+    ] = None,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="png,svg,pdf", help="The picture's formats.")
+    ] = "png",
+) -> int:
+    """Compare a record of a sensor, or of a CAD motion study, with the exact steady motion of a scene.
+
+    Columns are found by their units, or named: --time "Time [s]" --displacement "X [mm]". The unknown
+    trigger time is found. Measured and computed figures are printed; with -o they go to STEM.csv (signals),
+    STEM-summary.csv, STEM.json and a picture.
+    """
+    from vibro.alignment import Observation
+    from vibro.cli.request import gather
+    from vibro.cli.series import scene_of, scene_record, write_series
+    from vibro.compare import compare
+    from vibro.measured import read_record
+    from vibro.units import MASS, exact_number
+
+    console = Console(quiet=options.quiet)
+    wanted = picture_formats(formats)
+    names = _fitted_names(fitted)
+    options, data = _arguments(options, data)
+    request = gather(options, context.obj)
+    body = float(exact_number(mass, MASS)) if mass is not None else None
+    if body is not None and body <= 0.0:
+        raise InputError(f"mass = {mass}: must be finite and > 0 kg")
+    if friction is not None and body is None:
+        raise InputError("a force needs the mass of the body", hint="give --mass 0.02kg")
+    given = {
+        "time": time,
+        "displacement": displacement,
+        "velocity": velocity,
+        "acceleration": acceleration,
+        "force": friction,
+    }
+    record = read_record(data, {name: text for name, text in given.items() if text is not None})
+    for note in record.notes:
+        console.echo(note)
+    if "force" in record.signals and body is None:
+        console.warn(f"column {record.headers['force']!r} is left out: a force needs --mass")
+    scene = scene_of(request)
+    observation = Observation.of(record, float(scene.frequency), mass=body, reverse=reverse)
+    comparison = compare(scene, observation)
+    for warning in comparison.warnings:
+        console.warn(warning)
+    fit = None
+    if names:
+        from vibro.fitting import fit as fit_scene
+
+        fit = fit_scene(scene, observation, names)
+
+    report = _Report(comparison, record, data, body, fit, scene)
+    content = {"scene": scene_record(request), "data": str(data), **report.content()}
+    if options.output is not None:
+        title = f"{data.name} – {request.name or 'scene'}, computed pattern {comparison.motion.pattern}"
+
+        def draw() -> Any:
+            from vibro.plots.comparison import comparison_figure
+
+            return comparison_figure(comparison, title, compare(fit.scene, observation) if fit else None)
+
+        tables = {"": report.signals(), "-summary": report.summary()}
+        write_series(
+            f"{data.stem}-compare",
+            tables,
+            draw,
+            content,
+            formats=wanted,
+            options=options,
+            argv=context.obj,
+            console=console,
+        )
+        if options.output == "-":
+            return 0
+    if options.json:
+        import json
+
+        print(json.dumps(content, indent=2, allow_nan=False))
+    else:
+        print(report.text())
+    return 0
+
+
+def _arguments(options: Options, data: Path | None) -> tuple[Options, Path]:
+    """Tell scene file and data apart: the scene may be given by options alone."""
+    from dataclasses import replace
+
+    if data is None and options.scene is not None and options.scene.suffix.casefold() != ".toml":
+        return replace(options, scene=None), options.scene
+    if data is None:
+        raise InputError("missing: DATA.csv", hint="for example: vibro compare scene.toml data.csv")
+    return options, data
+
+
+def _fitted_names(text: str | None) -> list[str]:
+    if text is None:
+        return []
+    names = []
+    for part in text.split(","):
+        symbol = part.strip()
+        name = next((n for s, n in _FITTED.items() if symbol.casefold() in (s.casefold(), n)), None)
+        if name is None or name in names:
+            wrong = "is given twice" if name else "cannot be estimated"
+            raise InputError(f"--fit {text}: {symbol!r} {wrong}", hint=f"choose from {', '.join(_FITTED)}")
+        names.append(name)
+    return names
+
+
+class _Report:
+    """The comparison in words, tables and JSON."""
+
+    def __init__(
+        self,
+        comparison: Comparison,
+        record: Record,
+        data: Path,
+        mass: float | None,
+        fit: Fit | None,
+        scene: Any,
+    ) -> None:
+        self.comparison = comparison
+        self.record = record
+        self.data = data
+        self.fit = fit
+        self.scene = scene
+        self.units = dict(_UNITS)
+        if mass is not None:
+            self.units["friction"] = ("N", 1.0 / mass)
+
+    def text(self) -> str:
+        """Return what is printed."""
+        from vibro.cli.report import aligned
+
+        parts = [aligned(self._facts(), right=False)]
+        head = ("", "measured", "computed", "difference")
+        parts.append(aligned([head, *map(self._row, self.comparison.rows)]))
+        if self.fit is not None:
+            rows = []
+            for p, (unit, size) in self._parameters():
+                interval = f"{p.low / size:.4g} ... {p.high / size:.4g}" if p.identified else "not identified"
+                own = float(getattr(self.scene, p.name)) / size
+                label = f"{_symbol(p.name)} {f'[{unit}]' if unit else ''}".strip()
+                rows.append((label, f"{p.value / size:.4g}" if p.identified else "-", interval, f"{own:.6g}"))
+            parts.append(aligned([("fitted", "estimate", "95 % interval", "scene"), *rows]))
+            parts += ["\n".join(self.fit.statements)] if self.fit.statements else []
+        return "\n\n".join(parts)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        observation, alignment = self.comparison.observation, self.comparison.alignment
+        span = float(observation.time[-1] - observation.time[0])
+        cycles = span * observation.frequency
+        facts = [
+            (
+                "data",
+                f"{self.data}: {observation.time.size} rows, {cycles:.4g} cycles,"
+                f" {(observation.time.size - 1) / cycles:.4g} samples a cycle",
+            ),
+            ("computed", f"pattern {self.comparison.motion.pattern}"),
+        ]
+        if not math.isnan(alignment.shift):
+            begin = (float(observation.time[0]) + alignment.shift) % observation.period
+            facts.append(
+                (
+                    "alignment",
+                    f"the data begin {1e3 * begin:.3f} \u00b1 {1e3 * alignment.error:.2g} ms after the trough"
+                    f" passes its middle upwards ({360.0 * begin / observation.period:.1f} deg)",
+                )
+            )
+        return facts
+
+    def _row(self, row: Row) -> tuple[str, str, str, str]:
+        unit, size = self.units[row.kind]
+        measured, error = row.measured.value / size, row.measured.error / size
+        text = "not seen" if math.isnan(measured) else _uncertain(measured, error)
+        computed = "" if math.isnan(row.computed) else f"{row.computed / size:.6g}"
+        difference = ""
+        if not math.isnan(measured) and not math.isnan(row.computed):
+            off = measured - row.computed / size
+            relative = row.kind != "time" and row.computed != 0.0
+            difference = f"{100.0 * off / (row.computed / size):+.1f} %" if relative else f"{off:+.3g}"
+        return f"{row.label} [{unit}]", text, computed, difference
+
+    def _parameters(self) -> list[tuple[Any, tuple[str, float]]]:
+        units = {"amplitude": ("mm", 1e-3), "drive_angle": ("deg", math.pi / 180.0)}
+        return [(p, units.get(p.name, ("", 1.0))) for p in (self.fit.parameters if self.fit else ())]
+
+    def signals(self) -> TableColumns:
+        """Return measured and computed signals over time."""
+        comparison = self.comparison
+        period = comparison.motion.period
+        columns: dict[str, Any] = {
+            "time_s": comparison.observation.time,
+            "trough_time_s": comparison.trough_time % period,
+        }
+        for name, values in comparison.observation.signals.items():
+            unit, size = self.units[name]
+            suffix = unit.replace("/", "_").replace("^", "")
+            columns[f"{name}_measured_{suffix}"] = values / size
+            columns[f"{name}_computed_{suffix}"] = comparison.computed[name] / size
+        return columns
+
+    def summary(self) -> TableColumns:
+        """Return the figures, and from which columns of the data they come."""
+        import numpy as np
+
+        rows = self.comparison.rows
+        sizes = [self.units[row.kind][1] for row in rows]
+        columns = "; ".join(text for role, text in self.record.headers.items())
+        return {
+            "quantity": [row.key for row in rows],
+            "unit": [self.units[row.kind][0] for row in rows],
+            "measured": np.array([row.measured.value / size for row, size in zip(rows, sizes, strict=True)]),
+            "standard_error": np.array(
+                [row.measured.error / size for row, size in zip(rows, sizes, strict=True)]
+            ),
+            "computed": np.array([row.computed / size for row, size in zip(rows, sizes, strict=True)]),
+            "data_columns": [columns] * len(rows),
+        }
+
+    def content(self) -> dict[str, Any]:
+        """Return everything, for JSON."""
+        comparison = self.comparison
+        alignment = comparison.alignment
+        content: dict[str, Any] = {
+            "columns": dict(self.record.headers),
+            "pattern": comparison.motion.pattern,
+            "trough_time_at_zero_s": _number(alignment.shift),
+            "trough_time_error_s": _number(alignment.error),
+            "warnings": list(comparison.warnings),
+            "figures": {
+                row.key: {
+                    "unit": self.units[row.kind][0],
+                    "measured": _number(row.measured.value / self.units[row.kind][1]),
+                    "standard_error": _number(row.measured.error / self.units[row.kind][1]),
+                    "computed": _number(row.computed / self.units[row.kind][1]),
+                }
+                for row in comparison.rows
+            },
+        }
+        if self.fit is not None:
+            content["fit"] = {
+                p.name: {
+                    "unit": unit,
+                    "estimate": _number(p.value / size if p.identified else math.nan),
+                    "low": _number(p.low / size),
+                    "high": _number(p.high / size),
+                }
+                for p, (unit, size) in self._parameters()
+            }
+            content["fit_statements"] = list(self.fit.statements)
+        return content
+
+
+def _symbol(name: str) -> str:
+    return next(symbol for symbol, field in _FITTED.items() if field == name)
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _uncertain(value: float, error: float) -> str:
+    """Write a value with its standard error, to two digits of that."""
+    if not math.isfinite(error) or error <= 0.0:
+        return f"{value:.4g}"
+    digits = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{digits}f} \u00b1 {error:.{digits}f}"

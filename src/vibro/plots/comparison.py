@@ -1,0 +1,165 @@
+"""A record beside the computed motion: over time, and all its cycles laid on one."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
+from vibro.plots.style import INK, RC
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from vibro.compare import Comparison
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["comparison_figure"]
+
+_MEASURED: Final[Mapping[str, Any]] = {
+    "label": "measured",
+    "color": "#004488",
+    "marker": ".",
+    "linestyle": "none",
+    "alpha": 0.75,
+}
+_COMPUTED: Final[Mapping[str, Any]] = {"label": "computed", "color": "#BB5566", "linewidth": 1.6}
+_FITTED: Final[Mapping[str, Any]] = {
+    "label": "computed, fitted",
+    "color": INK,
+    "linewidth": 1.2,
+    "dashes": (4, 2),
+}
+_KINDS: Final = {1: "F", -1: "B"}
+_POINTS: Final = 1001  # a cycle
+_EARLY: Final = 0.08  # of a cycle, where displacements are laid on each other
+_SHOWN: Final = 3  # cycles over time
+_ROW: Final = 2.1  # [in]
+# name -> label, unit, its size in SI units
+_SIGNALS: Final = {
+    "displacement": ("relative displacement", "mm", 1e-3),
+    "velocity": ("relative velocity", "mm/s", 1e-3),
+    "acceleration": ("relative acceleration", "m/s²", 1.0),
+    "friction": ("friction per unit mass", "m/s²", 1.0),
+}
+
+
+def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | None = None) -> Figure:
+    """Draw a comparison.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What to draw.
+    title : str
+        What the record and the scene are called.
+    fitted : Comparison, optional
+        The same record beside a scene that was fitted to it.
+
+    Returns
+    -------
+    Figure
+        A row a signal: the first cycles over time, and every cycle laid on one.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as NewFigure
+    from matplotlib.lines import Line2D
+
+    names = list(comparison.observation.signals)
+    models = [(comparison, _COMPUTED)] + ([(fitted, _FITTED)] if fitted else [])
+    with mpl.rc_context(RC):
+        figure = NewFigure(figsize=(10.0, 1.4 + _ROW * len(names)), layout="constrained")
+        grid = figure.subplots(len(names), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
+        for row, name in zip(grid, names, strict=True):
+            label, unit, size = _SIGNALS[name]
+            row[0].set_ylabel(f"{label}\n[{unit}]")
+            _over_time(row[0], comparison, name, size)
+            _on_one_cycle(row[1], comparison, name, size)
+            for model, style in models:
+                _draw_model(row, comparison, model, name, size, style)
+        grid[0][0].set_title(f"first {_SHOWN} cycles of the record")
+        grid[0][1].set_title("all cycles on one")
+        grid[-1][0].set_xlabel("time of the record [ms]")
+        grid[-1][1].set_xlabel("time after the trough's middle, upwards [ms]")
+        figure.align_ylabels(grid[:, 0])
+        figure.suptitle(title, fontsize=10.5)
+        kinds = {_KINDS[way] for way, _, _ in comparison.motion.slides}
+        handles = [
+            Line2D([], [], **{**_MEASURED, "markersize": 7}),
+            *(Line2D([], [], **style) for _, style in models),
+            *legend_entries(PHASE_STYLES[kind] for kind in PHASE_STYLES if kind in kinds),
+        ]
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+        return figure
+
+
+def _over_time(axes: Axes, comparison: Comparison, name: str, size: float) -> None:
+    """Draw the first cycles of the record, and shade the computed slides."""
+    time = comparison.observation.time
+    period = comparison.motion.period
+    end = float(time[0]) + _SHOWN * period
+    shown = time <= end
+    axes.plot(1e3 * time[shown], comparison.observation.signals[name][shown] / size, **_MEASURED)
+    shift = float(comparison.trough_time[0] - time[0])
+    first = math.floor(float(comparison.trough_time[0]) / period)
+    _shade(axes, comparison, range(first - 1, first + _SHOWN + 2), shift)
+    axes.set_xlim(1e3 * float(time[0]), 1e3 * end)
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+
+
+def _on_one_cycle(axes: Axes, comparison: Comparison, name: str, size: float) -> None:
+    """Draw every sample at its time in the cycle; displacements begin each cycle at 0."""
+    period = comparison.motion.period
+    turns = np.floor(comparison.trough_time / period)
+    time = comparison.trough_time - turns * period
+    values = comparison.observation.signals[name]
+    if name == "displacement":
+        advance = next(row.measured.value for row in comparison.rows if row.key == "stroke_advance")
+        values = values - turns * advance
+        early = time < _EARLY * period
+        values = values - float((values[early] - _at(comparison, name, time[early])).mean())
+    axes.plot(1e3 * time, values / size, markersize=3, **_MEASURED)
+    _shade(axes, comparison, range(-1, 2), 0.0)
+    axes.set_xlim(0.0, 1e3 * period)
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+
+
+def _draw_model(
+    row: NDArray[Any], comparison: Comparison, model: Comparison, name: str, size: float, style: Any
+) -> None:
+    """Draw a computed signal in both panels; the model has a clock of its own."""
+    observation, period = comparison.observation, comparison.motion.period
+    start = float(observation.time[0])
+    shift = float(model.trough_time[0]) - start
+    time = start + period * np.linspace(0.0, _SHOWN, _SHOWN * _POINTS)
+    values = _at(model, name, time + shift)
+    if name == "displacement":
+        values = values - values[0] + observation.signals[name][0]
+    row[0].plot(1e3 * time, values / size, **style)
+    cycle = np.linspace(0.0, period, _POINTS)
+    values = _at(model, name, cycle + float(model.trough_time[0] - comparison.trough_time[0]))
+    if name == "displacement":
+        values = values - values[0]
+    row[1].plot(1e3 * cycle, values / size, **style)
+
+
+def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:
+    """Continue the curve of one cycle."""
+    period = model.motion.period
+    turns = np.floor(trough_time / period)
+    values = np.interp(trough_time - turns * period, model.curve_time, model.curves[name])
+    return values + turns * model.motion.advance if name == "displacement" else values
+
+
+def _shade(axes: Axes, comparison: Comparison, turns: range, shift: float) -> None:
+    for turn in turns:
+        for way, start, end in comparison.motion.slides:
+            low, high = (time + turn * comparison.motion.period - shift for time in (start, end))
+            shade(axes, _KINDS[way], 1e3 * low, 1e3 * high)
