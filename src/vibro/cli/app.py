@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
+from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import CompareCommand, compare_command
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.console import print_error, tolerate_any_encoding
@@ -146,6 +147,7 @@ _NAMES: dict[str, Callable[..., int]] = {
     "map": map_command,
     "traverse-time": traverse_time_command,
     "solve": solve_command,
+    "accuracy": accuracy_command,
     "accuracy": accuracy_command,
     "compare": compare_command,
 }

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from vibro.sweep import Block
     from vibro.tables import Column
 
-__all__ = ["Pictures", "answer_one", "count", "make_grid", "write_sweep"]
+__all__ = ["Pictures", "answer_one", "count", "describe_grid", "make_grid", "write_sweep"]
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
 _BYTES_PER_ROW: Final = 210  # [B] what a row of all columns comes to, rounded up
@@ -261,10 +261,8 @@ def _write_pictures(
         save(figures[name], path, form, metadata)
 
 
-def _provenance(
-    grid: Grid, columns: Sequence[Column], argv: Sequence[str], tally: _Tally, targets: Sequence[Path]
-) -> dict[str, Any]:
-    """Return what a sidecar says: enough to run the sweep again."""
+def describe_grid(grid: Grid) -> dict[str, Any]:
+    """Return what a sidecar says of a grid: its fixed quantities and its axes, by their columns."""
     axes = {
         axis.column: {
             "count": len(axis),
@@ -278,11 +276,17 @@ def _provenance(
     scene = {QUANTITIES[name].column: value for name, value in grid.fixed.items()}
     if grid.length is not None:
         scene[QUANTITIES["trough_length"].column] = grid.length
+    return {"scene": scene, "axes": axes}
+
+
+def _provenance(
+    grid: Grid, columns: Sequence[Column], argv: Sequence[str], tally: _Tally, targets: Sequence[Path]
+) -> dict[str, Any]:
+    """Return what a sidecar says: enough to run the sweep again."""
     return {
         "version": __version__,
         "argv": ["vibro", *argv],
-        "scene": scene,
-        "axes": axes,
+        **describe_grid(grid),
         "cells": grid.size,
         "status": {status.label: tally.status[status] for status in Status if tally.status[status]},
         "regime": {regime.label or "none": tally.regime[regime] for regime in Regime if tally.regime[regime]},

@@ -1,0 +1,264 @@
+"""``vibro accuracy``: what speed costs in accuracy, and the other way round, measured on this machine."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from dataclasses import asdict, fields, replace
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from vibro.cli.options import Options, picture_formats  # typer reads the annotations
+from vibro.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from vibro.accuracy.compare import Comparison, Row
+    from vibro.cli.console import Console
+    from vibro.cli.request import Request
+    from vibro.files import OutputSet
+    from vibro.sweep import Grid
+    from vibro.tables import TableColumns
+
+__all__ = ["accuracy_command"]
+
+# The paper's ranges where nothing is given: its drive angles are below 45 deg, its scenes within these.
+_SAMPLE: Final = {
+    "amplitude": "0.1:3:log",
+    "frequency": "5:60:log",
+    "drive_angle": "2:45",
+    "static_friction": "0.1:1",
+    "friction_ratio": "0.4:1",
+}
+_AROUND_A_SCENE: Final = {name: _SAMPLE[name] for name in ("amplitude", "frequency")}
+_VALUES: Final = 1001  # of a range that leaves it open
+_SCENES: Final = 5000
+
+
+def accuracy_command(
+    context: typer.Context,
+    options: Options,
+    scenes: Annotated[
+        int,
+        typer.Option(
+            "--scenes", metavar="N", help="Scenes to sample; slow methods run on the first of them."
+        ),
+    ] = _SCENES,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="E", help="Error in mean speed that counts as none [A f].")
+    ] = 1e-3,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="png,svg,pdf", help="The picture's formats.")
+    ] = "png",
+) -> int:
+    """Run several methods on the same scenes: time a scene against error in mean speed.
+
+    Scenes are drawn evenly from axes, in the syntax of vibro map; those that hop are left out. Without
+    any, from A 0.1:3 mm, f 5:60 Hz (both log), drive angle 2:45 deg, mu_s 0.1:1 and mu_d/mu_s 0.4:1.
+    Errors are against arbitrary precision if mpmath is installed (pip install vibro[accuracy]), else
+    against converged event-driven simulation. The table goes to STEM.csv and STEM.json, the picture to
+    STEM.png.
+    """
+    from vibro.cli.console import Console
+    from vibro.cli.output import count
+    from vibro.files import OutputSet, output_stem, suffixed
+
+    console = Console(quiet=options.quiet)
+    wanted = picture_formats(formats)
+    if scenes < 1:
+        raise InputError(f"--scenes {scenes}: must be at least 1")
+    if not 0.0 < tolerance < math.inf:
+        raise InputError(f"--tolerance {tolerance:g}: must be finite and > 0")
+    if options.json and options.output == "-":
+        raise InputError("--json and -o - both want stdout", hint="leave one of them out")
+    request = _request(options, context.obj)
+    grid = _grid(request, console)
+    if options.output == "-":
+        from vibro.tables import CsvFormat
+
+        sys.stdout.reconfigure(encoding="utf-8", newline="")  # type: ignore[union-attr]
+        comparison = _compare(grid, scenes, tolerance, console)
+        sys.stdout.write(CsvFormat(options.excel, options.decimal_comma).table(_columns(comparison.rows)))
+        return 0
+    stem = output_stem(options.output, f"{request.name or 'vibro'}-accuracy")
+    pictures = {suffixed(stem, f".{form}"): form for form in wanted}
+    targets = [suffixed(stem, ".csv"), *pictures, suffixed(stem, ".json")]
+    with OutputSet(targets, force=options.force) as files:
+        comparison = _compare(grid, scenes, tolerance, console)
+        content = _content(comparison, grid, context.obj, targets)
+        _write(files, comparison, content, options, pictures, targets)
+    if options.json:
+        print(json.dumps(content, indent=2, allow_nan=False))
+    else:
+        _print_table(comparison)
+    if comparison.scenes < scenes:
+        console.warn(f"only {count(comparison.scenes)} of {count(comparison.drawn)} scenes stay in contact")
+    if console.is_terminal:
+        for target in targets:
+            console.echo(f"wrote {target}")
+    return 0
+
+
+def _request(options: Options, argv: Sequence[str]) -> Request:
+    """Merge options, scene file and what is sampled where nothing is given."""
+    from vibro.cli.request import gather
+    from vibro.units import QUANTITIES
+
+    if options.scene is None and all(getattr(options, name) is None for name in QUANTITIES):
+        options = replace(options, **_SAMPLE)  # type: ignore[arg-type]
+    return gather(options, argv, reads_map=True, takes_axes=True, ranges=_AROUND_A_SCENE)
+
+
+def _grid(request: Request, console: Console) -> Grid:
+    from vibro.sweep import Grid
+
+    specs = {name: spec for name, spec in request.specs.items() if name != "trough_length"}
+    axes = {name: spec.axis(_VALUES) for name, spec in specs.items() if spec.varies}
+    for axis in axes.values():
+        console.echo(str(axis))
+    return Grid(axes, {name: spec.value for name, spec in specs.items() if not spec.varies}, None)
+
+
+def _compare(grid: Grid, scenes: int, tolerance: float, console: Console) -> Comparison:
+    from vibro.accuracy.compare import best_reference, compare, runs
+    from vibro.accuracy.methods import METHODS
+    from vibro.cli.output import count
+
+    reference = best_reference()
+    number = min(scenes, reference.most)
+    if number < scenes:
+        console.warn(f"{count(number)} scenes: mpmath is not installed, and the {reference.name} is slow")
+    with console.progress("scenes", 2 * number + sum(runs(METHODS, number))) as report:
+        comparison = compare(grid, number, tolerance=tolerance, reference=reference, report=report)
+    if not comparison.scenes:
+        raise InputError(
+            "no scene stays in contact", hint="lower the amplitude, the frequency or the drive angle"
+        )
+    return comparison
+
+
+def _write(
+    files: OutputSet,
+    comparison: Comparison,
+    content: dict[str, Any],
+    options: Options,
+    pictures: dict[Path, str],
+    targets: Sequence[Path],
+) -> None:
+    """Write table, pictures and sidecar under their temporary names."""
+    from vibro.files import write_json
+    from vibro.plots import save
+    from vibro.plots.trade import trade_figure
+    from vibro.tables import CsvFormat
+
+    table = CsvFormat(options.excel, options.decimal_comma).table(_columns(comparison.rows))
+    files[targets[0]].write_text(table, encoding="utf-8", newline="")
+    figure = trade_figure(comparison)
+    metadata = {
+        "Title": targets[0].name,
+        "Software": f"vibro {content['version']}",
+        "Description": json.dumps(content, allow_nan=False),
+    }
+    for path, form in pictures.items():
+        save(figure, files[path], form, metadata)
+    write_json(files[targets[-1]], content)
+
+
+def _columns(rows: Sequence[Row]) -> TableColumns:
+    """Return the columns of the table, with their units in their names."""
+    import numpy as np
+
+    from vibro.accuracy.compare import Row
+
+    columns: dict[str, Any] = {}
+    for field in fields(Row):
+        values = [getattr(row, field.name) for row in rows]
+        relative = field.name.startswith(("error", "drift"))
+        texts = isinstance(values[0], str)
+        columns[f"{field.name}_af" if relative else field.name] = values if texts else np.array(values, float)
+    return columns
+
+
+def _content(
+    comparison: Comparison, grid: Grid, argv: Sequence[str], targets: Sequence[Path]
+) -> dict[str, Any]:
+    """Return what the sidecar says."""
+    from vibro import __version__
+    from vibro.cli.output import describe_grid
+
+    rows = [
+        {key: None if value != value else value for key, value in asdict(row).items()}
+        for row in comparison.rows
+    ]
+    return {
+        "version": __version__,
+        "argv": ["vibro", *argv],
+        **describe_grid(grid),
+        "scenes_drawn": comparison.drawn,
+        "scenes_in_contact": comparison.scenes,
+        "reference": comparison.reference,
+        "tolerance_af": comparison.tolerance,
+        "methods": rows,
+        "files": [target.name for target in targets],
+    }
+
+
+_HEADINGS: Final = (
+    "method", "setting", "scenes", "time", "max error", "99.9 %", "> tolerance", "wrong regime", "silent",
+    "gave up", "drift at rest",
+)  # fmt: skip
+
+
+def _print_table(comparison: Comparison) -> None:
+    """Print the table and the advice: with rich for a person, as aligned text otherwise."""
+    from vibro.accuracy.compare import advice
+
+    cells = [_cells(row) for row in comparison.rows]
+    legend = (
+        f"{comparison.scenes} scenes in contact; errors of the mean speed in A f against "
+        f"{comparison.reference}; tolerance {comparison.tolerance:g}; silent: misses half the speed or more "
+        "without a word"
+    )
+    if sys.stdout.isatty():
+        from rich import box
+        from rich.console import Console as RichConsole
+        from rich.table import Table
+
+        table = Table(box=box.SIMPLE_HEAD, caption=legend, caption_justify="left")
+        for heading in _HEADINGS:
+            table.add_column(heading, justify="left" if heading in ("method", "setting") else "right")
+        for row in cells:
+            table.add_row(*row)
+        RichConsole(highlight=False, markup=False).print(table)
+    else:
+        from vibro.cli.report import aligned
+
+        print(aligned([_HEADINGS, *cells]))
+        print(f"\n{legend}")
+    print(advice(comparison))
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    return (
+        row.method,
+        row.setting,
+        str(row.scenes),
+        _time(row.time_us),
+        *(f"{error:.1e}" for error in (row.error_max, row.error_999)),
+        str(row.beyond_tolerance),
+        f"{row.wrong_regime_share:.2%}",
+        str(row.silent_failures),
+        str(row.gave_up),
+        f"{row.drift_at_rest:.1e}" if row.drift_at_rest else "0",
+    )
+
+
+def _time(microseconds: float) -> str:
+    for size, unit in ((1e3, "ms"), (1.0, "us")):
+        if microseconds >= size:
+            return f"{microseconds / size:.3g} {unit}"
+    return f"{1e3 * microseconds:.3g} ns"
