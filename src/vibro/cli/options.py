@@ -51,7 +51,7 @@ class Options:
 
     scene: Annotated[
         Path | None,
-        typer.Argument(metavar="[SCENE.toml]", help="A scene file; options override it.", show_default=False),
+        typer.Argument(metavar="SCENE.toml", help="A scene file; options override it.", show_default=False),
     ] = None
     amplitude: Annotated[str | None, _quantity("-A", "--amplitude", text="Amplitude of the drive [mm].")] = (
         None

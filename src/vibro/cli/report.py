@@ -11,6 +11,7 @@ from vibro.core.codes import Regime, Status
 from vibro.core.groups import loads
 from vibro.core.limits import critical_loads
 from vibro.core.phases import steady_phases
+from vibro.scene import STANDARD_GRAVITY
 from vibro.units import QUANTITIES, from_si, to_si
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["OneScene", "Transition", "aligned", "number"]
 
+# Left out of a report, where everybody takes them for granted.
+_UNSAID: Final = {"trough_angle": 0.0, "gravity": STANDARD_GRAVITY, "restitution": 0.0}
 _PHASES: Final = {"F": "forward slide", "B": "back slide", "_": "rest"}
 _BEGINNINGS: Final = {
     "forward_onset": "forward slip",
@@ -90,7 +93,11 @@ class OneScene:
 
     def facts(self) -> list[tuple[str, str]]:
         """Return what every report says, as pairs of a name and a text."""
-        given = (f"{QUANTITIES[n].label} {QUANTITIES[n].text(v)}" for n, v in self.given.items())
+        given = (
+            f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+            for name, value in self.given.items()
+            if value != _UNSAID.get(name)
+        )
         regime, pattern = Regime(int(self._cycle.regime)), str(self._cycle.pattern)
         status = Status(int(self._cycle.status))
         facts = [
