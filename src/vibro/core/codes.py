@@ -33,6 +33,7 @@ class Status(IntEnum):
     FLIGHT_NOT_MODELLED = 4
     INFEASIBLE = 5
     UNRESOLVED = 6
+    AVERAGED = 7
 
     @property
     def label(self) -> str:
@@ -52,6 +53,7 @@ _STATUS_MESSAGES: Final = {
     Status.INDETERMINATE: "without static friction the steady motion depends on how the body was started",
     Status.FLIGHT_NOT_MODELLED: "the body leaves the trough; its flight is not modelled",
     Status.INFEASIBLE: "the combination cannot be: mu_d > mu_s, or drive + trough angle of 90 deg or more",
+    Status.AVERAGED: "the motion has no short period: mean over many flights, with its standard error",
     Status.UNRESOLVED: "the solver could not prove its answer; please report the scene",
 }
 
