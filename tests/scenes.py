@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from hypothesis import settings
+from hypothesis import strategies as st
 
-import vibro
+from vibro import Scene, SteadyCycle, solve
 from vibro.core.groups import Loads, loads
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike
 
 GRAVITY = 9.81
+FIELDS = [f.name for f in dataclasses.fields(SteadyCycle)]
+
+# hypothesis, but the same examples every time
+deterministic = settings(max_examples=150, deadline=None, derandomize=True, database=None)
 
 
 class Groups(NamedTuple):
@@ -32,10 +42,10 @@ def at_load(
     mu_d: ArrayLike,
     trough_deg: ArrayLike = 0.0,
     frequency: ArrayLike = 15.0,
-) -> vibro.Scene:
+) -> Scene:
     """Make scenes whose amplitude gives the load G = A w^2 / g."""
     w = 2.0 * np.pi * np.asarray(frequency, np.float64)
-    return vibro.Scene(
+    return Scene(
         amplitude=np.asarray(load, np.float64) * GRAVITY / w**2,
         frequency=frequency,
         drive_angle=np.radians(drive_deg),
@@ -46,15 +56,13 @@ def at_load(
     )
 
 
-def loads_of(scene: vibro.Scene) -> Loads:
+def loads_of(scene: Scene) -> Loads:
     """Form the groups of scenes, as 1-D arrays over the flattened grid."""
     groups = loads(*scene.arrays()[:7])
     return Loads(*(np.broadcast_to(x, scene.shape).reshape(-1) for x in groups))
 
 
-def random_scenes(
-    count: int, seed: int, *, most_trough_deg: float = 0.0, least_ratio: float = 0.4
-) -> vibro.Scene:
+def random_scenes(count: int, seed: int, *, most_trough_deg: float = 0.0, least_ratio: float = 0.4) -> Scene:
     """Draw contact scenes that can rest: loads from before any slip to the hop, log-uniform."""
     random = np.random.default_rng(seed)
     mu_s = random.uniform(0.1, 1.0, count)
@@ -66,7 +74,7 @@ def random_scenes(
     return at_load(load, drive, mu_s, mu_s * random.uniform(least_ratio, 1.0, count), trough)
 
 
-def groups_of(scene: vibro.Scene) -> list[Groups]:
+def groups_of(scene: Scene) -> list[Groups]:
     """List the groups of scenes, one by one."""
     load = scene.amplitude * (2.0 * np.pi * scene.frequency) ** 2 / scene.gravity
     fields = (
@@ -80,6 +88,43 @@ def groups_of(scene: vibro.Scene) -> list[Groups]:
     return [Groups(*row) for row in zip(*columns, strict=True)]
 
 
-def solve_one(groups: Groups) -> vibro.SteadyCycle:
+def solve_one(groups: Groups) -> SteadyCycle:
     """Solve the scene of some groups."""
-    return vibro.solve(at_load(*groups))
+    return solve(at_load(*groups))
+
+
+def scene_with(**values: ArrayLike) -> Scene:
+    """Change some values of the published example."""
+    example: dict[str, ArrayLike] = {
+        "amplitude": 1e-3,
+        "frequency": 15.0,
+        "drive_angle": math.radians(20.0),
+        "static_friction": 0.74,
+        "kinetic_friction": 0.57,
+    }
+    return Scene(**(example | values))
+
+
+def replaced(scene: Scene, **values: ArrayLike) -> Scene:
+    """Change some fields of scenes."""
+    fields = {f.name: getattr(scene, f.name) for f in dataclasses.fields(Scene)}
+    return Scene(**(fields | values))
+
+
+@st.composite
+def contact_groups(draw: Callable[[st.SearchStrategy[float]], float], least_ratio: float = 0.2) -> Groups:
+    """Draw groups of a contact scene on a trough where a body can rest."""
+    drive = draw(st.floats(0.0, 60.0))
+    mu_s = draw(st.floats(0.02, 1.5))
+    mu_d = mu_s * draw(st.floats(least_ratio, 1.0))
+    trough = draw(st.floats(-0.95, 0.95)) * min(math.degrees(math.atan(mu_s)), 29.0)
+    hop = math.cos(math.radians(trough)) / max(math.sin(math.radians(drive)), 1e-3)
+    load = 0.02 * (0.999 * hop / 0.02) ** draw(st.floats(0.0, 1.0))
+    return Groups(load, drive, mu_s, mu_d, trough)
+
+
+def assert_same(left: SteadyCycle, right: SteadyCycle, *, names: list[str] = FIELDS) -> None:
+    """Compare two answers bit by bit."""
+    for name in names:
+        a, b = getattr(left, name), getattr(right, name)
+        assert np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind == "f"), name
