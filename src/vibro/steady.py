@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from vibro.core.codes import MODELS, PATTERNS
+from vibro.core.codes import MODELS, Model, Status
 from vibro.core.groups import Loads, loads
-from vibro.core.solver import SteadyState, steady_state
+from vibro.core.hopping import hopping_cycles
+from vibro.core.solver import HOPPING_PATTERNS, SteadyState, pattern_texts, steady_state
 from vibro.errors import Problem, SceneError, VibroError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
@@ -30,12 +31,14 @@ __all__ = ["Accuracy", "SteadyCycle", "grid_blocks", "solve"]
 
 Accuracy = Literal["exact", "regimes"]
 
-_PATTERN_TEXTS = np.array(PATTERNS)
 _MODEL_TEXTS = np.array(MODELS)
 
 # Cells a block: few enough that temporaries stay near a core, many enough that threads seldom wait for
 # each other between two NumPy calls (benchmarks/kernel.py).
 _BLOCK = 131_072
+
+# Hopping cells at once: each may need hundreds of flights, and an interrupt waits for them.
+_HOPPING_BLOCK = 4_096
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +51,22 @@ class SteadyCycle:
     ----------
     regime, status : int8 array
         Codes of ``Regime`` and ``Status``.
-    pattern_code, model_code : int8 array
+    pattern_code, model_code : int64 and int8 array
         Codes behind ``pattern`` and ``model``.
     displacement_per_cycle : float array
         Displacement relative to the trough in one drive cycle, positive in the conveying direction [m].
     mean_velocity : float array
         Mean conveying speed [m/s].
+    mean_velocity_error : float array
+        Standard error of the mean speed where it is a mean over many cycles (``AVERAGED``), else 0 [m/s].
     peak_velocity : float array
-        Largest relative speed, either way, >= 0 [m/s].
+        Largest relative speed along the trough, either way, >= 0 [m/s].
+    flight_fraction : float array
+        Share of the time that the body is off the trough [1].
+    impact_velocity : float array
+        Largest normal speed at which it lands, 0 without flight [m/s].
+    period_cycles : float array
+        Drive cycles until the motion repeats; NaN where it does not [1].
     throw_number : float array
         K = G sin(alpha) / cos(beta); the body hops above 1 [1].
     forward_ratio, back_ratio : float array
@@ -67,11 +78,15 @@ class SteadyCycle:
 
     regime: Codes
     status: Codes
-    pattern_code: Codes
+    pattern_code: NDArray[np.int64]
     model_code: Codes
     displacement_per_cycle: Floats
     mean_velocity: Floats
+    mean_velocity_error: Floats
     peak_velocity: Floats
+    flight_fraction: Floats
+    impact_velocity: Floats
+    period_cycles: Floats
     throw_number: Floats
     forward_ratio: Floats
     back_ratio: Floats
@@ -79,8 +94,8 @@ class SteadyCycle:
 
     @property
     def pattern(self) -> Any:
-        """Phases of the cycle as text: F forward slide, B back slide, _ rest; empty if there is none."""
-        return _PATTERN_TEXTS[self.pattern_code]
+        """Phases of the cycle as text: H flight, F forward slide, B back slide, _ rest; empty if none."""
+        return pattern_texts(np.asarray(self.pattern_code))[()]
 
     @property
     def model(self) -> Any:
@@ -109,7 +124,7 @@ class SteadyCycle:
             return np.where(np.isnan(self.mean_velocity), np.nan, length / velocity)[()]
 
 
-def solve(scene: Scene, *, accuracy: Accuracy = "exact") -> SteadyCycle:
+def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) -> SteadyCycle:
     """Steady cycle that a body at rest settles into, for every scene.
 
     Parameters
@@ -118,7 +133,10 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact") -> SteadyCycle:
         Operating points of any shape.
     accuracy : {"exact", "regimes"}, optional
         With "regimes" only the classes, ratios and statuses are found: a slipping cell has neither
-        pattern nor model, and NaN for its displacement and speeds.
+        pattern nor model, and NaN for its numbers. It stands for ``flight=False``.
+    flight : bool, optional
+        Whether hopping scenes are followed through flight and impact; else they have no numbers and the
+        status ``FLIGHT_NOT_MODELLED``.
 
     Returns
     -------
@@ -145,20 +163,37 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact") -> SteadyCycle:
     arrays = [a.reshape((1,) * (len(grid) - a.ndim) + a.shape) for a in scene.arrays()]
     out = _empty(grid)
 
-    def run(block: tuple[slice, ...]) -> None:
+    def contact(block: tuple[slice, ...]) -> None:
         _solve_block(out, block, [a[_within(block, a.shape)] for a in arrays], accuracy == "regimes")
 
-    blocks = list(grid_blocks(grid, _BLOCK))
-    if len(blocks) > 1:
-        _retain_freed_memory()
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            for _ in pool.map(run, blocks):
-                pass
-    elif blocks:
-        run(blocks[0])
+    def hops(cells: NDArray[np.intp]) -> None:
+        where = np.unravel_index(cells, grid)
+        _solve_hops(
+            out, cells, [a[tuple(i * (n > 1) for i, n in zip(where, a.shape, strict=True))] for a in arrays]
+        )
+
+    _in_parallel(contact, list(grid_blocks(grid, _BLOCK)))
+    if flight and accuracy == "exact":
+        hopping = np.flatnonzero(out.status == Status.FLIGHT_NOT_MODELLED)
+        _in_parallel(hops, [hopping[i : i + _HOPPING_BLOCK] for i in range(0, hopping.size, _HOPPING_BLOCK)])
     if scene.shape:
         return out
     return SteadyCycle(**{f.name: getattr(out, f.name)[0] for f in fields(SteadyCycle)})
+
+
+def _in_parallel(run: Callable[[Any], None], parts: list[Any]) -> None:
+    """Run parts on all cores; an interrupt waits only for those under way."""
+    if len(parts) < 2:
+        for part in parts:
+            run(part)
+        return
+    _retain_freed_memory()
+    pool = ThreadPoolExecutor(os.cpu_count())
+    try:
+        for _ in pool.map(run, parts):
+            pass
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 @cache
@@ -179,8 +214,9 @@ def _empty(shape: tuple[int, ...]) -> SteadyCycle:
         return np.empty(shape)
 
     return SteadyCycle(
-        codes(), codes(), codes(), codes(),
-        numbers(), numbers(), numbers(), numbers(), numbers(), numbers(),
+        codes(), codes(), np.empty(shape, np.int64), codes(),
+        numbers(), numbers(), numbers(), numbers(), numbers(), numbers(), numbers(),
+        numbers(), numbers(), numbers(),
         np.empty(shape, np.bool_),
     )  # fmt: skip
 
@@ -235,6 +271,35 @@ def _solve_block(
         part["displacement_per_cycle"] *= amplitude
         np.multiply(part["displacement_per_cycle"], frequency, out=part["mean_velocity"])
         part["peak_velocity"] *= 2.0 * np.pi * frequency * amplitude
+    blank = np.where(np.isnan(part["displacement_per_cycle"]), np.nan, 0.0)
+    for name in ("mean_velocity_error", "flight_fraction", "impact_velocity"):
+        part[name][...] = blank
+    np.add(blank, 1.0, out=part["period_cycles"])
+
+
+def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], arrays: list[Floats]) -> None:
+    """Solve hopping scenes in place, at flat indices of the grid, and scale them to SI."""
+    amplitude, frequency = arrays[0], arrays[1]
+    cycles = hopping_cycles(loads(*arrays[:7]), arrays[7])
+    answered = ~np.isnan(cycles.displacement)
+    pattern = np.where(cycles.pattern > 0, cycles.pattern + HOPPING_PATTERNS, cycles.pattern)
+    with np.errstate(over="ignore"):
+        speed = 2.0 * np.pi * frequency * amplitude
+        results = {
+            "status": cycles.status,
+            "pattern_code": np.where(answered, pattern, 0),
+            "model_code": np.where(answered, np.int8(Model.FLIGHT), np.int8(Model.NONE)),
+            "displacement_per_cycle": amplitude * cycles.displacement,
+            "mean_velocity": amplitude * cycles.displacement * frequency,
+            "mean_velocity_error": amplitude * cycles.deviation * frequency,
+            "peak_velocity": speed * cycles.peak,
+            "flight_fraction": cycles.flight_fraction,
+            "impact_velocity": speed * cycles.impact,
+            "period_cycles": cycles.period,
+            "coexists": cycles.coexists,
+        }
+    for name, values in results.items():
+        getattr(out, name).reshape(-1)[cells] = values
 
 
 def _flat(field: Floats, shape: tuple[int, ...]) -> Floats:

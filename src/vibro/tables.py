@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
-from vibro.core.codes import MODELS, PATTERNS, Regime, Status
+from vibro.core.codes import MODELS, Regime, Status
 from vibro.units import QUANTITIES, from_si, to_si
 
 if TYPE_CHECKING:
@@ -39,9 +39,9 @@ class Column:
         Unit of the numbers; empty for pure numbers and texts.
     values : callable
         From a ``Block`` to an array that broadcasts to its shape: floats, NaN or inf where there is no
-        number, or codes into ``texts``.
+        number; texts; or codes into ``texts``.
     texts : tuple of str, optional
-        What the codes mean, the last one standing for -1; None for a column of numbers.
+        What the codes mean, the last one standing for -1; None for a column of numbers or texts.
     """
 
     name: str
@@ -79,7 +79,7 @@ COLUMNS: Final = (
         ("amplitude", "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle"),
     ),
     Column("regime", "", lambda block: block.cycle.regime, (*(r.label for r in Regime if r >= 0), "")),
-    Column("pattern", "", lambda block: block.cycle.pattern_code, PATTERNS),
+    Column("pattern", "", lambda block: np.asarray(block.cycle.pattern)),
     _result("mean_velocity_mm_s", "mm/s", "mean_velocity", _MM),
     _result("displacement_per_cycle_mm", "mm", "displacement_per_cycle", _MM),
     _result("peak_velocity_mm_s", "mm/s", "peak_velocity", _MM),
@@ -87,6 +87,9 @@ COLUMNS: Final = (
     _result("throw_number", "", "throw_number"),
     _result("forward_ratio", "", "forward_ratio"),
     _result("back_ratio", "", "back_ratio"),
+    _result("flight_fraction", "", "flight_fraction"),
+    _result("impact_speed_mm_s", "mm/s", "impact_velocity", _MM),
+    _result("period_cycles", "", "period_cycles"),
     Column("model", "", lambda block: block.cycle.model_code, MODELS),
     Column("status", "", lambda block: block.cycle.status, tuple(s.label for s in Status)),
 )
@@ -173,6 +176,8 @@ class CsvFormat:
         # Only the values that differ are converted: an axis has few, however many cells there are.
         if column.texts is not None:
             texts = np.array(column.texts, dtype=object)[values]
+        elif values.dtype.kind == "U":
+            texts = values.astype(object)
         else:
             texts = np.array(self._numbers(values.ravel()), dtype=object).reshape(values.shape)
         return np.broadcast_to(texts, block.shape).ravel().tolist()
@@ -212,6 +217,8 @@ def record(columns: Sequence[Column], block: Block, index: int = 0) -> dict[str,
         value = np.broadcast_to(column.values(block), block.shape).flat[index]
         if column.texts is not None:
             result[column.name] = column.texts[value]
+        elif isinstance(value, str):
+            result[column.name] = str(value)
         else:
             result[column.name] = float(value) if math.isfinite(value) else None
     return result
@@ -239,6 +246,8 @@ def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
         values = np.broadcast_to(column.values(block), block.shape).ravel()
         if column.texts is not None:
             data[column.name] = pd.Categorical(np.array(column.texts, dtype=object)[values])
+        elif values.dtype.kind == "U":
+            data[column.name] = pd.Categorical(values.astype(object))
         else:
             data[column.name] = np.where(np.isfinite(values), values, np.nan)
     return pd.DataFrame(data)

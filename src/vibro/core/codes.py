@@ -82,6 +82,7 @@ class Model(IntEnum):
     ONE_SLIDE = 2
     TWO_SLIDES = 3
     CLOSED_FORM = 4  # never at rest
+    FLIGHT = 5
 
 
-MODELS: Final = ("", "rest", "one-slide", "two-slides", "closed-form")
+MODELS: Final = ("", "rest", "one-slide", "two-slides", "closed-form", "flight")

@@ -55,7 +55,7 @@ def steady_phases(scene: Loads, pattern_code: int) -> list[Phase]:
     list of Phase
         Empty where there is no steady contact cycle.
     """
-    pattern = PATTERNS[pattern_code]
+    pattern = PATTERNS[pattern_code] if 0 <= pattern_code < len(PATTERNS) else ""
     if pattern in ("", "_"):
         return [Phase("_", 0.0, _TURN, 0.0)] if pattern else []
     slides = _slides(scene, pattern)

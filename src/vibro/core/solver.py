@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Model, Pattern, Regime, Status
+from vibro.core.codes import PATTERNS, Model, Pattern, Regime, Status
 from vibro.core.cycle import one_way_cycles, slides_forward_only, two_way_cycles
 from vibro.core.groups import put, take
+from vibro.core.hopping import pattern_text
 from vibro.core.onset import Thresholds, thresholds
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     Codes = NDArray[np.int8]
     Bools = NDArray[np.bool_]
 
-__all__ = ["SteadyState", "steady_state"]
+__all__ = ["HOPPING_PATTERNS", "SteadyState", "pattern_texts", "steady_state"]
 
 _REGIME_OF_PATTERN: Final = np.array(
     [
@@ -46,12 +47,17 @@ _MODEL_OF_PATTERN: Final = np.array(
 )
 
 
+# [code] Patterns of contact cycles have the codes of ``Pattern``; from here on up, and below 0, stand the
+# words of hopping cycles.
+HOPPING_PATTERNS: Final = 8
+
+
 class SteadyState(NamedTuple):
     """Steady cycles of scenes, 1-D: codes, lengths in A, speeds in A w, ratios."""
 
     regime: Codes
     status: Codes
-    pattern: Codes
+    pattern: NDArray[np.int64]
     model: Codes
     displacement: Floats
     peak: Floats
@@ -62,7 +68,7 @@ class SteadyState(NamedTuple):
 
 
 def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False) -> None:
-    """Solve the steady cycle from rest of every scene.
+    """Solve the steady cycle from rest of every scene but the hopping ones.
 
     Scenes at rest cost their thresholds, scenes that slip one way a slide, others what
     ``two_way_cycles`` needs; each kind is compressed before it is solved.
@@ -148,8 +154,8 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
     out.regime[cells] = np.select(kinds, [Regime.UNDEFINED, Regime.HOPPING, Regime.UNDEFINED], downhill)
     out.pattern[cells] = Pattern.NONE
     out.model[cells] = Model.NONE
-    out.displacement[cells] = np.nan
-    out.peak[cells] = np.nan
+    for numbers in (out.displacement, out.peak):
+        numbers[cells] = np.nan
     # Where nothing rests, any load makes it slip.
     out.forward_ratio[cells] = np.where(hold + lean > 0.0, out.forward_ratio[cells], np.inf)
     slips_back = (hold - lean <= 0.0) & (scene.along > scene.static_friction * scene.across)
@@ -183,3 +189,13 @@ def _write(out: SteadyState, cells: NDArray[np.intp], cycles: Cycles) -> None:
             cycles.coexists,
         ),
     )
+
+
+def pattern_texts(codes: NDArray[np.int64]) -> NDArray[np.str_]:
+    """Phases of steady cycles as text, from their codes in ``SteadyState``."""
+    different, which = np.unique(codes.ravel(), return_inverse=True)
+    texts = [
+        PATTERNS[code] if 0 <= code < HOPPING_PATTERNS else pattern_text(code - HOPPING_PATTERNS * (code > 0))
+        for code in different.tolist()
+    ]
+    return np.array(texts, dtype=np.str_)[which].reshape(codes.shape)
