@@ -120,7 +120,9 @@ class Observation:
             for name, values in self.signals.items()
         }
 
-    def residuals(self, motion: SettledMotion, shift: float, *, trend: bool = True) -> dict[str, Floats]:
+    def residuals(
+        self, motion: SettledMotion, shift: float, *, trend: bool = True, window: float = 1.0
+    ) -> dict[str, Floats]:
         """Measured minus computed, of each signal.
 
         Parameters
@@ -131,10 +133,12 @@ class Observation:
             Trough time at the clock's zero [s].
         trend : bool
             Whether the growth of the displacement counts. Its zero never does: sensors have their own.
+        window : float
+            Part of a sample over which the model's accelerations and friction are averaged.
         """
         result = {}
         for name, values in self.signals.items():
-            residual = values - computed(motion, name, self.time + shift, self.sample_time)
+            residual = values - computed(motion, name, self.time + shift, window * self.sample_time)
             if name == "displacement":
                 residual = residual - residual.mean()
                 if not trend:
@@ -165,11 +169,11 @@ class Observation:
         return float(grid[np.argmin(loss)]), loss
 
 
-def computed(motion: SettledMotion, name: str, time: Floats, sample_time: float) -> Floats:
-    """Return a signal of the model as a sensor samples it.
+def computed(motion: SettledMotion, name: str, time: Floats, window: float) -> Floats:
+    """Return a signal of the model at trough times.
 
-    Accelerations and friction jump where a slide begins or ends: they are averaged over one sample, which no
-    record resolves, exactly, from the velocities at its ends.
+    Accelerations and friction jump where a slide starts or ends. They are averaged, exactly, over a window: no
+    record resolves its own step, and a search can follow the jumps.
 
     Parameters
     ----------
@@ -179,15 +183,15 @@ def computed(motion: SettledMotion, name: str, time: Floats, sample_time: float)
         Of a signal of ``Observation``.
     time : array
         Trough times [s].
-    sample_time : float
-        Step of the record [s].
+    window : float
+        Width of the averages [s].
     """
     if name == "displacement":
         return motion.displacement(time)
     if name == "velocity":
         return motion.velocity(time)
-    half = 0.5 * sample_time
-    acceleration = (motion.velocity(time + half) - motion.velocity(time - half)) / sample_time
+    half = 0.5 * window
+    acceleration = (motion.velocity(time + half) - motion.velocity(time - half)) / window
     return acceleration if name == "acceleration" else acceleration - motion.inertial(time)
 
 
@@ -238,6 +242,9 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
     )
     shift, least_loss = float(best.x), float(best.fun)
     error = 0.5 * sum(_reach(loss, shift, least_loss, way * period) for way in (1, -1))
+    if not {"displacement", "velocity"} & observation.signals.keys():
+        # Jumps alone are seen between two samples, nobody knows where: the spread of an even distribution.
+        error = math.hypot(error, observation.sample_time / math.sqrt(12.0))
     low = (losses <= np.roll(losses, 1)) & (losses <= np.roll(losses, -1))
     rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * _SIGMAS**2)) * period / _GRID
     apart = np.abs((rivals - shift + 0.5 * period) % period - 0.5 * period) > _SEARCHED * period

@@ -45,11 +45,15 @@ _STARTS: Final[Mapping[str, tuple[float, ...]]] = {
 }
 _TRIED: Final = 3  # of the starts, the best
 _ROUNDS: Final = 4  # of weighing the signals by their misfit
-_STEP: Final = 1e-4  # relative, of the derivatives: the model's noise is 1e-15, its curvature of order 1
+_STEP: Final = 1e-6  # relative, of the derivatives: the model's noise is 1e-15, its curvature of order 1
 _CONFIDENCE: Final = 1.96  # sigma, for 95 %
 # A combination known worse than this, one relative sigma, is not known.
 _UNKNOWN: Final = 0.3
 _SHARE: Final = 0.05  # of an unknown combination, which a parameter must have to be part of it
+# Signals that jump where a slide starts or ends.
+_JUMPING: Final = ("acceleration", "friction")
+_WINDOW: Final = 0.25  # of a sample, over which the model's jumps are averaged so that derivatives exist
+_LEAST_VARIANCE: Final = 1e-18  # of a misfit, over that of the signal: data may be exact
 _AT_LIMIT: Final = 1e-4  # relative distance
 _HALVINGS: Final = 20
 
@@ -110,7 +114,7 @@ class _Problem:
             for name in (*FITTABLE, "frequency", "trough_angle", "gravity", "restitution")
         }
         self.weights = {
-            name: 1.0 / max(float(np.std(values)), np.finfo(float).tiny)
+            name: np.full(values.size, 1.0 / max(float(np.std(values)), np.finfo(float).tiny))
             for name, values in observation.signals.items()
         }
         bounds = {name: list(_BOUNDS[name]) for name in self.names}
@@ -151,7 +155,8 @@ class _Problem:
         motion = self.motion(self.decode(coded[:-1]))
         if motion is None:  # no steady motion there: as bad as no motion at all, and more
             return {name: 2.0 * values for name, values in self.observation.signals.items()}
-        return self.observation.residuals(motion, float(coded[-1]) * self.observation.period)
+        shift = float(coded[-1]) * self.observation.period
+        return self.observation.residuals(motion, shift, window=_WINDOW)
 
     def weighted(self, coded: Floats) -> Floats:
         return np.concatenate([r * self.weights[name] for name, r in self.residuals(coded).items()])
@@ -238,12 +243,12 @@ def _refine(problem: _Problem, start: Floats) -> tuple[float, Floats]:
     result = least_squares(
         problem.weighted,
         inside,
-        "3-point",
+        "2-point",
         (low, high),
         x_scale=scale,
         diff_step=np.full(scale.size, _STEP),
-        xtol=1e-10,
-        ftol=1e-10,
+        xtol=1e-8,
+        ftol=1e-8,
     )
     return float(result.cost), np.asarray(result.x)
 
@@ -251,10 +256,26 @@ def _refine(problem: _Problem, start: Floats) -> tuple[float, Floats]:
 def _weigh(problem: _Problem, coded: Floats) -> None:
     """Let every signal weigh by its misfit and its number of independent samples."""
     observation = problem.observation
+    motion = problem.motion(problem.decode(coded[:-1]))
     for name, residual in problem.residuals(coded).items():
-        variance = float(np.mean(residual**2)) + 1e-18 * float(np.var(observation.signals[name]))
+        used = np.ones(residual.size)
+        if motion is not None and name in _JUMPING:
+            used[_beside_a_jump(motion, observation, float(coded[-1]) * observation.period)] = 0.0
+        residual = used * residual
+        variance = float(residual @ residual / max(used.sum(), 1.0))
+        variance += _LEAST_VARIANCE * float(np.var(observation.signals[name])) + np.finfo(float).tiny
         count = independent_samples(observation.time, residual, observation.frequency)
-        problem.weights[name] = math.sqrt(count / residual.size / max(variance, np.finfo(float).tiny))
+        problem.weights[name] = used * math.sqrt(count / residual.size / variance)
+
+
+def _beside_a_jump(motion: SettledMotion, observation: Observation, shift: float) -> NDArray[np.bool_]:
+    """Samples next to the start or end of a slide: nobody knows what a sensor makes of a jump."""
+    beside = np.zeros(observation.time.size, np.bool_)
+    for _, start, end in motion.slides:
+        for instant in (start, end):
+            since = (observation.time + shift - instant) / motion.period
+            beside |= np.abs(since - np.round(since)) * motion.period <= observation.sample_time
+    return beside
 
 
 def _judge(problem: _Problem, best: Floats) -> Fit:

@@ -1,0 +1,227 @@
+"""``vibro compare``: its report, files, JSON, and everything that can be wrong with data and options."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import NUT, Run, rows_of
+from records import EXAMPLES, STUDY, STUDY_FILE
+
+SCENE = EXAMPLES / "safety_nut.toml"
+NAMED = ("--time", "Time [s]", "--displacement", "X [mm]", "--velocity", "V [mm/s]")
+
+
+def lines_of(text: str) -> dict[str, str]:
+    """First words of each line of a report, and the line with its blanks folded."""
+    return {line.split("  ")[0]: " ".join(line.split()) for line in text.splitlines() if line.strip()}
+
+
+def short_study(folder: Path, cycles: int = 4, **changes: str) -> Path:
+    """Write the first cycles of the study to a file, some headers changed."""
+    header, *rows = STUDY_FILE.read_text(encoding="utf-8").splitlines()
+    for old, new in changes.items():
+        header = header.replace(old, new)
+    path = folder / "short.csv"
+    path.write_text("\n".join([header, *rows[: 40 * cycles + 1]]) + "\n", encoding="utf-8")
+    return path
+
+
+def test_the_report(run: Run) -> None:
+    result = run("compare", SCENE, STUDY_FILE)
+    assert result.exit_code == 0, result.stderr
+    lines = lines_of(result.stdout)
+    assert lines["data"].endswith("801 rows, 20 cycles, 40 samples a cycle")
+    assert lines["computed"] == "computed pattern F_"
+    assert "the data begin 13.7" in lines["alignment"]
+    assert lines["stroke advance [mm]"] == "stroke advance [mm] 0.955427 ± 0.000012 1.08423 -11.9 %"
+    assert lines["mean speed [mm/s]"].endswith("16.2635 -11.9 %")
+    assert lines["peak speed [mm/s]"].endswith("60.1496 -7.3 %")
+    assert "forward slip starts (6.01 mm/s) [ms]" in lines
+    assert "RMS difference of velocity [mm/s]" in lines
+    assert "displacement: column 'X [mm]'" in result.stderr
+    assert "warning: column 'F [N]' is left out: a force needs --mass" in result.stderr
+    assert list(Path.cwd().iterdir()) == []
+
+
+def test_the_fit_is_reported_with_its_statement(run: Run, tmp_path: Path) -> None:
+    result = run("compare", SCENE, short_study(tmp_path), "--fit", "mu_s,mu_d", "-q")
+    assert result.exit_code == 0
+    assert result.stderr == ""
+    lines = lines_of(result.stdout)
+    assert lines["mu_s"].endswith("0.74")
+    assert lines["mu_d"].endswith("0.57")
+    assert "..." in lines["mu_d"]
+    assert "pattern F_: mu_s sets the start of a slide and mu_d its end" in result.stdout
+
+
+def test_what_cannot_be_identified_is_said(run: Run, tmp_path: Path) -> None:
+    path = short_study(tmp_path)
+    result = run("compare", SCENE, path, "-A", "0.3", "--fit", "mu_s", "--mu-d", "0.72", "--json")
+    assert result.exit_code == 0, result.stderr
+    fit = json.loads(result.stdout)["fit"]
+    assert fit["static_friction"]["low"] is None
+    resting = run("compare", SCENE, path, "-A", "0.3", "--fit", "mu_s", "--mu-d", "0.72")
+    assert "not identified" in resting.stdout
+
+
+def test_every_file_is_written(run: Run) -> None:
+    result = run("compare", SCENE, STUDY_FILE, "-o", "out/cmp", "--format", "png,svg", "--mass", "20g")
+    assert result.exit_code == 0, result.stderr
+    written = {path.name for path in Path("out").iterdir()}
+    assert written == {"cmp.csv", "cmp-summary.csv", "cmp.png", "cmp.svg", "cmp.json"}
+    content = json.loads(Path("out/cmp.json").read_text(encoding="utf-8"))
+    assert set(content["files"]) == written
+    assert content["argv"][:2] == ["vibro", "compare"]
+    assert content["scene"]["amplitude_mm"] == 1
+    assert content["columns"]["force"] == "F [N]"
+    assert content["figures"]["stroke_advance"]["computed"] == pytest.approx(1.0842304, rel=1e-7)
+    assert content["trough_time_at_zero_s"] == pytest.approx(STUDY["TRIGGER_TIME"], abs=2e-4)
+
+    rows = rows_of(Path("out/cmp.csv").read_text(encoding="utf-8"))
+    assert len(rows) == 801
+    assert list(rows[0]) == [
+        "time_s",
+        "trough_time_s",
+        *(
+            f"{name}_{kind}_{unit}"
+            for name, unit in (
+                ("displacement", "mm"),
+                ("velocity", "mm_s"),
+                ("acceleration", "m_s2"),
+                ("friction", "N"),
+            )
+            for kind in ("measured", "computed")
+        ),
+    ]
+    measured = np.array([float(row["friction_measured_N"]) for row in rows])
+    computed = np.array([float(row["friction_computed_N"]) for row in rows])
+    # Where the nut rests, friction is the trough's inertial force alone.
+    resting = np.array([0.045 < float(row["trough_time_s"]) < 0.060 for row in rows])
+    np.testing.assert_allclose(measured[resting], computed[resting], atol=6e-3)
+
+    summary = {
+        row["quantity"]: row for row in rows_of(Path("out/cmp-summary.csv").read_text(encoding="utf-8"))
+    }
+    assert float(summary["stroke_advance"]["measured"]) == pytest.approx(0.955427, rel=1e-5)
+    assert summary["rms_friction"]["unit"] == "N"
+    assert summary["rms_friction"]["computed"] == ""
+    assert summary["rms_friction"]["data_columns"].startswith("Time [s]; X [mm]")
+
+
+def test_headers_that_a_spreadsheet_would_run_are_quoted(run: Run, tmp_path: Path) -> None:
+    """A header is text from somewhere else, also the first one of the cell that echoes it."""
+    for sign in "=+-@":
+        path = short_study(tmp_path, Time=f"{sign}cmd|calc!A0")
+        result = run("compare", SCENE, path, "-o", "out", "--force", "-q")
+        assert result.exit_code == 0, result.stderr
+        rows = rows_of(Path("out-summary.csv").read_text(encoding="utf-8"))
+        assert {row["data_columns"][:2] for row in rows} == {f"'{sign}"}
+
+
+def test_force_is_a_flag_or_the_header_of_a_column(run: Run, tmp_path: Path) -> None:
+    path = short_study(tmp_path)
+    force = ("--force", "F [N]", "--mass", "0.02kg")
+    assert run("compare", SCENE, path, *force, "-o", "out").exit_code == 0
+    again = run("compare", SCENE, path, *force, "-o", "out")
+    assert again.exit_code == 1
+    assert "--force" in again.stderr
+    for replacing in (
+        ("compare", SCENE, path, *force, "-o", "out", "--force"),
+        ("compare", "--force", SCENE, path, *force, "-o", "out"),
+        ("compare", SCENE, path, "--force", "--force=F [N]", "--mass", "20g", "-o", "out"),
+    ):
+        result = run(*replacing)
+        assert result.exit_code == 0, result.stderr
+        assert json.loads(Path("out.json").read_text(encoding="utf-8"))["columns"]["force"] == "F [N]"
+
+
+def test_the_scene_may_come_from_options_alone(run: Run, tmp_path: Path) -> None:
+    result = run("compare", short_study(tmp_path), *NUT, *NAMED)
+    assert result.exit_code == 0, result.stderr
+    assert "stroke advance" in result.stdout
+    assert "RMS difference of acceleration" not in result.stdout
+
+
+def test_the_signals_go_to_stdout(run: Run, tmp_path: Path) -> None:
+    path = short_study(tmp_path)
+    result = run("compare", SCENE, path, "-o", "-", "-q", "--decimal-comma")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("time_s;trough_time_s;displacement_measured_mm;")
+    assert len(result.stdout.splitlines()) == 162
+    both = run("compare", SCENE, path, "-o", "-", "--json")
+    assert both.exit_code == 2
+
+
+def test_semicolons_and_decimal_commas_are_echoed(run: Run, tmp_path: Path) -> None:
+    path = short_study(tmp_path)
+    text = path.read_text(encoding="utf-8").replace(",", ";").replace(".", ",")
+    path.write_text(text, encoding="utf-8")
+    result = run("compare", SCENE, path)
+    assert result.exit_code == 0
+    assert "short.csv: separated by semicolons, decimal commas" in result.stderr
+
+
+def test_data_that_run_the_other_way(run: Run, tmp_path: Path) -> None:
+    path = short_study(tmp_path)
+    header, *rows = path.read_text(encoding="utf-8").splitlines()
+    turned = []
+    for row in rows:
+        time, *values = row.split(",")
+        turned.append(",".join([time, *(str(-float(value)) for value in values)]))
+    path.write_text("\n".join([header, *turned]) + "\n", encoding="utf-8")
+    result = run("compare", SCENE, path)
+    assert "warning: the data run against the computed direction: --reverse" in result.stderr
+    assert "-11.9 %" in run("compare", SCENE, path, "--reverse").stdout
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("--fit", "mu_k"), "--fit mu_k: 'mu_k' cannot be estimated"),
+        (("--fit", "A,a"), "--fit A,a: 'a' is given twice"),
+        (("--force", "F [N]"), "a force needs the mass of the body"),
+        (("--mass", "0"), "mass = 0: must be finite and > 0 kg"),
+        (("--mass", "20mm"), "'mm' is no unit of mass"),
+        (("--displacement", "Y [mm]"), "no column 'Y [mm]' for --displacement"),
+        (("--format", "bmp"), "--format bmp"),
+        (("-f", "0.5"), "drive cycles of 2000 ms: at least 2 are needed"),
+        (("-f", "400"), "samples a drive cycle of 2.5 ms: at least 8 are needed"),
+        (("--mu-s", "0", "--mu-d", "0"), "no steady motion to compare with"),
+        (("-A", "0.5,1"), "takes one value"),
+    ],
+)
+def test_wrong_input_ends_with_code_2(run: Run, args: tuple[str, ...], said: str) -> None:
+    result = run("compare", SCENE, STUDY_FILE, *args)
+    assert result.exit_code == 2
+    assert f"error: {said}" in result.stderr or said in result.stderr
+    assert result.stdout == ""
+    assert "Traceback" not in result.stderr
+
+
+def test_missing_files(run: Run, tmp_path: Path) -> None:
+    assert run("compare", SCENE).exit_code == 2
+    result = run("compare", SCENE, tmp_path / "none.csv")
+    assert result.exit_code == 1
+    assert "cannot read" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ((3, 3), "row 5, column 'Time [s]': time repeats"),
+        ((5, 3), "time goes back"),
+        ((5, 20), "time leaps to"),
+    ],
+)
+def test_bad_rows_are_named(run: Run, tmp_path: Path, rows: tuple[int, int], said: str) -> None:
+    path = short_study(tmp_path)
+    header, *lines = path.read_text(encoding="utf-8").splitlines()
+    first, then = rows
+    path.write_text("\n".join([header, *lines[:first], *lines[then - 1 :]]) + "\n", encoding="utf-8")
+    result = run("compare", SCENE, path)
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert "hint:" in result.stderr
