@@ -280,8 +280,10 @@ def _solve_block(
 def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], arrays: list[Floats]) -> None:
     """Solve hopping scenes in place, at flat indices of the grid, and scale them to SI."""
     amplitude, frequency = arrays[0], arrays[1]
-    cycles = hopping_cycles(loads(*arrays[:7]), arrays[7])
-    answered = ~np.isnan(cycles.displacement)
+    # Extreme frictions overflow on the way; what is lost by that ends as NaN, and has a status.
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        cycles = hopping_cycles(loads(*arrays[:7]), arrays[7])
+    answered = np.isfinite(cycles.displacement)
     pattern = np.where(cycles.pattern > 0, cycles.pattern + HOPPING_PATTERNS, cycles.pattern)
     with np.errstate(over="ignore"):
         speed = 2.0 * np.pi * frequency * amplitude
