@@ -27,7 +27,7 @@ _NEARLY: Final = _CONTEXT.mpf(10) ** (4 - DIGITS // 2)
 _SHORT: Final = 1e-3  # [rad]
 _STEP: Final = _CONTEXT.mpf(10) ** -20  # [1] relative change of an input, for derivatives
 
-_MOST_SLIDES: Final = 4000
+_MOST_SLIDES: Final = 400
 _MOST_STEPS: Final = 200
 _TRY_EVERY: Final = 8  # [slides] between attempts to find the limit of a chain without rest
 
@@ -40,8 +40,8 @@ class Exact(NamedTuple):
     displacement : mpf
         Per drive cycle [A]; NaN where the body hops, runs away or has no memory of rest.
     pattern : str
-        As ``SteadyCycle.pattern``; or ``hopping``, ``runaway``, ``indeterminate``; or empty if no cycle was
-        found.
+        As ``SteadyCycle.pattern``; or ``hopping``, ``runaway``, ``indeterminate``; or empty if the walk was
+        given up, because it gains or loses too little in each cycle.
     """
 
     displacement: Any
@@ -83,6 +83,9 @@ def exact_cycle(values: Sequence[Any]) -> Exact:
         return Exact(_CONTEXT.nan, "hopping")
     if body.static_friction == 0:
         return Exact(_CONTEXT.nan, "indeterminate")
+    if abs(body.tangential) > body.static_friction * body.normal:
+        # The mean load along the trough is its weight's; over a cycle that repeats, friction would balance it.
+        return Exact(_CONTEXT.nan, "runaway")
     return _Walk(body).run()
 
 
@@ -159,7 +162,7 @@ class _Walk:
             elif way == 0 and chain % _TRY_EVERY in (2, 3):
                 limit = self._limit_of_chain()
                 if limit is not None:
-                    return Exact(limit, "FB")
+                    return Exact(limit, "" if _CONTEXT.isnan(limit) else "FB")
             if self._advance(way) is None:
                 return Exact(_CONTEXT.nan, "runaway")
             self.kinds.append("FB"[way])
@@ -205,12 +208,14 @@ class _Walk:
         return slide.slope
 
     def _limit_of_chain(self) -> Any:
-        """Displacement of the never-at-rest cycle that the walk tends to; None if it leaves it before.
+        """Displacement of the never-at-rest cycle that the walk tends to; None if there is none that way.
 
         Newton's method on the map from one forward start to the next: plain walking needs hundreds of
         cycles at low friction. The map rises with a slope below 1, so it has one fixed point, and if the
-        walk is a chain both here and there it is one all the way.
+        walk is a chain both here and there it is one all the way. Without friction every start is one. NaN
+        where friction is too weak to tell the map from that.
         """
+        frictionless = not any(self.body.resistances)
         start = self._own_phase(0)
         near = False
         while 0 < start < _CONTEXT.pi:
@@ -218,8 +223,10 @@ class _Walk:
             if turn is None:
                 return None
             change, slope, displacement = turn
-            if near or abs(change) < _CLOSED:
+            if near or frictionless:
                 return displacement
+            if abs(1 - slope) < _CLOSED / _NEARLY:
+                return _CONTEXT.nan
             step = change / (1 - slope)
             start += step
             near = abs(step) < _NEARLY

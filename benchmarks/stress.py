@@ -1,0 +1,388 @@
+"""Does the steady solve hold at the extremes? Invariants on many scenes, arbitrary precision on some.
+
+Usage: python benchmarks/stress.py [--scenes 20000] [--invariants 1000000] [--processes 2]
+
+Scenes are drawn where floating point is weakest: amplitudes and frequencies up to what doubles hold,
+friction from 0 and 1e-12 to 10, mu_d/mu_s of 0, 1 and all but 1, drive angles of 0, 1e-300 and up to an ulp
+below 90 deg, troughs as steep as the friction angles, loads within a few ulp of each threshold.
+Results are maxima observed over the scenes drawn, not bounds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+import vibro
+from vibro.accuracy.reference import exact_cycle, exact_sensitivity
+
+Floats = NDArray[np.float64]
+Fields = dict[str, Floats]
+
+EPS: Final = 2.0**-52
+BOUNDARY: Final = 16 * EPS  # [1] relative distance to a threshold within which either class is right
+CHUNK: Final = 1000  # scenes a task
+_RIGHT_ANGLE: Final = 0.5 * np.pi
+_SMALLEST: Final = 5e-324
+_LARGEST: Final = 1.7e308
+_NAMES: Final = (
+    "amplitude",
+    "frequency",
+    "drive_angle",
+    "static_friction",
+    "kinetic_friction",
+    "trough_angle",
+    "gravity",
+)
+
+
+def extreme_fields(n: int, seed: int) -> Fields:
+    """Draw scenes, most of them within reach of slipping, as fields of ``vibro.Scene``."""
+    rng = np.random.default_rng(seed)
+
+    def pick(*choices: tuple[float, Callable[[], Any]]) -> Floats:
+        shares = np.array([share for share, _ in choices])
+        which = rng.choice(len(choices), n, p=shares / shares.sum())
+        return np.array(np.choose(which, [np.broadcast_to(make(), n) for _, make in choices]), np.float64)
+
+    def decades(low: float, high: float) -> Floats:
+        return np.asarray(10.0 ** rng.uniform(low, high, n), np.float64)
+
+    def ulps(most: int = 8) -> Floats:
+        return np.asarray(rng.integers(-most, most + 1, n) * EPS, np.float64)
+
+    sign = rng.choice((-1.0, 1.0), n)
+    alpha = pick(
+        (50, lambda: rng.uniform(0.0, _RIGHT_ANGLE, n)),
+        (15, lambda: decades(-12, 0)),
+        (8, lambda: 0.0),
+        (7, lambda: 1e-300),
+        (10, lambda: np.nextafter(_RIGHT_ANGLE, 0.0)),
+        (10, lambda: _RIGHT_ANGLE - decades(-15.5, -1)),
+    )
+    mu_s = pick(
+        (3, lambda: 0.0),
+        (40, lambda: decades(-12, 1)),
+        (50, lambda: rng.uniform(0.05, 1.5, n)),
+        (3, lambda: decades(-320, -100)),
+        (4, lambda: 10.0),
+    )
+    ratio = pick(
+        (5, lambda: 0.0),
+        (15, lambda: 1.0),
+        (5, lambda: 1.0 - 1e-15),
+        (15, lambda: decades(-15, 0)),
+        (15, lambda: 1.0 - decades(-15, 0)),
+        (45, lambda: rng.uniform(0.0, 1.0, n)),
+    )
+    mu_d = np.minimum(mu_s * ratio, mu_s)
+    beta = pick(
+        (50, lambda: 0.0),
+        (15, lambda: rng.uniform(-1.0, 1.0, n) * np.arctan(mu_s)),
+        (5, lambda: sign * np.arctan(mu_s) * (1.0 + ulps())),
+        (5, lambda: sign * np.arctan(mu_d) * (1.0 + ulps())),
+        (8, lambda: sign * decades(-300, -1)),
+        (8, lambda: rng.uniform(-_RIGHT_ANGLE, _RIGHT_ANGLE, n)),
+        (4, lambda: sign * np.nextafter(_RIGHT_ANGLE, 0.0)),
+        (5, lambda: (_RIGHT_ANGLE - alpha) * (1.0 - rng.integers(0, 8, n) * EPS)),
+    )
+    beta = np.clip(beta, -np.nextafter(_RIGHT_ANGLE, 0.0), np.nextafter(_RIGHT_ANGLE, 0.0))
+    beta = np.where(alpha + beta < _RIGHT_ANGLE, beta, -np.abs(beta))
+    gravity = pick((95, lambda: 9.81), (5, lambda: decades(-100, 100)))
+    frequency = pick(
+        (5, lambda: 15.0),
+        (80, lambda: 15.0 * decades(-12, 12)),
+        (15, lambda: decades(-150, 150)),
+    )
+    load = _loads_near_thresholds(rng, alpha, mu_s, beta, pick, decades)
+    load *= 1.0 + pick((20, lambda: 0.0), (40, ulps), (40, lambda: sign * decades(-16, -1)))
+    with np.errstate(all="ignore"):
+        w = 2.0 * np.pi * frequency
+        amplitude = np.nan_to_num((load / w) * (gravity / w), nan=1.0, posinf=_LARGEST)
+    wild = rng.random(n) < 0.1
+    amplitude = np.where(
+        wild, pick((80, lambda: 1e-3 * decades(-12, 12)), (20, lambda: decades(-323, 308))), amplitude
+    )
+    frequency = np.where(
+        wild, pick((80, lambda: 15.0 * decades(-12, 12)), (20, lambda: decades(-323, 308))), frequency
+    )
+    return {
+        "amplitude": np.clip(amplitude, _SMALLEST, _LARGEST),
+        "frequency": np.clip(frequency, _SMALLEST, _LARGEST),
+        "drive_angle": alpha,
+        "static_friction": mu_s,
+        "kinetic_friction": mu_d,
+        "trough_angle": beta,
+        "gravity": gravity,
+    }
+
+
+def _loads_near_thresholds(
+    rng: np.random.Generator,
+    alpha: Floats,
+    mu_s: Floats,
+    beta: Floats,
+    pick: Callable[..., Floats],
+    decades: Callable[[float, float], Floats],
+) -> Floats:
+    """G at a threshold, or between the first slip and the hop; any where there is none."""
+    n = alpha.size
+    along, across, normal, tangential = np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta)
+    with np.errstate(all="ignore"):
+        hop = normal / across
+        forward = (mu_s * normal + tangential) / (along + mu_s * across)
+        back = (mu_s * normal - tangential) / (along - mu_s * across)
+        first = np.fmin(np.where(forward > 0.0, forward, np.inf), np.where(back > 0.0, back, np.inf))
+        between = first * (np.fmin(hop, 1e6 * first) / first) ** rng.uniform(0.0, 1.0, n)
+        load = pick(
+            (12, lambda: hop),
+            (12, lambda: forward),
+            (12, lambda: back),
+            (10, lambda: first * decades(-1, 2)),
+            (54, lambda: between),
+        )
+    return np.where(np.isfinite(load) & (load > 0.0), load, decades(-3, 3))
+
+
+def scene_of(fields: Fields) -> vibro.Scene:
+    return vibro.Scene(**fields)
+
+
+def broken_invariants(fields: Fields) -> Iterator[tuple[str, NDArray[np.intp]]]:
+    """Solve scenes with warnings as errors; yield what does not hold, and for which of them."""
+    for problem, cell in _complaints(fields, np.arange(fields["amplitude"].size)):
+        yield problem, np.array([cell])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        cycle = vibro.solve(scene_of(fields))
+        scaled = vibro.solve(scene_of(_rescaled(fields)))
+    answered = cycle.status <= vibro.Status.BOUNDARY
+    numbers = (cycle.displacement_per_cycle, cycle.mean_velocity, cycle.peak_velocity)
+    finite = np.all([np.isfinite(x) for x in numbers], axis=0)
+    nan = np.any([np.isnan(x) for x in numbers], axis=0)
+    representable = fields["amplitude"] < 1e-10 * _LARGEST / np.maximum(fields["frequency"], 1.0)
+    one_way = {"F_": 1.0, "B_": -1.0}
+    wrong_way = np.zeros(answered.shape, np.bool_)
+    for pattern, way in one_way.items():
+        wrong_way |= (cycle.pattern == pattern) & (way * cycle.displacement_per_cycle < 0.0)
+    moderate = _moderate(fields)
+    checks = {
+        "unresolved": cycle.status == vibro.Status.UNRESOLVED,
+        "NaN without a status": answered & nan,
+        "a number in spite of its status": ~answered & ~np.isnan(cycle.mean_velocity),
+        "speed not finite": answered & representable & ~finite,
+        "pattern and status disagree": answered != (cycle.pattern != ""),
+        "ratios not numbers": np.isnan(cycle.throw_number)
+        | np.isnan(cycle.forward_ratio)
+        | np.isnan(cycle.back_ratio),
+        "slides the wrong way": wrong_way,
+        "negative peak speed": answered & (cycle.peak_velocity < 0.0),
+        "rest that moves": (cycle.pattern == "_") & (cycle.displacement_per_cycle != 0.0),
+        "not similar": moderate & (cycle.pattern != scaled.pattern),
+        "not similar in length": moderate
+        & answered
+        & (cycle.displacement_per_cycle != 4.0 * scaled.displacement_per_cycle),
+        **_wrong_classes(fields, cycle),
+    }
+    for name, broken in checks.items():
+        if broken.any():
+            yield name, np.flatnonzero(broken)
+
+
+def _complaints(fields: Fields, cells: NDArray[np.intp]) -> Iterator[tuple[str, int]]:
+    """Exceptions and warnings, each with the scene that causes it: half by half."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            vibro.solve(scene_of({name: field[cells] for name, field in fields.items()}))
+    except Exception as exc:
+        if cells.size == 1:
+            yield f"{type(exc).__name__}: {exc}", int(cells[0])
+        else:
+            for half in np.array_split(cells, 2):
+                yield from _complaints(fields, half)
+
+
+def _rescaled(fields: Fields) -> Fields:
+    """Half the length, twice the pace: by powers of two, so that nothing rounds differently."""
+    return fields | {
+        "amplitude": np.maximum(fields["amplitude"] / 4.0, _SMALLEST),
+        "frequency": np.minimum(fields["frequency"] * 2.0, _LARGEST),
+    }
+
+
+def _moderate(fields: Fields) -> NDArray[np.bool_]:
+    """Scenes whose lengths and rates are far from the ends of what doubles hold."""
+    moderate = np.ones(fields["amplitude"].shape, np.bool_)
+    for name in ("amplitude", "frequency", "gravity"):
+        moderate &= (fields[name] > 1e-120) & (fields[name] < 1e120)
+    return moderate
+
+
+def _wrong_classes(fields: Fields, cycle: Any) -> dict[str, NDArray[np.bool_]]:
+    """Compare classes with the closed-form thresholds in the longest floats there are."""
+    amplitude, frequency, alpha, mu_s, _, beta, gravity = (
+        np.asarray(fields[name], np.longdouble) for name in _NAMES
+    )
+    pi = np.longdouble("3.14159265358979323846264338327950288")
+    with np.errstate(all="ignore"):
+        w = 2 * pi * frequency
+        weight = (gravity / w) / (amplitude * w)
+        along, across, normal, tangential = (
+            np.cos(alpha),
+            np.sin(alpha),
+            weight * np.cos(beta),
+            weight * np.sin(beta),
+        )
+        known = np.isfinite(weight) & (weight > 0)
+
+        def beyond(load: Any, limit: Any, scale: Any) -> tuple[Any, Any]:
+            clear = known & (np.abs(load - limit) > BOUNDARY * scale)
+            return clear & (load > limit), clear & (load < limit)
+
+        hold = mu_s * normal
+        hops, stays = beyond(across, normal, normal)
+        restless, rests = beyond(np.abs(tangential), hold, hold)
+        size = along + mu_s * across + hold + np.abs(tangential)
+        forward, not_forward = beyond(along + mu_s * across, hold + tangential, size)
+        back, not_back = beyond(along - mu_s * across, hold - tangential, size)
+    rubs = mu_s > 0
+    calm = stays & rests & rubs
+    regime, status = cycle.regime, cycle.status
+    still, ahead = vibro.Regime.NO_SLIP, vibro.Regime.FORWARD_SLIP
+    return {
+        "no hop": hops & (regime != vibro.Regime.HOPPING),
+        "hops too soon": stays & (regime == vibro.Regime.HOPPING),
+        "without friction, but not said": stays & (mu_s == 0) & (status != vibro.Status.INDETERMINATE),
+        "no runaway": stays & rubs & restless & (status != vibro.Status.RUNAWAY),
+        "slips too soon": calm & not_forward & not_back & (regime != still),
+        "does not slip": calm & (forward | (back & (along > mu_s * across))) & (regime == still),
+        "slips back too soon": calm
+        & forward
+        & not_back
+        & (regime != ahead)
+        & (status != vibro.Status.RUNAWAY),
+    }
+
+
+class Worst(NamedTuple):
+    """What the comparison with arbitrary precision found."""
+
+    scenes: int
+    slipping: int
+    undecided: int  # scenes that the reference gives up
+    error: float  # [eps (condition |d| + S)]
+    where: tuple[float, ...]
+    pattern: str
+    wrong: tuple[tuple[tuple[float, ...], str, str], ...]  # scene, pattern found, pattern in truth
+
+
+def against_reference(n: int, seed: int) -> Worst:
+    """Compare patterns and displacements of scenes that do not hop with arbitrary precision."""
+    fields = extreme_fields(n, seed)
+    cycle = vibro.solve(scene_of(fields))
+    worst = Worst(n, 0, 0, 0.0, (), "", ())
+    slipping, undecided, wrong = 0, 0, []
+    cells = np.flatnonzero((cycle.regime != vibro.Regime.HOPPING) & (cycle.status != vibro.Status.INFEASIBLE))
+    for i in cells.tolist():
+        values = tuple(float(fields[name][i]) for name in _NAMES)
+        exact = exact_cycle(values)
+        if not exact.pattern:
+            undecided += 1
+            continue
+        found = _pattern(cycle, i)
+        if found != exact.pattern:
+            if not _near_boundary(values, found):
+                wrong.append((values, found, exact.pattern))
+            continue
+        if "F" in found or "B" in found:
+            slipping += 1
+            error = _error(values, float(cycle.displacement_per_cycle[i]), exact, worst.error)
+            if error > worst.error:
+                worst = worst._replace(error=error, where=values, pattern=found)
+    return worst._replace(slipping=slipping, undecided=undecided, wrong=tuple(wrong))
+
+
+def _pattern(cycle: Any, i: int) -> str:
+    status = vibro.Status(int(cycle.status[i]))
+    return str(cycle.pattern[i]) if status <= vibro.Status.BOUNDARY else status.label
+
+
+def _near_boundary(values: tuple[float, ...], pattern: str) -> bool:
+    """Whether some change of the inputs by a few ulp gives that pattern."""
+    for i in range(len(values) - 1):
+        for change in (-BOUNDARY, BOUNDARY):
+            moved = [v * (1.0 + change) if i == j else v for j, v in enumerate(values)]
+            moved[4] = min(moved[4], moved[3])
+            if exact_cycle(moved).pattern == pattern:
+                return True
+    return False
+
+
+def _error(values: tuple[float, ...], displacement: float, exact: Any, best: float) -> float:
+    """Error in units of rounding, eps (condition |d| + S); 0 if it cannot exceed ``best``."""
+    amplitude = values[0]
+    both = "F" in exact.pattern and "B" in exact.pattern
+    size = 1 if both else abs(exact.displacement)
+    # Next to the smallest double a displacement has few digits.
+    error = max(abs(displacement - exact.displacement * amplitude) - _SMALLEST, 0) / amplitude
+    if error <= best * EPS * size:
+        return 0.0
+    return float(error / (EPS * (exact_sensitivity(values) + size)))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--scenes", type=int, default=20_000, help="scenes against arbitrary precision")
+    parser.add_argument(
+        "--invariants", type=int, default=1_000_000, help="scenes whose invariants are checked"
+    )
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+
+    start = time.perf_counter()
+    broken: dict[str, tuple[int, tuple[float, ...]]] = {}
+    block = min(arguments.invariants, 100_000)
+    for i in range(-(-arguments.invariants // block)):
+        fields = extreme_fields(block, arguments.seed + i)
+        for name, cells in broken_invariants(fields):
+            number, example = broken.get(name, (0, tuple(float(fields[f][cells[0]]) for f in _NAMES)))
+            broken[name] = (number + cells.size, example)
+    print(f"{arguments.invariants} scenes, invariants: {time.perf_counter() - start:.0f} s")
+    for name, (number, example) in broken.items():
+        print(f"  BROKEN {name}: {number} scenes, such as {example}")
+    if not broken:
+        print("  all hold")
+
+    start = time.perf_counter()
+    chunks = -(-arguments.scenes // CHUNK)
+    with ProcessPoolExecutor(arguments.processes) as pool:
+        seeds = range(arguments.seed, arguments.seed + chunks)
+        results = list(pool.map(against_reference, [CHUNK] * chunks, seeds))
+    slipping = sum(r.slipping for r in results)
+    undecided = sum(r.undecided for r in results)
+    seconds = time.perf_counter() - start
+    print(
+        f"{chunks * CHUNK} scenes against 50 digits ({slipping} slip, {undecided} undecided): {seconds:.0f} s"
+    )
+    worst = max(results, key=lambda r: r.error)
+    print(f"  largest error {worst.error:.2f} eps (condition |d| + S), {worst.pattern}, at")
+    print("  " + ", ".join(f"{name}={value!r}" for name, value in zip(_NAMES, worst.where, strict=False)))
+    wrong = [w for r in results for w in r.wrong]
+    print(f"  wrong patterns farther than 16 eps from a boundary: {len(wrong)}")
+    for values, found, true in wrong[:20]:
+        print(f"  WRONG {found!r} for {true!r} at {values}")
+
+
+if __name__ == "__main__":
+    main()
