@@ -15,7 +15,6 @@ from typer.core import TyperGroup
 
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import CompareCommand, compare_command
-from vibro.cli.accuracy import accuracy_command
 from vibro.cli.console import print_error, tolerate_any_encoding
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
@@ -147,7 +146,6 @@ _NAMES: dict[str, Callable[..., int]] = {
     "map": map_command,
     "traverse-time": traverse_time_command,
     "solve": solve_command,
-    "accuracy": accuracy_command,
     "accuracy": accuracy_command,
     "compare": compare_command,
 }
