@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Bools = NDArray[np.bool_]
 
-__all__ = ["Coast", "Pull", "coast", "pull_of"]
+__all__ = ["Coast", "Pull", "coast", "coasted", "pull_of"]
 
 _TURN: Final = 2.0 * np.pi
 
@@ -116,6 +116,16 @@ def _loss(d: Floats, at: Pull) -> Floats:
     """Speed lost a phase d behind the maximum; negative phases are before it."""
     sine, versine = _turned(d)
     return at.bend * versine + at.drag * (d - sine) + at.excess * sine
+
+
+def coasted(at: Pull, phase: Floats, speed: Floats, length: Floats) -> tuple[Floats, Floats]:
+    """Speed and path of slides, a phase ``length`` behind their starts."""
+    start = phase + at.shift
+    sine, cosine = np.sin(start), np.cos(start)
+    rise, versine = np.sin(length), 1.0 - np.cos(length)
+    now = speed + at.pull * (cosine * versine + sine * rise) - at.drag * length
+    path = speed * length + at.pull * (sine * versine + cosine * (length - rise))
+    return now, path - 0.5 * at.drag * length * length
 
 
 def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:

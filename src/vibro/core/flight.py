@@ -48,7 +48,7 @@ class Flight(NamedTuple):
 
 
 def _half_angle(s: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """h = s/2, sin h, 1 - cos h and h - sin h, for 0 <= s <= 2 pi."""
+    """Compute h = s/2, sin h, 1 - cos h and h - sin h, for 0 <= s <= 2 pi."""
     h = 0.5 * s
     t = np.tan(0.5 * h)
     sine = 2.0 * t / (1.0 + t * t)

@@ -2,10 +2,10 @@
 
 Friction has no part in the normal motion, so that the flights are known before the sliding. What is left is
 one unknown, the relative velocity at the first lift-off of the cycle. Trajectories cannot cross, only merge:
-the map from one cycle's velocity to the next, the return map, never decreases. It is piecewise smooth with a
-slope of at most 1 (a change of direction under friction, a rest and an impact all bring velocities closer)
-and jumps upwards only, where stiction holds one body and not its neighbour. Its orbits are therefore monotone,
-each piece has one fixed point at most, and a step that stays in its piece does not pass one unseen.
+the map from one cycle's velocity to the next, the return map, never decreases. It is piecewise smooth with
+a slope of at most 1 (a change of direction under friction, a rest and an impact all bring velocities
+closer) and jumps upwards only, where stiction holds one body and not its neighbour. Its orbits are therefore
+monotone, each piece has one fixed point at most, and a step that stays in its piece passes none unseen.
 Lengths in A, speeds in A w, phases in radians.
 """
 
@@ -49,7 +49,7 @@ _BOLD: Final = 1e6  # [1] longest first step, over the plain one
 _SHY: Final = 8.0  # [1] factor by which that shrinks where a step left its piece, or grows
 
 # [1] Coexisting cycles need mu_d well below mu_s; none was found above (benchmarks/hopping.py).
-_MOST_COEXISTENCE: Final = 0.7
+_MOST_COEXISTENCE: Final = 0.6
 
 _BATCHES: Final = 12  # of flights, for the standard error of a mean
 _LONGEST: Final = 4.0  # [A w] a step of the iteration, where velocities are below 1
@@ -79,7 +79,7 @@ class HoppingCycles(NamedTuple):
     peak : array
         Largest relative speed along the trough, either way [A w].
     coexists : bool array
-        Whether a disturbed body can settle elsewhere; looked at where mu_d < 0.7 mu_s.
+        Whether a disturbed body can settle elsewhere; looked at where mu_d < 0.6 mu_s.
     """
 
     status: Codes
@@ -119,7 +119,7 @@ class _Cells(NamedTuple):
 
     track: Track
     first: NDArray[np.intp]
-    count: NDArray[np.intp]
+    number: NDArray[np.intp]
     landing: Floats
     rest: Floats
 
@@ -194,8 +194,8 @@ def _return(cells: _Cells, hops: _Hops, velocity: Floats) -> _Return:
         np.zeros(n, np.int8),
         np.ones(n, np.bool_),
     )
-    for j in range(int(cells.count.max())):
-        flying = np.flatnonzero(cells.count > j)
+    for j in range(int(cells.number.max())):
+        flying = np.flatnonzero(cells.number > j)
         v = out.velocity[flying]
         hop = take(hops, cells.first[flying] + j)
         out.displacement[flying] += v * hop.length + hop.shift
@@ -277,12 +277,9 @@ def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
     """
     n = np.broadcast(*scene, restitution).size
     throw = np.broadcast_to(scene.across / scene.normal, n)
-    blank = np.full(n, np.nan)
-    out = HoppingCycles(
-        np.full(n, Status.OK, np.int8),
-        np.zeros(n, np.int64),
-        *(blank.copy() for _ in range(6)),
-        np.zeros(n, np.bool_),
+    numbers = np.full((6, n), np.nan)
+    out = HoppingCycles._make(
+        (np.full(n, Status.OK, np.int8), np.zeros(n, np.int64), *numbers, np.zeros(n, np.bool_))
     )
     mu_s = scene.static_friction
     out.status[throw > MOST_THROW] = Status.UNRESOLVED
@@ -299,8 +296,13 @@ def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
 def _solve(scene: Loads, throw: Floats, restitution: Floats) -> HoppingCycles:
     flights = bounces(throw, restitution)
     hops = _hops(scene, flights)
-    cells = _Cells(track_of(scene), flights.first, flights.count, flights.landing, flights.rest)
-    end = _settle(cells, hops, _velocity_from_rest(cells.track))
+    cells = _Cells(track_of(scene), flights.first, flights.number, flights.landing, flights.rest)
+    bound = _bound(scene, flights.cycles)
+    mu_s, mu_d = scene.static_friction, scene.kinetic_friction
+    unique = np.broadcast_to(mu_d >= _MOST_COEXISTENCE * mu_s, throw.shape) & (
+        np.abs(scene.tangential) <= mu_d * scene.normal
+    )
+    end = _settle(cells, hops, _velocity_from_rest(cells.track), bound, unique)
     cycle, status = end.cycle, end.status
     answered = status == Status.OK
 
@@ -323,19 +325,19 @@ def _solve(scene: Loads, throw: Floats, restitution: Floats) -> HoppingCycles:
         scene.normal * landings,
         cycle.peak,
     )
-    coexists = _coexists(cells, hops, flights, end, answered & flights.repeats)
-    return HoppingCycles(
-        status,
-        np.where(answered, pattern, 0),
-        *(np.where(answered, x, np.nan) for x in numbers),
-        coexists,
-    )
+    coexists = np.zeros(throw.shape, np.bool_)
+    some = np.flatnonzero(answered & flights.repeats & ~unique & (mu_d > 0.0))
+    if some.size:
+        coexists[some] = _coexists(take(cells, some), hops, bound[some], end.velocity[some])
+    known = [np.where(answered, x, np.nan) for x in numbers]
+    return HoppingCycles._make((status, np.where(answered, pattern, 0), *known, coexists))
 
 
 def _velocity_from_rest(track: Track) -> Floats:
     """Velocity at the first lift-off of a body at rest, which slides forward from its onset, Eq. (34)."""
     start, end, at = track.forward_onset, track.lift_off, track.forward
-    return at.pull * (np.cos(start) - np.cos(end)) - at.drag * (end - start)
+    velocity: Floats = at.pull * (np.cos(start) - np.cos(end)) - at.drag * (end - start)
+    return velocity
 
 
 class _End(NamedTuple):
@@ -346,9 +348,14 @@ class _End(NamedTuple):
     status: Codes
 
 
-def _settle(cells: _Cells, hops: _Hops, velocity: Floats) -> _End:
-    """Follow orbits of the return map to their fixed points."""
+def _settle(cells: _Cells, hops: _Hops, velocity: Floats, bound: Floats, unique: Bools) -> _End:
+    """Follow orbits of the return map to their fixed points.
+
+    Newton's iteration, which stays in a bracket where the fixed point is ``unique``. Elsewhere a step that
+    leaves its piece of the map might pass a fixed point, and is shortened, down to the plain walk.
+    """
     v = velocity.copy()
+    low, high = -bound, bound.copy()
     at = _return(cells, hops, v)
     status = np.full(v.size, Status.UNRESOLVED, np.int8)
     reach = np.full(v.size, _BOLD)
@@ -359,8 +366,8 @@ def _settle(cells: _Cells, hops: _Hops, velocity: Floats) -> _End:
         plain = now.velocity - here
         size = 1.0 + np.abs(here)
         with np.errstate(divide="ignore", invalid="ignore"):
-            newton = np.abs(plain) / (1.0 - now.slope)
-        closed = (np.abs(plain) <= _FLOOR * size) | (newton <= _CLOSED * size)
+            newton = plain / (1.0 - now.slope)
+        closed = (np.abs(plain) <= _FLOOR * size) | (np.abs(newton) <= _CLOSED * size)
         gains = (now.slope == 1.0) & (now.ways == np.where(plain > 0.0, 1, 2)) & ~closed
         status[active[closed]] = Status.OK
         status[active[gains]] = Status.RUNAWAY
@@ -370,12 +377,19 @@ def _settle(cells: _Cells, hops: _Hops, velocity: Floats) -> _End:
         if going.size < active.size:
             active, cells, now = active[going], take(cells, going), take(now, going)
             here, plain, newton, size = here[going], plain[going], newton[going], size[going]
-        longest = np.minimum(np.abs(plain) * reach[active], _LONGEST * size)
-        step = np.maximum(np.minimum(newton, longest), np.abs(plain))
-        trial = here + np.copysign(step, plain)
+        rises = plain > 0.0
+        low[active] = np.where(rises, np.maximum(low[active], here), low[active])
+        high[active] = np.where(rises, high[active], np.minimum(high[active], here))
+        safe = unique[active]
+        left, right = low[active], high[active]
+        inside = here + newton
+        inside = np.where((inside > left) & (inside < right), inside, 0.5 * (left + right))
+        walk = np.abs(plain)
+        step = np.maximum(np.minimum(np.abs(newton), np.minimum(walk * reach[active], _LONGEST * size)), walk)
+        trial = np.where(safe, inside, here + np.copysign(step, plain))
         found = _return(cells, hops, trial)
-        fits = (found.piece == now.piece) | (step == np.abs(plain))
-        shorter = np.maximum(step / np.abs(plain) / _SHY, 1.0)
+        fits = safe | (found.piece == now.piece) | (step == walk)
+        shorter = np.maximum(step / walk / _SHY, 1.0)
         reach[active] = np.where(fits, np.minimum(reach[active] * _SHY, _BOLD), shorter)
         kept = np.flatnonzero(fits)
         v[active[kept]] = trial[kept]
@@ -384,39 +398,36 @@ def _settle(cells: _Cells, hops: _Hops, velocity: Floats) -> _End:
     return _End(v, at, status)
 
 
+def _bound(scene: Loads, cycles: NDArray[np.intp]) -> Floats:
+    """Limit of the velocity at lift-off at any fixed point.
+
+    The body is stopped, or turns round, once in a cycle; only the drive and gravity can add behind that.
+    """
+    return 2.0 * scene.along + _TURN * cycles * np.abs(scene.tangential)
+
+
 def _deviation(cells: _Cells, hops: _Hops, velocity: Floats) -> Floats:
-    """Standard error of the mean displacement per drive cycle, from batches of flights."""
-    batch = cells.count // _BATCHES
+    """Estimate the standard error of the mean displacement per drive cycle from batches of flights."""
+    batch = cells.number // _BATCHES
     paths, times = np.empty((2, _BATCHES, velocity.size))
     for i in range(_BATCHES):
-        part = cells._replace(first=cells.first + i * batch, count=batch)
+        part = cells._replace(first=cells.first + i * batch, number=batch)
         leg = _return(part, hops, velocity)
         velocity, paths[i] = leg.velocity, leg.displacement
         times[i] = [hops.length[a : a + m].sum() for a, m in zip(part.first, batch, strict=True)]
     mean = paths.sum(axis=0) / times.sum(axis=0)
     scatter = ((paths - mean * times) ** 2).sum(axis=0) / (_BATCHES * (_BATCHES - 1))
-    return _TURN * np.sqrt(scatter) / times.mean(axis=0)
+    deviation: Floats = _TURN * np.sqrt(scatter) / times.mean(axis=0)
+    return deviation
 
 
-def _coexists(cells: _Cells, hops: _Hops, flights: Bounces, end: _End, which: Bools) -> Bools:
-    """Whether the greatest and the least fixed point of the return map differ from the one from rest.
+def _coexists(cells: _Cells, hops: _Hops, bound: Floats, velocity: Floats) -> Bools:
+    """Whether the greatest or the least fixed point of the return map is another than ``velocity``.
 
-    At a fixed point the body is stopped, or turns round, once in a cycle; so its velocity at lift-off is
-    bounded by what the drive and gravity can add behind that. Orbits from beyond the bounds lead to the
-    greatest and the least fixed point, since the map never decreases.
+    Orbits from beyond the bounds lead to them, since the map never decreases.
     """
-    scene = cells.track.scene
-    out = np.zeros(which.shape, np.bool_)
-    possible = (scene.kinetic_friction < _MOST_COEXISTENCE * scene.static_friction) & (
-        scene.kinetic_friction > 0.0
-    )
-    some = np.flatnonzero(which & possible)
-    if some.size:
-        part = take(cells, some)
-        scene = part.track.scene
-        for sign in (1.0, -1.0):
-            added = _TURN * flights.cycles[some] * np.maximum(-sign * scene.tangential, 0.0)
-            other = _settle(part, hops, sign * (2.0 * scene.along + added))
-            apart = np.abs(other.velocity - end.velocity[some]) > _APART
-            out[some] |= (other.status == Status.OK) & apart
+    out = np.zeros(velocity.shape, np.bool_)
+    for start in (bound, -bound):
+        other = _settle(cells, hops, start, bound, out & False)
+        out |= (other.status == Status.OK) & (np.abs(other.velocity - velocity) > _APART)
     return out

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.coast import Pull, coast, pull_of
+from vibro.core.coast import Coast, Pull, coast, coasted, pull_of
 from vibro.core.groups import take
 
 if TYPE_CHECKING:
@@ -23,12 +23,17 @@ if TYPE_CHECKING:
     Bools = NDArray[np.bool_]
     Modes = NDArray[np.int8]
 
-__all__ = ["Leg", "Mode", "Track", "contact_leg", "mode_of", "track_of"]
+__all__ = ["Leg", "Mode", "Track", "after_slide", "contact_leg", "mode_of", "track_of", "until"]
 
 _TURN: Final = 2.0 * np.pi
 
-# [rad] A body that comes to rest this close behind an onset starts at once: it came to rest at the onset.
-_AT_ONSET: Final = 1e-9
+# [rad] A state this close behind the phase of an event is at the event: both phases are known to a few ulp.
+_AT_EVENT: Final = 1e-9
+
+
+def until(event: Floats, phase: Floats) -> Floats:
+    """Phase from ``phase`` to the next passage of an event phase, 0 where it is there [rad]."""
+    return np.maximum(np.mod(event - phase + _AT_EVENT, _TURN) - _AT_EVENT, 0.0)
 
 
 class Mode(IntEnum):
@@ -50,7 +55,7 @@ class Track(NamedTuple):
     forward, back : Pull
         Pull and drag of their slides.
     forward_onset, back_onset : array
-        Phase in [0, 2 pi) at which a body at rest starts to slide; NaN where it never does.
+        Phase at which a body at rest starts to slide; NaN where it never does.
     lift_off : array
         Phase asin(1/K) at which the trough falls away under the body; inf where it never does.
     """
@@ -75,15 +80,18 @@ def track_of(scene: Loads) -> Track:
             pull_of(scene, 1),
             pull_of(scene, -1),
             forward_onset=np.where(np.abs(ahead) < 1.0, np.arcsin(ahead), np.nan),
+            # where static friction grows faster than the load, a steep trough lets go on the way up
             back_onset=np.where(
-                (scene.along > lift) & (np.abs(behind) < 1.0), np.pi + np.arcsin(behind), np.nan
+                np.abs(behind) < 1.0,
+                np.where(scene.along > lift, np.pi + np.arcsin(behind), -np.arcsin(behind)),
+                np.nan,
             ),
             lift_off=np.where(falls_away < 1.0, np.arcsin(falls_away), np.inf),
         )
 
 
 def mode_of(scene: Loads, phase: Floats, velocity: Floats) -> Modes:
-    """What a body in contact does at a phase with a velocity: at zero velocity the loads decide."""
+    """Tell what a body in contact does: at zero velocity the loads decide."""
     sine = np.sin(phase)
     load = scene.along * sine - scene.tangential
     hold = scene.static_friction * (scene.normal - scene.across * sine)
@@ -161,11 +169,10 @@ def contact_leg(track: Track, mode: Modes, phase: Floats, velocity: Floats, limi
 
 def _rest(track: Track, phase: Floats, velocity: Floats, limit: Floats) -> Leg:
     """Rest until the nearer onset; whatever came before is forgotten."""
-    waits = []
-    for onset in (track.forward_onset, track.back_onset):
-        wait = np.maximum(np.mod(onset - phase + _AT_ONSET, _TURN) - _AT_ONSET, 0.0)
-        waits.append(np.where(np.isnan(onset), np.inf, wait))
-    ahead, behind = waits
+    ahead, behind = (
+        np.where(np.isnan(onset), np.inf, until(onset, phase))
+        for onset in (track.forward_onset, track.back_onset)
+    )
     still = np.zeros(phase.shape)
     next_mode = np.where(ahead <= behind, np.int8(Mode.FORWARD), np.int8(Mode.BACK))
     length = np.minimum(np.minimum(ahead, behind), limit)
@@ -181,28 +188,27 @@ def _back(track: Track, phase: Floats, velocity: Floats, limit: Floats) -> Leg:
 
 
 def _slide(track: Track, at: Pull, direction: float, phase: Floats, velocity: Floats, limit: Floats) -> Leg:
-    """Slide until the body stops or the contact ends, then rest, or turn round."""
+    """Slide until the body stops or the contact ends."""
     speed = np.abs(velocity)
     end = coast(at, phase, speed, limit)
-    start = phase + at.shift
-    length = end.length
     with np.errstate(invalid="ignore"):  # endless slides
-        sine, cosine = np.sin(length), np.cos(length)
-        path = speed * length - 0.5 * at.drag * length * length
-        path += at.pull * (np.sin(start) * (1.0 - cosine) + np.cos(start) * (length - sine))
-        # loads where it stops
-        scene = track.scene
-        crest = np.sin(phase + length)
+        path = coasted(at, phase, speed, end.length)[1]
+    return after_slide(track.scene, direction, phase, end, path)
+
+
+def after_slide(scene: Loads, direction: float, phase: Floats, end: Coast, path: Floats) -> Leg:
+    """Tell what follows slides whose ends are known: rest, a turn, or flight if they did not stop."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # endless slides
+        crest = np.sin(phase + end.length)
         back_load = direction * (scene.tangential - scene.along * crest)
         normal = scene.normal - scene.across * crest
         turns = end.stopped & (back_load > scene.static_friction * normal)
         drag = scene.kinetic_friction * normal
-        with np.errstate(divide="ignore"):
-            turned = (back_load - drag) / (back_load + drag)
+        turned = (back_load - drag) / (back_load + drag)
     opposite = np.int8(Mode.BACK if direction > 0.0 else Mode.FORWARD)
     same = np.int8(Mode.FORWARD if direction > 0.0 else Mode.BACK)
     return Leg(
-        length,
+        end.length,
         direction * end.speed,
         direction * path,
         np.where(turns, opposite, np.where(end.stopped, np.int8(Mode.REST), same)),
