@@ -114,6 +114,13 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
         cells = np.flatnonzero(slipping)
         if cells.size:
             _write(out, cells, solver(take(scene, cells), take(at.margins, cells)))
+    if classes_alone:
+        slipping = (out.regime == Regime.FORWARD_SLIP) | (out.regime == Regime.BACK_SLIP)
+        out.pattern[slipping] = Pattern.NONE
+        out.model[slipping] = Model.NONE
+        for numbers in (out.displacement, out.peak):
+            numbers[slipping] = np.nan
+        out.coexists[slipping] = False
 
 
 def _classify(out: SteadyState, scene: Loads, at: Thresholds) -> Thresholds:
@@ -132,11 +139,6 @@ def _classify(out: SteadyState, scene: Loads, at: Thresholds) -> Thresholds:
         lasts, edge = slides_forward_only(take(scene, cells), take(at.margins, cells))
         out.regime[cells] = np.where(lasts, np.int8(Regime.FORWARD_SLIP), np.int8(Regime.BACK_SLIP))
         out.status[cells] |= edge.view(np.int8)
-    slipping = one_way[0] | one_way[1] | both
-    for codes in (out.pattern, out.model):
-        codes[slipping] = 0
-    for numbers in (out.displacement, out.peak):
-        numbers[slipping] = np.nan
     return at._replace(forward=at.forward & steep, back=at.back & steep)
 
 
