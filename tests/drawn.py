@@ -43,6 +43,7 @@ def sweep(
     own: Mapping[str, float] | None = None,
     length: float | None = None,
     at: Mapping[str, float] | None = None,
+    flight: bool = True,
     **changes: object,
 ) -> SweepResult:
     """Solve what pictures show of the paper's scene with some quantities changed or swept."""
@@ -53,7 +54,7 @@ def sweep(
     axes = {name: spec.axis(20) for name, spec in specs.items() if spec.varies}
     fixed = {name: spec.value for name, spec in specs.items() if not spec.varies}
     view = choose_view(axes, at=at)
-    return sweep_picture(Grid(axes, fixed, length), view.drawn, own, "a sweep")
+    return sweep_picture(Grid(axes, fixed, length, flight=flight), view.drawn, own, "a sweep")
 
 
 def maps_of(figure: Figure) -> list[Axes]:

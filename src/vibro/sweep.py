@@ -11,7 +11,7 @@ import numpy as np
 from vibro.axes import Axis
 from vibro.core.limits import CriticalLoads, critical_loads
 from vibro.scene import Scene
-from vibro.steady import SteadyCycle, grid_blocks, solve
+from vibro.steady import Accuracy, SteadyCycle, grid_blocks, solve
 from vibro.units import to_si
 
 if TYPE_CHECKING:
@@ -44,11 +44,15 @@ class Grid:
         Every other quantity of the scene by name, with gravity and restitution.
     length : float or None
         Length of the trough [mm].
+    accuracy, flight : optional
+        How every cell is solved, as ``vibro.solve`` takes them.
     """
 
     axes: Mapping[str, Axis]
     fixed: Mapping[str, float]
     length: float | None
+    accuracy: Accuracy = "exact"
+    flight: bool = True
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -160,7 +164,7 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
     """
     for box in grid_blocks(grid.shape, _BLOCK):
         values = grid.values(box)
-        yield Block(values, solve(_scene(values)), grid.length)
+        yield Block(values, _solve(grid, values), grid.length)
 
 
 def sweep_picture(
@@ -195,12 +199,12 @@ def sweep_picture(
         else _resolved(axis, count)
         for axis in varying
     }
-    part = Grid(axes, fixed, grid.length)
+    part = replace(grid, axes=axes, fixed=fixed)
     values = part.values((slice(None),) * len(axes))
     point = None
     if operating_point is not None and grid.axes.keys() <= operating_point.keys():
         point = {name: operating_point[name] for name in grid.axes}
-    return SweepResult(axes, fixed, solve(_scene(values)), _limits(values), grid.length, point, title)
+    return SweepResult(axes, fixed, _solve(part, values), _limits(values), grid.length, point, title)
 
 
 def _resolved(axis: Axis, count: int) -> Axis:
@@ -211,10 +215,11 @@ def _resolved(axis: Axis, count: int) -> Axis:
     return Axis(axis.name, np.linspace(*ends, count), "linear")
 
 
-def _scene(values: Mapping[str, Floats]) -> Scene:
-    return Scene.allowing_infeasible(
+def _solve(grid: Grid, values: Mapping[str, Floats]) -> SteadyCycle:
+    scene = Scene.allowing_infeasible(
         **{name: to_si(name, value) for name, value in values.items() if name != "friction_ratio"}
     )
+    return solve(scene, accuracy=grid.accuracy, flight=grid.flight)
 
 
 def _limits(values: Mapping[str, Floats]) -> CriticalLoads:

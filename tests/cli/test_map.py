@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
@@ -78,13 +79,92 @@ def test_pictures_carry_the_sidecar(run: Run) -> None:
 
     assert run("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION, "-o", "nut").exit_code == 0
     content = json.loads(Path("nut.json").read_text(encoding="utf-8"))
-    with Image.open("nut-speed.png") as picture:
-        assert json.loads(picture.info["Description"]) == content
+    for name, title in (("regime", "Steady regimes"), ("speed", "Mean conveying speed")):
+        with Image.open(f"nut-{name}.png") as picture:
+            assert json.loads(picture.info["Description"]) == content
+            assert picture.info["Title"] == title
 
 
 def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
     result = run("map", "-A", "0.5:2:3", "-f", "15", *NUT_ANGLE_AND_FRICTION, "-o", "nut", "--json")
     assert json.loads(result.stdout) == json.loads(Path("nut.json").read_text(encoding="utf-8"))
+
+
+HOPS = ("map", "-A", "0.5:6:3", "-f", "15,25", *NUT_ANGLE_AND_FRICTION, "-o", "hop")
+
+
+def test_pictures_of_flight_on_request(run: Run) -> None:
+    from PIL import Image
+
+    assert run(*HOPS, "--show", "impact", "--show", "flight").exit_code == 0
+    pictures = [name for name in names() if name.endswith(".png")]
+    assert pictures == ["hop-flight.png", "hop-impact.png", "hop-regime.png", "hop-speed.png"]
+    with Image.open("hop-impact.png") as picture:
+        assert picture.info["Title"] == "Impact speed"
+    for row in rows_of(Path("hop.csv").read_text(encoding="utf-8")):
+        hops = row["regime"] == "hopping"
+        assert (row["model"] == "flight") == hops
+        assert (float(row["flight_fraction"]) > 0) == hops
+        assert (float(row["impact_speed_mm_s"]) > 0) == hops
+        assert row["status"] == "ok"
+
+
+def test_one_axis_has_lines_of_flight(run: Run) -> None:
+    assert run("map", *NUT, "-A", "1:6:5", "--show", "impact,flight", "-o", "hop").exit_code == 0
+    assert names() == ["hop-flight.png", "hop-impact.png", "hop-speed.png", "hop.csv", "hop.json"]
+
+
+def test_flight_off_keeps_to_contact(run: Run) -> None:
+    result = run(*HOPS, "--flight", "off")
+    assert result.exit_code == 0
+    assert "flight-not-modelled (the body leaves the trough; its flight is not modelled)" in result.stderr
+    rows = rows_of(Path("hop.csv").read_text(encoding="utf-8"))
+    assert {row["status"] for row in rows if row["regime"] == "hopping"} == {"flight-not-modelled"}
+    assert all((row["mean_velocity_mm_s"] == "") == (row["regime"] == "hopping") for row in rows)
+    assert json.loads(Path("hop.json").read_text(encoding="utf-8"))["flight"] is False
+
+
+def test_regimes_alone(run: Run) -> None:
+    assert run(*HOPS, "--accuracy", "regimes").exit_code == 0
+    assert [name for name in names() if name.endswith(".png")] == ["hop-regime.png"]
+    regimes = rows_of(Path("hop.csv").read_text(encoding="utf-8"))
+    assert run(*HOPS, "--flight", "off", "--force").exit_code == 0
+    exact = rows_of(Path("hop.csv").read_text(encoding="utf-8"))
+    for quick, full in zip(regimes, exact, strict=True):
+        for column in ("regime", "throw_number", "forward_ratio", "back_ratio", "status"):
+            assert quick[column] == full[column]
+        if quick["regime"] != "no-slip":
+            assert quick["mean_velocity_mm_s"] == quick["pattern"] == quick["model"] == ""
+    assert {row["regime"] for row in regimes} >= {"no-slip", "back-slip", "hopping"}
+
+
+@pytest.mark.parametrize(
+    ("args", "problem"),
+    [
+        (("--show", "height"), "--show height: there is no such picture"),
+        (
+            ("--show", "impact", "--flight", "off"),
+            "--show impact: no flight is modelled with --flight off or --accuracy regimes",
+        ),
+        (
+            ("--show", "impact,flight", "--accuracy", "regimes"),
+            "--show impact,flight: no flight is modelled with --flight off or --accuracy regimes",
+        ),
+    ],
+)
+def test_pictures_that_there_are_not(run: Run, args: tuple[str, ...], problem: str) -> None:
+    result = run(*HOPS, *args)
+    assert result.exit_code == 2
+    assert result.stderr.splitlines()[0] == f"error: {problem}"
+    assert names() == []
+
+
+@pytest.mark.parametrize("option", ["--flight", "--accuracy"])
+def test_only_words_that_there_are(run: Run, option: str) -> None:
+    result = run(*HOPS, option, "maybe")
+    assert result.exit_code == 2
+    assert option in result.stderr
+    assert names() == []
 
 
 def test_one_axis_makes_one_picture(run: Run) -> None:
@@ -285,8 +365,8 @@ def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPa
     from vibro.scene import Scene
     from vibro.steady import SteadyCycle, solve
 
-    def doubtful(scene: Scene) -> SteadyCycle:
-        cycle = solve(scene)
+    def doubtful(scene: Scene, **how: Any) -> SteadyCycle:
+        cycle = solve(scene, **how)
         cycle.status.flat[0] = Status.UNRESOLVED
         return cycle
 

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import math
+import re
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from commands import NUT, Run, rows_of
 
@@ -157,10 +162,61 @@ def test_the_same_scene_in_other_words(run: Run, one: tuple[str, str], other: tu
     assert first.stdout == second.stdout
 
 
-def test_a_scene_that_hops_says_what_is_unknown(run: Run) -> None:
+def facts(text: str) -> dict[str, str]:
+    """Return the report's facts by name."""
+    lines = text.partition("\n\n")[0].splitlines()
+    return dict(re.split(r"  +", line, maxsplit=1) for line in lines)
+
+
+def test_a_scene_that_hops_reports_its_flight(run: Run) -> None:
+    answer = json.loads(run("solve", *NUT, "-A", "4", "--json").stdout)
+    assert answer["model"] == "flight"
     result = run("solve", *NUT, "-A", "4")
     assert result.exit_code == 0
-    assert "regime        hopping" in result.stdout
+    told = facts(result.stdout)
+    assert told["regime"] == f"hopping, pattern {answer['pattern']}"
+    assert told["mean speed"] == f"{answer['mean_velocity_mm_s']:.6g} mm/s"
+    assert told["in flight"] == f"{100 * answer['flight_fraction']:.6g} % of the time"
+    assert told["impact speed"] == f"{answer['impact_speed_mm_s']:.6g} mm/s normal to the trough"
+    assert told["repeats"] == "every drive cycle"
+    assert "in flight" not in facts(run("solve", *NUT).stdout)
+
+
+def test_longer_periods_are_counted(run: Run) -> None:
+    throw_number_5 = ("-A", repr(5 / math.sin(math.radians(20)) * 9.81e3 / (30 * math.pi) ** 2))
+    assert facts(run("solve", *NUT, *throw_number_5).stdout)["repeats"] == "every 2 drive cycles"
+
+
+def test_a_mean_of_irregular_motion_has_its_error(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    import vibro.sweep
+    from vibro.core.codes import Status
+    from vibro.steady import SteadyCycle, solve
+
+    def irregular(*args: Any, **how: Any) -> SteadyCycle:
+        return dataclasses.replace(
+            solve(*args, **how),
+            status=np.array(Status.AVERAGED),
+            period_cycles=np.array(np.nan),
+            mean_velocity_error=np.array(1.25e-3),
+        )
+
+    monkeypatch.setattr(vibro.sweep, "solve", irregular)
+    result = run("solve", *NUT, "-A", "4")
+    assert result.exit_code == 0
+    told = facts(result.stdout)
+    assert told["mean speed"].endswith(" mm/s +- 1.2 mm/s (standard error)")
+    assert told["repeats"] == "no short period"
+    assert told["status"].startswith("averaged (")
+
+
+@pytest.mark.parametrize("args", [("-A", "4", "--flight", "off"), ("--accuracy", "regimes")])
+def test_numbers_that_were_not_asked_for_are_not_there(run: Run, args: tuple[str, ...]) -> None:
+    result = run("solve", *NUT, *args)
+    assert result.exit_code == 0
+    assert facts(result.stdout)["mean speed"] == "unknown"
+    assert "nan" not in result.stdout
+    assert "peak speed" not in result.stdout
+    assert json.loads(run("solve", *NUT, *args, "--json").stdout)["mean_velocity_mm_s"] is None
 
 
 def test_minus_o_writes_the_row_beside_the_report(run: Run) -> None:

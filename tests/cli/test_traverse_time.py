@@ -135,6 +135,19 @@ def test_an_axis_among_the_options_sweeps(run: Run) -> None:
     ]
 
 
+def test_flight_can_be_left_out(run: Run) -> None:
+    hops = ("traverse-time", *NUT, "-A", "4", "-L", "600", "--json")
+    answer = json.loads(run(*hops).stdout)
+    assert answer["traverse_time_s"] == pytest.approx(600 / answer["mean_velocity_mm_s"], rel=1e-15)
+    without = json.loads(run(*hops, "--flight", "off").stdout)
+    assert (without["traverse_time_s"], without["status"]) == (None, "flight-not-modelled")
+    told = run(*hops[:-1], "--flight", "off")
+    assert told.exit_code == 0
+    assert told.stdout.startswith("traverse time  unknown: the body leaves the trough")
+    swept = rows_of(run(*hops[:-1], "-A", "1,4", "--flight", "off", "-o", "-").stdout)
+    assert [bool(row["traverse_time_s"]) for row in swept] == [True, False]
+
+
 def test_a_sweep_of_nothing_is_an_error(run: Run) -> None:
     result = run("traverse-time", *NUT, "-L", "600", "--sweep")
     assert result.exit_code == 2

@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgba
 
 from vibro import Status
 from vibro.plots import map_figures
-from vibro.plots.style import NO_ANSWER_HATCH
+from vibro.plots.style import AVERAGED_LABEL, NO_ANSWER_HATCH
 from vibro.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -39,11 +39,9 @@ def test_drive_and_trough_angle_of_90_degrees() -> None:
     assert inside.tolist() == [True, False]
 
 
-def test_unmodelled_flight_is_hatched_but_for_the_regimes(
-    pictures: dict[str, Figure], nut: SweepResult
-) -> None:
-    if not (nut.cycle.status == Status.FLIGHT_NOT_MODELLED).any():
-        pytest.skip("flights are modelled")
+def test_unmodelled_flight_is_hatched_but_for_the_regimes() -> None:
+    result = sweep(length=600, amplitude="0.1:3", frequency="5:60", flight=False)
+    pictures = map_figures(result)
     assert patch(only_map(pictures["regime"]), "flight not modelled") is None
     assert path_of(only_map(pictures["speed"]), "flight not modelled").contains_point((30, 2))
     assert "flight not modelled" in said(pictures["traverse"])
@@ -68,7 +66,9 @@ def test_cells_of_every_status(nut: SweepResult, status: Status) -> None:
 
 
 def test_every_status_without_an_answer_has_a_hatch() -> None:
-    assert set(NO_ANSWER_HATCH) == {s for s in Status if s not in (Status.OK, Status.BOUNDARY)}
+    assert set(NO_ANSWER_HATCH) == {
+        s for s in Status if s not in (Status.OK, Status.BOUNDARY, Status.AVERAGED)
+    }
     assert len(set(NO_ANSWER_HATCH.values())) == len(NO_ANSWER_HATCH)
 
 
@@ -85,6 +85,20 @@ def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
         points = np.column_stack([amplitude[columns], angle[rows]])
         assert found.get_path().contains_points(points).mean() > 0.98  # those on its edge are cut in half
         assert "two steady cycles" in legend(figure)
+
+
+def test_means_of_irregular_motion_are_marked_where_they_can_be_seen(nut: SweepResult) -> None:
+    codes = np.full(nut.shape, Status.OK, np.int8)
+    codes[100:200, 150:250] = Status.AVERAGED  # amplitude 0.9 ... 1.7 mm, frequency 28 ... 43 Hz
+    codes[300, 50] = Status.AVERAGED
+    velocity = np.full(nut.shape, 0.05)
+    cycle = dataclasses.replace(nut.cycle, status=codes, mean_velocity=velocity)
+    figures = map_figures(dataclasses.replace(nut, cycle=cycle, length=None))
+    found = path_of(only_map(figures["speed"]), AVERAGED_LABEL)
+    lonely = (nut.axes["frequency"].values[50], nut.axes["amplitude"].values[300])
+    assert found.contains_points([(30, 1.3), (20, 1.3), lonely]).tolist() == [True, False, False]
+    assert AVERAGED_LABEL in legend(figures["speed"])
+    assert patch(only_map(figures["regime"]), AVERAGED_LABEL) is None
 
 
 def test_no_hatch_without_a_reason(climb_pictures: dict[str, Figure], climb: SweepResult) -> None:

@@ -106,3 +106,16 @@ def test_coexisting_cycles() -> None:
     assert "two steady cycles" in legend(figure)
     hatched = [p for p in figure.axes[1].patches if p.get_gid() == "two steady cycles"]
     assert {p.get_hatch() for p in hatched} == {"..."}
+
+
+def test_flight_over_one_axis(one_axis: SweepResult) -> None:
+    figures = map_figures(one_axis, ["impact", "flight"])
+    for name, label, expected in (
+        ("impact", "impact speed [mm/s]", 1e3 * one_axis.cycle.impact_velocity),
+        ("flight", "share of time in flight", one_axis.cycle.flight_fraction),
+    ):
+        _, axes = figures[name].axes
+        assert axes.get_ylabel() == label
+        (line,) = [line for line in axes.lines if line.get_gid() == "numbers"]
+        y = np.asarray(line.get_ydata(), float)
+        np.testing.assert_array_equal(y[~np.isnan(y)], expected)

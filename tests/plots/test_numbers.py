@@ -15,6 +15,8 @@ from vibro.plots import map_figures
 from vibro.sweep import SweepResult
 
 if TYPE_CHECKING:
+    from drawn import Floats
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -36,9 +38,7 @@ def test_grids_are_pixels_in_vector_formats(pictures: dict[str, Figure]) -> None
 
 def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:
     axes = only_map(pictures["speed"])
-    levels = [
-        gid.split()[1] for gid in (line.get_gid() or "" for line in axes.lines) if gid.startswith("contour")
-    ]
+    levels = [name.split()[1] for name in contours(axes)]
     assert len(levels) >= 4
     assert len(set(levels) & set(words(axes))) >= 4
     for level in levels:
@@ -114,3 +114,77 @@ def test_a_single_regime_fills_the_map(amplitude: str, frequency: str, name: str
     assert words(only_map(figures["regime"])) == [name]
     if name == "no-slip":
         assert all(figure.axes == maps_of(figure) for figure in figures.values())  # nothing to colour
+
+
+@pytest.fixture(scope="module")
+def flights() -> tuple[SweepResult, dict[str, Figure]]:
+    """Throw numbers up to 10: from rest to flights of several cycles."""
+    result = sweep(amplitude="0.1:8", frequency="5:35", drive_angle=30)
+    return result, map_figures(result, ["speed", "impact", "flight"])
+
+
+def test_no_speed_is_missing_where_bodies_hop(flights: tuple[SweepResult, dict[str, Figure]]) -> None:
+    result, figures = flights
+    axes = only_map(figures["speed"])
+    hopping = result.cycle.regime == Regime.HOPPING
+    assert hopping.mean() > 0.5
+    assert {p.get_gid() for p in axes.patches} == {"no-slip"}
+    values = np.ma.getdata(mesh_of(axes).get_array()).reshape(result.shape)
+    np.testing.assert_array_equal(values[hopping], 1e3 * result.cycle.mean_velocity[hopping])
+    assert curve(axes, "hop").size
+
+
+def contours(axes: Axes) -> list[str]:
+    names = [line.get_gid() or "" for line in axes.lines]
+    return [name for name in names if name.startswith("contour")]
+
+
+def throw_number(points: Floats) -> Floats:
+    """K at points of a map of frequency [Hz] and amplitude [mm], for a drive angle of 30 deg."""
+    frequency, amplitude = points.T
+    return np.asarray(1e-3 * amplitude * (2 * math.pi * frequency) ** 2 * 0.5 / GRAVITY)
+
+
+def test_speed_contours_go_on_across_the_hop_line(flights: tuple[SweepResult, dict[str, Figure]]) -> None:
+    axes = only_map(flights[1]["speed"])
+    crossed = 0
+    for name in contours(axes):
+        throw = throw_number(curve(axes, name))
+        crossed += throw.min() < 0.98 and throw.max() > 1.02
+    assert crossed >= 1
+
+
+@pytest.mark.parametrize("name", ["speed", "impact", "flight"])
+def test_contours_end_where_the_period_is_longer_than_the_drives(
+    flights: tuple[SweepResult, dict[str, Figure]], name: str
+) -> None:
+    result, figures = flights
+    assert (result.cycle.period_cycles[result.cycle.throw_number > 3.8] > 1).mean() > 0.9
+    axes = only_map(figures[name])
+    assert len(contours(axes)) >= 3
+    for contour in contours(axes):
+        assert throw_number(curve(axes, contour)).max() < 3.75
+
+
+def test_flight_is_shown_where_there_is_one(flights: tuple[SweepResult, dict[str, Figure]]) -> None:
+    result, figures = flights
+    hopping = result.cycle.regime == Regime.HOPPING
+    for name, expected in (
+        ("impact", 1e3 * result.cycle.impact_velocity),
+        ("flight", result.cycle.flight_fraction),
+    ):
+        axes = only_map(figures[name])
+        values = np.ma.getdata(mesh_of(axes).get_array()).reshape(result.shape)
+        np.testing.assert_array_equal(values[hopping], expected[hopping])
+        assert "no flight" in words(axes)
+        frequency, amplitude = curve(axes, "hop").T
+        cover = path_of(axes, "no flight")
+        inside = (frequency > 10) & (frequency < 34)
+        assert cover.contains_points(np.column_stack([frequency, 0.999 * amplitude])[inside]).all()
+        assert not cover.contains_points(np.column_stack([frequency, 1.001 * amplitude])[inside]).any()
+    bars = [a.get_ylabel() for f in figures.values() for a in f.axes if a.get_label() == "<colorbar>"]
+    assert bars == [
+        "mean conveying speed [mm/s]",
+        "impact speed, normal to the trough [mm/s]",
+        "share of time in flight",
+    ]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from vibro.cli.console import Console
-from vibro.cli.options import Options, picture_formats
+from vibro.cli.options import Accuracy, AccuracyOption, Flight, FlightOption, Options, picture_formats
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ __all__ = ["map_command"]
 
 # Swept where they are not given. Friction and drive angle are never invented.
 _RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
+_SHOWN: Final = ("impact", "flight")  # pictures on request
 _SHORT_NAMES: Final = {
     "a": "amplitude",
     "f": "frequency",
@@ -47,9 +48,20 @@ def map_command(
             show_default=False,
         ),
     ] = None,
+    show: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--show",
+            metavar="|".join(_SHOWN),
+            help="Picture the impact speed, or the share of time in flight, too; repeatable.",
+            show_default=False,
+        ),
+    ] = None,
     formats: Annotated[
         str, typer.Option("--format", metavar="png,svg,pdf", help="The pictures' formats.")
     ] = "png",
+    flight: FlightOption = Flight.ON,
+    accuracy: AccuracyOption = Accuracy.EXACT,
 ) -> int:
     """Map the regimes, speeds and traverse times of a scene over any of its quantities.
 
@@ -64,8 +76,14 @@ def map_command(
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
+    shown = _shown(show or [])
+    if shown and (flight is Flight.OFF or accuracy is Accuracy.REGIMES):
+        raise InputError(
+            f"--show {','.join(shown)}: no flight is modelled with --flight off or --accuracy regimes",
+            hint="leave one of them out",
+        )
     request = gather(options, context.obj, reads_map=True, takes_axes=True, ranges=_RANGES)
-    grid = make_grid(request, console)
+    grid = make_grid(request, console, accuracy=accuracy, flight=flight)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
     name = request.name or "vibro-map"
     if options.output == "-":
@@ -79,11 +97,24 @@ def map_command(
         if view.facet:
             drawn[view.facet.name] = view.facet_indices
         result = sweep_picture(grid, drawn, request.own, request.name or "")
-        return map_figures(result, x=view.x.name, y=view.y.name if view.y else None)
+        return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None)
 
-    names = (["regime"] if view.y else []) + ["speed"] + (["traverse"] if grid.length is not None else [])
-    pictures = Pictures(names, wanted, draw)
+    names = ["regime"] if view.y else []
+    if grid.accuracy == "exact":
+        names += ["speed", *(["traverse"] if grid.length is not None else []), *shown]
+    pictures = Pictures(names, wanted, draw) if names else None
     return write_sweep(grid, COLUMNS, options, context.obj, console, name, pictures)
+
+
+def _shown(texts: list[str]) -> list[str]:
+    """Check which pictures are asked for beside the usual ones."""
+    names = list(dict.fromkeys(name.strip().casefold() for text in texts for name in text.split(",")))
+    for name in names:
+        if name not in _SHOWN:
+            raise InputError(
+                f"--show {name}: there is no such picture", hint=f"there are {', '.join(_SHOWN)}"
+            )
+    return names
 
 
 def _axis_name(text: str) -> str:

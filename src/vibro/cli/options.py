@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 from dataclasses import dataclass, fields
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
@@ -15,9 +16,40 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Options", "picture_formats", "print_version", "shares_options"]
+__all__ = [
+    "Accuracy",
+    "AccuracyOption",
+    "Flight",
+    "FlightOption",
+    "Options",
+    "picture_formats",
+    "print_version",
+    "shares_options",
+]
 
 _FORMATS: Final = ("png", "svg", "pdf")
+
+
+class Flight(StrEnum):
+    """Whether hopping bodies are followed through the air."""
+
+    ON = "on"
+    OFF = "off"
+
+
+class Accuracy(StrEnum):
+    """Whether cells are solved, or their regimes and ratios alone are found."""
+
+    EXACT = "exact"
+    REGIMES = "regimes"
+
+
+FlightOption = Annotated[
+    Flight, typer.Option("--flight", help="Without flight, cells that hop have a regime but no numbers.")
+]
+AccuracyOption = Annotated[
+    Accuracy, typer.Option("--accuracy", help="With regimes alone no speeds are computed.")
+]
 
 
 def print_version(wanted: bool) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from vibro import __version__
 from vibro.axes import default_count
 from vibro.cli.console import Console
+from vibro.cli.options import Accuracy, Flight
 from vibro.cli.report import OneScene
 from vibro.core.codes import Regime, Status
 from vibro.errors import InputError
@@ -64,7 +65,13 @@ def count(number: int) -> str:
     return f"{number:,}".replace(",", " ")
 
 
-def make_grid(request: Request, console: Console | None = None) -> Grid:
+def make_grid(
+    request: Request,
+    console: Console | None = None,
+    *,
+    accuracy: Accuracy = Accuracy.EXACT,
+    flight: Flight = Flight.ON,
+) -> Grid:
     """Spell out the axes of a request, and echo them."""
     open_count = default_count(len(request.varying))
     axes = {name: request.specs[name].axis(open_count) for name in request.varying}
@@ -76,7 +83,10 @@ def make_grid(request: Request, console: Console | None = None) -> Grid:
         for name, spec in request.specs.items()
         if not spec.varies and name != "trough_length"
     }
-    return Grid(axes, fixed, request.length)
+    exact = accuracy is Accuracy.EXACT
+    return Grid(
+        axes, fixed, request.length, "exact" if exact else "regimes", flight=exact and flight is Flight.ON
+    )
 
 
 def write_sweep(
@@ -253,12 +263,12 @@ def _write_pictures(
 
     figures = pictures.draw()
     metadata = {
-        "Title": content["files"][0],
         "Software": f"vibro {__version__}",
         "Description": json.dumps(content, allow_nan=False),
     }
     for (name, form), path in paths.items():
-        save(figures[name], path, form, metadata)
+        heading = figures[name].get_suptitle().partition("\n")[0]
+        save(figures[name], path, form, {"Title": heading, **metadata})
 
 
 def describe_grid(grid: Grid) -> dict[str, Any]:
@@ -287,6 +297,8 @@ def _provenance(
         "version": __version__,
         "argv": ["vibro", *argv],
         **describe_grid(grid),
+        "accuracy": grid.accuracy,
+        "flight": grid.flight,
         "cells": grid.size,
         "status": {status.label: tally.status[status] for status in Status if tally.status[status]},
         "regime": {regime.label or "none": tally.regime[regime] for regime in Regime if tally.regime[regime]},

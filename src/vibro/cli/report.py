@@ -108,9 +108,28 @@ class OneScene:
             facts.append(("status", f"{status.label} ({status.message})"))
         if self._cycle.coexists:
             facts.append(("note", "a disturbed body can settle into another steady cycle than one from rest"))
-        speed = self.result("mean_velocity")
-        facts.append(("mean speed", "unknown" if math.isnan(speed) else number(speed, "mm/s")))
+        speed, error = self.result("mean_velocity"), self.result("mean_velocity_error")
+        spread = f" +- {error:.2g} mm/s (standard error)" if error > 0.0 else ""
+        known = number(speed, "mm/s") + spread
+        facts.append(("mean speed", "unknown" if math.isnan(speed) else known))
         return facts
+
+    def numbers(self) -> list[tuple[str, str]]:
+        """Return the other numbers of the cycle, as pairs of a name and a text; none if unknown."""
+        if math.isnan(self.result("mean_velocity")):
+            return []
+        numbers = [
+            ("peak speed", number(self.result("peak_velocity"), "mm/s")),
+            ("per cycle", number(self.result("displacement_per_cycle"), "mm")),
+        ]
+        if self._cycle.flight_fraction > 0.0:
+            period = float(self._cycle.period_cycles)
+            numbers += [
+                ("in flight", f"{number(100.0 * float(self._cycle.flight_fraction))} % of the time"),
+                ("impact speed", f"{number(self.result('impact_velocity'), 'mm/s')} normal to the trough"),
+                ("repeats", "no short period" if math.isnan(period) else _cycles(period)),
+            ]
+        return numbers
 
     def why_never(self) -> str:
         """Say why there is no traverse time, and what to change where the body rests."""
@@ -164,6 +183,10 @@ class OneScene:
             )
             for p in steady_phases(scene, int(self._cycle.pattern_code))
         ]
+
+
+def _cycles(count: float) -> str:
+    return "every drive cycle" if count == 1.0 else f"every {count:.0f} drive cycles"
 
 
 def number(value: float, unit: str = "") -> str:

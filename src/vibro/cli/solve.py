@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import typer  # typer reads the annotations
 
-from vibro.cli.options import Options
+from vibro.cli.options import Accuracy, AccuracyOption, Flight, FlightOption, Options
 
 if TYPE_CHECKING:
     from vibro.cli.report import OneScene
@@ -14,7 +14,12 @@ if TYPE_CHECKING:
 __all__ = ["solve_command"]
 
 
-def solve_command(context: typer.Context, options: Options) -> int:
+def solve_command(
+    context: typer.Context,
+    options: Options,
+    flight: FlightOption = Flight.ON,
+    accuracy: AccuracyOption = Accuracy.EXACT,
+) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
     With -o the row of a map's table is written to STEM.csv too.
@@ -24,9 +29,8 @@ def solve_command(context: typer.Context, options: Options) -> int:
     from vibro.tables import COLUMNS
 
     request = gather(options, context.obj)
-    return answer_one(
-        make_grid(request), COLUMNS, options, context.obj, request.name or "vibro-solve", _report
-    )
+    grid = make_grid(request, accuracy=accuracy, flight=flight)
+    return answer_one(grid, COLUMNS, options, context.obj, request.name or "vibro-solve", _report)
 
 
 def _report(scene: OneScene) -> str:
@@ -34,8 +38,7 @@ def _report(scene: OneScene) -> str:
 
     facts = [
         *scene.facts(),
-        ("peak speed", f"{number(scene.result('peak_velocity'), 'mm/s')}"),
-        ("per cycle", f"{number(scene.result('displacement_per_cycle'), 'mm')}"),
+        *scene.numbers(),
         ("acceleration", f"{number(scene.load)} g along the drive"),
     ]
     heads = [("begins", "load now / then", "amplitude [mm]", "frequency [Hz]")]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibro.cli.options import Options  # typer reads the annotations
+from vibro.cli.options import Flight, FlightOption, Options  # typer reads the annotations
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ def traverse_time_command(
     context: typer.Context,
     options: Options,
     sweep: Annotated[bool, typer.Option("--sweep", help="Sweep the axes of the scene file's [map].")] = False,
+    flight: FlightOption = Flight.ON,
 ) -> int:
     """Tell how long a body takes over the trough's length at its mean speed, and why if it never arrives.
 
@@ -35,9 +36,11 @@ def traverse_time_command(
     if sweep and not request.varying:
         raise InputError("nothing varies", hint="give an axis, for example -A 0.1:3:200")
     if not request.varying:
-        return answer_one(make_grid(request), columns, options, context.obj, name, _report)
+        grid = make_grid(request, flight=flight)
+        return answer_one(grid, columns, options, context.obj, name, _report)
     console = Console(quiet=options.quiet)
-    return write_sweep(make_grid(request, console), columns, options, context.obj, console, name)
+    grid = make_grid(request, console, flight=flight)
+    return write_sweep(grid, columns, options, context.obj, console, name)
 
 
 def _report(scene: OneScene) -> str:

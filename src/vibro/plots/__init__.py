@@ -8,13 +8,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vibro.plots.fields import Fields
-from vibro.plots.lines import speed_lines, traverse_line
-from vibro.plots.maps import regime_map, speed_map, traverse_map
+from vibro.plots.lines import flight_line, impact_line, speed_lines, traverse_line
+from vibro.plots.maps import flight_map, impact_map, regime_map, speed_map, traverse_map
 from vibro.plots.style import RC
 from vibro.plots.view import View, choose_view, panels
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from matplotlib.figure import Figure
@@ -26,6 +26,7 @@ __all__ = ["View", "choose_view", "map_figures", "save"]
 
 def map_figures(
     result: SweepResult,
+    names: Sequence[str] | None = None,
     *,
     x: str | None = None,
     y: str | None = None,
@@ -37,14 +38,17 @@ def map_figures(
     ----------
     result : SweepResult
         At least one axis varies; those drawn across and up are evenly spaced, as ``sweep_picture`` has them.
+    names : sequence of str, optional
+        Pictures to draw: ``regime`` (of two axes and more), ``speed``, ``traverse`` (with a length),
+        ``impact`` and ``flight`` (the share of time in it). Without it the first three, as far as there are
+        any.
     x, y, at : optional
         What to draw of it, see ``choose_view``.
 
     Returns
     -------
     dict of str to Figure
-        Two axes and more: ``regime``, ``speed`` and, with a length, ``traverse``. One axis: ``speed`` (with
-        the regimes as bands) and, with a length, ``traverse``.
+        By name: maps where two axes vary or more, else lines over bands of the regimes.
 
     Raises
     ------
@@ -55,18 +59,30 @@ def map_figures(
 
     view = choose_view(result.axes, x, y, at)
     parts = panels(result, view)
+    fields = [Fields(panel) for panel in parts]
+    draw: dict[str, Callable[[], Figure]]
+    if view.y is None:
+        (line,) = fields
+        draw = {
+            "speed": lambda: speed_lines(result, line),
+            "traverse": lambda: traverse_line(result, line),
+            "impact": lambda: impact_line(result, line),
+            "flight": lambda: flight_line(result, line),
+        }
+    else:
+        draw = {
+            "regime": lambda: regime_map(result, fields),
+            "speed": lambda: speed_map(result, fields),
+            "traverse": lambda: traverse_map(result, fields),
+            "impact": lambda: impact_map(result, fields),
+            "flight": lambda: flight_map(result, fields),
+        }
+    if names is None:
+        names = [n for n in ("regime", "speed", "traverse") if n in draw]
+        if result.length is None:
+            names.remove("traverse")
     with mpl.rc_context(RC):
-        if view.y is None:
-            line = Fields(parts[0])
-            figures = {"speed": speed_lines(result, line)}
-            if result.length is not None:
-                figures["traverse"] = traverse_line(result, result.length, line)
-            return figures
-        fields = [Fields(panel) for panel in parts]
-        figures = {"regime": regime_map(result, fields), "speed": speed_map(result, fields)}
-        if result.length is not None:
-            figures["traverse"] = traverse_map(result, result.length, fields)
-        return figures
+        return {name: draw[name]() for name in names}
 
 
 def save(figure: Figure, path: Path, picture_format: str, metadata: Mapping[str, str]) -> None:

@@ -30,6 +30,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Fields", "clip_line", "fill_unknown", "zero_lines", "zero_points", "zero_region"]
 
+# [points of the grid] Numbers are smooth where the motion repeats with the drive this far around, and motion
+# without a short period is to be seen where this many points side by side have it.
+_SMOOTH_AROUND: Final = 5
+_SEEN: Final = 7
+
 _LEAST_RATIO: Final = 1e-30  # G / G_critical where no load is critical: finite, and far from 1
 
 
@@ -87,9 +92,35 @@ class Fields:
 
         Regions are cut out of it by their exact boundaries, up to which it must reach.
         """
-        values = self.panel.cycle["mean_velocity"]
-        known = np.isfinite(values) & (self.panel.cycle["regime"] != Regime.NO_SLIP)
+        return self._reaching("mean_velocity", self.panel.cycle["regime"] != Regime.NO_SLIP)
+
+    def in_flight(self, name: str) -> Floats:
+        """Return a result of hopping cells; that of the nearest one elsewhere, NaN without any."""
+        return self._reaching(name, self.panel.cycle["regime"] == Regime.HOPPING)
+
+    def _reaching(self, name: str, wanted: NDArray[np.bool_]) -> Floats:
+        values = self.panel.cycle[name]
+        known = np.isfinite(values) & wanted
         return fill_unknown(values, known) if known.any() else np.full(values.shape, np.nan)
+
+    @cached_property
+    def smooth(self) -> Floats:
+        """Positive where the motion repeats with the drive, all around; elsewhere contours would be noise."""
+        from scipy.ndimage import binary_dilation
+
+        answered = np.isfinite(self.panel.cycle["mean_velocity"])
+        longer = answered & (self.panel.cycle["period_cycles"] != 1.0)
+        size = [min(n, _SMOOTH_AROUND) for n in longer.shape]
+        return np.where(binary_dilation(longer, np.ones(size)), -0.5, 0.5)
+
+    @cached_property
+    def averaged(self) -> Floats:
+        """Positive where numbers are means over many cycles, in regions that are large enough to be seen."""
+        from scipy.ndimage import binary_opening
+
+        cells = self.panel.cycle["status"] == Status.AVERAGED
+        size = [min(n, _SEEN) for n in cells.shape]
+        return np.where(binary_opening(cells, np.ones(size)), 0.5, -0.5)
 
     @cached_property
     def coexists(self) -> Floats:

@@ -10,6 +10,8 @@ from vibro.core.codes import Regime, Status
 from vibro.plots.fields import zero_lines, zero_region
 from vibro.plots.labels import Labeller
 from vibro.plots.style import (
+    AVERAGED_HATCH,
+    AVERAGED_LABEL,
     COEXISTS_HATCH,
     COEXISTS_LABEL,
     CURVES,
@@ -23,6 +25,8 @@ from vibro.plots.style import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from matplotlib.axes import Axes
     from matplotlib.colors import Colormap, Normalize
     from numpy.typing import NDArray
@@ -89,7 +93,7 @@ class MapLayers:
 
     @property
     def open(self) -> NDArray[np.bool_]:
-        """Grid points where no cover hides the colours."""
+        """Grid points where no cover hides the colours, as far as covers have been drawn."""
         seen = np.ones((len(self.fields.y), len(self.fields.x)), np.bool_)
         for cover in self._covers:
             seen &= cover <= 0.0
@@ -138,17 +142,26 @@ class MapLayers:
         """Cover the area where nothing moves with its regime's colour, below earlier covers."""
         self._cover(self.fields.rest, Regime.NO_SLIP.label, facecolor=REGIME_COLOURS[Regime.NO_SLIP])
 
-    def hatch_coexisting(self) -> None:
-        """Hatch, without hiding anything, where a disturbed body may settle into another cycle."""
-        style = {"facecolor": "none", "hatch": COEXISTS_HATCH, "edgecolor": NO_ANSWER_INK}
-        if self._fill(self.fields.coexists, gid=COEXISTS_LABEL, zorder=_COVERS, **style):
-            self.legend[COEXISTS_LABEL] = style
+    def cover_contact(self) -> None:
+        """Cover the area where nothing flies, below earlier covers."""
+        self._cover(-self.fields.log_ratio["hop"], "no flight", facecolor=REGIME_COLOURS[Regime.NO_SLIP])
 
-    def draw_curves(self) -> None:
+    def hatch_doubtful(self) -> None:
+        """Hatch, without hiding anything, two cycles and, on numbers, means of irregular motion."""
+        marks = [(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH)]
+        if self._has_numbers:
+            marks.append((self.fields.averaged, AVERAGED_LABEL, AVERAGED_HATCH))
+        for field, label, hatch in marks:
+            style = {"facecolor": "none", "hatch": hatch, "edgecolor": NO_ANSWER_INK}
+            if self._fill(field, gid=label, zorder=_COVERS, **style):
+                self.legend[label] = style
+
+    def draw_curves(self, names: Iterable[str]) -> None:
         """Draw the critical curves where they bound a regime, lifted off a ground of numbers."""
         from matplotlib.patheffects import withStroke
 
-        for name, style in CURVES.items():
+        for name in names:
+            style = CURVES[name]
             pieces = zero_lines(self.fields, self.fields.log_ratio[name], hiding_fields(self.fields, name))
             if pieces:
                 width = style.width * self._scale
@@ -177,7 +190,8 @@ class MapLayers:
         )
         heights = np.asarray(norm(values))
         for level in levels:
-            pieces = zero_lines(fields, np.nan_to_num(heights - norm(level)), self._covers)
+            hidden = [*self._covers, -fields.smooth]
+            pieces = zero_lines(fields, np.nan_to_num(heights - norm(level)), hidden)
             if pieces:
                 ground = colours(norm(level))
                 width = (1.3 if level == 0.0 else 0.6) * self._scale

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import TYPE_CHECKING, Any, Final
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["speed_lines", "traverse_line"]
+__all__ = ["flight_line", "impact_line", "speed_lines", "traverse_line"]
 
 _TINT: Final = 0.35  # opacity of bands behind lines
 _WIDE: Final = 20.0  # ratio of numbers from which a scale is logarithmic
@@ -61,8 +62,21 @@ def speed_lines(result: SweepResult, fields: Fields) -> Figure:
     return _figure(result, fields, "Mean conveying speed", rows)
 
 
-def traverse_line(result: SweepResult, length: float, fields: Fields) -> Figure:
-    """Time to convey over a length [mm] at the mean speed."""
+def impact_line(result: SweepResult, fields: Fields) -> Figure:
+    """Largest normal speed of a landing over the axis."""
+    speed = _MILLIMETRE * fields.panel.cycle["impact_velocity"][0]
+    return _figure(result, fields, "Impact speed", {"impact speed [mm/s]": speed})
+
+
+def flight_line(result: SweepResult, fields: Fields) -> Figure:
+    """Share of the time in flight over the axis."""
+    share = fields.panel.cycle["flight_fraction"][0]
+    return _figure(result, fields, "Time in flight", {"share of time in flight": share})
+
+
+def traverse_line(result: SweepResult, fields: Fields) -> Figure:
+    """Time to convey over the trough's length at the mean speed."""
+    length = result.length or math.nan
     velocity = fields.panel.cycle["mean_velocity"][0]
     with np.errstate(divide="ignore", invalid="ignore"):
         time = np.where(velocity > 0.0, length / (_MILLIMETRE * velocity), np.nan)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.plots.frame import map_frame, mark_operating_point, operating_points, settle
 from vibro.plots.layers import MapLayers
+from vibro.plots.style import CURVES
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from matplotlib.colors import Colormap, Normalize
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -19,9 +23,14 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["regime_map", "speed_map", "traverse_map"]
+__all__ = ["flight_map", "impact_map", "regime_map", "speed_map", "traverse_map"]
 
 _NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
+_BELOW_TOP: Final = 1.0 - 1e-6  # a contour at the largest number would be rounding
+# Where the numbers of motion that repeats with the drive stay below this share of the largest, their
+# differences would drown in an even scale.
+_UNEVEN: Final = 0.5
+_REVERSES: Final = 0.1
 _LONGEST_OVER_SHORTEST: Final = (
     100.0  # traverse times told apart by colour: they grow without bound near rest
 )
@@ -41,34 +50,71 @@ def regime_map(result: SweepResult, fields: list[Fields]) -> Figure:
 
 def speed_map(result: SweepResult, fields: list[Fields]) -> Figure:
     """Map of the mean conveying speed, diverging about zero where transport reverses."""
-    from matplotlib import colormaps
-    from matplotlib.colors import CenteredNorm, Normalize
-    from matplotlib.ticker import MaxNLocator
-
     figure, maps = _start(result, fields, "Mean conveying speed")
     for layers in maps:
         layers.hatch_unanswered(regimes_show=False)
         layers.cover_rest()
     speeds = [_MILLIMETRE * f.velocity for f in fields]
-    low, high = _range(maps, speeds)
-    reverses = low < 0.0
-    norm: Normalize = CenteredNorm(0.0, max(-low, high)) if reverses else Normalize(0.0, high or 1.0)
-    colours = colormaps["RdBu" if reverses else "cividis"]
-    levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(min(low, 0.0), high))
-    levels = levels[(levels > low) & (levels < high) & (reverses | (levels != 0.0))]
-    for layers, speed in zip(maps, speeds, strict=True):
-        layers.draw_numbers(speed, norm, colours, levels)
-    if (low, high) != (0.0, 0.0):
-        _colour_bar(figure, maps, norm, colours, "mean conveying speed [mm/s]")
+    _draw_from_zero(figure, maps, speeds, "mean conveying speed [mm/s]")
     return _finish(figure, result, maps)
 
 
-def traverse_map(result: SweepResult, length: float, fields: list[Fields]) -> Figure:
-    """Map of the time to convey over a length [mm] at the mean speed, in a logarithmic scale."""
+def impact_map(result: SweepResult, fields: list[Fields]) -> Figure:
+    """Map of the largest normal speed with which the body lands."""
+    speeds = [_MILLIMETRE * f.in_flight("impact_velocity") for f in fields]
+    return _flight_map(result, fields, "Impact speed", speeds, "impact speed, normal to the trough [mm/s]")
+
+
+def flight_map(result: SweepResult, fields: list[Fields]) -> Figure:
+    """Map of the share of the time that the body is off the trough."""
+    shares = [f.in_flight("flight_fraction") for f in fields]
+    return _flight_map(result, fields, "Time in flight", shares, "share of time in flight")
+
+
+def _flight_map(
+    result: SweepResult, fields: list[Fields], heading: str, values: list[Floats], label: str
+) -> Figure:
+    figure, maps = _start(result, fields, heading)
+    for layers in maps:
+        layers.hatch_unanswered(regimes_show=False)
+        layers.cover_contact()
+    _draw_from_zero(figure, maps, values, label)
+    return _finish(figure, result, maps, ("hop",))
+
+
+def _draw_from_zero(figure: Figure, maps: list[MapLayers], values: list[Floats], label: str) -> None:
+    """Draw numbers in a sequential scale from zero, or a diverging one about it, with contours."""
+    from matplotlib import colormaps
+    from matplotlib.colors import CenteredNorm, Normalize, PowerNorm
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = _range(maps, values)
+    least, most = _range(maps, values, smooth=True)
+    # a few bounces backwards in irregular motion do not make a map of reversals
+    reverses = least < 0.0 or low < -_REVERSES * high
+    norm: Normalize
+    if reverses:
+        norm = CenteredNorm(0.0, max(-low, high))
+    elif 0.0 < most < _UNEVEN * high:
+        norm = PowerNorm(0.5, 0.0, high)
+    else:
+        norm = Normalize(0.0, high or 1.0)
+    colours = colormaps["RdBu" if reverses else "cividis"]
+    levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(min(least, 0.0), most))
+    levels = levels[(levels > least) & (levels < _BELOW_TOP * most) & (reverses | (levels != 0.0))]
+    for layers, numbers in zip(maps, values, strict=True):
+        layers.draw_numbers(numbers, norm, colours, levels)
+    if (low, high) != (0.0, 0.0):
+        _colour_bar(figure, maps, norm, colours, label, "min" if low < 0.0 and not reverses else "neither")
+
+
+def traverse_map(result: SweepResult, fields: list[Fields]) -> Figure:
+    """Map of the time to convey over the trough's length at the mean speed, in a logarithmic scale."""
     from matplotlib import colormaps
     from matplotlib.colors import LogNorm
     from matplotlib.ticker import LogLocator, MaxNLocator
 
+    length = result.length or math.nan
     figure, maps = _start(result, fields, f"Traverse time over {length:.6g} mm")
     times = []
     for layers, f in zip(maps, fields, strict=True):
@@ -98,9 +144,14 @@ def _start(result: SweepResult, fields: list[Fields], heading: str) -> tuple[Fig
     return figure, [MapLayers(a, f, single=len(fields) == 1) for a, f in zip(axes, fields, strict=True)]
 
 
-def _range(maps: list[MapLayers], values: list[Floats]) -> tuple[float, float]:
-    """Least and largest finite value to be seen; (0, 0) where there is none."""
-    seen = np.concatenate([v[m.open & np.isfinite(v)] for m, v in zip(maps, values, strict=True)])
+def _range(maps: list[MapLayers], values: list[Floats], *, smooth: bool = False) -> tuple[float, float]:
+    """Least and largest finite value to be seen, or to be seen where it is smooth; (0, 0) without any."""
+    seen = np.concatenate(
+        [
+            v[m.open & np.isfinite(v) & ((m.fields.smooth > 0.0) | (not smooth))]
+            for m, v in zip(maps, values, strict=True)
+        ]
+    )
     return (float(seen.min()), float(seen.max())) if seen.size else (0.0, 0.0)
 
 
@@ -124,13 +175,15 @@ def _colour_bar(
         bar.minorticks_off()
 
 
-def _finish(figure: Figure, result: SweepResult, maps: list[MapLayers]) -> Figure:
+def _finish(
+    figure: Figure, result: SweepResult, maps: list[MapLayers], curves: Iterable[str] = CURVES
+) -> Figure:
     """Draw what every map has on top, and write the words once the layout has settled."""
     marked: dict[str, dict[str, Any]] = {}
     points = [operating_points(result, layers.fields.panel) for layers in maps]
     for layers, point in zip(maps, points, strict=True):
-        layers.hatch_coexisting()
-        layers.draw_curves()
+        layers.hatch_doubtful()
+        layers.draw_curves(curves)
         mark_operating_point(layers.axes, point, marked)
     # Words need the final layout, which the legend is part of, which explains what found no room.
     legend = _legend(maps) | marked

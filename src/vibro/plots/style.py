@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
 
 __all__ = [
+    "AVERAGED_HATCH",
+    "AVERAGED_LABEL",
     "COEXISTS_HATCH",
     "COEXISTS_LABEL",
     "CURVES",
@@ -49,6 +51,8 @@ NO_ANSWER_HATCH: Final[Mapping[Status, str]] = {
 }
 COEXISTS_HATCH: Final = "..."
 COEXISTS_LABEL: Final = "two steady cycles"
+AVERAGED_HATCH: Final = "oo"
+AVERAGED_LABEL: Final = "mean of a motion without a short period"
 
 
 class CurveStyle(NamedTuple):

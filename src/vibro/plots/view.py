@@ -191,6 +191,9 @@ def _panel(result: SweepResult, view: View, facet_index: int) -> Panel:
             "coexists": cut(cycle.coexists),
             "mean_velocity": cut(cycle.mean_velocity),
             "displacement_per_cycle": cut(cycle.displacement_per_cycle),
+            "flight_fraction": cut(cycle.flight_fraction),
+            "impact_velocity": cut(cycle.impact_velocity),
+            "period_cycles": cut(cycle.period_cycles),
         },
         {
             name: cut(getattr(result.limits, name))
