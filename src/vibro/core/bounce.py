@@ -40,8 +40,9 @@ _LOOK_BACK: Final = (8, 16, 32, 64, 128, MOST_FLIGHTS)  # numbers of flights aft
 _LONGEST_CYCLE: Final = 64  # flights in a cycle that never rests on the trough
 _NEAR: Final = 0.1  # [rad, A w n] distance, over the number of flights between, of states that may be one
 _PREFERRED: Final = 4.0  # [1] factor by which more flights must bring a state closer to be preferred
-_NEWTON_STEPS: Final = 8
-_FIRST_STEP: Final = 0.1  # [rad, A w n] longest first step; later ones must be half as long as the last
+_NEWTON_STEPS: Final = 12
+_FIRST_STEP: Final = 0.1  # [rad, A w n] longest first step
+_SHRINKS: Final = 0.75  # [1] a longer next step, over the one before, shows that there is no cycle nearby
 _CLOSED: Final = 1e-12  # [1] relative distance at which a cycle is closed
 _SAME: Final = 1e-8  # [1] relative distance below which a cycle repeats within itself
 
@@ -278,7 +279,7 @@ def _close(
             if done.size:
                 yield from _shortest(take(tuple(flights), done), phase[done], end[0][done], lag)
             on = valid & ~closed & (step < least)
-            least = 0.5 * step[on]
+            least = _SHRINKS * step[on]
             owner = owner[on]
             if not owner.size:
                 break

@@ -51,7 +51,7 @@ class Pull(NamedTuple):
     bend : array
         P cos(kappa), the speed's curvature there.
     excess : array
-        max(Q - P, 0): the speed falls at least that fast.
+        Q - P sin(kappa): where not 0, the speed falls, or grows, at least that fast.
     """
 
     shift: Floats
@@ -77,7 +77,7 @@ def pull_of(scene: Loads, direction: int) -> Pull:
         drag=drag,
         kappa=np.arcsin(ratio),
         bend=pull * np.sqrt((1.0 - ratio) * (1.0 + ratio)),
-        excess=np.maximum(drag - pull, 0.0),
+        excess=np.where(np.abs(ratio) < 1.0, 0.0, drag - ratio * pull),
     )
 
 
@@ -181,11 +181,14 @@ def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:
         d_end = d0[cells] + limit[cells]
         with np.errstate(invalid="ignore"):
             end_speed[cells] = np.maximum(first_top[cells] - _loss(d_end, take(at, cells)), 0.0)
+    # of the maxima on the way the first is the highest, or the last where gravity wins over friction
     with np.errstate(invalid="ignore"):
-        reached = np.where(length >= -d0, first_top, end_speed)
-        second = np.where(length >= _TURN - d0, first_top - per_turn, 0.0)
-    highest = np.where(d0 < 0.0, reached, np.maximum(speed, second))
-    highest = np.where(np.isinf(length), np.nan, np.maximum(highest, speed))
+        next_top = np.where(d0 < 0.0, 0.0, 1.0)
+        last_top = np.floor((length + d0) / _TURN)
+        chosen = np.where(at.drag < 0.0, last_top, next_top)
+        highest = np.where(last_top >= next_top, first_top - per_turn * chosen, 0.0)
+    highest = np.maximum(highest, np.maximum(speed, end_speed))
+    highest = np.where(np.isinf(length), np.nan, highest)
     return Coast(length, stopped, end_speed, highest, settled)
 
 
