@@ -12,18 +12,33 @@ if TYPE_CHECKING:
     from vibro.core.codes import Regime, Status
     from vibro.errors import SceneError, VibroError
     from vibro.scene import Scene
+    from vibro.history import History, arrival_time, simulate
     from vibro.steady import SteadyCycle, solve
 
-__all__ = ["Regime", "Scene", "SceneError", "Status", "SteadyCycle", "VibroError", "solve"]
+__all__ = [
+    "History",
+    "Regime",
+    "Scene",
+    "SceneError",
+    "Status",
+    "SteadyCycle",
+    "VibroError",
+    "arrival_time",
+    "simulate",
+    "solve",
+]
 __version__ = "0.1.0"
 
 _HOMES = {
+    "History": "vibro.history",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
     "SceneError": "vibro.errors",
     "Status": "vibro.core.codes",
     "SteadyCycle": "vibro.steady",
     "VibroError": "vibro.errors",
+    "arrival_time": "vibro.history",
+    "simulate": "vibro.history",
     "solve": "vibro.steady",
 }
 
