@@ -8,7 +8,7 @@ early ones. Lengths in A, speeds in A w, phases in radians.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -117,8 +117,7 @@ def sections_of(course: Course) -> Sections:
     if hopping.size:
         flights = bounces(course.throw[hopping], course.restitution[hopping])
         lands[hopping] = flights.rest > 0.0
-        count: Any = flights.count
-        lag[hopping] = np.where(lands[hopping], 1, np.where(flights.repeats, count, 0))
+        lag[hopping] = np.where(lands[hopping], 1, np.where(flights.repeats, flights.number, 0))
     return Sections(lag, lands)
 
 
