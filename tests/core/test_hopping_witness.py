@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from hopping import loads_at_throw
 from scipy.integrate import solve_ivp
 
-from hopping import loads_at_throw
 from vibro import Status
 from vibro.core.hopping import hopping_cycles
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 TURN = 2.0 * math.pi
 TOLERANCE = 1e-12  # of the integrator, relative and absolute [A]
+LONGEST_STEP = 0.1  # [rad] so that no two changes of sign, of a landing that hardly touches, share a step
 LEAST_BOUNCE = 1e-7  # [A w] a slower take-off stays on the trough; what it would fly is below its square
 
 
@@ -63,7 +64,14 @@ class Body:
         for event in events:
             event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
         run = solve_ivp(
-            rates, (self.p, end), self.state, "DOP853", events=events, rtol=TOLERANCE, atol=TOLERANCE
+            rates,
+            (self.p, end),
+            self.state,
+            "DOP853",
+            events=events,
+            rtol=TOLERANCE,
+            atol=TOLERANCE,
+            max_step=LONGEST_STEP,
         )
         self.p, self.state = float(run.t[-1]), run.y[:, -1].copy()
         assert run.t_events is not None
@@ -154,8 +162,10 @@ def test_integrated_motion_settles_into_the_cycle(
     assert cycle.status[0] == Status.OK
     assert cycle.period[0] == period
     body = Body(throw, drive_deg, mu_s, mu_d, e)
-    settled = 40.0 * TURN
+    settled = 30.0 * TURN
     body.until(settled)
     before = body.state[0]
     body.until(settled + TURN * period)
-    assert (body.state[0] - before) / period == pytest.approx(cycle.displacement[0], rel=1e-8)
+    assert (body.state[0] - before) / period == pytest.approx(
+        cycle.displacement[0], rel=1e-9 if e == 0.0 else 1e-6
+    )
