@@ -70,9 +70,37 @@ def test_the_settled_motion_is_that_of_another_solver(amplitude: float) -> None:
     assert motion.pattern == other.pattern
     assert motion.advance == pytest.approx(other.advance, rel=1e-12, abs=1e-15)
     time = np.linspace(-0.05, 0.3, 5001)
-    np.testing.assert_allclose(motion.velocity(time), other.velocity(time), atol=1e-12)
-    moved = motion.displacement(time) - motion.displacement(time[:1])
-    np.testing.assert_allclose(moved, other.displacement(time), atol=1e-9)
+    sample = motion.sample(time)
+    np.testing.assert_allclose(sample.velocity, other.velocity(time), atol=1e-12)
+    np.testing.assert_allclose(sample.position - sample.position[0], other.displacement(time), atol=1e-9)
+
+
+def test_a_settled_flight_repeats_itself_over_trough_time() -> None:
+    """At K = 1.24 the nut hops once a cycle; each cycle of the model starts with the flight."""
+    motion, cycle = settled_motion(nut(4.0)), vibro.solve(nut(4.0))
+    assert motion.pattern == "HFB"
+    assert [phase.kind for phase in motion.phases] == list("HFB")
+    assert motion.advance == cycle.displacement_per_cycle
+    time = np.linspace(0.0, PERIOD, 201)
+    first, later = motion.sample(time), motion.sample(time + 3 * PERIOD)
+    np.testing.assert_allclose(later.position - first.position, 3 * motion.advance, rtol=1e-9)
+    np.testing.assert_allclose(later.gap, first.gap, atol=1e-12)
+    flight = motion.phases[0]
+    flies = (time > flight.start) & (time < flight.end)
+    assert (first.gap[flies] > 0.0).all()
+    assert (first.gap[~flies] == 0.0).all()
+
+
+def test_flights_can_be_compared_too() -> None:
+    """With data of the model itself: signals, alignment and figures fit each other, nothing more."""
+    motion = settled_motion(nut(4.0))
+    time = np.arange(401) / 600.0
+    sample = motion.sample(time + 0.02)
+    observation = Observation(time, {"displacement": sample.position, "velocity": sample.velocity}, FREQUENCY)
+    comparison = compare(nut(4.0), observation)
+    assert comparison.alignment.shift == pytest.approx(0.02, abs=1e-6)
+    assert rows(comparison)["stroke_advance"].measured.value == pytest.approx(motion.advance, rel=1e-3)
+    assert not any("_slip_" in key for key in rows(comparison))
 
 
 def test_without_a_steady_motion_there_is_nothing_to_compare_with() -> None:
@@ -173,6 +201,7 @@ def test_a_body_at_rest_has_no_place_in_the_cycle() -> None:
     observation = Walked(nut(0.5)).observe("displacement", "velocity")
     comparison = compare(nut(0.5), observation)
     assert math.isnan(comparison.alignment.shift)
+    assert len(comparison.warnings) == 1
     assert "cannot be found" in comparison.warnings[0]
     assert abs(rows(comparison)["stroke_advance"].measured.value) < 1e-7
     assert rows(comparison)["stroke_advance"].computed == 0.0

@@ -60,11 +60,11 @@ def test_each_quantity_alone(name: str) -> None:
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     walked = Walked(nut())
     inside = 0
-    for seed in range(20):
+    for seed in range(12):
         found = fit(nut(), walked.observe("velocity", cycles=6, seed=seed), ["kinetic_friction"])
         (p,) = found.parameters
         inside += p.low <= 0.57 <= p.high
-    assert inside >= 17
+    assert inside >= 10
 
 
 def test_never_at_rest_static_friction_has_no_effect_at_all() -> None:
@@ -83,11 +83,11 @@ def test_never_at_rest_static_friction_has_no_effect_at_all() -> None:
 def test_four_unknowns_of_one_slide_cannot_be_told_apart_without_force() -> None:
     everything = ("static_friction", "kinetic_friction", "amplitude", "drive_angle")
     walked = Walked(nut())
-    found = fit(nut(), walked.observe("velocity"), everything)
+    found = fit(nut(), walked.observe("velocity", cycles=8), everything)
     assert not parameters(found)["drive_angle"].identified
     assert any("cannot tell mu_s and" in s and "alpha apart" in s for s in found.statements)
     # At rest friction balances the inertial load, which tells amplitude and angle.
-    found = fit(nut(), walked.observe(*MOTION, "friction"), everything)
+    found = fit(nut(), walked.observe(*MOTION, "friction", cycles=8), everything)
     assert_contains(found, nut(), *everything)
 
 

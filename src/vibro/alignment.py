@@ -14,7 +14,7 @@ from vibro.errors import InputError
 from vibro.folding import Folded, fold, independent_samples
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -33,6 +33,7 @@ _FLAT: Final = 1e-3
 # The fine search covers this part of the cycle to each side of the rough one, in so many steps.
 _SEARCHED: Final = 0.05
 _STEPS: Final = 41
+_CLEAR: Final = 0.02  # of the power: a wave that the data clearly hold
 _SIGMAS: Final = 3.0  # within which a second place in the cycle fits as well
 _TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
 
@@ -137,8 +138,9 @@ class Observation:
             Part of a sample over which the model's accelerations and friction are averaged.
         """
         result = {}
+        model = computed(motion, self.signals, self.time + shift, window * self.sample_time)
         for name, values in self.signals.items():
-            residual = values - computed(motion, name, self.time + shift, window * self.sample_time)
+            residual = values - model[name]
             if name == "displacement":
                 residual = residual - residual.mean()
                 if not trend:
@@ -154,9 +156,9 @@ class Observation:
         """
         grid = np.arange(_GRID) * self.period / _GRID
         loss = np.zeros(_GRID)
+        models = computed(motion, self.signals, grid, self.sample_time)
         for name, folded in self.folded.items():
-            measured = folded.periodic(grid)
-            model = computed(motion, name, grid, self.sample_time)
+            measured, model = folded.periodic(grid), models[name]
             if name == "displacement":
                 model = model - motion.advance * grid / self.period
                 model = model - model.mean()
@@ -169,30 +171,34 @@ class Observation:
         return float(grid[np.argmin(loss)]), loss
 
 
-def computed(motion: SettledMotion, name: str, time: Floats, window: float) -> Floats:
-    """Return a signal of the model at trough times.
+def computed(motion: SettledMotion, names: Iterable[str], time: Floats, window: float) -> dict[str, Floats]:
+    """Return signals of the model at trough times.
 
-    Accelerations and friction jump where a slide starts or ends. They are averaged, exactly, over a window: no
-    record resolves its own step, and a search can follow the jumps.
+    Accelerations and friction jump where a slide starts or ends. They are averaged, exactly, over a window:
+    no record resolves its own step, and a search can follow the jumps.
 
     Parameters
     ----------
     motion : SettledMotion
         The model.
-    name : str
-        Of a signal of ``Observation``.
+    names : iterable of str
+        Signals of ``Observation``.
     time : array
         Trough times [s].
     window : float
         Width of the averages [s].
     """
-    if name == "displacement":
-        return motion.displacement(time)
-    if name == "velocity":
-        return motion.velocity(time)
-    half = 0.5 * window
-    acceleration = (motion.velocity(time + half) - motion.velocity(time - half)) / window
-    return acceleration if name == "acceleration" else acceleration - motion.inertial(time)
+    names = list(names)
+    jumping = {"acceleration", "friction"} & set(names)
+    shifts = (0.0, 0.5 * window, -0.5 * window) if jumping else (0.0,)
+    sample = motion.sample(np.concatenate([time + shift for shift in shifts]))
+    n = time.size
+    velocity = sample.velocity
+    signals = {"displacement": sample.position[:n], "velocity": velocity[:n]}
+    if jumping:
+        signals["acceleration"] = (velocity[n : 2 * n] - velocity[2 * n :]) / window
+        signals["friction"] = signals["acceleration"] - sample.inertial[:n]
+    return {name: signals[name] for name in names}
 
 
 def align(observation: Observation, motion: SettledMotion) -> Alignment:
@@ -267,7 +273,7 @@ def _reach(loss: Callable[[float], float], shift: float, least: float, period: f
 def data_frequency(observation: Observation) -> float:
     """Frequency at which the data repeat, near that of the drive [Hz].
 
-    The frequency of the largest fundamental within half to twice of the drive's.
+    That of the largest wave within half to twice of the drive's; NaN where it is no larger than noise.
     """
     name = next(
         n for n in ("velocity", "acceleration", "friction", "displacement") if n in observation.signals
@@ -286,6 +292,8 @@ def data_frequency(observation: Observation) -> float:
     f = observation.frequency
     grid = np.arange(0.5 * f, 2.0 * f, 0.25 / span)
     peak = float(grid[np.argmax([strength(g) for g in grid])])
+    if strength(peak) ** 2 < _CLEAR * time.size * float(values @ values):
+        return math.nan
     best = minimize_scalar(
         lambda g: -strength(g), bounds=(peak - 0.25 / span, peak + 0.25 / span), method="bounded"
     )

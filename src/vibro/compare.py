@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.folding import Folded
+    from vibro.history import Phase
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -28,6 +29,7 @@ _THRESHOLD: Final = 0.1  # of a slide's computed peak speed: where its start and
 _FINE: Final = 4096  # points a cycle at which folded signals are searched
 _CURVE: Final = 1001  # points of a smooth curve
 _FOREIGN: Final = 0.05  # cycles by which drive and data may slip over the record
+_WAYS: Final = {"F": 1, "B": -1}
 _NAN: Final = Estimate(math.nan, math.nan)
 
 
@@ -119,15 +121,16 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     cycles are not needed. Peaks, starts and ends of slides come from its velocity. Errors are one
     standard error of the noise, correlation allowed for.
     """
+    _ = observation.folded  # before all else: a record that is too short is refused
     motion = settled_motion(scene)
     alignment = align(observation, motion)
     # Any time of a body at rest is as good as any other.
     shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
     trough_time = observation.time + shift
     step = observation.sample_time
-    signals = {name: computed(motion, name, trough_time, step) for name in observation.signals}
+    signals = computed(motion, observation.signals, trough_time, step)
     cycle = np.linspace(0.0, motion.period, _CURVE)
-    curves = {name: computed(motion, name, cycle, step) for name in observation.signals}
+    curves = computed(motion, observation.signals, cycle, step)
     if "displacement" in signals:
         offset = float((observation.signals["displacement"] - signals["displacement"]).mean())
         signals["displacement"] = signals["displacement"] + offset
@@ -212,7 +215,7 @@ def _speeds(velocity: _Velocity, motion: SettledMotion, alignment: Alignment) ->
     """Peak speed, the speed at rest, start and end of every slide."""
     period = motion.period
     cycle = np.arange(_FINE) * period / _FINE
-    measured, model = velocity.at(cycle), motion.velocity(cycle)
+    measured, model = velocity.at(cycle), motion.sample(cycle).velocity
     fastest = int(np.argmax(np.abs(measured)))
     peak = Estimate(abs(float(measured[fastest])), velocity.error(float(cycle[fastest])))
     rows = [Row("peak_speed", "peak speed", "velocity", peak, float(np.abs(model).max()))]
@@ -220,41 +223,38 @@ def _speeds(velocity: _Velocity, motion: SettledMotion, alignment: Alignment) ->
     if rest is not None:
         creep = Estimate(float(velocity.at(np.array([rest]))[0]), velocity.error(rest))
         rows.append(Row("rest_speed", "speed in the middle of the rest", "velocity", creep, 0.0))
-    for way, start, end in motion.slides:
-        name = "forward" if way > 0 else "back"
-        fine = start + (end - start) * np.linspace(0.0, 1.0, _FINE)
-        level = _THRESHOLD * float(np.max(way * motion.velocity(fine)))
-        for key, label, rising, inside in (
-            ("start", "starts", True, fine),
-            ("end", "ends", False, fine[::-1]),
-        ):
-            # Computed at the same level as measured, not at zero: like with like.
-            reached = float(inside[np.argmax(way * motion.velocity(inside) >= level)])
-            seen = _crossing(velocity, way, level, reached, rising, period)
-            error = math.hypot(seen.error, 0.0 if math.isnan(alignment.error) else alignment.error)
-            rows.append(
-                Row(
-                    f"{name}_slip_{key}",
-                    f"{name} slip {label} ({1e3 * level:.3g} mm/s)",
-                    "time",
-                    Estimate(seen.value, error),
-                    reached,
-                )
-            )
+    if "H" not in motion.pattern:  # slides beside flights start and end with any speed
+        for phase in motion.phases:
+            if phase.kind in _WAYS:
+                rows += _slip(velocity, motion, phase, alignment)
+    return rows
+
+
+def _slip(velocity: _Velocity, motion: SettledMotion, phase: Phase, alignment: Alignment) -> list[Row]:
+    """Start and end of a slide: where its speed passes a level, the same one measured and computed."""
+    way = _WAYS[phase.kind]
+    name = "forward" if way > 0 else "back"
+    inside = phase.start + (phase.end - phase.start) * np.linspace(0.0, 1.0, _FINE)
+    speed = way * motion.sample(inside).velocity
+    level = _THRESHOLD * float(speed.max())
+    fast = np.flatnonzero(speed >= level)
+    rows = []
+    for key, label, rising, reached in (
+        ("start", "starts", True, float(inside[fast[0]])),
+        ("end", "ends", False, float(inside[fast[-1]])),
+    ):
+        seen = _crossing(velocity, way, level, reached, rising, motion.period)
+        error = math.hypot(seen.error, 0.0 if math.isnan(alignment.error) else alignment.error)
+        label = f"{name} slip {label} ({1e3 * level:.3g} mm/s)"
+        rows.append(Row(f"{name}_slip_{key}", label, "time", Estimate(seen.value, error), reached))
     return rows
 
 
 def _middle_of_rest(motion: SettledMotion) -> float | None:
     """Middle of the longest rest of a cycle, as a trough time [s]."""
-    if not motion.slides:
-        return None
-    longest, middle = 0.0, None
-    after = [*motion.slides[1:], motion.slides[0]]
-    for (_, _, end), (_, start, _) in zip(motion.slides, after, strict=True):
-        rest = (start - end) % motion.period
-        if longest < rest < motion.period * (1.0 - 1e-9) and rest > 1e-6 * motion.period:
-            longest, middle = rest, end + 0.5 * rest
-    return middle
+    rests = [phase for phase in motion.phases if phase.kind == "_" and motion.slides]
+    longest = max(rests, key=lambda phase: phase.end - phase.start, default=None)
+    return 0.5 * (longest.start + longest.end) if longest else None
 
 
 def _crossing(

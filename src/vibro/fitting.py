@@ -269,12 +269,11 @@ def _weigh(problem: _Problem, coded: Floats) -> None:
 
 
 def _beside_a_jump(motion: SettledMotion, observation: Observation, shift: float) -> NDArray[np.bool_]:
-    """Samples next to the start or end of a slide: nobody knows what a sensor makes of a jump."""
+    """Tell which samples lie next to a jump, of which nobody knows what a sensor makes."""
     beside = np.zeros(observation.time.size, np.bool_)
-    for _, start, end in motion.slides:
-        for instant in (start, end):
-            since = (observation.time + shift - instant) / motion.period
-            beside |= np.abs(since - np.round(since)) * motion.period <= observation.sample_time
+    for phase in motion.phases if len(motion.phases) > 1 else ():
+        since = (observation.time + shift - phase.start) / motion.period
+        beside |= np.abs(since - np.round(since)) * motion.period <= observation.sample_time
     return beside
 
 

@@ -1,29 +1,32 @@
-"""The steady motion of one scene as functions of time: what a record of a running conveyor should show."""
+"""The steady motion of one scene over trough time: what a record of a running conveyor should show."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from vibro.core.codes import Status
-from vibro.core.groups import Loads, loads
-from vibro.core.phases import Phase, steady_phases
+from vibro.core.groups import loads
+from vibro.core.phases import steady_phases
 from vibro.errors import VibroError
+from vibro.history import History, Sample, simulate
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vibro.history import Phase
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
 __all__ = ["SettledMotion", "settled_motion"]
 
-_TURN = 2.0 * math.pi
+_SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
+_PERIODIC: Final = 1e-6  # relative change from one cycle to the next, above which it takes more to repeat
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,62 +36,36 @@ class SettledMotion:
     Attributes
     ----------
     pattern : str
-        Phases of a cycle: F forward slide, B back slide, _ rest.
+        Phases of a cycle: F forward slide, B back slide, _ rest, H flight.
     period : float
         Of the drive [s].
     advance : float
         Displacement relative to the trough per cycle [m].
-    slides : tuple of (int, float, float)
-        Direction, start and end of each slide of a cycle [s].
+    phases : tuple of Phase
+        One cycle, at trough times.
     """
 
     pattern: str
     period: float
     advance: float
-    slides: tuple[tuple[int, float, float], ...]
-    _scene: Scene
-    _loads: Loads
-    _phases: tuple[Phase, ...]
+    phases: tuple[Phase, ...]
+    _history: History
+    _since: float
+    _lag: float
 
-    def displacement(self, time: Floats) -> Floats:
-        """Displacement relative to the trough [m], from the start of the cycle's first phase at time >= 0."""
-        return self._sample(time)[0]
+    @property
+    def slides(self) -> tuple[tuple[int, float, float], ...]:
+        """Direction, start and end of each slide of a cycle [s]."""
+        ways = {"F": 1, "B": -1}
+        return tuple((ways[p.kind], p.start, p.end) for p in self.phases if p.kind in ways)
 
-    def velocity(self, time: Floats) -> Floats:
-        """Velocity relative to the trough [m/s]."""
-        return self._sample(time)[1]
-
-    def inertial(self, time: Floats) -> Floats:
-        """Inertial and gravitational load along the trough, per unit mass [m/s^2]."""
-        scene = self._scene
-        w = _TURN / self.period
-        load = float(scene.amplitude) * w * w * math.cos(scene.drive_angle) * np.sin(w * time)
-        return np.asarray(load - float(scene.gravity) * math.sin(scene.trough_angle))
-
-    def _sample(self, time: Floats) -> tuple[Floats, Floats]:
-        w = _TURN / self.period
-        phase = w * np.asarray(time)
-        first = self._phases[0].start
-        turns = np.floor((phase - first) / _TURN)
-        phase = phase - _TURN * turns
-        place = np.searchsorted([p.start for p in self._phases], phase, side="right") - 1
-        place = np.maximum(place, 0)
-        s = self._loads
-        rows = []
-        position = 0.0
-        for p in self._phases:
-            sign = {"F": 1.0, "B": -1.0, "_": 0.0}[p.kind]
-            load = float(s.along.item() + sign * s.kinetic_friction.item() * s.across.item())
-            k = (s.kinetic_friction.item() * s.normal.item() + sign * s.tangential.item()) / load
-            zero = math.pi if sign < 0 else 0.0
-            rows.append((sign * load, k, zero, p.start - zero, position))
-            position += p.displacement
-        c, k, zero, q0, start = np.array(rows)[place].T
-        q = phase - zero
-        velocity = c * (np.cos(q0) - np.cos(q) - k * (q - q0))
-        path = c * ((q - q0) * np.cos(q0) - (np.sin(q) - np.sin(q0)) - 0.5 * k * (q - q0) ** 2)
-        amplitude = float(self._scene.amplitude)
-        return amplitude * (start + path + turns * position), amplitude * w * velocity
+    def sample(self, time: Floats) -> Sample:
+        """Motion and forces at any trough times, also before the first cycle."""
+        since = time - self._lag
+        turns = np.floor(since / self.period)
+        within = np.clip(since - turns * self.period, 0.0, self.period)
+        sample = self._history.sample(self._since + within)
+        return replace(sample, time=time, position=sample.position + turns * self.advance)
 
 
 def settled_motion(scene: Scene) -> SettledMotion:
@@ -107,24 +84,54 @@ def settled_motion(scene: Scene) -> SettledMotion:
     Raises
     ------
     VibroError
-        If there is no steady contact cycle.
+        If there is none that repeats in every drive cycle.
     """
     cycle = solve(scene)
     status = Status(int(cycle.status))
     if status > Status.BOUNDARY:
         raise VibroError(f"no steady motion to compare with: {status.message}")
+    frequency = float(scene.frequency)
     groups = loads(*(np.atleast_1d(a) for a in scene.arrays()[:7]))
-    phases = steady_phases(groups, int(cycle.pattern_code))
-    period = 1.0 / float(scene.frequency)
-    to_time = period / _TURN
+    contact = steady_phases(groups, int(cycle.pattern_code))
+    if contact:
+        # A slide of the cycle begins at a known phase: there is no need to wait for it.
+        history = simulate(scene, cycles=1.0, start_phase=contact[0].start)
+        since, lag = 0.0, contact[0].start / (2.0 * math.pi * frequency)
+    else:
+        history, since = _settled_flight(scene)
+        lag = since % (1.0 / frequency)
+    ends = history.sample([since, since + 1.0 / frequency], side="left")
+    advance = float(cycle.displacement_per_cycle)
+    moved = float(ends.position[1] - ends.position[0])
+    if abs(moved - advance) > _PERIODIC * max(abs(advance), float(scene.amplitude)):
+        raise VibroError(
+            "no steady motion to compare with: the body repeats its motion only every few cycles"
+        )
     return SettledMotion(
         pattern=str(cycle.pattern),
-        period=period,
-        advance=float(cycle.displacement_per_cycle),
-        slides=tuple(
-            (1 if p.kind == "F" else -1, p.start * to_time, p.end * to_time) for p in phases if p.kind != "_"
-        ),
-        _scene=scene,
-        _loads=groups,
-        _phases=tuple(phases),
+        period=1.0 / frequency,
+        advance=advance,
+        phases=tuple(_at_trough_times(history, since, lag)),
+        _history=history,
+        _since=since,
+        _lag=lag,
     )
+
+
+def _settled_flight(scene: Scene) -> tuple[History, float]:
+    """Follow a hopping body until it repeats its motion; return the start of a flight from then on too."""
+    settles_at = simulate(scene, cycles=_SETTLING).settles_at
+    if math.isinf(settles_at):
+        raise VibroError("no steady motion to compare with: the body hops without a period")
+    history = simulate(scene, cycles=settles_at * float(scene.frequency) + 3.0)
+    return history, next(p.start for p in history.phases if p.kind == "H" and p.start >= settles_at)
+
+
+def _at_trough_times(history: History, since: float, lag: float) -> list[Phase]:
+    """Cut one cycle out of a history."""
+    until = since + 1.0 / float(history.scene.frequency)
+    return [
+        replace(p, start=max(p.start, since) - since + lag, end=min(p.end, until) - since + lag)
+        for p in history.phases
+        if p.end > since and p.start < until
+    ]

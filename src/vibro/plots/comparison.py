@@ -37,7 +37,6 @@ _FITTED: Final[Mapping[str, Any]] = {
     "linewidth": 1.2,
     "dashes": (4, 2),
 }
-_KINDS: Final = {1: "F", -1: "B"}
 _POINTS: Final = 1001  # a cycle
 _EARLY: Final = 0.08  # of a cycle, where displacements are laid on each other
 _SHOWN: Final = 3  # cycles over time
@@ -90,7 +89,7 @@ def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | N
         grid[-1][1].set_xlabel("time after the trough's middle, upwards [ms]")
         figure.align_ylabels(grid[:, 0])
         figure.suptitle(title, fontsize=10.5)
-        kinds = {_KINDS[way] for way, _, _ in comparison.motion.slides}
+        kinds = {phase.kind for phase in comparison.motion.phases} - {"_"}
         handles = [
             Line2D([], [], **{**_MEASURED, "markersize": 7}),
             *(Line2D([], [], **style) for _, style in models),
@@ -160,6 +159,6 @@ def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:
 
 def _shade(axes: Axes, comparison: Comparison, turns: range, shift: float) -> None:
     for turn in turns:
-        for way, start, end in comparison.motion.slides:
-            low, high = (time + turn * comparison.motion.period - shift for time in (start, end))
-            shade(axes, _KINDS[way], 1e3 * low, 1e3 * high)
+        for phase in comparison.motion.phases:
+            low, high = (t + turn * comparison.motion.period - shift for t in (phase.start, phase.end))
+            shade(axes, phase.kind, 1e3 * low, 1e3 * high)
