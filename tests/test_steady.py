@@ -326,3 +326,13 @@ def test_the_docstrings_examples_run() -> None:
         result = doctest.testmod(module)
         assert result.attempted > 0
         assert result.failed == 0
+
+
+def test_what_fails_in_one_part_of_many_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> None:
+        raise MemoryError("part")
+
+    monkeypatch.setattr("vibro.steady.hopping_cycles", fails)
+    scene = scene_with(amplitude=np.linspace(4e-3, 5e-3, 10_000))
+    with pytest.raises(MemoryError, match="part"):
+        solve(scene)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
-from concurrent.futures import ThreadPoolExecutor
+from collections import deque
 from dataclasses import dataclass, fields
 from functools import cache
+from threading import Thread
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -37,8 +39,11 @@ _MODEL_TEXTS = np.array(MODELS)
 # each other between two NumPy calls (benchmarks/kernel.py).
 _BLOCK = 131_072
 
-# Hopping cells at once: each may need hundreds of flights, and an interrupt waits for them.
+# Hopping cells at once: their flights, up to hundreds each, stay near a core.
 _HOPPING_BLOCK = 4_096
+
+# [s] How long an interrupt may go unnoticed: on Windows a wait without an end ignores it.
+_PATIENCE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,18 +187,36 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
 
 
 def _in_parallel(run: Callable[[Any], None], parts: list[Any]) -> None:
-    """Run parts on all cores; an interrupt waits only for those under way."""
+    """Run parts on all cores; an interrupt does not wait for those under way, which end on their own."""
     if len(parts) < 2:
         for part in parts:
             run(part)
         return
     _retain_freed_memory()
-    pool = ThreadPoolExecutor(os.cpu_count())
+    left = deque(parts)
+    failures: list[BaseException] = []
+
+    def work() -> None:
+        with contextlib.suppress(IndexError):  # none left; another thread may have taken the last
+            while True:
+                part = left.popleft()
+                try:
+                    run(part)
+                except BaseException as exc:
+                    failures.append(exc)
+                    left.clear()
+
+    threads = [Thread(target=work, daemon=True) for _ in range(os.cpu_count() or 1)]
+    for thread in threads:
+        thread.start()
     try:
-        for _ in pool.map(run, parts):
-            pass
+        for thread in threads:
+            while thread.is_alive():
+                thread.join(_PATIENCE)
     finally:
-        pool.shutdown(cancel_futures=True)
+        left.clear()
+    if failures:
+        raise failures[0]
 
 
 @cache
