@@ -19,9 +19,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
+    "DURATION",
     "MASS",
     "QUANTITIES",
     "SIGNAL_UNITS",
+    "START_PHASE",
+    "START_VELOCITY",
     "SWEPT",
     "Quantity",
     "exact_number",
@@ -108,6 +111,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     )
 }
 
+# Quantities of a run or of a record, not of a scene.
 MASS: Final = Quantity(
     "mass",
     "mass",
@@ -115,6 +119,25 @@ MASS: Final = Quantity(
     "mass_kg",
     "--mass",
     {"kg": Fraction(1), "g": Fraction(1, 1000), "lb": Fraction("0.45359237")},
+)
+DURATION: Final = Quantity(
+    "duration",
+    "duration",
+    "s",
+    "duration_s",
+    "--duration",
+    {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60), "h": Fraction(3600)},
+)
+START_PHASE: Final = Quantity(
+    "start_phase", "start phase", "deg", "start_phase_deg", "--start-phase", _ANGLES
+)
+START_VELOCITY: Final = Quantity(
+    "start_velocity",
+    "start velocity",
+    "mm/s",
+    "start_velocity_mm_s",
+    "--start-velocity",
+    {f"{unit}/s": size for unit, size in _LENGTHS.items()},
 )
 
 # The quantities that can be axes of a sweep, in the order of a table's columns.

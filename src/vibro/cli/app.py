@@ -18,6 +18,7 @@ from vibro.cli.compare import CompareCommand, compare_command
 from vibro.cli.console import print_error, tolerate_any_encoding
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
+from vibro.cli.simulate import simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
 from vibro.errors import FileError, InputError, VibroError
@@ -147,6 +148,7 @@ _NAMES: dict[str, Callable[..., int]] = {
     "traverse-time": traverse_time_command,
     "solve": solve_command,
     "accuracy": accuracy_command,
+    "simulate": simulate_command,
     "compare": compare_command,
 }
 _CLASSES = {"compare": CompareCommand}

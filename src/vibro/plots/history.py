@@ -1,0 +1,228 @@
+"""A time history: the trough, the forces, and the motion relative to the trough, with its phases shaded."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.errors import InputError
+from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
+from vibro.plots.style import INK, RC
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from vibro.history import Phase, Sample
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["PANELS", "choose_panels", "history_figure"]
+
+
+class _Curve(NamedTuple):
+    """A line of a panel: the field of a ``Sample``, its name, colour and dashes."""
+
+    field: str
+    label: str
+    colour: str
+    dashes: Any = "-"
+    width: float = 1.5
+
+
+class _Panel(NamedTuple):
+    """What a panel shows, its height beside the others, and the size of its unit in SI units."""
+
+    label: str
+    unit: str
+    size: float
+    curves: tuple[_Curve, ...]
+    height: float = 1.0
+
+
+_BLUE, _RED, _GREEN, _PURPLE, _ORANGE = "#004488", "#BB5566", "#117733", "#882255", "#997700"
+
+PANELS: Final[Mapping[str, _Panel]] = {
+    "trough": _Panel(
+        "trough along\nthe drive", "mm", 1e-3, (_Curve("trough_displacement", "trough", INK),), height=0.8
+    ),
+    "forces": _Panel(
+        "force\nper unit mass",
+        "m/s²",
+        1.0,
+        (
+            _Curve("static_limit", "limits of static friction", _GREEN, (0, (4, 2)), 1.0),
+            _Curve("inertial", "inertial and gravity, along the trough", _RED, width=1.2),
+            _Curve("friction", "friction on the body", _BLUE, width=2.0),
+        ),
+        height=1.8,
+    ),
+    "acceleration": _Panel("relative\nacceleration", "m/s²", 1.0, (_Curve("acceleration", "", _PURPLE),)),
+    "velocity": _Panel("relative\nvelocity", "mm/s", 1e-3, (_Curve("velocity", "", _ORANGE),)),
+    "position": _Panel("relative\nposition", "mm", 1e-3, (_Curve("position", "", _BLUE),)),
+    "gap": _Panel("height above\nthe trough", "mm", 1e-3, (_Curve("gap", "", _RED),)),
+}
+
+_ROW: Final = 1.35  # [in] of a panel of height 1
+_LETTER: Final = 0.0095  # of a panel's width: a letter, generously
+_HEADROOM: Final = 0.25  # of a panel's height, for the names of phases
+_MARKED: Final = ("forces", "velocity", "acceleration", "position", "trough", "gap")
+_START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
+_STOP_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "o", "markerfacecolor": "#FFFFFF"}
+_IMPACT_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "v", "color": "#994455"}
+
+
+def choose_panels(text: str | None, *, flies: bool) -> list[str]:
+    """Read which panels are wanted, such as ``forces,velocity``.
+
+    Parameters
+    ----------
+    text : str or None
+        None for all; the gap only where there is one.
+    flies : bool
+        Whether the body leaves the trough.
+
+    Raises
+    ------
+    InputError
+        If a panel is unknown or named twice.
+    """
+    if text is None:
+        return [name for name in PANELS if name != "gap" or flies]
+    names = [part.strip().casefold() for part in text.split(",")]
+    for name in names:
+        if name not in PANELS or names.count(name) > 1:
+            wrong = "is no panel" if name not in PANELS else "is named twice"
+            raise InputError(f"--panels {text}: {name!r} {wrong}", hint=f"choose from {', '.join(PANELS)}")
+    return names
+
+
+def history_figure(phases: Sequence[Phase], trace: Sample, panels: Sequence[str], title: str) -> Figure:
+    """Draw a time history.
+
+    Parameters
+    ----------
+    phases : sequence of Phase
+        What the body does when; phases outside the trace are cut off.
+    trace : Sample
+        Its motion and forces over time, with both sides of every event.
+    panels : sequence of str
+        Of ``PANELS``, from top to bottom.
+    title : str
+        What the scene is called.
+
+    Returns
+    -------
+    Figure
+        Panels above each other over one time axis.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as NewFigure
+
+    shown = [PANELS[name] for name in panels]
+    heights = [panel.height for panel in shown]
+    with mpl.rc_context(RC):
+        figure = NewFigure(figsize=(9.0, 1.5 + _ROW * sum(heights)), layout="constrained")
+        grid = figure.subplots(len(shown), 1, squeeze=False, sharex=True, height_ratios=heights)[:, 0]
+        milliseconds = 1e3 * trace.time
+        for axes, panel in zip(grid, shown, strict=True):
+            _draw(axes, panel, trace, milliseconds)
+            for phase in phases:
+                shade(axes, phase.kind, 1e3 * phase.start, 1e3 * phase.end)
+        grid[-1].set_xlim(milliseconds[0], milliseconds[-1])
+        grid[-1].set_xlabel("time [ms]")
+        figure.align_ylabels(grid)
+        _name_phases(grid[0], phases, (milliseconds[0], milliseconds[-1]))
+        marks = _mark_events(dict(zip(panels, grid, strict=True)), phases, trace)
+        _write_times(grid[0], phases, (milliseconds[0], milliseconds[-1]))
+        kinds = {phase.kind for phase in phases} - {"_"}
+        entries = [PHASE_STYLES[kind] for kind in PHASE_STYLES if kind in kinds]
+        handles = [*marks, *legend_entries(entries)]
+        if handles:
+            figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+        figure.suptitle(title, fontsize=10.5, linespacing=1.5)
+        return figure
+
+
+def _draw(axes: Axes, panel: _Panel, trace: Sample, milliseconds: Floats) -> None:
+    for curve in panel.curves:
+        values = getattr(trace, curve.field) / panel.size
+        style = {"color": curve.colour, "linestyle": curve.dashes, "linewidth": curve.width}
+        axes.plot(milliseconds, values, label=curve.label, **style)
+        if curve.field == "static_limit":
+            axes.plot(milliseconds, -values, **style)
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+    axes.set_ylabel(f"{panel.label} [{panel.unit}]")
+    axes.margins(y=0.12)
+    if len(panel.curves) > 1:
+        # Above the curves, which fill the panel.
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=len(panel.curves), borderaxespad=0.2)
+
+
+def _name_phases(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:
+    """Write what each phase is where it is wide enough, above the curve of the topmost panel."""
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, top + _HEADROOM * (top - bottom))
+    width = limits[1] - limits[0]
+    for phase in phases:
+        start, end = max(1e3 * phase.start, limits[0]), min(1e3 * phase.end, limits[1])
+        label = PHASE_STYLES[phase.kind].label
+        if end - start > _LETTER * len(label) * width:
+            axes.annotate(
+                label,
+                (0.5 * (start + end), 1.0),
+                xycoords=axes.get_xaxis_transform(),
+                xytext=(0, -4),
+                textcoords="offset points",
+                ha="center",
+                va="top",
+                fontsize=8,
+                color=INK,
+            )
+
+
+def _mark_events(panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sample) -> list[Any]:
+    """Mark where slides start and stop, and impacts, on the curve that tells most; return the legend."""
+    name = next(name for name in _MARKED if name in panels)
+    panel = PANELS[name]
+    values = getattr(trace, panel.curves[-1].field) / panel.size
+    handles = []
+    for label, mark, instants, before in (
+        (
+            "slide starts",
+            _START_MARK,
+            [p.start for p in phases if p.kind in "FB" and p.start_velocity == 0.0],
+            True,
+        ),
+        (
+            "slide stops",
+            _STOP_MARK,
+            [p.end for p in phases if p.kind in "FB" and p.end_velocity == 0.0],
+            False,
+        ),
+        ("impact", _IMPACT_MARK, [p.end for p in phases if p.kind == "H"], False),
+    ):
+        seen = [t for t in instants if trace.time[0] < t < trace.time[-1]]
+        if seen:
+            places = np.searchsorted(trace.time, seen, side="left" if before else "right")
+            places = places if before else places - 1
+            (line,) = panels[name].plot(1e3 * np.array(seen), values[places], label=label, zorder=5, **mark)
+            handles.append(line)
+    return handles
+
+
+def _write_times(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:
+    """Write the times of the events above the topmost panel, as far as there is room."""
+    instants = [1e3 * p.end for p in phases if limits[0] < 1e3 * p.end < limits[1]]
+    room = _LETTER * 6 * (limits[1] - limits[0])
+    written: list[float] = []
+    for instant in instants:
+        if not written or instant - written[-1] > room:
+            written.append(instant)
+    above = axes.secondary_xaxis("top")
+    above.set_xticks(written, [f"{instant:.2f}" for instant in written], fontsize=7.5)
+    above.set_xlabel("phases change at [ms]", fontsize=8, labelpad=6)
