@@ -6,7 +6,6 @@ import json
 import math
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import numpy as np
 import typer
 
 from vibro.cli.console import Console
@@ -161,6 +160,8 @@ def _check_rows(cycles: float, samples: int, console: Console) -> None:
 
 def _records(history: History) -> list[dict[str, Any]]:
     """Return the phases, one a record, as their table has them."""
+    import numpy as np
+
     from vibro.trace import phase_table
 
     columns = phase_table(history, history.phases)
@@ -170,6 +171,8 @@ def _records(history: History) -> list[dict[str, Any]]:
 
 def _text(history: History) -> str:
     """Return the phases as lines, and what becomes of the body."""
+    import numpy as np
+
     from vibro.cli.report import aligned
     from vibro.steady import solve
     from vibro.trace import phase_table
