@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["PHASE_NAMES", "motion_table", "phase_table", "trace"]
 
+_ROUNDING: Final = 1e-9  # of the number of steps
+
 PHASE_NAMES: Final = {"F": "forward slide", "B": "back slide", "_": "rest", "H": "flight"}
 
 
@@ -47,9 +49,10 @@ def trace(history: History, *, until: float, samples_per_cycle: int, both_sides:
         Arrays of one row a time, ascending, from 0 on.
     """
     events = np.array([p.start for p in history.phases if p.start < until])
-    step = 1.0 / (samples_per_cycle * float(history.scene.frequency)) if samples_per_cycle else math.inf
-    even = step * np.arange(math.floor(until / step) + 1) if samples_per_cycle else np.array([])
-    times = np.unique(np.concatenate([even[even < until], events, [until]]))
+    rate = samples_per_cycle * float(history.scene.frequency)
+    # The last step, if it is the end but for its rounding, is left to the end.
+    even = np.arange(math.ceil(rate * until * (1.0 - _ROUNDING))) / rate if rate else np.array([])
+    times = np.unique(np.concatenate([even, events, [until]]))
     behind = history.sample(times)
     if not both_sides:
         return behind

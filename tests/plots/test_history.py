@@ -1,0 +1,144 @@
+"""Pictures over time: every panel has its curves, units and shades where the phase table says."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from matplotlib.patches import Polygon, Rectangle
+from records import Walked, nut
+
+import vibro
+from vibro.compare import compare
+from vibro.errors import InputError
+from vibro.plots.comparison import comparison_figure
+from vibro.plots.history import PANELS, choose_panels, history_figure
+from vibro.plots.phases import PHASE_STYLES
+from vibro.trace import trace
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def draw(scene: vibro.Scene, cycles: float = 3.0, panels: str | None = None) -> tuple[vibro.History, Figure]:
+    history = vibro.simulate(scene, cycles=cycles)
+    rows = trace(history, until=history.end, samples_per_cycle=200, both_sides=True)
+    flies = any(p.kind == "H" for p in history.phases)
+    figure = history_figure(history.phases, rows, choose_panels(panels, flies=flies), "title")
+    figure.draw_without_rendering()
+    return history, figure
+
+
+def shades(axes: Axes, kind: str) -> list[tuple[float, float]]:
+    """Start and end of the spans that are shaded in the colour of a phase [ms]."""
+    from matplotlib.colors import to_rgb
+
+    found = []
+    for patch in axes.patches:
+        if not isinstance(patch, Rectangle | Polygon) or to_rgb(patch.get_facecolor()) != to_rgb(
+            PHASE_STYLES[kind].colour
+        ):
+            continue
+        x = np.asarray(patch.get_path().transformed(patch.get_patch_transform()).vertices)[:, 0]
+        found.append((float(x.min()), float(x.max())))
+    return found
+
+
+@pytest.mark.parametrize("amplitude", [1.0, 1.5, 4.0])
+def test_slides_and_flights_are_shaded_where_the_phases_say(amplitude: float) -> None:
+    history, figure = draw(nut(amplitude))
+    for axes in figure.axes:
+        for kind in "FBH":
+            expected = [(1e3 * p.start, 1e3 * p.end) for p in history.phases if p.kind == kind]
+            np.testing.assert_allclose(
+                shades(axes, kind), np.reshape(expected, (-1, 2))
+            ) if expected else None
+            assert len(shades(axes, kind)) == len(expected)
+
+
+def test_every_panel_has_its_unit_and_curve() -> None:
+    _, figure = draw(nut(4.0))
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert len(labels) == len(PANELS)
+    for label, panel in zip(labels, PANELS.values(), strict=True):
+        assert label.endswith(f"[{panel.unit}]")
+    assert figure.axes[-1].get_xlabel() == "time [ms]"
+    velocity = figure.axes[list(PANELS).index("velocity")].lines[0]
+    x, y = np.asarray(velocity.get_xdata()), np.asarray(velocity.get_ydata())
+    history = vibro.simulate(nut(4.0), cycles=3)
+    np.testing.assert_allclose(y[5], 1e3 * history.sample(x[5] / 1e3).velocity, rtol=1e-12)
+
+
+def test_phases_are_named_and_events_marked() -> None:
+    history, figure = draw(nut())
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert texts == ["rest", "forward slide", "rest", "forward slide", "rest", "forward slide", "rest"]
+    times = [t.get_text() for t in figure.axes[0].child_axes[0].get_xticklabels()]
+    assert times == [f"{1e3 * p.end:.2f}" for p in history.phases[:-1]]
+    marks = {line.get_label(): line for line in figure.axes[1].lines if line.get_marker() not in ("None", "")}
+    starts, stops = marks["slide starts"], marks["slide stops"]
+    slides = [p for p in history.phases if p.kind == "F"]
+    np.testing.assert_allclose(np.asarray(starts.get_xdata()), [1e3 * p.start for p in slides])
+    np.testing.assert_allclose(np.asarray(stops.get_xdata()), [1e3 * p.end for p in slides])
+    # A slide starts where friction reaches the limit of static friction.
+    before = history.sample([p.start for p in slides], side="left")
+    np.testing.assert_allclose(np.asarray(starts.get_ydata()), -before.static_limit, rtol=1e-12)
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert legend == ["slide starts", "slide stops", "forward slide"]
+
+
+def test_impacts_are_marked() -> None:
+    _, figure = draw(nut(4.0))
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert legend == ["slide starts", "slide stops", "impact", "forward slide", "back slide", "flight"]
+
+
+@pytest.mark.parametrize("amplitude", [1.0, 1.5, 2.0, 4.0])
+def test_no_words_overlap(amplitude: float) -> None:
+    _, figure = draw(nut(amplitude), cycles=4)
+    top = figure.axes[0]
+    names = [text.get_window_extent() for text in top.texts]
+    times = [t.get_window_extent() for t in top.child_axes[0].get_xticklabels()]
+    for row in (names, times):
+        for left, right in pairwise(row):
+            assert left.x1 < right.x0
+
+
+def test_panels_are_chosen() -> None:
+    _, figure = draw(nut(), panels="velocity, trough")
+    assert [axes.get_ylabel().split(" [")[0] for axes in figure.axes] == [
+        "relative\nvelocity",
+        "trough along\nthe drive",
+    ]
+    assert choose_panels(None, flies=False) == [name for name in PANELS if name != "gap"]
+    assert choose_panels(None, flies=True) == list(PANELS)
+    with pytest.raises(InputError, match="'speed' is no panel"):
+        choose_panels("speed", flies=False)
+
+
+def test_a_comparison_has_a_row_a_signal() -> None:
+    comparison = compare(nut(), Walked(nut()).observe("displacement", "velocity", cycles=5))
+    figure = comparison_figure(comparison, "title", comparison)
+    figure.draw_without_rendering()
+    assert len(figure.axes) == 4
+    assert [axes.get_ylabel() for axes in figure.axes[::2]] == [
+        "relative displacement\n[mm]",
+        "relative velocity\n[mm/s]",
+    ]
+    over_time, on_one = figure.axes[2], figure.axes[3]
+    assert over_time.get_xlim() == pytest.approx((0.0, 200.0))
+    assert on_one.get_xlim() == pytest.approx((0.0, 1e3 / 15))
+    slides = [(1e3 * start, 1e3 * end) for _, start, end in comparison.motion.slides]
+    assert any(np.allclose(shade, slides[0]) for shade in shades(on_one, "F"))
+    measured, computed, fitted = (line for line in on_one.lines if not str(line.get_label()).startswith("_"))
+    assert len(np.asarray(measured.get_xdata())) == 201
+    residual = np.asarray(measured.get_ydata()) - np.interp(
+        np.asarray(measured.get_xdata()), np.asarray(computed.get_xdata()), np.asarray(computed.get_ydata())
+    )
+    assert np.std(residual) < 1.0
+    np.testing.assert_allclose(np.asarray(fitted.get_ydata()), np.asarray(computed.get_ydata()))
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert legend == ["measured", "computed", "computed, fitted", "forward slide"]
