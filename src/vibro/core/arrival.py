@@ -37,7 +37,7 @@ _SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
 # [rad, A w] Distance from the steady cycle below which changes shrink geometrically, to its square.
 _LINEAR: Final = 1e-7
 _SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
-_SLACK: Final = 1e-6  # [A] room left for that distance before the arrival
+_SLACK: Final = 100.0  # [1] factor between a difference of states and of the positions they lead to
 # [rad] Error of a phase from which on the arrival is unknown: motion without a period amplifies rounding.
 _LOST: Final = 1e-10
 _ROUNDING: Final = 2.0**-50  # [rad] of one landing
@@ -178,15 +178,18 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
     left = 1.0 - then.gain
     with np.errstate(divide="ignore", invalid="ignore"):
         series = np.where(then.gain > 0.0, then.gain / left, 0.0)
-        distance = np.abs(change) * series
-        ours = np.abs(walked - advance) <= 100.0 * distance + _SAME * (1.0 + np.abs(advance))
+        distance = np.where(change == 0.0, 0.0, np.abs(change) * series)
+        ours = np.abs(walked - advance) <= _SLACK * distance + _SAME * (1.0 + np.abs(advance))
         linear = ours & (other <= _SETTLED) & (distance <= _LINEAR * scale * np.sqrt(left))
         settled = np.maximum(np.abs(change), other) <= _SETTLED * scale
         advance = np.where(ours, advance, walked)
         tail = np.where(linear, (walked - advance) * series, 0.0)
-    series = np.where(linear, series, 0.0)
-    top = then.top + np.abs(tail) + _SLACK
+    series, distance = np.where(linear, (series, distance), 0.0)
+    # the next cycles may get farther than the last by about as much as their states differ
+    top = then.top + np.abs(tail) + _SLACK * (distance + np.abs(change))
     never = (advance <= 0.0) & (settled | (linear & (top < walk.length)))
+    # A hopping body that is behind and slower than a cycle ago stays so: trajectories do not cross.
+    never |= ~slides & (other <= _SETTLED) & (walked <= 0.0) & (change <= 0.0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         count = np.floor((walk.length - top - walked) / advance) - 1.0
     jumps = np.flatnonzero((settled | linear) & (advance > 0.0) & (count >= 1.0))
@@ -223,8 +226,8 @@ def _blur(walk: _Walk, passage: Passage) -> Bools:
     flies = (walk.sections.lag == 0) & (now.mode == Mode.FLIGHT)
     blur_phase, blur_rate = walk.blur
     throw, sine, touch = walk.course.throw, np.sin(now.phase), now.phase + passage.length
-    lever = np.abs(throw * (np.cos(now.phase) - np.cos(touch) - passage.length * sine))
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # phases of the motion that never end
+        lever = np.abs(throw * (np.cos(now.phase) - np.cos(touch) - passage.length * sine))
         late = blur_phase + (blur_phase * lever + blur_rate * passage.length) / passage.impact + _ROUNDING
         fast = walk.course.restitution * (blur_rate + (1.0 + throw) * (late + blur_phase))
     blur_phase[:] = np.where(flies, late, 0.0)  # a contact ends at the lift-off, whenever it began
