@@ -14,10 +14,11 @@ from hopping import loads_at_throw, random_loads
 from scenes import at_load, loads_of
 
 from vibro import Scene, Status, solve
-from vibro.core import bounce, hopping
+from vibro.core import bounce, hopping, returns
 from vibro.core.groups import take
 from vibro.core.hopping import MOST_THROW, HoppingCycles, hopping_cycles, pattern_text
 from vibro.core.motion import Mode, track_of
+from vibro.core.returns import Cells, Return, follow, hops_of, velocity_from_rest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,12 +37,12 @@ def _solve(scene: Loads, restitution: float = 0.0) -> HoppingCycles:
     return hopping_cycles(scene, np.full(scene.normal.shape, restitution))
 
 
-def _return_map(scene: Loads) -> tuple[Callable[[Floats], hopping._Return], Floats]:
+def _return_map(scene: Loads) -> tuple[Callable[[Floats], Return], Floats]:
     """One cycle after the other by hand, and the velocity to start from."""
     flights = bounce.bounces(scene.across / scene.normal, np.zeros(scene.normal.shape))
     track = track_of(scene)
-    cells = hopping._Cells(track, flights.first, flights.number, flights.landing, flights.rest)
-    return partial(hopping._return, cells, hopping._hops(scene, flights)), hopping._velocity_from_rest(track)
+    cells = Cells(track, flights.first, flights.number, flights.landing, flights.rest)
+    return partial(follow, cells, hops_of(scene, flights)), velocity_from_rest(track)
 
 
 def _patterns(cycles: HoppingCycles) -> list[str]:
@@ -146,9 +147,9 @@ def test_the_fixed_point_is_where_the_plain_walk_from_rest_ends() -> None:
     scene = random_loads(400, 1)
     cycles = _solve(scene)
     assert (cycles.status == Status.OK).all()
-    follow, velocity = _return_map(scene)
+    step_from, velocity = _return_map(scene)
     for _ in range(600):
-        walked = follow(velocity)
+        walked = step_from(velocity)
         change, velocity = np.abs(walked.velocity - velocity), walked.velocity
     settled = change < 1e-14
     assert settled.mean() > 0.95
@@ -160,10 +161,10 @@ def test_the_fixed_point_is_where_the_plain_walk_from_rest_ends() -> None:
 def test_a_scene_of_low_friction_that_takes_hundreds_of_cycles_to_settle() -> None:
     scene = loads_at_throw([1.0521], 20.0, 0.219, 0.133)
     cycles = _solve(scene)
-    follow, velocity = _return_map(scene)
+    step_from, velocity = _return_map(scene)
     walked = []
     for _ in range(1500):
-        step = follow(velocity)
+        step = step_from(velocity)
         walked.append(step.displacement[0])
         velocity = step.velocity
     distance = np.abs(np.array(walked) - cycles.displacement[0])
@@ -173,10 +174,10 @@ def test_a_scene_of_low_friction_that_takes_hundreds_of_cycles_to_settle() -> No
 
 def test_the_return_map_never_decreases() -> None:
     scene = random_loads(60, 2)
-    follow, _ = _return_map(scene)
+    step_from, _ = _return_map(scene)
     before = np.full(60, -np.inf)
     for velocity in np.linspace(-2.0, 2.0, 161):
-        after = follow(np.full(60, velocity))
+        after = step_from(np.full(60, velocity))
         assert (after.velocity >= before - 1e-12).all()
         assert ((after.slope >= 0.0) & (after.slope <= 1.0)).all()
         before = after.velocity
@@ -184,9 +185,9 @@ def test_the_return_map_never_decreases() -> None:
 
 def test_the_slope_of_the_return_map_is_its_derivative() -> None:
     scene = random_loads(200, 3)
-    follow, _ = _return_map(scene)
+    step_from, _ = _return_map(scene)
     velocity = np.random.default_rng(4).uniform(-1.0, 1.0, 200)
-    here, left, right = (follow(velocity + h) for h in (0.0, -1e-6, 1e-6))
+    here, left, right = (step_from(velocity + h) for h in (0.0, -1e-6, 1e-6))
     smooth = (left.piece == here.piece) & (right.piece == here.piece)
     assert smooth.mean() > 0.95
     difference = (right.velocity - left.velocity) / 2e-6
@@ -200,12 +201,12 @@ def test_low_kinetic_friction_can_leave_two_cycles() -> None:
     assert 5 < flagged.size < 150
     ratio = scene.kinetic_friction / scene.static_friction
     assert ratio[flagged].max() < hopping._MOST_COEXISTENCE
-    follow, _ = _return_map(take(scene, flagged))
+    step_from, _ = _return_map(take(scene, flagged))
     ends = []
     for start in (-3.0, 3.0):
         velocity = np.full(flagged.size, start)
         for _ in range(400):
-            step = follow(velocity)
+            step = step_from(velocity)
             velocity = step.velocity
         ends.append(step.displacement)
     other = np.maximum(*(np.abs(end - cycles.displacement[flagged]) for end in ends))
@@ -265,9 +266,9 @@ def test_impact_and_peak_speeds_are_those_on_the_way() -> None:
     length = flights.length[flights.first]
     rate = scene.across * (np.cos(lift_off) - np.cos(lift_off + length)) - scene.normal * length
     assert cycles.impact[once] == pytest.approx(-rate[once], rel=1e-9)
-    follow, velocity = _return_map(scene)
+    step_from, velocity = _return_map(scene)
     for _ in range(400):
-        velocity = follow(velocity).velocity
+        velocity = step_from(velocity).velocity
     s = np.linspace(0.0, 1.0, 4001)[:, None] * length
     flying = velocity + scene.along * (np.cos(lift_off) - np.cos(lift_off + s)) - scene.tangential * s
     assert (cycles.peak[once] >= np.abs(flying).max(axis=0)[once] - 1e-10).all()
@@ -286,12 +287,12 @@ def test_one_value_for_all_cells_may_be_zero_dimensional() -> None:
         static_friction=scene.static_friction[0], kinetic_friction=scene.kinetic_friction[0],
     )  # fmt: skip
     wide, got = _solve(scene), hopping_cycles(narrow, np.array(0.0))
-    for a, b in zip(wide, got, strict=True):
-        assert np.array_equal(a, b)
+    for name in HoppingCycles._fields:
+        assert np.array_equal(getattr(wide, name), getattr(got, name)), name
 
 
 def test_long_patterns_are_cut_and_say_so() -> None:
     code = np.zeros(1, np.int64)
     for _ in range(40):
-        code = hopping._append(code, np.int64(Mode.FLIGHT))
+        code = returns._append(code, np.int64(Mode.FLIGHT))
     assert pattern_text(int(code[0])) == "H" * 27 + "..."

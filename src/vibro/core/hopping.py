@@ -1,11 +1,9 @@
 """The steady cycle of hopping scenes: the flights of ``bounce.py`` with the sliding between them.
 
-Friction has no part in the normal motion, so that the flights are known before the sliding. What is left is
-one unknown, the relative velocity at the first lift-off of the cycle. Trajectories cannot cross, only merge:
-the map from one cycle's velocity to the next, the return map, never decreases. It is piecewise smooth with
-a slope of at most 1 (a change of direction under friction, a rest and an impact all bring velocities
-closer) and jumps upwards only, where stiction holds one body and not its neighbour. Its orbits are therefore
-monotone, each piece has one fixed point at most, and a step that stays in its piece passes none unseen.
+Friction has no part in the normal motion, so that one unknown is left: the relative velocity at the first
+lift-off of the cycle, a fixed point of the return map of ``returns.py``. That map never decreases, so that
+its orbits are monotone; its slope is at most 1 and it jumps upwards only, so that a piece of it has one
+fixed point at most, and a step that stays in its piece passes none unseen.
 Lengths in A, speeds in A w, phases in radians.
 """
 
@@ -18,12 +16,12 @@ import numpy as np
 from vibro.core.bounce import bounces
 from vibro.core.codes import Status
 from vibro.core.groups import put, take
-from vibro.core.motion import Mode, Track, contact_leg, mode_of, track_of
+from vibro.core.motion import Mode, track_of
+from vibro.core.returns import Cells, Hops, Return, follow, hops_of, pattern_text, velocity_from_rest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.core.bounce import Bounces
     from vibro.core.groups import Loads
     from vibro.core.slide import Floats
 
@@ -35,24 +33,18 @@ __all__ = ["HoppingCycles", "hopping_cycles", "pattern_text"]
 
 _TURN: Final = 2.0 * np.pi
 
-_LETTERS: Final = " HFB_"  # by Mode
-_MOST_LETTERS: Final = 27  # digits to base 5 in an int64; longer patterns are cut
-
 #: [1] Throw number above which the phase of a landing is lost to rounding.
 MOST_THROW: Final = 1e6
 
 _MOST_EVALUATIONS: Final = 200
-_MOST_LEGS: Final = 64
 _FLOOR: Final = 16 * 2.0**-52  # [1] rounding of one evaluation, relative to the velocities in it
 _CLOSED: Final = 1e-13  # [A w] distance from the fixed point at which the cycle is closed
-_BOLD: Final = 1e6  # [1] longest first step, over the plain one
-_SHY: Final = 8.0  # [1] factor by which that shrinks where a step left its piece, or grows
+_SHY: Final = 8.0  # [1] factor by which the longest step shrinks where one left its piece, or grows
 
 # [1] Coexisting cycles need mu_d well below mu_s; none was found above (benchmarks/hopping.py).
 _MOST_COEXISTENCE: Final = 0.6
 
 _BATCHES: Final = 12  # of flights, for the standard error of a mean
-_LONGEST: Final = 4.0  # [A w] a step of the iteration, where velocities are below 1
 _APART: Final = 1e-9  # [A w] fixed points closer than this are one
 
 
@@ -91,165 +83,6 @@ class HoppingCycles(NamedTuple):
     impact: Floats
     peak: Floats
     coexists: Bools
-
-
-def pattern_text(code: int) -> str:
-    """Phases of a cycle from their code: H flight, F forward slide, B back slide, _ rest.
-
-    A pattern of more than 27 phases is cut, and ends in ``...``.
-    """
-    if code < 0:
-        return pattern_text(-code) + "..."
-    return "" if code == 0 else pattern_text(code // 5) + _LETTERS[code % 5]
-
-
-class _Hops(NamedTuple):
-    """What each flight and the impact behind it do to the relative velocity, whatever that is."""
-
-    gain: Floats
-    length: Floats
-    shift: Floats
-    brake: Floats
-    high: Floats
-    low: Floats
-
-
-class _Cells(NamedTuple):
-    """Scenes under way: their flights in the arrays of ``_Hops``, and their contact."""
-
-    track: Track
-    first: NDArray[np.intp]
-    number: NDArray[np.intp]
-    landing: Floats
-    rest: Floats
-
-
-class _Return(NamedTuple):
-    """One cycle from a given velocity at its first lift-off.
-
-    Attributes
-    ----------
-    velocity : array
-        Relative velocity at the next such lift-off.
-    slope : array
-        Its derivative.
-    displacement, peak : array
-        Displacement, and largest speed.
-    pattern : int64 array
-        Phases of the cycle.
-    piece : int64 array
-        Names the piece of the map.
-    ways : int8 array
-        1: moves forward in contact somewhere, 2: backward, 4: at rest or stopped by an impact.
-    settled : bool array
-        Whether every slide was solved.
-    """
-
-    velocity: Floats
-    slope: Floats
-    displacement: Floats
-    peak: Floats
-    pattern: Words
-    piece: Words
-    ways: Codes
-    settled: Bools
-
-
-def _hops(scene: Loads, flights: Bounces) -> _Hops:
-    """Integrate the free motion along the trough over each flight, Eq. (30)."""
-    along, tangential, normal, mu_d = (
-        x[flights.owner] if x.ndim else x
-        for x in (scene.along, scene.tangential, scene.normal, scene.kinetic_friction)
-    )
-    s, p = flights.length, flights.phase
-    sine, cosine = np.sin(p), np.cos(p)
-    sine_s, versine_s = np.sin(s), 1.0 - np.cos(s)
-    gain = along * (cosine * versine_s + sine * sine_s) - tangential * s
-    shift = along * (cosine * (s - sine_s) + sine * versine_s) - 0.5 * tangential * s * s
-    high, low = np.maximum(gain, 0.0), np.minimum(gain, 0.0)
-    # extremes inside the flight: where the tangential load changes sign
-    with np.errstate(divide="ignore", invalid="ignore"):
-        kappa = np.arcsin(np.clip(tangential / along, -1.0, 1.0))
-    for extreme in (np.pi - kappa, kappa):
-        nearest = np.mod(extreme - p, _TURN)
-        last = nearest + _TURN * np.floor((s - nearest) / _TURN)
-        for at in (nearest, last):
-            v = along * (cosine - np.cos(p + at)) - tangential * at
-            inside = at <= s
-            high = np.where(inside, np.maximum(high, v), high)
-            low = np.where(inside, np.minimum(low, v), low)
-    return _Hops(gain, s, shift, mu_d * normal * flights.impulse, high, low)
-
-
-def _return(cells: _Cells, hops: _Hops, velocity: Floats) -> _Return:
-    """Follow the bodies through one cycle of their normal motion."""
-    n = velocity.size
-    out = _Return(
-        velocity.copy(),
-        np.ones(n),
-        np.zeros(n),
-        np.abs(velocity),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int8),
-        np.ones(n, np.bool_),
-    )
-    for j in range(int(cells.number.max())):
-        flying = np.flatnonzero(cells.number > j)
-        v = out.velocity[flying]
-        hop = take(hops, cells.first[flying] + j)
-        out.displacement[flying] += v * hop.length + hop.shift
-        top = np.maximum(np.abs(v + hop.high), np.abs(v + hop.low))
-        out.peak[flying] = np.maximum(out.peak[flying], top)
-        v += hop.gain
-        left = np.maximum(np.abs(v) - hop.brake, 0.0)
-        stopped = left == 0.0
-        out.velocity[flying] = np.copysign(left, v)
-        out.slope[flying] *= ~stopped
-        way = np.where(stopped, np.int8(4), np.where(v > 0.0, np.int8(1), np.int8(2)))
-        out.ways[flying] |= way
-        out.piece[flying] = out.piece[flying] * 37 + way
-        out.pattern[flying] = _append(out.pattern[flying], np.int64(Mode.FLIGHT))
-    on_trough = np.flatnonzero(cells.rest > 0.0)
-    if on_trough.size:
-        _contact(cells, out, on_trough)
-    return out
-
-
-_WAY_OF_MODE: Final = np.array([0, 0, 1, 2, 4], np.int8)
-
-
-def _contact(cells: _Cells, out: _Return, active: NDArray[np.intp]) -> None:
-    """Slide and rest from the last landing to the lift-off."""
-    track = take(cells.track, active)
-    phase, left = cells.landing[active], cells.rest[active]
-    velocity = out.velocity[active]
-    mode = mode_of(track.scene, phase, velocity)
-    for _ in range(_MOST_LEGS):
-        leg = contact_leg(track, mode, phase, velocity, left)
-        way = _WAY_OF_MODE[mode]
-        out.ways[active] |= way
-        turn = ((phase > np.pi) + np.int64(2) * (phase > 0.0)) * 8
-        out.piece[active] = out.piece[active] * 37 + way + turn
-        out.pattern[active] = _append(out.pattern[active], mode.astype(np.int64))
-        out.displacement[active] += leg.displacement
-        out.peak[active] = np.maximum(out.peak[active], leg.top)
-        out.slope[active] *= leg.gain
-        out.settled[active] &= leg.settled
-        out.velocity[active] = leg.velocity
-        going = np.flatnonzero(leg.length < left)
-        if not going.size:
-            return
-        active, track = active[going], take(track, going)
-        phase, left = phase[going] + leg.length[going], left[going] - leg.length[going]
-        velocity, mode = leg.velocity[going], leg.next_mode[going]
-    out.settled[active] = False
-
-
-def _append(pattern: Words, digit: Words | np.int64) -> Words:
-    """Append a phase to a pattern; beyond what fits it turns negative and stays as it is."""
-    full = np.abs(pattern) >= 5 ** (_MOST_LETTERS - 1)
-    return np.where(full, -np.abs(pattern), 5 * pattern + digit)
 
 
 def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
@@ -295,14 +128,9 @@ def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
 
 def _solve(scene: Loads, throw: Floats, restitution: Floats) -> HoppingCycles:
     flights = bounces(throw, restitution)
-    hops = _hops(scene, flights)
-    cells = _Cells(track_of(scene), flights.first, flights.number, flights.landing, flights.rest)
-    bound = _bound(scene, flights.cycles)
-    mu_s, mu_d = scene.static_friction, scene.kinetic_friction
-    unique = np.broadcast_to(mu_d >= _MOST_COEXISTENCE * mu_s, throw.shape) & (
-        np.abs(scene.tangential) <= mu_d * scene.normal
-    )
-    end = _settle(cells, hops, _velocity_from_rest(cells.track), bound, unique)
+    hops = hops_of(scene, flights)
+    cells = Cells(track_of(scene), flights.first, flights.number, flights.landing, flights.rest)
+    end, coexists = _from_rest(cells, hops, _bound(scene, flights.cycles))
     cycle, status = end.cycle, end.status
     answered = status == Status.OK
 
@@ -325,77 +153,161 @@ def _solve(scene: Loads, throw: Floats, restitution: Floats) -> HoppingCycles:
         scene.normal * landings,
         cycle.peak,
     )
-    coexists = np.zeros(throw.shape, np.bool_)
-    some = np.flatnonzero(answered & flights.repeats & ~unique & (mu_d > 0.0))
-    if some.size:
-        coexists[some] = _coexists(take(cells, some), hops, bound[some], end.velocity[some])
     known = [np.where(answered, x, np.nan) for x in numbers]
+    coexists &= answered & flights.repeats
     return HoppingCycles._make((status, np.where(answered, pattern, 0), *known, coexists))
 
 
-def _velocity_from_rest(track: Track) -> Floats:
-    """Velocity at the first lift-off of a body at rest, which slides forward from its onset, Eq. (34)."""
-    start, end, at = track.forward_onset, track.lift_off, track.forward
-    velocity: Floats = at.pull * (np.cos(start) - np.cos(end)) - at.drag * (end - start)
-    return velocity
+def _from_rest(cells: Cells, hops: Hops, bound: Floats) -> tuple[_End, Bools]:
+    """Find the fixed points that bodies from rest reach, and whether they are not the only ones.
+
+    Where friction wins over gravity along the trough, all orbits stay bounded. There the greatest and the
+    least fixed point are looked for if they may differ; only if they do must the orbit from rest be
+    followed step by step. Without kinetic friction fixed points come in families.
+    """
+    scene = cells.track.scene
+    mu_s, mu_d = scene.static_friction, scene.kinetic_friction
+    start = velocity_from_rest(cells.track)
+    bounded = np.broadcast_to((mu_d > 0.0) & (np.abs(scene.tangential) <= mu_d * scene.normal), bound.shape)
+    end = _bracketed(cells, hops, start, bound)
+    coexists = np.zeros(bound.shape, np.bool_)
+    doubtful = np.flatnonzero(bounded & (mu_d < _MOST_COEXISTENCE * mu_s) & (end.status == Status.OK))
+    if doubtful.size:
+        home = _End(end.velocity[doubtful], take(end.cycle, doubtful), end.status[doubtful])
+        coexists[doubtful] = _coexists(take(cells, doubtful), hops, bound[doubtful], home)
+    stepwise = np.flatnonzero(coexists | ~bounded)
+    if stepwise.size:
+        found = _careful(take(cells, stepwise), hops, start[stepwise], bound[stepwise])
+        _move(end, stepwise, found.velocity, found.cycle)
+        end.status[stepwise] = found.status
+    return end, coexists
 
 
 class _End(NamedTuple):
     """Where orbits of the return map lead: the velocity at lift-off, the cycle and its status."""
 
     velocity: Floats
-    cycle: _Return
+    cycle: Return
     status: Codes
 
 
-def _settle(cells: _Cells, hops: _Hops, velocity: Floats, bound: Floats, unique: Bools) -> _End:
-    """Follow orbits of the return map to their fixed points.
+class _Steps(NamedTuple):
+    """What the states of some orbits ask for."""
 
-    Newton's iteration, which stays in a bracket where the fixed point is ``unique``. Elsewhere a step that
-    leaves its piece of the map might pass a fixed point, and is shortened, down to the plain walk.
+    walk: Floats
+    rises: Bools
+    newton: Floats
+    closed: Bools
+    gains: Bools
+
+
+def _steps(here: Floats, now: Return) -> _Steps:
+    """Compare states with their images: the plain step, Newton's, and whether the orbit ends.
+
+    It ends in a fixed point, or gains velocity for ever: if it slides one way only, and faster each time.
     """
-    v = velocity.copy()
+    plain = now.velocity - here
+    walk, rises, size = np.abs(plain), plain > 0.0, 1.0 + np.abs(here)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        newton = walk / (1.0 - now.slope)
+    closed = (walk <= _FLOOR * size) | (newton <= _CLOSED * size)
+    gains = (now.slope == 1.0) & (now.ways == np.where(rises, 1, 2)) & ~closed
+    return _Steps(walk, rises, newton, closed, gains)
+
+
+def _bracketed(cells: Cells, hops: Hops, velocity: Floats, bound: Floats) -> _End:
+    """Find the fixed points of maps that have one: Newton's iteration in the bracket its steps leave."""
+    end = _begin(cells, hops, velocity)
     low, high = -bound, bound.copy()
-    at = _return(cells, hops, v)
-    status = np.full(v.size, Status.UNRESOLVED, np.int8)
-    reach = np.full(v.size, _BOLD)
-    active = np.arange(v.size)
+    active = np.arange(velocity.size)
     for _ in range(_MOST_EVALUATIONS):
-        now = at if active.size == v.size else take(at, active)
-        here = v[active]
-        plain = now.velocity - here
-        size = 1.0 + np.abs(here)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            newton = plain / (1.0 - now.slope)
-        closed = (np.abs(plain) <= _FLOOR * size) | (np.abs(newton) <= _CLOSED * size)
-        gains = (now.slope == 1.0) & (now.ways == np.where(plain > 0.0, 1, 2)) & ~closed
-        status[active[closed]] = Status.OK
-        status[active[gains]] = Status.RUNAWAY
-        going = np.flatnonzero(~(closed | gains))
+        here = end.velocity[active]
+        steps = _steps(here, end.cycle if active.size == velocity.size else take(end.cycle, active))
+        end.status[active[steps.closed]] = Status.OK
+        end.status[active[steps.gains]] = Status.RUNAWAY
+        going = np.flatnonzero(~(steps.closed | steps.gains))
+        if not going.size:
+            break
+        if going.size < active.size:
+            active, cells, here, steps = active[going], take(cells, going), here[going], take(steps, going)
+        low[active[steps.rises]] = here[steps.rises]
+        high[active[~steps.rises]] = here[~steps.rises]
+        room = np.where(steps.rises, high[active] - here, here - low[active])
+        step = np.where(steps.newton < room, steps.newton, 0.5 * room)
+        here = here + np.where(steps.rises, step, -step)
+        _move(end, active, here, follow(cells, hops, here))
+    return _checked(end)
+
+
+def _careful(cells: Cells, hops: Hops, velocity: Floats, bound: Floats, home: _End | None = None) -> _End:
+    """Follow orbits to the fixed points that they lead to.
+
+    A Newton step that leaves its piece of the map might pass a fixed point, and is shortened, down to the
+    plain walk. A body that only slides forward in a whole cycle is above all fixed points, one that only
+    slides back below them. With a ``home``, an orbit ends there once it is known to lead there: in its
+    piece of the map, or stepping over states known to be in it.
+    """
+    end = _begin(cells, hops, velocity)
+    low, high = -bound, bound.copy()
+    if home is not None:
+        low, high = (
+            np.where(velocity > 0.0, home.velocity, low),
+            np.where(velocity < 0.0, home.velocity, high),
+        )
+    reach = np.full(velocity.size, np.inf)
+    active = np.arange(velocity.size)
+    for _ in range(_MOST_EVALUATIONS):
+        here, now = end.velocity[active], take(end.cycle, active)
+        steps = _steps(here, now)
+        closed = steps.closed
+        if home is not None:
+            same = np.where(steps.rises, now.velocity >= high[active], now.velocity <= low[active])
+            same |= now.piece == home.cycle.piece[active]
+            end.velocity[active[same]] = home.velocity[active[same]]
+            closed = closed | same
+        end.status[active[closed]] = Status.OK
+        end.status[active[steps.gains & ~closed]] = Status.RUNAWAY
+        going = np.flatnonzero(~(closed | steps.gains))
         if not going.size:
             break
         if going.size < active.size:
             active, cells, now = active[going], take(cells, going), take(now, going)
-            here, plain, newton, size = here[going], plain[going], newton[going], size[going]
-        rises = plain > 0.0
-        low[active] = np.where(rises, np.maximum(low[active], here), low[active])
-        high[active] = np.where(rises, high[active], np.minimum(high[active], here))
-        safe = unique[active]
-        left, right = low[active], high[active]
-        inside = here + newton
-        inside = np.where((inside > left) & (inside < right), inside, 0.5 * (left + right))
-        walk = np.abs(plain)
-        step = np.maximum(np.minimum(np.abs(newton), np.minimum(walk * reach[active], _LONGEST * size)), walk)
-        trial = np.where(safe, inside, here + np.copysign(step, plain))
-        found = _return(cells, hops, trial)
-        fits = safe | (found.piece == now.piece) | (step == walk)
-        shorter = np.maximum(step / walk / _SHY, 1.0)
-        reach[active] = np.where(fits, np.minimum(reach[active] * _SHY, _BOLD), shorter)
+            here, steps = here[going], take(steps, going)
+        room = np.where(steps.rises, high[active] - here, here - low[active])
+        bold = np.minimum(np.minimum(steps.newton, steps.walk * reach[active]), 0.5 * room)
+        plain = bold <= steps.walk
+        step = np.where(plain, steps.walk, bold)
+        trial = np.where(plain, now.velocity, here + np.where(steps.rises, step, -step))
+        found = follow(cells, hops, trial)
+        low[active] = np.where(found.ways == 2, np.maximum(low[active], trial), low[active])
+        high[active] = np.where(found.ways == 1, np.minimum(high[active], trial), high[active])
+        fits = plain | (found.piece == now.piece)
+        shorter = np.maximum(step / steps.walk / _SHY, 1.0)
+        if home is not None:
+            same = (found.piece == home.cycle.piece[active]) & ~plain
+            low[active] = np.where(same & ~steps.rises, trial, low[active])
+            high[active] = np.where(same & steps.rises, trial, high[active])
+            fits &= ~same
+            shorter = np.where(same, reach[active], shorter)
+        reach[active] = np.where(fits, reach[active] * _SHY, shorter)
         kept = np.flatnonzero(fits)
-        v[active[kept]] = trial[kept]
-        put(at, active[kept], take(found, kept))
-    status[(status == Status.OK) & ~at.settled] = Status.UNRESOLVED
-    return _End(v, at, status)
+        _move(end, active[kept], trial[kept], take(found, kept))
+    return _checked(end)
+
+
+def _begin(cells: Cells, hops: Hops, velocity: Floats) -> _End:
+    status = np.full(velocity.size, Status.UNRESOLVED, np.int8)
+    return _End(velocity.copy(), follow(cells, hops, velocity), status)
+
+
+def _move(end: _End, active: NDArray[np.intp], velocity: Floats, cycle: Return) -> None:
+    end.velocity[active] = velocity
+    put(end.cycle, active, cycle)
+
+
+def _checked(end: _End) -> _End:
+    end.status[(end.status == Status.OK) & ~end.cycle.settled] = Status.UNRESOLVED
+    return end
 
 
 def _bound(scene: Loads, cycles: NDArray[np.intp]) -> Floats:
@@ -406,13 +318,13 @@ def _bound(scene: Loads, cycles: NDArray[np.intp]) -> Floats:
     return 2.0 * scene.along + _TURN * cycles * np.abs(scene.tangential)
 
 
-def _deviation(cells: _Cells, hops: _Hops, velocity: Floats) -> Floats:
+def _deviation(cells: Cells, hops: Hops, velocity: Floats) -> Floats:
     """Estimate the standard error of the mean displacement per drive cycle from batches of flights."""
     batch = cells.number // _BATCHES
     paths, times = np.empty((2, _BATCHES, velocity.size))
     for i in range(_BATCHES):
         part = cells._replace(first=cells.first + i * batch, number=batch)
-        leg = _return(part, hops, velocity)
+        leg = follow(part, hops, velocity)
         velocity, paths[i] = leg.velocity, leg.displacement
         times[i] = [hops.length[a : a + m].sum() for a, m in zip(part.first, batch, strict=True)]
     mean = paths.sum(axis=0) / times.sum(axis=0)
@@ -421,13 +333,16 @@ def _deviation(cells: _Cells, hops: _Hops, velocity: Floats) -> Floats:
     return deviation
 
 
-def _coexists(cells: _Cells, hops: _Hops, bound: Floats, velocity: Floats) -> Bools:
-    """Whether the greatest or the least fixed point of the return map is another than ``velocity``.
+def _coexists(cells: Cells, hops: Hops, bound: Floats, home: _End) -> Bools:
+    """Whether the greatest or the least fixed point of the return map is another than ``home``.
 
     Orbits from beyond the bounds lead to them, since the map never decreases.
     """
-    out = np.zeros(velocity.shape, np.bool_)
+    out = np.zeros(bound.shape, np.bool_)
+    with np.errstate(divide="ignore"):
+        noise = _FLOOR * (1.0 + np.abs(home.velocity)) / (1.0 - home.cycle.slope)
     for start in (bound, -bound):
-        other = _settle(cells, hops, start, bound, out & False)
-        out |= (other.status == Status.OK) & (np.abs(other.velocity - velocity) > _APART)
+        other = _careful(cells, hops, start, bound, home)
+        apart = np.abs(other.velocity - home.velocity)
+        out |= (other.status == Status.OK) & (apart > np.maximum(_APART, 8.0 * noise))
     return out
