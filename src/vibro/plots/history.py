@@ -13,8 +13,10 @@ from vibro.plots.style import INK, RC
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
     from vibro.history import Phase, Sample
@@ -69,6 +71,7 @@ PANELS: Final[Mapping[str, _Panel]] = {
 
 _ROW: Final = 1.35  # [in] of a panel of height 1
 _LETTER: Final = 0.0095  # of a panel's width: a letter, generously
+_COLUMNS: Final = 3  # of the legend: as many as there are curves of forces
 _HEADROOM: Final = 0.25  # of a panel's height, for the names of phases
 _MARKED: Final = ("forces", "velocity", "acceleration", "position", "trough", "gap")
 _START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
@@ -129,8 +132,9 @@ def history_figure(phases: Sequence[Phase], trace: Sample, panels: Sequence[str]
         figure = NewFigure(figsize=(9.0, 1.5 + _ROW * sum(heights)), layout="constrained")
         grid = figure.subplots(len(shown), 1, squeeze=False, sharex=True, height_ratios=heights)[:, 0]
         milliseconds = 1e3 * trace.time
+        curves = []
         for axes, panel in zip(grid, shown, strict=True):
-            _draw(axes, panel, trace, milliseconds)
+            curves += _draw(axes, panel, trace, milliseconds)
             for phase in phases:
                 shade(axes, phase.kind, 1e3 * phase.start, 1e3 * phase.end)
         grid[-1].set_xlim(milliseconds[0], milliseconds[-1])
@@ -141,26 +145,37 @@ def history_figure(phases: Sequence[Phase], trace: Sample, panels: Sequence[str]
         _write_times(grid[0], phases, (milliseconds[0], milliseconds[-1]))
         kinds = {phase.kind for phase in phases} - {"_"}
         entries = [PHASE_STYLES[kind] for kind in PHASE_STYLES if kind in kinds]
-        handles = [*marks, *legend_entries(entries)]
-        if handles:
-            figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+        _add_legend(figure, curves, [*marks, *legend_entries(entries)])
         figure.suptitle(title, fontsize=10.5, linespacing=1.5)
         return figure
 
 
-def _draw(axes: Axes, panel: _Panel, trace: Sample, milliseconds: Floats) -> None:
+def _draw(axes: Axes, panel: _Panel, trace: Sample, milliseconds: Floats) -> list[Line2D]:
+    """Draw the curves of a panel; return those that a legend must name."""
+    named = []
     for curve in panel.curves:
         values = getattr(trace, curve.field) / panel.size
         style = {"color": curve.colour, "linestyle": curve.dashes, "linewidth": curve.width}
-        axes.plot(milliseconds, values, label=curve.label, **style)
+        (line,) = axes.plot(milliseconds, values, label=curve.label, **style)
+        named += [line] if len(panel.curves) > 1 else []
         if curve.field == "static_limit":
             axes.plot(milliseconds, -values, **style)
     axes.axhline(0.0, color=INK, linewidth=0.5)
     axes.set_ylabel(f"{panel.label} [{panel.unit}]")
     axes.margins(y=0.12)
-    if len(panel.curves) > 1:
-        # Above the curves, which fill the panel.
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=len(panel.curves), borderaxespad=0.2)
+    return named
+
+
+def _add_legend(figure: Figure, curves: Sequence[Artist], others: Sequence[Artist]) -> None:
+    """Name curves in one row under the panels, everything else in the rows below."""
+    from matplotlib.lines import Line2D
+
+    blank = Line2D([], [], linestyle="none", label=" ")
+    cells = [*curves, *[blank] * (-len(curves) % _COLUMNS), *others, *[blank] * (-len(others) % _COLUMNS)]
+    if cells:
+        # A legend is filled column by column.
+        handles = [cell for column in range(_COLUMNS) for cell in cells[column::_COLUMNS]]
+        figure.legend(handles=handles, loc="outside lower center", ncols=_COLUMNS)
 
 
 def _name_phases(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:

@@ -1,0 +1,92 @@
+"""The paper's figures over time, drawn by an example."""
+
+from __future__ import annotations
+
+import runpy
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from records import EXAMPLES
+
+from vibro.plots.style import RC
+
+SCRIPT = EXAMPLES / "paper_figures.py"
+
+
+@pytest.fixture(scope="module")
+def example() -> dict[str, Any]:
+    return runpy.run_path(str(SCRIPT))
+
+
+def drawn(example: dict[str, Any], name: str) -> Figure:
+    with mpl.rc_context(RC):
+        figure = example["FIGURES"][name]()
+        assert isinstance(figure, Figure)
+        figure.draw_without_rendering()
+    return figure
+
+
+def test_every_figure_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", [SCRIPT.name, str(tmp_path / "new")])
+    runpy.run_path(str(SCRIPT), run_name="__main__")
+    assert {p.name for p in (tmp_path / "new").iterdir()} == {
+        f"paper-figure-{number}.png" for number in (2, 4, 6, 7, 9, 10, 11)
+    }
+
+
+@pytest.mark.parametrize("number", [2, 4, 6, 7, 9, 10, 11])
+def test_axes_have_units(example: dict[str, Any], number: int) -> None:
+    for axes in drawn(example, f"paper-figure-{number}").axes:
+        assert axes.get_ylabel().endswith("]")
+    assert axes.get_xlabel().endswith("]")
+
+
+def test_words_of_figure_2_are_inside_and_apart(example: dict[str, Any]) -> None:
+    (axes,) = drawn(example, "paper-figure-2").axes
+    boxes = [text.get_window_extent() for text in axes.texts]
+    inside = axes.get_window_extent()
+    for i, box in enumerate(boxes):
+        assert inside.x0 < box.x0
+        assert box.x1 < inside.x1
+        assert not any(box.overlaps(other) for other in boxes[i + 1 :])
+    texts = " ".join(text.get_text() for text in axes.texts)
+    assert "slide starts at 8.01 ms" in texts
+    assert "slide stops at 38.68 ms" in texts
+
+
+def test_figure_6_marks_both_onsets(example: dict[str, Any]) -> None:
+    (axes,) = drawn(example, "paper-figure-6").axes
+    starts = {
+        round(float(np.asarray(line.get_ydata())[0]), 6): np.asarray(line.get_xdata())
+        for line in axes.lines
+        if line.get_marker() == "s" and len(np.asarray(line.get_xdata()))
+    }
+    assert set(starts) == {0.685165, 0.720276}
+    # Published: start of the slide by the derived and by the printed condition.
+    assert starts[0.685165][0] == pytest.approx(8.00900, abs=5e-6)
+    assert starts[0.720276][0] == pytest.approx(8.53282, abs=5e-6)
+
+
+def test_figure_11_has_the_published_speeds(example: dict[str, Any]) -> None:
+    """The study's nut reaches "up to 55" mm/s and advances "about 1" mm a stroke."""
+    velocity, displacement = drawn(example, "paper-figure-11").axes
+    exact, study = (np.asarray(line.get_ydata()) for line in velocity.lines[:2])
+    assert exact.max() == pytest.approx(60.15, abs=0.01)
+    assert study.max() == pytest.approx(55.6, abs=0.2)
+    exact, study = (np.asarray(line.get_ydata()) for line in displacement.lines[:2])
+    assert exact[-1] / 3 == pytest.approx(1.08423, abs=1e-5)
+    assert study[-1] / 3 == pytest.approx(0.9554, abs=1e-3)
+
+
+def test_figure_10_stays_on_the_trough_below_the_hop_limit(example: dict[str, Any]) -> None:
+    sliding, hopping = drawn(example, "paper-figure-10").axes
+    heights = [np.asarray(axes.lines[0].get_ydata()) for axes in (sliding, hopping)]
+    assert (heights[0] == 0.0).all()
+    assert heights[1].max() > 0.1
+    for axes in (sliding, hopping):
+        assert np.asarray(axes.lines[0].get_xdata())[-1] == pytest.approx(60.0)
