@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from vibro.core.codes import Regime, Status
     from vibro.errors import SceneError, VibroError
-    from vibro.scene import Scene
     from vibro.history import History, arrival_time, simulate
+    from vibro.scene import Scene
     from vibro.steady import SteadyCycle, solve
 
 __all__ = [

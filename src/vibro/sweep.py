@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.axes import Axis
+from vibro.core.codes import Status
 from vibro.core.limits import CriticalLoads, critical_loads
+from vibro.history import arrival_time
 from vibro.scene import Scene
 from vibro.steady import Accuracy, SteadyCycle, grid_blocks, solve
 from vibro.units import to_si
@@ -26,6 +28,7 @@ __all__ = ["Block", "Grid", "SweepResult", "sweep_blocks", "sweep_picture"]
 # [cells] Enough that a block's fixed costs vanish, few enough that memory stays bounded and an interrupt is
 # noticed at once.
 _BLOCK: Final = 131_072
+_WALKED_BLOCK: Final = 8_192  # where bodies are followed to their arrival, a hundred times the work
 
 # [values of an axis] What a picture of one, two or three axes resolves, whatever the table's axes hold.
 _RESOLVED: Final = {1: 4001, 2: 361, 3: 161}
@@ -46,6 +49,8 @@ class Grid:
         Length of the trough [mm].
     accuracy, flight : optional
         How every cell is solved, as ``vibro.solve`` takes them.
+    arrivals : bool, optional
+        Whether bodies are followed from rest to their arrival.
     """
 
     axes: Mapping[str, Axis]
@@ -53,6 +58,7 @@ class Grid:
     length: float | None
     accuracy: Accuracy = "exact"
     flight: bool = True
+    arrivals: bool = False
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -97,11 +103,14 @@ class Block:
         Results of the block's cells.
     length : float or None
         Length of the trough [mm].
+    arrival : array or None
+        Time from rest to the arrival, inf or NaN where there is none, if asked for [s].
     """
 
     values: Mapping[str, Floats]
     cycle: SteadyCycle
     length: float | None
+    arrival: Floats | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -162,9 +171,10 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
     Block
         Together the whole grid; the last axis runs fastest.
     """
-    for box in grid_blocks(grid.shape, _BLOCK):
+    for box in grid_blocks(grid.shape, _WALKED_BLOCK if grid.arrivals else _BLOCK):
         values = grid.values(box)
-        yield Block(values, _solve(grid, values), grid.length)
+        cycle = _solve(grid, values)
+        yield Block(values, cycle, grid.length, _arrival(grid, values, cycle) if grid.arrivals else None)
 
 
 def sweep_picture(
@@ -215,11 +225,22 @@ def _resolved(axis: Axis, count: int) -> Axis:
     return Axis(axis.name, np.linspace(*ends, count), "linear")
 
 
-def _solve(grid: Grid, values: Mapping[str, Floats]) -> SteadyCycle:
-    scene = Scene.allowing_infeasible(
+def _scene(values: Mapping[str, Floats]) -> Scene:
+    return Scene.allowing_infeasible(
         **{name: to_si(name, value) for name, value in values.items() if name != "friction_ratio"}
     )
-    return solve(scene, accuracy=grid.accuracy, flight=grid.flight)
+
+
+def _solve(grid: Grid, values: Mapping[str, Floats]) -> SteadyCycle:
+    return solve(_scene(values), accuracy=grid.accuracy, flight=grid.flight)
+
+
+def _arrival(grid: Grid, values: Mapping[str, Floats], cycle: SteadyCycle) -> Floats | None:
+    """Follow bodies from rest; those whose flight is not modelled have no arrival."""
+    if grid.length is None:
+        return None
+    time = np.asarray(arrival_time(_scene(values), to_si("trough_length", grid.length)))
+    return np.where(cycle.status == Status.FLIGHT_NOT_MODELLED, np.nan, time)
 
 
 def _limits(values: Mapping[str, Floats]) -> CriticalLoads:

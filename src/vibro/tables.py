@@ -21,7 +21,17 @@ if TYPE_CHECKING:
 
     from vibro.sweep import Block
 
-__all__ = ["COLUMNS", "STROKES", "Column", "CsvFormat", "TableColumns", "columns_with", "record", "to_frame"]
+__all__ = [
+    "ARRIVAL",
+    "COLUMNS",
+    "STROKES",
+    "Column",
+    "CsvFormat",
+    "TableColumns",
+    "columns_with",
+    "record",
+    "to_frame",
+]
 
 # Numbers, or texts, by their header.
 TableColumns: TypeAlias = "Mapping[str, NDArray[np.float64] | Sequence[str]]"
@@ -67,6 +77,10 @@ def _traverse_time(block: Block) -> NDArray[np.float64]:
     return np.asarray(block.cycle.traverse_time(to_si("trough_length", block.length)))
 
 
+def _arrival(block: Block) -> NDArray[np.float64]:
+    return np.full((1,) * len(block.shape), np.nan) if block.arrival is None else block.arrival
+
+
 def _strokes(block: Block) -> NDArray[np.float64]:
     return _traverse_time(block) * block.values["frequency"]
 
@@ -94,6 +108,7 @@ COLUMNS: Final = (
     Column("status", "", lambda block: block.cycle.status, tuple(s.label for s in Status)),
 )
 
+ARRIVAL: Final = Column("arrival_time_s", "s", _arrival)
 STROKES: Final = Column("strokes", "", _strokes)
 
 

@@ -71,6 +71,7 @@ def make_grid(
     *,
     accuracy: Accuracy = Accuracy.EXACT,
     flight: Flight = Flight.ON,
+    arrivals: bool = False,
 ) -> Grid:
     """Spell out the axes of a request, and echo them."""
     open_count = default_count(len(request.varying))
@@ -85,7 +86,12 @@ def make_grid(
     }
     exact = accuracy is Accuracy.EXACT
     return Grid(
-        axes, fixed, request.length, "exact" if exact else "regimes", flight=exact and flight is Flight.ON
+        axes,
+        fixed,
+        request.length,
+        "exact" if exact else "regimes",
+        flight=exact and flight is Flight.ON,
+        arrivals=arrivals,
     )
 
 

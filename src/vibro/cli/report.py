@@ -76,6 +76,7 @@ class OneScene:
         self.given = {name: float(value.item()) for name, value in block.values.items()}
         self.length = math.nan if block.length is None else block.length
         self._cycle = block.cycle
+        self._arrival = block.arrival
         self._si = {name: to_si(name, value) for name, value in self.given.items()}
         self.load = self._si["amplitude"] * (2 * math.pi * self._si["frequency"]) ** 2 / self._si["gravity"]
 
@@ -90,6 +91,11 @@ class OneScene:
             return None
         time = float(self._cycle.traverse_time(to_si("trough_length", self.length)))
         return time if math.isfinite(time) else None
+
+    @property
+    def arrival_time(self) -> float:
+        """Time from rest at trough phase 0 to the arrival; inf where there is none, NaN if unknown [s]."""
+        return math.nan if self._arrival is None else float(self._arrival.item())
 
     def facts(self) -> list[tuple[str, str]]:
         """Return what every report says, as pairs of a name and a text."""

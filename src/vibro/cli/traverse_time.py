@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -19,36 +20,67 @@ def traverse_time_command(
     context: typer.Context,
     options: Options,
     sweep: Annotated[bool, typer.Option("--sweep", help="Sweep the axes of the scene file's [map].")] = False,
+    exact: Annotated[
+        bool,
+        typer.Option(
+            "--exact",
+            help="In a sweep, add the column arrival_time_s: the exact time from rest. It takes about 20 us a"
+            " cell in contact and 1 ms a cell that hops, a hundred times the rest.",
+        ),
+    ] = False,
     flight: FlightOption = Flight.ON,
 ) -> int:
-    """Tell how long a body takes over the trough's length at its mean speed, and why if it never arrives.
+    """Tell how long a body takes over the trough's length, and why if it never arrives.
 
-    With axes, in the syntax of vibro map, or with --sweep the answers go to STEM.csv and STEM.json.
+    One scene has both the time at its mean speed and the exact one from rest at trough phase 0. With axes, in
+    the syntax of vibro map, or with --sweep the answers go to STEM.csv and STEM.json.
     """
     from vibro.cli.console import Console
     from vibro.cli.output import answer_one, make_grid, write_sweep
     from vibro.cli.request import gather
-    from vibro.tables import STROKES, columns_with
+    from vibro.tables import ARRIVAL, STROKES, columns_with
 
     request = gather(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
-    columns = columns_with(STROKES)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
     if sweep and not request.varying:
         raise InputError("nothing varies", hint="give an axis, for example -A 0.1:3:200")
+    follows = exact or not request.varying
+    columns = columns_with(ARRIVAL, STROKES) if follows else columns_with(STROKES)
     if not request.varying:
-        grid = make_grid(request, flight=flight)
+        grid = make_grid(request, flight=flight, arrivals=True)
         return answer_one(grid, columns, options, context.obj, name, _report)
     console = Console(quiet=options.quiet)
-    grid = make_grid(request, console, flight=flight)
+    grid = make_grid(request, console, flight=flight, arrivals=follows)
     return write_sweep(grid, columns, options, context.obj, console, name)
 
 
 def _report(scene: OneScene) -> str:
     from vibro.cli.report import aligned, number
 
-    time = scene.traverse_time
-    if time is None:
-        return aligned([("traverse time", scene.why_never()), *scene.facts()], right=False)
-    strokes = number(time * scene.given["frequency"])
-    answer = ("traverse time", f"{number(time, 's')} over {number(scene.length, 'mm')}")
-    return aligned([answer, *scene.facts(), ("strokes", strokes)], right=False)
+    steady = scene.traverse_time
+    if steady is None:
+        answer, strokes = scene.why_never(), []
+    else:
+        answer = f"{number(steady, 's')} over {number(scene.length, 'mm')}"
+        strokes = [("strokes", number(steady * scene.given["frequency"]))]
+    rows = [("traverse time", answer), *_exactly(scene, steady), *scene.facts(), *strokes]
+    return aligned(rows, right=False)
+
+
+def _exactly(scene: OneScene, steady: float | None) -> list[tuple[str, str]]:
+    """Say when a body arrives that starts from rest, and why that is not length over mean speed."""
+    from vibro.cli.report import number
+
+    time, frequency = scene.arrival_time, scene.given["frequency"]
+    if not math.isfinite(time):
+        never = steady is None and not math.isnan(time)
+        # without a mean speed the row above has said why
+        unknown = "unknown: the motion does not repeat, and rounding grows in it"
+        return [] if never or steady is None else [("exactly", unknown)]
+    rows = [("exactly", f"{number(time, 's')} from rest at trough phase 0")]
+    if steady is None:
+        return [*rows, ("why", "the body gets so far on its way into the steady motion, which would not take it there")]
+    apart = (time - steady) * frequency
+    text = f"{number(abs(apart))} drive cycles {'later' if apart > 0 else 'earlier'} than at the mean speed"
+    why = "the start from rest, and an arrival within a cycle, whose speed is not the mean"
+    return [*rows, ("why", f"{text}: {why}")]

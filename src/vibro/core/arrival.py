@@ -204,7 +204,7 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
         whole.phase[target] = phase - _TURN * turns
         whole.velocity[target] += np.where(slides[jumps], 0.0, moved)
         whole.position[target] += m * advance[jumps] + tail[jumps] * done
-    return never
+    return np.asarray(never)
 
 
 def _bound(walk: _Walk, passage: Passage) -> Floats:
