@@ -79,7 +79,10 @@ def _exactly(scene: OneScene, steady: float | None) -> list[tuple[str, str]]:
         return [] if never or steady is None else [("exactly", unknown)]
     rows = [("exactly", f"{number(time, 's')} from rest at trough phase 0")]
     if steady is None:
-        return [*rows, ("why", "the body gets so far on its way into the steady motion, which would not take it there")]
+        return [
+            *rows,
+            ("why", "the body gets so far before it settles; its steady motion would not take it there"),
+        ]
     apart = (time - steady) * frequency
     text = f"{number(abs(apart))} drive cycles {'later' if apart > 0 else 'earlier'} than at the mean speed"
     why = "the start from rest, and an arrival within a cycle, whose speed is not the mean"

@@ -71,7 +71,7 @@ class Track(NamedTuple):
 def track_of(scene: Loads) -> Track:
     """Prepare scenes whose body can rest."""
     hold, lift = scene.static_friction * scene.normal, scene.static_friction * scene.across
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ahead = (hold + scene.tangential) / (scene.along + lift)
         behind = (hold - scene.tangential) / (scene.along - lift)
         falls_away = scene.normal / scene.across
