@@ -1,7 +1,7 @@
 """A slide from any speed: where it stops, or that it does not before the contact ends.
 
-A slide's speed (its modulus) is s(p) = s0 + P (cos p0 - cos p) - Q (p - p0), Eq. (2) in the direction of
-the slide: P and Q are ``pull`` and ``drag``. Between a maximum of s and the minimum behind it s falls
+A slide's speed (its modulus) is s(p) = s0 + P (cos p0 - cos p) - Q (p - p0), Eq. (23), with P and Q for
+``pull`` and ``drag``. Between a maximum of s and the minimum behind it s falls
 monotonically, and from one minimum to the next it changes by -2 pi Q, so that the branch with the first
 zero follows in closed form and the zero has a proven bracket. Slides from rest in contact scenes have the
 sharper solution of ``slide.py``. Lengths in A, speeds in A w, phases in radians.
@@ -63,7 +63,7 @@ class Pull(NamedTuple):
 
 
 def pull_of(scene: Loads, direction: int) -> Pull:
-    """Pull and drag of slides in the direction +1 (forward) or -1 (back), Eq. (2)."""
+    """Pull and drag of slides in the direction +1 (forward) or -1 (back), Eq. (23)."""
     mu_d = scene.kinetic_friction
     amplitude = direction * scene.along + mu_d * scene.across
     drag = mu_d * scene.normal + direction * scene.tangential
@@ -113,7 +113,7 @@ def _turned(d: Floats) -> tuple[Floats, Floats]:
 
 
 def _loss(d: Floats, at: Pull) -> Floats:
-    """Speed lost a phase d behind the maximum; negative phases are before it."""
+    """Speed lost a phase d behind the maximum, Eq. (25); negative phases are before it."""
     sine, versine = _turned(d)
     return at.bend * versine + at.drag * (d - sine) + at.excess * sine
 

@@ -113,7 +113,7 @@ class Leg(NamedTuple):
     next_mode : int8 array
         What follows, as long as the contact lasts.
     gain : array
-        Change of the velocity behind the leg per change of it before, in [0, 1].
+        Change of the velocity behind the leg per change of it before, in [0, 1], Eq. (26).
     top : array
         Largest speed.
     settled : bool array
