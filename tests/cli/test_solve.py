@@ -182,6 +182,29 @@ def test_a_scene_that_hops_reports_its_flight(run: Run) -> None:
     assert "in flight" not in facts(run("solve", *NUT).stdout)
 
 
+@pytest.mark.parametrize(
+    "args", [("-A", "4"), ("-A", "8"), ("-A", "10", "-f", "25"), ("-A", "4", "--restitution", "0.3")]
+)
+def test_the_phases_of_a_hopping_cycle_fill_it(run: Run, args: tuple[str, ...]) -> None:
+    answer = json.loads(run("solve", *NUT, *args, "--json").stdout)
+    table = run("solve", *NUT, *args).stdout.split("\n\n")[-1].splitlines()
+    assert table[0].split()[0] == "phase"
+    rows = [re.split(r"  +", line) for line in table[1:]]
+    names = [row[0] for row in rows]
+    letters = {"H": "flight", "F": "forward slide", "B": "back slide", "_": "rest"}
+    bounces = "--restitution" in args
+    assert ("short flights" in names) == bounces
+    assert bounces or names == [letters[letter] for letter in answer["pattern"]]
+    start, end, moved = np.array([row[1:] for row in rows], float).T
+    np.testing.assert_array_equal(start[1:], end[:-1])
+    period = 1e3 * answer["period_cycles"] / answer["frequency_hz"]
+    assert end[-1] - start[0] == pytest.approx(period, abs=2e-5)
+    advance = answer["displacement_per_cycle_mm"] * answer["period_cycles"]
+    assert moved.sum() == pytest.approx(advance, abs=1e-4)
+    aloft = sum(end[i] - start[i] for i, name in enumerate(names) if "flight" in name)
+    assert aloft / period == pytest.approx(answer["flight_fraction"], abs=1e-5)
+
+
 def test_longer_periods_are_counted(run: Run) -> None:
     throw_number_5 = ("-A", repr(5 / math.sin(math.radians(20)) * 9.81e3 / (30 * math.pi) ** 2))
     assert facts(run("solve", *NUT, *throw_number_5).stdout)["repeats"] == "every 2 drive cycles"

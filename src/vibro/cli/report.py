@@ -10,20 +10,26 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.core.groups import loads
 from vibro.core.limits import critical_loads
-from vibro.core.phases import steady_phases
+from vibro.core.motion import Mode
+from vibro.core.phases import Phase, steady_phases
 from vibro.scene import STANDARD_GRAVITY
 from vibro.units import QUANTITIES, from_si, to_si
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from vibro.core.groups import Loads
     from vibro.sweep import Block
 
 __all__ = ["OneScene", "Transition", "aligned", "number"]
 
 # Left out of a report, where everybody takes them for granted.
 _UNSAID: Final = {"trough_angle": 0.0, "gravity": STANDARD_GRAVITY, "restitution": 0.0}
-_PHASES: Final = {"F": "forward slide", "B": "back slide", "_": "rest"}
+_PHASES: Final = {"H": "flight", "h": "short flights", "F": "forward slide", "B": "back slide", "_": "rest"}
+_KINDS: Final = {Mode.FLIGHT: "H", Mode.FORWARD: "F", Mode.BACK: "B", Mode.REST: "_"}
+_LONGEST_RUN: Final = 1000.0  # drive cycles from rest in which phases with flights must have begun to repeat
+_MOST_PHASES: Final = 40  # a longer table says nothing
+_SHORT: Final = 1e-2  # [rad] flights below this are told together
 _BEGINNINGS: Final = {
     "forward_onset": "forward slip",
     "back_onset": "load for back slip",
@@ -179,6 +185,10 @@ class OneScene:
             "gravity",
         )  # fmt: skip
         scene = loads(*(np.array([self._si[name]]) for name in names))
+        if self._cycle.flight_fraction > 0.0:
+            phases = _phases_with_flights(scene, self._si["restitution"])
+        else:
+            phases = steady_phases(scene, int(self._cycle.pattern_code))
         milliseconds = 1e3 / (2 * math.pi * self.given["frequency"])
         return [
             (
@@ -187,8 +197,26 @@ class OneScene:
                 p.end * milliseconds,
                 p.displacement * self.given["amplitude"],
             )
-            for p in steady_phases(scene, int(self._cycle.pattern_code))
+            for p in phases
         ]
+
+
+def _phases_with_flights(scene: Loads, restitution: float) -> list[Phase]:
+    """Phases of the steady cycle of a body that hops; empty if they do not repeat soon, or are too many."""
+    from vibro.core.history import follow
+    from vibro.core.walk import course_of
+
+    steady = follow(course_of(scene, np.array([restitution])), 0.0, 0.0, _LONGEST_RUN).steady
+    starts = 2 * math.pi * (steady.cycle - steady.cycle[:1]) + steady.phase
+    columns = (steady.mode, starts, starts + steady.length, steady.displacement)
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    phases: list[Phase] = []
+    for mode, start, end, displacement in rows:
+        kind = "h" if mode == Mode.FLIGHT and end - start < _SHORT else _KINDS[mode]
+        if phases and phases[-1].kind == kind == "h":
+            start, displacement = phases[-1].start, phases.pop().displacement + displacement
+        phases.append(Phase(kind, start, end, displacement))
+    return phases if len(phases) <= _MOST_PHASES else []
 
 
 def _cycles(count: float) -> str:
