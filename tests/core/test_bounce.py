@@ -45,16 +45,26 @@ def test_up_to_one_cycle_of_flight_a_plastic_impact_makes_one_flight_a_cycle() -
 
 
 def test_above_that_the_body_is_thrown_again_where_it_lands_until_that_doubles() -> None:
-    # Flights of one cycle start where K cos p = pi; their map's slope is 1 - K sin p, so they are stable
-    # up to K = sqrt(pi^2 + 4).
-    throw = np.linspace(math.sqrt(1.0 + math.pi**2) + 1e-3, math.sqrt(4.0 + math.pi**2) - 1e-3, 100)
-    cycle = bounces(throw, np.zeros(100))
+    # the cycle's closed form holds from K = sqrt(pi^2 + 1) to sqrt(pi^2 + 4); flight after flight leads there
+    throw = np.linspace(math.sqrt(1.0 + math.pi**2) + 1e-4, math.sqrt(4.0 + math.pi**2) - 0.02, 500)
+    cycle = bounces(throw, np.zeros(500))
     assert cycle.repeats.all()
     assert (cycle.cycles == 1).all()
     assert (cycle.rest == 0.0).all()
-    assert cycle.phase == pytest.approx(np.arccos(math.pi / throw), rel=1e-11)
-    doubled = bounces(np.array([math.sqrt(4.0 + math.pi**2) + 1e-3]), np.zeros(1))
-    assert doubled.cycles.tolist() == doubled.number.tolist() == [2]
+    phase = np.arcsin(1.0 / throw)
+    for _ in range(800):
+        step = flight(throw, phase, np.zeros(500))
+        phase = np.mod(phase + step.length, TURN)
+        assert (throw * np.sin(phase) >= 1.0).all()
+    assert cycle.phase == pytest.approx(phase, abs=1e-9)
+    assert cycle.length == pytest.approx(step.length, abs=1e-9)
+    assert cycle.impact == pytest.approx(step.impact, abs=1e-8)
+    assert np.array_equal(cycle.impulse, cycle.impact)
+    edges = bounces(
+        np.array([math.sqrt(1.0 + math.pi**2) - 1e-3, math.sqrt(4.0 + math.pi**2) + 1e-3]), np.zeros(2)
+    )
+    assert (edges.rest > 0.0).tolist() == [True, False]
+    assert edges.cycles.tolist() == edges.number.tolist() == [1, 2]
 
 
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9])

@@ -155,9 +155,10 @@ def bounces(throw: Floats, restitution: Floats) -> Bounces:
     landing, contact = np.zeros(throw.shape), np.zeros(throw.shape, np.bool_)
     cycles, lag = np.zeros(throw.shape, np.intp), np.zeros(throw.shape, np.intp)
     records: list[_Flights] = []
-    closing: list[_Flights] = []
-    owner = np.arange(throw.size)
-    before, phase, speed = np.zeros(throw.shape), lift_off, np.zeros(throw.shape)
+    closing = [_once_a_turn(throw, restitution)]
+    lag[closing[0].owner] = cycles[closing[0].owner] = 1
+    owner = np.flatnonzero(lag == 0)
+    before, phase, speed = np.zeros(owner.shape), lift_off[owner], np.zeros(owner.shape)
     while owner.size and len(records) < MOST_FLIGHTS:
         k, e = throw[owner], restitution[owner]
         step = flight(k, phase, speed) if records else _first_flight(k)
@@ -191,6 +192,18 @@ def bounces(throw: Floats, restitution: Floats) -> Bounces:
     )  # fmt: skip
 
 
+def _once_a_turn(throw: Floats, restitution: Floats) -> _Flights:
+    """Flights of plastic bodies that the trough throws again, at the same phase, each time they land.
+
+    A flight of one turn from rest has K cos p = pi. It repeats if its map's slope 1 - K sin p is within
+    +-1, and attracts the body from the lift-off then (tests/core/test_bounce.py).
+    """
+    square = throw * throw - np.pi * np.pi  # (K sin p)^2
+    owner = np.flatnonzero((restitution == 0.0) & (square > 1.0) & (square < 4.0))
+    turn, rest = np.full(owner.size, _TURN), np.zeros(owner.size)
+    return _Flights(owner, rest, np.arccos(np.pi / throw[owner]), rest, turn, turn, turn)
+
+
 def _landed(
     start: tuple[Counts, Floats, Floats, Floats], throw: Floats, restitution: Floats, step: Flight
 ) -> tuple[_Flights, Floats, Impact]:
@@ -218,7 +231,7 @@ def _first_flight(throw: Floats) -> Flight:
 def _ordered(records: list[_Flights], kept: Counts) -> tuple[Counts, Counts, _Flights]:
     """Order flights scene by scene and keep the last so many of each."""
     flights = records[0]
-    if len(records) > 1:
+    if sum(part.owner.size > 0 for part in records) > 1:
         flights = _Flights(*(np.concatenate(parts) for parts in zip(*records, strict=True)))
         flights = take(flights, np.argsort(flights.owner, kind="stable"))
     count = np.bincount(flights.owner, minlength=kept.size)
