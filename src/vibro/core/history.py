@@ -32,6 +32,7 @@ _REPEATS: Final = 2e-15
 # [rad, A w] Changes below this that no longer shrink are rounding too: its noise is amplified where cycles
 # converge slowly.
 _NOISE: Final = 1e-11
+_SHORTEST: Final = 2e-15  # [rad] phases of the motion up to this are rounding too
 _NEAR: Final = 1e-6  # [rad] distance from a fixed point that rounding cannot bring
 
 
@@ -172,7 +173,7 @@ def follow(course: Course, phase: float, velocity: float, cycles: float) -> Moti
                     starts.clear()
             starts.setdefault(mode, []).append((len(records), change))
         passage = step(course, at)
-        if passage.length[0] > 0.0:
+        if passage.length[0] > _SHORTEST:
             records.append(_record(at, passage))
         at = passage.after
         if not np.isfinite(passage.length[0]):
