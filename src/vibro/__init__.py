@@ -9,9 +9,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from vibro.arrival import arrival_time
     from vibro.core.codes import Regime, Status
     from vibro.errors import SceneError, VibroError
-    from vibro.history import History, arrival_time, simulate
+    from vibro.history import History, simulate
     from vibro.scene import Scene
     from vibro.steady import SteadyCycle, solve
 
@@ -37,7 +38,7 @@ _HOMES = {
     "Status": "vibro.core.codes",
     "SteadyCycle": "vibro.steady",
     "VibroError": "vibro.errors",
-    "arrival_time": "vibro.history",
+    "arrival_time": "vibro.arrival",
     "simulate": "vibro.history",
     "solve": "vibro.steady",
 }

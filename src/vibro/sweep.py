@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from vibro.arrival import arrival_time
 from vibro.axes import Axis
 from vibro.core.codes import Status
 from vibro.core.limits import CriticalLoads, critical_loads
-from vibro.history import arrival_time
 from vibro.scene import Scene
 from vibro.steady import Accuracy, SteadyCycle, grid_blocks, solve
 from vibro.units import to_si

@@ -148,6 +148,50 @@ def test_flight_can_be_left_out(run: Run) -> None:
     assert [bool(row["traverse_time_s"]) for row in swept] == [True, False]
 
 
+def test_one_scene_has_the_exact_arrival_and_why_it_differs(run: Run) -> None:
+    lines = [" ".join(line.split()) for line in run("traverse-time", *NUT, "-L", "600").stdout.splitlines()]
+    assert lines[1] == "exactly 36.8904 s from rest at trough phase 0"
+    assert lines[2].startswith(
+        "why 0.0314255 drive cycles earlier than at the mean speed: the start from rest"
+    )
+    answer = json.loads(run("traverse-time", *NUT, "-L", "600", "--json").stdout)
+    assert answer["traverse_time_s"] - answer["arrival_time_s"] == pytest.approx(0.0314255 / 15, rel=1e-4)
+
+
+def test_what_only_the_way_into_the_steady_motion_reaches_is_told(run: Run) -> None:
+    args = ("traverse-time", "-A", "1", "-f", "15", "-a", "0", "--mu-s", "0.2", "--mu-d", "0.2", "-L")
+    lines = run(*args, "1").stdout.splitlines()
+    assert lines[0].startswith("traverse time  never: the body slides to and fro")
+    assert lines[1].split()[0] == "exactly"
+    assert "before it settles" in lines[2]
+    assert not any(line.startswith("exactly") for line in run(*args, "100").stdout.splitlines())
+
+
+def test_an_arrival_that_rounding_hides_is_unknown(run: Run) -> None:
+    args = ("traverse-time", *NUT, "-A", "8", "--restitution", "0.3", "-L", "600")
+    assert "exactly        unknown: the motion does not repeat" in run(*args).stdout
+    assert json.loads(run(*args, "--json").stdout)["arrival_time_s"] is None
+
+
+def test_a_sweep_has_exact_arrivals_on_request(run: Run) -> None:
+    sweep = ("traverse-time", *NUT, "-A", "0.5,1,4", "-L", "600", "-o", "-")
+    assert "arrival_time_s" not in rows_of(run(*sweep).stdout)[0]
+    rows = rows_of(run(*sweep, "--exact").stdout)
+    names = list(rows[0])
+    assert names.index("arrival_time_s") < names.index("model")
+    assert rows[0]["arrival_time_s"] == ""
+    for row, amplitude in zip(rows[1:], ("1", "4"), strict=True):
+        alone = json.loads(run("traverse-time", *NUT, "-A", amplitude, "-L", "600", "--json").stdout)
+        assert float(row["arrival_time_s"]) == pytest.approx(alone["arrival_time_s"], rel=1e-13)
+    without = rows_of(run(*sweep, "--exact", "--flight", "off").stdout)
+    assert [bool(row["arrival_time_s"]) for row in without] == [False, True, False]
+
+
+def test_the_help_says_what_exact_arrivals_cost(run: Run) -> None:
+    text = " ".join(run("traverse-time", "--help").stdout.replace("│", " ").split())
+    assert "20 us a cell in contact" in text
+
+
 def test_a_sweep_of_nothing_is_an_error(run: Run) -> None:
     result = run("traverse-time", *NUT, "-L", "600", "--sweep")
     assert result.exit_code == 2
