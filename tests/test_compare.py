@@ -197,6 +197,21 @@ def test_the_trigger_time_of_smoothed_data_is_found_within_its_error(signals: tu
     assert alignment.error < 2e-3
 
 
+def test_searches_use_the_middle_of_a_long_record() -> None:
+    observation = Walked(nut()).observe("velocity", cycles=250, trigger=0.02)
+    part = observation.middle
+    assert part.time.size == 6000
+    np.testing.assert_array_equal(part.time, observation.time[2000:8000])
+    np.testing.assert_array_equal(part.signals["velocity"], observation.signals["velocity"][2000:8000])
+    assert align(observation, settled_motion(nut())).shift == pytest.approx(0.02, abs=5e-5)
+    short = Walked(nut()).observe("velocity")
+    assert short.middle is short
+    # A quick sensor: rows of at least four cycles.
+    time = np.arange(100_000) / 50_000.0
+    quick = Observation(time, {"velocity": Walked(nut()).velocity(time)}, FREQUENCY)
+    assert float(np.ptp(quick.middle.time)) == pytest.approx(4 * PERIOD, rel=1e-3)
+
+
 def test_a_body_at_rest_has_no_place_in_the_cycle() -> None:
     observation = Walked(nut(0.5)).observe("displacement", "velocity")
     comparison = compare(nut(0.5), observation)

@@ -30,6 +30,9 @@ _GRID: Final = 512  # shifts that the search starts from
 _LEAST_MISFIT: Final = 1e-9
 # A computed motion that fits no place in the cycle better than this is the same everywhere: the body rests.
 _FLAT: Final = 1e-3
+# Enough for errors far below a sample's step; a part of at least so many cycles.
+_SEARCHED_ROWS: Final = 6000
+_SEARCHED_CYCLES: Final = 4.0
 # The fine search covers this part of the cycle to each side of the rough one, in so many steps.
 _SEARCHED: Final = 0.05
 _STEPS: Final = 41
@@ -120,6 +123,18 @@ class Observation:
             name: fold(self.time, values, self.frequency, _TRENDS[name])
             for name, values in self.signals.items()
         }
+
+    @cached_property
+    def middle(self) -> Observation:
+        """The part that searches use: all of it, or the middle of a long record."""
+        cycles = (float(self.time[-1]) - float(self.time[0])) * self.frequency
+        rows = max(_SEARCHED_ROWS, math.ceil(_SEARCHED_CYCLES * self.time.size / cycles))
+        if self.time.size <= rows:
+            return self
+        first = (self.time.size - rows) // 2
+        part = slice(first, first + rows)
+        signals = {name: values[part] for name, values in self.signals.items()}
+        return Observation(self.time[part], signals, self.frequency)
 
     def residuals(
         self, motion: SettledMotion, shift: float, *, trend: bool = True, window: float = 1.0
@@ -221,6 +236,7 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
     Alignment
         The best shift.
     """
+    observation = observation.middle
     period = observation.period
     rough, losses = observation.rough_shift(motion)
     counts = {
@@ -275,26 +291,20 @@ def data_frequency(observation: Observation) -> float:
 
     That of the largest wave within half to twice of the drive's; NaN where it is no larger than noise.
     """
-    name = next(
-        n for n in ("velocity", "acceleration", "friction", "displacement") if n in observation.signals
-    )
-    values, time = observation.signals[name], observation.time
-    span = float(time[-1] - time[0])
-    middle = (time - time.mean()) / span
-    power = 2 if name == "displacement" else 1
-    trend = np.vander(middle, power, increasing=True)
-    values = values - trend @ np.linalg.lstsq(trend, values, rcond=None)[0]
+    names = ("velocity", "acceleration", "friction", "displacement")
+    name = next(name for name in names if name in observation.signals)
+    part = observation.middle
+    time = part.time - part.time.mean()
+    trend = np.vander(time / np.ptp(time), 2, increasing=True)
+    values = part.signals[name] - trend @ np.linalg.lstsq(trend, part.signals[name], rcond=None)[0]
 
     def strength(frequency: float) -> float:
-        turn = 2j * math.pi * frequency
-        return abs(complex(np.exp(-turn * time) @ values))
+        return abs(complex(np.exp(-2j * math.pi * frequency * time) @ values))
 
-    f = observation.frequency
-    grid = np.arange(0.5 * f, 2.0 * f, 0.25 / span)
+    step = 0.25 / float(np.ptp(time))
+    grid = np.arange(0.5 * part.frequency, 2.0 * part.frequency, step)
     peak = float(grid[np.argmax([strength(g) for g in grid])])
     if strength(peak) ** 2 < _CLEAR * time.size * float(values @ values):
         return math.nan
-    best = minimize_scalar(
-        lambda g: -strength(g), bounds=(peak - 0.25 / span, peak + 0.25 / span), method="bounded"
-    )
+    best = minimize_scalar(lambda g: -strength(g), bounds=(peak - step, peak + step), method="bounded")
     return float(best.x)

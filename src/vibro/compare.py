@@ -295,7 +295,7 @@ def _warnings(
     for rival in alignment.rivals:
         warnings.append(f"the data fit nearly as well {1e3 * rival:.4g} ms after the trough's middle")
     found = data_frequency(observation)
-    span = float(observation.time[-1] - observation.time[0])
+    span = float(np.ptp(observation.middle.time))
     if abs(found - observation.frequency) * span > _FOREIGN:
         warnings.append(
             f"the data repeat at {found:.5g} Hz, the drive of the scene at {observation.frequency:.5g} Hz"

@@ -40,8 +40,8 @@ _BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
 _STARTS: Final[Mapping[str, tuple[float, ...]]] = {
     "static_friction": (0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0),
     "kinetic_friction": (0.25, 0.5, 0.65, 0.75, 0.85, 0.95),
-    "amplitude": (0.6, 0.8, 1.0, 1.2, 1.5),
-    "drive_angle": tuple(math.radians(a) for a in (10.0, 20.0, 30.0, 40.0)),
+    "amplitude": (0.7, 1.0, 1.4),
+    "drive_angle": tuple(math.radians(a) for a in (10.0, 20.0, 35.0)),
 }
 _TRIED: Final = 3  # of the starts, the best
 _ROUNDS: Final = 4  # of weighing the signals by their misfit
@@ -177,7 +177,8 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     Returns
     -------
     Fit
-        By least squares over all signals, each weighing by its own misfit, and over the unknown trigger time.
+        By least squares over all signals, each weighing by its own misfit, and over the unknown trigger time;
+        of long records over their middle.
 
     Raises
     ------
@@ -195,7 +196,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
                 f"--fit {','.join(names)}: {name!r} cannot be estimated, or is named twice",
                 hint="choose from mu_s, mu_d, A and alpha",
             )
-    problem = _Problem(scene, observation, names)
+    problem = _Problem(scene, observation.middle, names)
     best = min((_refine(problem, start) for start in _starts(problem)), key=lambda found: found[0])[1]
     for _ in range(_ROUNDS - 1):
         _weigh(problem, best)

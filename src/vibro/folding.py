@@ -130,7 +130,7 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     middle, half = float(time[0]) + 0.5 * span, 0.5 * span
     powers = np.vander((time - middle) / half, trends, increasing=True)
     basis = np.hstack([powers, _harmonics(time, frequency, count)])
-    # Harmonics are nearly orthogonal: the normal equations lose nothing, and one refinement regains their rest.
+    # Harmonics are nearly orthogonal: the normal equations lose little, and one refinement regains that.
     inverse = np.linalg.pinv(basis.T @ basis)
     coefficients = inverse @ (basis.T @ signal)
     coefficients += inverse @ (basis.T @ (signal - basis @ coefficients))

@@ -201,6 +201,14 @@ def test_wrong_input_ends_with_code_2(run: Run, args: tuple[str, ...], said: str
     assert "Traceback" not in result.stderr
 
 
+def test_a_single_row_is_too_short(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "one.csv"
+    path.write_text("t [s],x [mm]\n0,1\n", encoding="utf-8")
+    result = run("compare", SCENE, path)
+    assert result.exit_code == 2
+    assert "the data cover 0 drive cycles" in result.stderr
+
+
 def test_missing_files(run: Run, tmp_path: Path) -> None:
     assert run("compare", SCENE).exit_code == 2
     result = run("compare", SCENE, tmp_path / "none.csv")

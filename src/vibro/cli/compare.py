@@ -134,6 +134,11 @@ def compare_command(
     scene = scene_of(request)
     observation = Observation.of(record, float(scene.frequency), mass=body, reverse=reverse)
     comparison = compare(scene, observation)
+    if observation.middle is not observation:
+        rows = observation.middle.time.size
+        console.echo(
+            f"alignment{' and fit' if names else ''}: the middle {rows} of {observation.time.size} rows"
+        )
     for warning in comparison.warnings:
         console.warn(warning)
     fit = None
