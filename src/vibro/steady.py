@@ -39,8 +39,8 @@ _MODEL_TEXTS = np.array(MODELS)
 # each other between two NumPy calls (benchmarks/kernel.py).
 _BLOCK = 131_072
 
-# Hopping cells at once: their flights, up to hundreds each, stay near a core.
-_HOPPING_BLOCK = 4_096
+# Hopping cells at once: many enough to share the steps that a few of them, with hundreds of flights, need.
+_HOPPING_BLOCK = 16_384
 
 # [s] How long an interrupt may go unnoticed: on Windows a wait without an end ignores it.
 _PATIENCE = 0.1
@@ -173,9 +173,7 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
 
     def hops(cells: NDArray[np.intp]) -> None:
         where = np.unravel_index(cells, grid)
-        _solve_hops(
-            out, cells, [a[tuple(i * (n > 1) for i, n in zip(where, a.shape, strict=True))] for a in arrays]
-        )
+        _solve_hops(out, cells, [_at(where, a) for a in arrays])
 
     _in_parallel(contact, list(grid_blocks(grid, _BLOCK)))
     if flight and accuracy == "exact":
@@ -298,6 +296,14 @@ def _solve_block(
     for name in ("mean_velocity_error", "flight_fraction", "impact_velocity"):
         part[name][...] = blank
     np.add(blank, 1.0, out=part["period_cycles"])
+
+
+def _at(where: tuple[NDArray[np.intp], ...], field: Floats) -> Floats:
+    """Pick cells of the grid from a field that broadcasts against it; 0-d where one value serves all."""
+    if field.size == 1:
+        return field.reshape(())
+    picked: Floats = field[tuple(i * (n > 1) for i, n in zip(where, field.shape, strict=True))]
+    return picked
 
 
 def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], arrays: list[Floats]) -> None:

@@ -15,7 +15,7 @@ from scenes import at_load, loads_of
 
 from vibro import Scene, Status, solve
 from vibro.core import bounce, hopping, returns
-from vibro.core.groups import take
+from vibro.core.groups import Loads, take
 from vibro.core.hopping import MOST_THROW, HoppingCycles, hopping_cycles, pattern_text
 from vibro.core.motion import Mode, track_of
 from vibro.core.returns import Cells, Return, follow, hops_of, velocity_from_rest
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
-
-    from vibro.core.groups import Loads
 
     Floats = NDArray[np.float64]
 
@@ -287,8 +285,12 @@ def test_one_value_for_all_cells_may_be_zero_dimensional() -> None:
         static_friction=scene.static_friction[0], kinetic_friction=scene.kinetic_friction[0],
     )  # fmt: skip
     wide, got = _solve(scene), hopping_cycles(narrow, np.array(0.0))
+    one = Loads(*(x[3] for x in scene))
+    restitution = np.array([0.0, 0.0])
     for name in HoppingCycles._fields:
         assert np.array_equal(getattr(wide, name), getattr(got, name)), name
+        both = getattr(hopping_cycles(one, restitution), name)
+        assert np.array_equal(both, np.repeat(getattr(wide, name)[3], 2)), name
 
 
 def test_long_patterns_are_cut_and_say_so() -> None:

@@ -167,7 +167,7 @@ def _from_rest(cells: Cells, hops: Hops, bound: Floats) -> tuple[_End, Bools]:
     """
     scene = cells.track.scene
     mu_s, mu_d = scene.static_friction, scene.kinetic_friction
-    start = velocity_from_rest(cells.track)
+    start = np.broadcast_to(velocity_from_rest(cells.track), bound.shape)
     bounded = np.broadcast_to((mu_d > 0.0) & (np.abs(scene.tangential) <= mu_d * scene.normal), bound.shape)
     end = _bracketed(cells, hops, start, bound)
     coexists = np.zeros(bound.shape, np.bool_)
