@@ -162,7 +162,7 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
     """Compare bodies with themselves one cycle ago; add cycles to ``whole`` in place.
 
     With the gain g per cycle the change of the state from now to m cycles later is its last change times
-    g (1 - g^m) / (1 - g), and so is the change of the displacement per cycle.
+    g (1 - g^m) / (1 - g), and so is the change of the displacement per cycle, Eq. (39).
     """
     at, then = walk.at, walk.memory
     turn = np.mod(at.phase - then.phase + np.pi, _TURN) - np.pi
@@ -188,7 +188,7 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
     # the next cycles may get farther than the last by about as much as their states differ
     top = then.top + np.abs(tail) + _SLACK * (distance + np.abs(change))
     never = (advance <= 0.0) & (settled | (linear & (top < walk.length)))
-    # A hopping body that is behind and slower than a cycle ago stays so: trajectories do not cross.
+    # A hopping body that is behind and slower than a cycle ago stays so: trajectories do not cross, Eq. (35).
     never |= ~slides & (other <= _SETTLED) & (walked <= 0.0) & (change <= 0.0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         count = np.floor((walk.length - top - walked) / advance) - 1.0

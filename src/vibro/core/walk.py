@@ -252,7 +252,7 @@ def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
 def accelerated(
     pull: Floats, drag: Floats, phase: Floats, velocity: Floats, s: Floats
 ) -> tuple[Floats, Floats]:
-    """Path and velocity under x'' = pull sin p - drag, a phase ``s`` behind the start, Eqs. (2) and (30).
+    """Path and velocity under x'' = pull sin p - drag, a phase ``s`` behind the start, Eq. (38).
 
     Slides, flights along the trough and flights off it differ in pull and drag alone.
     """
