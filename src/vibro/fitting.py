@@ -341,7 +341,8 @@ def _statements(
             effects["kinetic_friction"] = "mu_d sets the end of a slide"
         statements.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
     for group in groups:
-        symbols = " and ".join(_SYMBOLS[name] for name in group)
+        *first, last = (_SYMBOLS[name] for name in group)
+        symbols = f"{', '.join(first)} and {last}" if first else last
         if group == ("static_friction",) and not rests:
             highest = _highest_static_friction(problem, values, pattern)
             statements.append(
