@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Fields", "clip_line", "fill_unknown", "zero_lines", "zero_points", "zero_region"]
 
-# [points of the grid] Numbers are smooth where the motion repeats with the drive this far around, and motion
-# without a short period is to be seen where this many points side by side have it.
+# [points of the grid] Widths across which the motion must repeat with the drive for numbers to be smooth, and
+# of its neighbourhood; and how many points side by side without a short period are to be seen.
+_SMOOTH_ACROSS: Final = 15
 _SMOOTH_AROUND: Final = 5
 _SEEN: Final = 7
 
@@ -106,12 +107,14 @@ class Fields:
     @cached_property
     def smooth(self) -> Floats:
         """Positive where the motion repeats with the drive, all around; elsewhere contours would be noise."""
-        from scipy.ndimage import binary_dilation
+        from scipy.ndimage import binary_dilation, binary_erosion
 
         answered = np.isfinite(self.panel.cycle["mean_velocity"])
         longer = answered & (self.panel.cycle["period_cycles"] != 1.0)
-        size = [min(n, _SMOOTH_AROUND) for n in longer.shape]
-        return np.where(binary_dilation(longer, np.ones(size)), -0.5, 0.5)
+        grown = np.ones([min(n, _SMOOTH_ACROSS) for n in longer.shape])
+        shrunk = np.ones([min(n, _SMOOTH_ACROSS - _SMOOTH_AROUND + 1) for n in longer.shape])
+        rough = binary_erosion(binary_dilation(longer, grown), shrunk, border_value=1)
+        return np.where(rough, -0.5, 0.5)
 
     @cached_property
     def averaged(self) -> Floats:

@@ -51,6 +51,7 @@ BEGINS_AT: Final = {
     Regime.HOPPING: "hop",
 }
 _COVERS: Final = 2.0  # zorder of the uppermost cover
+_SPECK: Final = 0.04  # shortest piece of a contour, over the side of the map
 _FACET_TYPE: Final = 0.8  # size of type in facets against single maps
 
 
@@ -192,6 +193,7 @@ class MapLayers:
         for level in levels:
             hidden = [*self._covers, -fields.smooth]
             pieces = zero_lines(fields, np.nan_to_num(heights - norm(level)), hidden)
+            pieces = [piece for piece in pieces if self._is_long(piece)]
             if pieces:
                 ground = colours(norm(level))
                 width = (1.3 if level == 0.0 else 0.6) * self._scale
@@ -199,6 +201,13 @@ class MapLayers:
                     pieces, color=ink_on(ground), linewidth=width, zorder=1.5, gid=f"contour {level:g}"
                 )
                 self._contours.append((number_text(level), pieces, ground))
+
+    def _is_long(self, piece: Floats) -> bool:
+        """Whether a piece of a contour is more than a speck where numbers jump to and fro."""
+        width, height = np.ptp(
+            self.axes.transAxes.inverted().transform(self.axes.transData.transform(piece)), 0
+        )
+        return bool(np.hypot(width, height) >= _SPECK)
 
     def write(self, *, avoid: Floats) -> None:
         """Write the words where they have room, in place of earlier ones; the legend has the others.
