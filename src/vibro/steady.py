@@ -15,7 +15,7 @@ import numpy as np
 
 from vibro.core.codes import MODELS, Model, Status
 from vibro.core.groups import Loads, loads
-from vibro.core.hopping import hopping_cycles
+from vibro.core.hopping import MOST_THROW, hopping_cycles
 from vibro.core.solver import HOPPING_PATTERNS, SteadyState, pattern_texts, steady_state
 from vibro.errors import Problem, SceneError, VibroError
 
@@ -140,8 +140,8 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
         With "regimes" only the classes, ratios and statuses are found: a slipping cell has neither
         pattern nor model, and NaN for its numbers. It stands for ``flight=False``.
     flight : bool, optional
-        Whether hopping scenes are followed through flight and impact; else they have no numbers and the
-        status ``FLIGHT_NOT_MODELLED``.
+        Whether hopping scenes are followed through flight and impact; else, and above a throw number of
+        1e6, they have no numbers and the status ``FLIGHT_NOT_MODELLED``.
 
     Returns
     -------
@@ -177,7 +177,9 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
 
     _in_parallel(contact, list(grid_blocks(grid, _BLOCK)))
     if flight and accuracy == "exact":
-        hopping = np.flatnonzero(out.status == Status.FLIGHT_NOT_MODELLED)
+        # Beyond the largest throw number the phase of a landing is lost to rounding.
+        followed = (out.status == Status.FLIGHT_NOT_MODELLED) & (out.throw_number <= MOST_THROW)
+        hopping = np.flatnonzero(followed)
         _in_parallel(hops, [hopping[i : i + _HOPPING_BLOCK] for i in range(0, hopping.size, _HOPPING_BLOCK)])
     if scene.shape:
         return out
