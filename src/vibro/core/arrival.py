@@ -294,13 +294,17 @@ def _reach_flying(motion: _Motion, length: Floats) -> Floats:
             ahead = low + np.mod(zero - motion.phase - low, _TURN)
             ahead = np.where(ahead > low + _SETTLED * (1.0 + low), ahead, ahead + _TURN)
             high = np.fmin(high, ahead)
-        turns_back, turns_on = motion.speed(high) < 0.0, motion.speed(low) <= 0.0
-        still = _bisect(motion.speed, low, high, rises=turns_on)
-        start = np.where(turns_on, still, low)
-        end = np.where(turns_back, np.where(turns_on, start, still), high)
-        passes = open_ & (motion.missing(end) <= 0.0)
-        found = _bisect(motion.missing, start, end)
-        out = np.where(passes, found, out)
+        rises, rises_on = motion.speed(low) > 0.0, motion.speed(high) >= 0.0
+        start, end = low.copy(), np.where(rises | rises_on, high, low)
+        turns = np.flatnonzero(open_ & (rises != rises_on))
+        if turns.size:
+            ahead = rises[turns]
+            still = _bisect(take(motion, turns).speed, low[turns], high[turns], rises=~ahead)
+            start[turns] = np.where(ahead, low[turns], still)
+            end[turns] = np.where(ahead, still, high[turns])
+        there = np.flatnonzero(open_ & (motion.missing(end) <= 0.0))
+        if there.size:
+            out[there] = _bisect(take(motion, there).missing, start[there], end[there])
         low = high
     return out
 
