@@ -291,9 +291,9 @@ def _reach_flying(motion: _Motion, length: Floats) -> Floats:
     while (open_ := np.isnan(out) & (low < length)).any():
         high = length.copy()
         for zero in (kappa, np.pi - kappa):
-            ahead = low + np.mod(zero - motion.phase - low, _TURN)
-            ahead = np.where(ahead > low + _SETTLED * (1.0 + low), ahead, ahead + _TURN)
-            high = np.fmin(high, ahead)
+            nearest = low + np.mod(zero - motion.phase - low, _TURN)
+            nearest = np.where(nearest > low + _SETTLED * (1.0 + low), nearest, nearest + _TURN)
+            high = np.fmin(high, nearest)
         rises, rises_on = motion.speed(low) > 0.0, motion.speed(high) >= 0.0
         start, end = low.copy(), np.where(rises | rises_on, high, low)
         turns = np.flatnonzero(open_ & (rises != rises_on))
