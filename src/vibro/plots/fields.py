@@ -111,8 +111,8 @@ class Fields:
 
         answered = np.isfinite(self.panel.cycle["mean_velocity"])
         longer = answered & (self.panel.cycle["period_cycles"] != 1.0)
-        grown = np.ones([min(n, _SMOOTH_ACROSS) for n in longer.shape])
-        shrunk = np.ones([min(n, _SMOOTH_ACROSS - _SMOOTH_AROUND + 1) for n in longer.shape])
+        grown = np.ones([min(n, _SMOOTH_ACROSS) for n in longer.shape], np.bool_)
+        shrunk = np.ones([min(n, _SMOOTH_ACROSS - _SMOOTH_AROUND + 1) for n in longer.shape], np.bool_)
         rough = binary_erosion(binary_dilation(longer, grown), shrunk, border_value=1)
         return np.where(rough, -0.5, 0.5)
 
