@@ -42,7 +42,7 @@ _CLOSED: Final = 1e-13  # [A w] distance from the fixed point at which the cycle
 _SHY: Final = 8.0  # [1] factor by which the longest step shrinks where one left its piece, or grows
 
 # [1] Coexisting cycles need mu_d well below mu_s; none was found above (benchmarks/hopping.py).
-_MOST_COEXISTENCE: Final = 0.6
+_MOST_COEXISTENCE: Final = 0.75
 
 _BATCHES: Final = 12  # of flights, for the standard error of a mean
 _APART: Final = 1e-9  # [A w] fixed points closer than this are one
@@ -71,7 +71,7 @@ class HoppingCycles(NamedTuple):
     peak : array
         Largest relative speed along the trough, either way [A w].
     coexists : bool array
-        Whether a disturbed body can settle elsewhere; looked at where mu_d < 0.6 mu_s.
+        Whether a disturbed body can settle elsewhere; looked at where mu_d < 0.75 mu_s.
     """
 
     status: Codes
