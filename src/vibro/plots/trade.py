@@ -134,9 +134,12 @@ def _draw_front(axes: Axes, rows: Sequence[Row]) -> None:
 
 def _place_labels(axes: Axes, rows: Sequence[Row], colours: Mapping[str, str], taken: list[Any]) -> None:
     """Write each point's setting where it covers no other label, point or line, as near as it can."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.patheffects import withStroke
+    from matplotlib.text import Text
     from matplotlib.transforms import Bbox
 
+    renderer: Any = FigureCanvasAgg(axes.get_figure(root=True)).get_renderer()  # type: ignore[no-untyped-call]
     inside = axes.get_window_extent()
     boxes = [text.get_window_extent() for text in taken]
     for row, following in itertools.zip_longest(rows, rows[1:]):
@@ -165,7 +168,9 @@ def _place_labels(axes: Axes, rows: Sequence[Row], colours: Mapping[str, str], t
                 zorder=4,
                 arrowprops=_LEADER if reach > _LED else None,
             )
-            box = Bbox.padded(label.get_window_extent(), 1.5)
+            # of the words alone: an annotation's own extent has its leader in it
+            label.update_positions(renderer)
+            box = Bbox.padded(Text.get_window_extent(label, renderer), 1.5)
             if inside.containsx(box.x0) and inside.containsx(box.x1) and not box.count_overlaps(boxes):
                 break
         boxes.append(box)
