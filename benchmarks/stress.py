@@ -11,17 +11,19 @@ Results are maxima observed over the scenes drawn, not bounds.
 from __future__ import annotations
 
 import argparse
+import itertools
 import time
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any, Final, NamedTuple
 
+import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
 import vibro
-from vibro.accuracy.reference import exact_cycle, exact_sensitivity
+from vibro.accuracy.reference import DIGITS, exact_cycle, exact_sensitivity
 
 Floats = NDArray[np.float64]
 Fields = dict[str, Floats]
@@ -32,6 +34,7 @@ CHUNK: Final = 1000  # scenes a task
 _RIGHT_ANGLE: Final = 0.5 * np.pi
 _SMALLEST: Final = 5e-324
 _LARGEST: Final = 1.7e308
+_LEAST_FRICTION: Final = 1e-290  # [1] below, products with it are no doubles
 _NAMES: Final = (
     "amplitude",
     "frequency",
@@ -95,7 +98,7 @@ def extreme_fields(n: int, seed: int) -> Fields:
     )
     beta = np.clip(beta, -np.nextafter(_RIGHT_ANGLE, 0.0), np.nextafter(_RIGHT_ANGLE, 0.0))
     beta = np.where(alpha + beta < _RIGHT_ANGLE, beta, -np.abs(beta))
-    gravity = pick((95, lambda: 9.81), (5, lambda: decades(-100, 100)))
+    gravity = pick((95, lambda: 9.81), (5, lambda: decades(-20, 20)))
     frequency = pick(
         (5, lambda: 15.0),
         (80, lambda: 15.0 * decades(-12, 12)),
@@ -163,7 +166,8 @@ def broken_invariants(fields: Fields) -> Iterator[tuple[str, NDArray[np.intp]]]:
         warnings.simplefilter("ignore")
         cycle = vibro.solve(scene_of(fields))
         scaled = vibro.solve(scene_of(_rescaled(fields)))
-    answered = cycle.status <= vibro.Status.BOUNDARY
+    hops = cycle.regime == vibro.Regime.HOPPING
+    answered = (cycle.status <= vibro.Status.BOUNDARY) | (cycle.status == vibro.Status.AVERAGED)
     numbers = (cycle.displacement_per_cycle, cycle.mean_velocity, cycle.peak_velocity)
     finite = np.all([np.isfinite(x) for x in numbers], axis=0)
     nan = np.any([np.isnan(x) for x in numbers], axis=0)
@@ -174,7 +178,8 @@ def broken_invariants(fields: Fields) -> Iterator[tuple[str, NDArray[np.intp]]]:
         wrong_way |= (cycle.pattern == pattern) & (way * cycle.displacement_per_cycle < 0.0)
     moderate = _moderate(fields)
     checks = {
-        "unresolved": cycle.status == vibro.Status.UNRESOLVED,
+        "unresolved": (cycle.status == vibro.Status.UNRESOLVED) & ~hops,
+        "unresolved hops": (cycle.status == vibro.Status.UNRESOLVED) & hops,
         "NaN without a status": answered & nan,
         "a number in spite of its status": ~answered & ~np.isnan(cycle.mean_velocity),
         "speed not finite": answered & representable & ~finite,
@@ -188,6 +193,7 @@ def broken_invariants(fields: Fields) -> Iterator[tuple[str, NDArray[np.intp]]]:
         "not similar": moderate & (cycle.pattern != scaled.pattern),
         "not similar in length": moderate
         & answered
+        & (np.abs(cycle.displacement_per_cycle) > 1e-280)
         & (cycle.displacement_per_cycle != 4.0 * scaled.displacement_per_cycle),
         **_wrong_classes(fields, cycle),
     }
@@ -223,6 +229,8 @@ def _moderate(fields: Fields) -> NDArray[np.bool_]:
     moderate = np.ones(fields["amplitude"].shape, np.bool_)
     for name in ("amplitude", "frequency", "gravity"):
         moderate &= (fields[name] > 1e-120) & (fields[name] < 1e120)
+    # A displacement is proportional to the drive angle where both slides nearly cancel.
+    moderate &= (fields["drive_angle"] == 0.0) | (fields["drive_angle"] > 1e-120)
     return moderate
 
 
@@ -242,6 +250,7 @@ def _wrong_classes(fields: Fields, cycle: Any) -> dict[str, NDArray[np.bool_]]:
             weight * np.sin(beta),
         )
         known = np.isfinite(weight) & (weight > 0)
+        known &= (mu_s == 0) | (np.fmin(mu_s, mu_s * weight) > _LEAST_FRICTION)
 
         def beyond(load: Any, limit: Any, scale: Any) -> tuple[Any, Any]:
             clear = known & (np.abs(load - limit) > BOUNDARY * scale)
@@ -290,7 +299,9 @@ def against_reference(n: int, seed: int) -> Worst:
     cycle = vibro.solve(scene_of(fields))
     worst = Worst(n, 0, 0, 0.0, (), "", ())
     slipping, undecided, wrong = 0, 0, []
-    cells = np.flatnonzero((cycle.regime != vibro.Regime.HOPPING) & (cycle.status != vibro.Status.INFEASIBLE))
+    friction = fields["static_friction"]
+    usual = (friction == 0.0) | (friction > _LEAST_FRICTION)
+    cells = np.flatnonzero(usual & (cycle.regime != vibro.Regime.HOPPING))
     for i in cells.tolist():
         values = tuple(float(fields[name][i]) for name in _NAMES)
         exact = exact_cycle(values)
@@ -317,12 +328,14 @@ def _pattern(cycle: Any, i: int) -> str:
 
 def _near_boundary(values: tuple[float, ...], pattern: str) -> bool:
     """Whether some change of the inputs by a few ulp gives that pattern."""
-    for i in range(len(values) - 1):
-        for change in (-BOUNDARY, BOUNDARY):
-            moved = [v * (1.0 + change) if i == j else v for j, v in enumerate(values)]
-            moved[4] = min(moved[4], moved[3])
-            if exact_cycle(moved).pattern == pattern:
-                return True
+    # Multiple-precision changes: a class may be narrower than the doubles' spacing.
+    numbers = [mpmath.mpf(v) for v in values]
+    for i, size, sign in itertools.product(range(len(values) - 1), (0.25, 1.0, 4.0, 16.0), (-1.0, 1.0)):
+        moved = list(numbers)
+        moved[i] += moved[i] * sign * size * EPS
+        moved[4] = min(moved[4], moved[3])
+        if exact_cycle(moved).pattern in (pattern, ""):
+            return True
     return False
 
 
@@ -372,9 +385,8 @@ def main() -> None:
     slipping = sum(r.slipping for r in results)
     undecided = sum(r.undecided for r in results)
     seconds = time.perf_counter() - start
-    print(
-        f"{chunks * CHUNK} scenes against 50 digits ({slipping} slip, {undecided} undecided): {seconds:.0f} s"
-    )
+    print(f"{chunks * CHUNK} scenes against {DIGITS} digits: {seconds:.0f} s")
+    print(f"  {slipping} slip, {undecided} are left undecided by the reference")
     worst = max(results, key=lambda r: r.error)
     print(f"  largest error {worst.error:.2f} eps (condition |d| + S), {worst.pattern}, at")
     print("  " + ", ".join(f"{name}={value!r}" for name, value in zip(_NAMES, worst.where, strict=False)))

@@ -1,7 +1,7 @@
 """Steady cycles in arbitrary precision: a walk from event to event, independent of the solver.
 
 Nothing is assumed about the order of slides and rests, and nothing is taken from ``vibro.core``: the body is
-followed from rest until its motion repeats, with closed-form speeds and 50 digits. Needs mpmath (the extra
+followed from rest until its motion repeats, with closed-form speeds and 60 digits. Needs mpmath (the extra
 ``accuracy``).
 """
 
@@ -18,14 +18,16 @@ if TYPE_CHECKING:
 
 __all__ = ["DIGITS", "Exact", "exact_cycle", "exact_sensitivity"]
 
-DIGITS: Final = 50
+DIGITS: Final = 60
 _CONTEXT: Final = mpmath.mp.clone()
 _CONTEXT.dps = DIGITS
 _TURN: Final = 2 * _CONTEXT.pi
-_CLOSED: Final = _CONTEXT.mpf(10) ** (10 - DIGITS)  # [1] of a slide's start or length, that counts as none
+_CLOSED: Final = _CONTEXT.mpf(10) ** (16 - DIGITS)  # [1] of a slide's start or length, that counts as none
 _NEARLY: Final = _CONTEXT.mpf(10) ** (4 - DIGITS // 2)
 _SHORT: Final = 1e-3  # [rad]
 _STEP: Final = _CONTEXT.mpf(10) ** -20  # [1] relative change of an input, for derivatives
+
+_WEAKEST: Final = 1e-14  # [m A w^2] friction that the digits resolve
 
 _MOST_SLIDES: Final = 400
 _MOST_STEPS: Final = 200
@@ -41,11 +43,15 @@ class Exact(NamedTuple):
         Per drive cycle [A]; NaN where the body hops, runs away or has no memory of rest.
     pattern : str
         As ``SteadyCycle.pattern``; or ``hopping``, ``runaway``, ``indeterminate``; or empty if the walk was
-        given up, because it gains or loses too little in each cycle.
+        given up, because too little changes from cycle to cycle.
     """
 
     displacement: Any
     pattern: str
+
+
+class _UndecidedError(Exception):
+    """The digits do not decide what happens next."""
 
 
 class _Body(NamedTuple):
@@ -84,9 +90,12 @@ def exact_cycle(values: Sequence[Any]) -> Exact:
     if body.static_friction == 0:
         return Exact(_CONTEXT.nan, "indeterminate")
     if abs(body.tangential) > body.static_friction * body.normal:
-        # The mean load along the trough is its weight's; over a cycle that repeats, friction would balance it.
+        # The mean load along the trough is that of the weight; in a cycle that repeats, friction balances it.
         return Exact(_CONTEXT.nan, "runaway")
-    return _Walk(body).run()
+    try:
+        return _Walk(body).run()
+    except _UndecidedError:
+        return Exact(_CONTEXT.nan, "")
 
 
 def exact_sensitivity(values: Sequence[Any]) -> Any:
@@ -146,6 +155,8 @@ class _Walk:
 
     def run(self) -> Exact:
         """Walk until a slide begins as an earlier one did."""
+        if self.body.static_friction * self.body.normal < _WEAKEST:
+            raise _UndecidedError
         seen: dict[int, _Visit] = {}
         chain = 0  # slides since the last rest
         way = self._way_of_load()
@@ -162,13 +173,13 @@ class _Walk:
             elif way == 0 and chain % _TRY_EVERY in (2, 3):
                 limit = self._limit_of_chain()
                 if limit is not None:
-                    return Exact(limit, "" if _CONTEXT.isnan(limit) else "FB")
+                    return Exact(limit, "FB")
             if self._advance(way) is None:
                 return Exact(_CONTEXT.nan, "runaway")
             self.kinds.append("FB"[way])
             chain += 1
             way = self._way_of_load()
-        return Exact(_CONTEXT.nan, "")
+        raise _UndecidedError
 
     def _own_phase(self, way: int) -> Any:
         """Phase in [-pi/2, 3 pi/2) since the way's load was zero and rising."""
@@ -176,11 +187,14 @@ class _Walk:
         return (self.phase - way * _CONTEXT.pi + quarter) % _TURN - quarter
 
     def _way_of_load(self) -> int | None:
-        """Which way the load beats static friction now."""
+        """Which way the load beats static friction now; equality is rest where it is exact."""
         body = self.body
         sine = _CONTEXT.sin(self.phase)
         load = body.along * sine - body.tangential
-        if abs(load) <= body.static_friction * (body.normal - body.across * sine):
+        excess = abs(load) - body.static_friction * (body.normal - body.across * sine)
+        if abs(excess) < _CLOSED and (body.tangential != 0 or body.across != 0):
+            raise _UndecidedError
+        if excess < _CLOSED:
             return None
         return 0 if load > 0 else 1
 
@@ -212,8 +226,7 @@ class _Walk:
 
         Newton's method on the map from one forward start to the next: plain walking needs hundreds of
         cycles at low friction. The map rises with a slope below 1, so it has one fixed point, and if the
-        walk is a chain both here and there it is one all the way. Without friction every start is one. NaN
-        where friction is too weak to tell the map from that.
+        walk is a chain both here and there it is one all the way. Without friction every start is one.
         """
         frictionless = not any(self.body.resistances)
         start = self._own_phase(0)
@@ -226,7 +239,7 @@ class _Walk:
             if near or frictionless:
                 return displacement
             if abs(1 - slope) < _CLOSED / _NEARLY:
-                return _CONTEXT.nan
+                raise _UndecidedError
             step = change / (1 - slope)
             start += step
             near = abs(step) < _NEARLY
@@ -296,7 +309,7 @@ def _slide(load: Any, resistance: Any, start: Any) -> _Slide | None:
             high = x
         step = -v / slope if slope else high - low
         x += step
-        if abs(step) <= _NEARLY * x:  # the next step is its square
+        if step * step <= _CLOSED * x * abs(slope):  # what is left is shorter than that
             break
         if not low <= x <= high:
             x = (low + high) / 2

@@ -73,13 +73,20 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> _Start:
     mu_d = scene.kinetic_friction
     load = scene.along + direction * mu_d * scene.across
     vers = margin / static_load  # 1 - sin p0
+    cos = 1.0 - vers
+    excess = (scene.static_friction - mu_d) * scene.contrast / (static_load * load)
+    k = (mu_d * scene.normal + direction * scene.tangential) / load
+    if scene.tangential.any():
+        # Where the weight down the trough nearly cancels friction, k has to share the rounding of sin p0.
+        shared = cos - excess
+        k = np.where(np.abs(k - shared) > _NOISE, shared, k)
     onset = Onset(
         c=2.0 * np.arcsin(np.sqrt(0.5 * vers)),
-        cos=1.0 - vers,
+        cos=cos,
         sin=np.sqrt(vers * (2.0 - vers)),
         vers=vers,
-        excess=(scene.static_friction - mu_d) * scene.contrast / (static_load * load),
-        k=(mu_d * scene.normal + direction * scene.tangential) / load,
+        excess=excess,
+        k=k,
     )
     return _Start(onset, load)
 
@@ -96,32 +103,54 @@ def _verdict(value: Floats, scale: Floats) -> _Verdict:
     return _Verdict(value > noise, np.abs(value) <= noise)
 
 
-def _speed_at_opening(start: Onset, other: Onset) -> Floats:
-    """Speed of a slide where the opposite load window opens, own phase 3 pi/2 - c, Eq. (17) [load]."""
-    return start.sin + other.sin - start.k * (np.pi + start.c - other.c)
+def _reaches(start: Onset, other: Onset) -> _Verdict:
+    """Whether a slide still moves where the opposite load window opens, own phase 3 pi/2 - c, Eq. (17)."""
+    speed = start.sin + other.sin - start.k * (np.pi + start.c - other.c)
+    return _verdict(speed, start.sin + other.sin + np.abs(start.k))
 
 
-def _speed_at_closing(start: Onset, other: Onset) -> Floats:
-    """Speed of a slide where the opposite load window closes, own phase 3 pi/2 + c, Eq. (17) [load].
+class _Lead(NamedTuple):
+    """cos p_f - cos p_b of the two onsets, and the size of what cancels in it."""
+
+    value: Floats
+    size: Floats
+
+
+def _lead(scene: Loads, at: Margins, forward: Onset, back: Onset) -> _Lead:
+    """Difference of the onsets' cosines from that of their squared sines, which cancels only where they do.
+
+    It decides between cycles whose k is far below the rounding of either cosine.
+    """
+    mu_s = scene.static_friction
+    lift, hold = mu_s * scene.across, mu_s * scene.normal
+    loads = at.forward_load * at.back_load
+    scale = 4.0 / (loads * loads * (forward.sin + back.sin))
+    a, b = lift * hold, scene.tangential * scene.along
+    c, d = hold * scene.along, scene.tangential * lift
+    return _Lead((a - b) * (c - d) * scale, (a + np.abs(b)) * (c + np.abs(d)) * scale)
+
+
+def _outlasts(start: Onset, other: Onset, lead: _Lead, sign: int) -> _Verdict:
+    """Whether a slide still moves where the opposite load window closes, own phase 3 pi/2 + c, Eq. (17).
 
     For k < 0 the speed grows again behind 2 pi - asin|k|, and is looked at there if that comes first.
     """
-    c, sine = other.c, other.sin
-    early = -start.k > other.cos
+    k, c = start.k, other.c
+    ahead, size = sign * lead.value, lead.size
+    early = -k > other.cos
     if early.any():
-        c = np.where(early, np.arccos(np.clip(-start.k, 0.0, 1.0)), c)
-        sine = np.where(early, np.sin(c), sine)
-    return start.sin - sine - start.k * (np.pi + start.c + c)
-
-
-def _moving(speed: Floats, start: Onset, other: Onset) -> _Verdict:
-    return _verdict(speed, start.sin + other.sin + np.abs(start.k))
+        c = np.where(early, np.arccos(np.clip(-k, 0.0, 1.0)), c)
+        cosines = start.sin + np.sqrt(np.maximum((1.0 - k) * (1.0 + k), 0.0))
+        ahead = np.where(early, -start.excess * (start.excess + 2.0 * k) / cosines, ahead)
+        size = np.where(early, start.excess * (start.excess - 2.0 * k) / cosines, size)
+    loss = k * (np.pi + start.c + c)
+    return _verdict(ahead - loss, size + np.abs(loss))
 
 
 def slides_forward_only(scene: Loads, at: Margins) -> tuple[Bools, Bools]:
     """Whether the forward slide of a scene that slips both ways outlasts the back window, and if barely."""
     forward, back = (resting_start(scene, at, direction).onset for direction in (1, -1))
-    outlasts = _moving(_speed_at_closing(forward, back), forward, back)
+    outlasts = _outlasts(forward, back, _lead(scene, at, forward, back), 1)
     return outlasts.positive | outlasts.edge, outlasts.edge
 
 
@@ -139,15 +168,15 @@ def never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[_Restles
     """Phases of the never-at-rest cycle, and whether both its slides start beyond static friction."""
     mu_d = scene.kinetic_friction
     possible = (forward.onset.k > 0.0) & (back.onset.k > 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        turn = mu_d * mu_d * scene.across * scene.normal - scene.tangential * scene.along
-        y = np.where(possible, 0.5 * np.pi * turn / (mu_d * scene.contrast), np.nan)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        turn = mu_d * scene.across * scene.normal - scene.tangential / mu_d * scene.along
+        y = np.where(possible, 0.5 * np.pi * turn / scene.contrast, np.nan)
     t = np.tan(0.5 * y)
     cos_y = 2.0 / (1.0 + t * t)
     sin_y = cos_y * t
     cos_y -= 1.0
     sin_m = forward.onset.k * (0.5 * np.pi + y) / cos_y
-    possible &= sin_m < 1.0
+    possible &= (sin_m > 0.0) & (sin_m < 1.0)
     sin_m = np.where(possible, sin_m, np.nan)
     cos_m = np.sqrt((1.0 - sin_m) * (1.0 + sin_m))
     rise, fall = cos_m * cos_y, sin_m * sin_y
@@ -234,7 +263,9 @@ def _legs(which: Bools, start: _Start, after: tuple[Onset, _Legs] | None = None)
             onset = take(start.onset, cells)
         else:
             before, legs = after
-            onset = start_inside(np.pi + before.c[cells] - 2.0 * legs.x[cells], start.onset.k[cells])
+            # Inside the window, whatever the rounding of an end where the speed has nearly a double root.
+            edge, k = start.onset.c[cells], start.onset.k[cells]
+            onset = start_inside(np.clip(np.pi + before.c[cells] - 2.0 * legs.x[cells], -edge, edge), k)
         end = slide(onset)
         put(out, cells, (onset.c, end.x, load * end.reach, load * peak(onset), end.settled))
     return out
@@ -259,9 +290,10 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
         One entry a scene.
     """
     forward, back = resting_start(scene, at, 1), resting_start(scene, at, -1)
+    lead = _lead(scene, at, forward.onset, back.onset)
     (f_reaches, f_outlasts), (b_reaches, b_outlasts) = (
-        [_moving(speed(start, other), start, other) for speed in (_speed_at_opening, _speed_at_closing)]
-        for start, other in ((forward.onset, back.onset), (back.onset, forward.onset))
+        (_reaches(start, other), _outlasts(start, other, lead, sign))
+        for start, other, sign in ((forward.onset, back.onset, 1), (back.onset, forward.onset, -1))
     )
     phases, restless = never_at_rest(scene, forward, back)
 
@@ -280,7 +312,8 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
     b_then_f = apart & b_reaches.positive & ~b_only
     f_and_b = apart & ~b_only & ~b_then_f
     # Without kinetic friction other cycles are a neutral family: none attracts.
-    probe = f_only & ~restless.positive & b_reaches.positive & ~b_outlasts.positive & (forward.onset.k > 0.0)
+    probe = f_only & ~restless.positive & b_reaches.positive & (forward.onset.k > 0.0)
+    probe &= ~(b_outlasts.positive | b_outlasts.edge)
     b = _legs(apart | probe, back)
     f_next = _legs(b_then_f | probe, forward, after=(back.onset, b))
 

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 __all__ = ["Loads", "cosine_of_sum", "loads", "put", "take"]
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
-_LEAST_GRAVITY: Final = 1e-150
-_MOST_GRAVITY: Final = 1e150
+_LEAST_GRAVITY: Final = 1e-307
+_MOST_GRAVITY: Final = 1e307
 
 
 class Loads(NamedTuple):
@@ -57,7 +57,7 @@ def loads(
     """
     with np.errstate(over="ignore", divide="ignore"):
         w = 2.0 * np.pi * frequency
-        weight = np.clip((gravity / w) / (amplitude * w), _LEAST_GRAVITY, _MOST_GRAVITY)  # 1/G
+        weight = np.clip(gravity / w / amplitude / w, _LEAST_GRAVITY, _MOST_GRAVITY)  # 1/G
     along = np.cos(drive_angle)
     return Loads(
         along=along,

@@ -38,6 +38,7 @@ _R: Final = (
 _START: Final = (-0.07074, 0.001219, 0.11467, -0.314847)
 
 # [rad] Rounding of p0 = pi/2 - c, which may even turn its sign; added where k -> 0 and p0 -> 0 divide 0 by 0.
+_TINY: Final = 1e-300  # [1] keeps the step of a slide of no length from being 0 / 0
 _PHASE_NOISE: Final = 1e-15
 _BISECTIONS: Final = 55  # from an interval below pi down to an ulp
 
@@ -73,7 +74,7 @@ def start_inside(c: Floats, k: Floats) -> Onset:
     half = np.sin(0.5 * c)
     vers = 2.0 * half * half
     cos = 1.0 - vers
-    return Onset(c, cos, np.sin(c), vers, cos - k, k)
+    return Onset(c, cos, np.sin(c), vers, np.maximum(cos - k, 0.0), k)
 
 
 def _polynomial(y: Floats, coefficients: tuple[float, ...]) -> Floats:
@@ -137,7 +138,7 @@ def _evaluate(x: Floats, onset: Onset, kappa: Floats) -> _Evaluation:
     f = x * (cos_minus + onset.excess - cos_u * (y * _polynomial(y, _Q)))
     f1 = kappa - (vers_x + cos_x * (onset.vers - cos_minus) + sin_x * sin_u)
     f2 = -2.0 * (sin_x * cos_u + cos_x * sin_u)
-    return _Evaluation(f * f1 / (0.5 * f * f2 - f1 * f1), sin_x, cos_x, sin_u, cos_u)
+    return _Evaluation(f * f1 / (0.5 * f * f2 - (f1 * f1 + _TINY)), sin_x, cos_x, sin_u, cos_u)
 
 
 class Slide(NamedTuple):
@@ -189,7 +190,7 @@ def _slide(onset: Onset) -> Slide:
     first = cos_u * bulge + sin_u * slope
     second = sin_u * (sin_x + x * cos_x - bulge) + 2.0 * cos_u * slope
     reach = 2.0 * (sin_u * bulge + step * (first + 0.5 * step * second))
-    return Slide(x + step, reach, np.abs(step) <= _SETTLED * x)
+    return Slide(x + step, reach, np.abs(step) <= _SETTLED * x + _PHASE_NOISE)
 
 
 def _slide_downhill(onset: Onset) -> Slide:
@@ -207,7 +208,10 @@ def _slide_downhill(onset: Onset) -> Slide:
 
     low = np.maximum(1.5 * np.pi + c, 3.0 * np.pi - least)
     high = least
-    ends = speed(high) <= 0.0
+    # cos p0 - sqrt(1 - k^2) may be far below the rounding of either
+    cosines = np.abs(onset.sin) + np.sqrt(np.maximum((1.0 - k) * (1.0 + k), 0.0)) + _PHASE_NOISE
+    gain = k * (least - (0.5 * np.pi - c)) - onset.excess * (onset.excess - 2.0 * k) / cosines
+    ends = np.where(onset.sin > 0.0, gain, speed(high)) <= 0.0
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         moving = speed(middle) > 0.0

@@ -147,7 +147,7 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
     hold = scene.static_friction * scene.normal
     lean = scene.tangential
     infeasible = (scene.kinetic_friction > scene.static_friction) | (scene.contrast <= 0.0)
-    kinds = [infeasible, hops, hold <= 0.0]  # the rest is restless
+    kinds = [infeasible, hops, scene.static_friction == 0.0]  # the rest is restless
     status = np.select(
         kinds, [Status.INFEASIBLE, Status.FLIGHT_NOT_MODELLED, Status.INDETERMINATE], Status.RUNAWAY
     )

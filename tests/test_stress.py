@@ -1,0 +1,115 @@
+"""The steady solve where floating point is weakest; benchmarks/stress.py does the same on more scenes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from stress import against_reference, broken_invariants, extreme_fields
+
+import vibro
+from vibro.accuracy.reference import exact_cycle
+
+SCENES = 10_000
+REFERENCE_SCENES = 1_000
+
+# [eps (condition |d| + S)] what a displacement may be wrong by, of rounding alone
+TOLERANCE = 16.0
+
+
+def solve(*values: float) -> vibro.SteadyCycle:
+    names = (
+        "amplitude",
+        "frequency",
+        "drive_angle",
+        "static_friction",
+        "kinetic_friction",
+        "trough_angle",
+        "gravity",
+    )
+    return vibro.solve(vibro.Scene(**dict(zip(names, values, strict=True))))
+
+
+def test_the_scenes_are_extreme() -> None:
+    fields = extreme_fields(SCENES, 1)
+    assert fields["amplitude"].min() < 1e-300 < 1e300 < fields["amplitude"].max()
+    assert fields["static_friction"].min() == 0.0
+    assert fields["static_friction"].max() == 10.0
+    assert fields["drive_angle"].max() == math.nextafter(0.5 * math.pi, 0.0)
+    with np.errstate(all="ignore"):
+        cycle = vibro.solve(vibro.Scene(**fields))
+    near = np.abs(cycle.throw_number - 1.0) < 1e-14
+    assert near.sum() > 200
+    assert set(np.unique(cycle.pattern)) >= {"_", "F_", "B_", "FB", "FB_", "F_B_"}
+
+
+def test_invariants_hold_at_the_extremes() -> None:
+    fields = extreme_fields(SCENES, 1)
+    # Whether a body that flies repeats itself is another question.
+    broken = [(name, cells) for name, cells in broken_invariants(fields) if name != "unresolved hops"]
+    assert broken == []
+
+
+def test_patterns_and_displacements_agree_with_arbitrary_precision_at_the_extremes() -> None:
+    worst = against_reference(REFERENCE_SCENES, 1)
+    assert worst.slipping > 0.3 * REFERENCE_SCENES
+    assert worst.undecided < 0.05 * REFERENCE_SCENES
+    assert worst.wrong == ()
+    assert worst.error < TOLERANCE, worst
+
+
+def test_kinetic_friction_below_the_rounding_of_1_still_ends_slides() -> None:
+    """The forward slide ends inside the back window by a time of some 1e-15 of a cycle."""
+    scene = (1.7405755284284677e-10, 28074865.197999418, 2.4129613309251705e-12, 0.5590929778923998)
+    cycle = solve(*scene, 2.6318994976094815e-10, 0.0, 9.81)
+    assert cycle.pattern == "FB"
+    assert cycle.status == vibro.Status.OK
+    assert cycle.displacement_per_cycle == pytest.approx(0.0, abs=1e-15 * scene[0])
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        # The back slide never ends; whether another cycle coexists is not asked.
+        (354294.86976718466, 442.7098293589852, 0.0, 1.3131007009778993e-12, 1.9728903006111767e-24,
+         1.0519747618462566e-12, 9.81),
+        # The forward slide ends within rounding of the back window's end.
+        (0.000520263248049116, 312633.9028504501, 0.0, 3.1276025474526037, 3.1601756857674495e-13,
+         3.1601756857674455e-13, 9.81),
+        # The trough is all but as steep as static friction holds.
+        (4.612268256911697e-13, 0.132502858647908, 3.693444354268408e-06, 0.3355745424441268,
+         0.3355745424441265, -0.3237662845625886, 9.81),
+        # Half the length of the forward slide in the never-at-rest cycle is a right angle, but for rounding.
+        (1.3205146024910965e-23, 64405082989.93417, 1.5526651535927725, 0.00141791454401135,
+         0.0011394278749446362, -0.0011394273818401792, 9.81),
+    ],
+)  # fmt: skip
+def test_troughs_as_steep_as_friction_are_solved_without_a_warning(scene: tuple[float, ...]) -> None:
+    assert solve(*scene).status in (vibro.Status.OK, vibro.Status.BOUNDARY, vibro.Status.RUNAWAY)
+
+
+@pytest.mark.parametrize(
+    ("scene", "pattern"),
+    [
+        # G = 2.4e-278 and friction 1e-276: products of 1/G with friction are moderate
+        ((5.785417209620119e-272, 0.0010334773933788643, 1.8e-12, 1.17e-276, 2.9e-277, 0.0, 9.81), "_"),
+        ((5.785417209620119e-270, 0.0010334773933788643, 1.8e-12, 1.17e-276, 2.9e-277, 0.0, 9.81), "FB"),
+        # G = 1e300 and a drive angle of 1e-301: K = 0.1
+        ((1.2018588600096744e302, 0.0469671030793336, 1e-301, 0.74, 0.74, 0.0, 9.81), "FB"),
+    ],
+)
+def test_loads_and_frictions_may_both_be_extreme(scene: tuple[float, ...], pattern: str) -> None:
+    assert solve(*scene).pattern == pattern
+
+
+def test_friction_that_vanishes_beside_the_load_is_not_no_friction() -> None:
+    scene = (5.6e218, 112451601.4, 0.0, 1.5e-161, 7.4e-162, 1.57, 9.81)
+    assert solve(*scene).status == vibro.Status.RUNAWAY
+
+
+def test_the_reference_says_what_it_cannot_decide() -> None:
+    """Friction of 1e-20 of the load: the digits do not tell it from none."""
+    exact = exact_cycle((1.0, 1e12, 0.0, 1e-3, 1e-3, 0.0, 9.81))
+    assert exact.pattern == ""
+    assert math.isnan(exact.displacement)
