@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.coast import Coast, Pull, coast, coasted, pull_of
-from vibro.core.groups import take
+from vibro.core.groups import put, take
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -162,8 +162,7 @@ def contact_leg(track: Track, mode: Modes, phase: Floats, velocity: Floats, limi
             return follow(track, phase, velocity, limit)
         if cells.size:
             leg = follow(take(track, cells), phase[cells], velocity[cells], limit[cells])
-            for target, source in zip(out, leg, strict=True):
-                target[cells] = source
+            put(out, cells, leg)
     return out
 
 
