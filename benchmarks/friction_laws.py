@@ -3,8 +3,8 @@
 Usage: python benchmarks/friction_laws.py
 
 Two kinds. Laws that fall with sliding speed but hold a body at rest by static friction start from the same
-onset and need an event where the slide ends. Laws that are functions of the speed alone have no rest: the body
-creeps under any load, and the equation is stiff. v is the sliding speed; mu_s = 0.74, mu_d = 0.57 throughout.
+onset and need an event where the slide ends. Laws that are functions of the speed alone have no rest: the
+body creeps under any load, and the equation is stiff. v is the sliding speed; mu_s = 0.74 and mu_d = 0.57.
 
 - Stribeck: mu = mu_d + (mu_s - mu_d) exp(-(v/v_s)^2).
   B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083.

@@ -73,7 +73,7 @@ def forward_slides(fields: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarra
 def find_root_time(p0: np.ndarray, k: np.ndarray, repeats: int) -> float:
     """Time of the slides' ends (E1) by SciPy's root finder, bracketed by peak speed and x = pi - p0."""
 
-    def equation(x: np.ndarray, p0: np.ndarray, k: np.ndarray) -> np.ndarray:
+    def equation(x: np.ndarray, p0: np.ndarray, k: np.ndarray) -> Any:
         return np.sin(p0 + x) * np.sin(x) - k * x
 
     def run() -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.accuracy.methods import METHODS, Answers, converged_answers, regimes_of
+from vibro.accuracy.methods import METHODS, Answers, answers_of, converged_answers
 from vibro.accuracy.sample import draw_scenes, take_scenes
 from vibro.core.codes import Regime
 from vibro.scene import Scene
@@ -61,7 +62,7 @@ class Row:
     time_us : float
         Time a scene [us].
     error_max, error_999 : float
-        Largest error, and the one that 99.9 % of the answers do not exceed; NaN without answers.
+        Largest error, and the one that 99.9 % of the answers do not exceed; NaN if the method tells no speed.
     error_median : float
         Of the answers for scenes that truly slip: where others rest most methods are exact.
     beyond_tolerance : int
@@ -127,8 +128,7 @@ def best_reference() -> Reference:
             cycles.append(exact_cycle(values))
             tick()
         seconds = time.perf_counter() - start
-        displacement = np.array([float(c.displacement) for c in cycles])
-        return Answers(displacement, regimes_of([c.pattern for c in cycles]), seconds)
+        return answers_of([(float(c.displacement), c.pattern) for c in cycles], seconds)
 
     return Reference(f"event walk in {DIGITS}-digit arithmetic", answer, 1_000_000)
 
@@ -227,10 +227,11 @@ def _sample(grid: Grid, scenes: int, reference: Reference, tick: Tick) -> tuple[
 
 def _row(method: Method, answers: Answers, truth: Answers, tolerance: float) -> Row:
     n = answers.displacement.size
-    answered = np.isfinite(answers.displacement)
-    error = np.abs(answers.displacement - truth.displacement)[answered]
-    known = truth.displacement[answered]
-    still = truth.regime[answered] == Regime.NO_SLIP
+    answered = answers.regime != Regime.UNDEFINED
+    measured = np.isfinite(answers.displacement)
+    error = np.abs(answers.displacement - truth.displacement)[measured]
+    known = truth.displacement[measured]
+    still = truth.regime[measured] == Regime.NO_SLIP
     return Row(
         method.name,
         method.setting,
@@ -240,7 +241,9 @@ def _row(method: Method, answers: Answers, truth: Answers, tolerance: float) -> 
         error_999=_quantile(error, 0.999),
         error_median=_quantile(error[~still], 0.5),
         beyond_tolerance=int(np.sum(error > tolerance)),
-        wrong_regime_share=float(np.mean(answers.regime[answered] != truth.regime[answered])),
+        wrong_regime_share=float(np.mean((answers.regime != truth.regime)[answered]))
+        if answered.any()
+        else 0.0,
         silent_failures=int(np.sum((known != 0.0) & (error >= _FAILURE * np.abs(known)))),
         gave_up=int(np.sum(~answered)),
         drift_at_rest=float(np.max(error[still], initial=0.0)),
@@ -256,11 +259,12 @@ def advice(comparison: Comparison) -> str:
     right = [
         row
         for row in comparison.rows
-        if row.beyond_tolerance == row.wrong_regime_share == row.silent_failures == row.gave_up == 0
+        if math.isfinite(row.error_max)
+        and row.beyond_tolerance == row.wrong_regime_share == row.silent_failures == row.gave_up == 0
     ]
     limit = f"within {comparison.tolerance:g} A f in every scene"
     if not right:
-        closest = min(comparison.rows, key=lambda row: row.error_max)
+        closest = min((r for r in comparison.rows if math.isfinite(r.error_max)), key=lambda r: r.error_max)
         reached = f"{closest.method} ({closest.setting}), within {closest.error_max:.2g}"
         return f"No method stays {limit}; the closest is {reached}."
     best = min(right, key=lambda row: row.time_us)

@@ -248,7 +248,7 @@ def _cells(row: Row) -> tuple[str, ...]:
         row.setting,
         str(row.scenes),
         _time(row.time_us),
-        *(f"{error:.1e}" for error in (row.error_max, row.error_999)),
+        *("-" if math.isnan(error) else f"{error:.1e}" for error in (row.error_max, row.error_999)),
         str(row.beyond_tolerance),
         f"{row.wrong_regime_share:.2%}",
         str(row.silent_failures),

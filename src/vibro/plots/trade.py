@@ -35,8 +35,13 @@ _LOOKS: Final = (
 _MARKER_SIZE: Final = {"*": 13.0}
 
 # Offsets of a label from its point that are tried in turn, and from where on a line leads to it.
-_REACHES: Final = (5, 7, 15, 25, 38, 52)  # [pt]
-_DIRECTIONS: Final = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
+_REACHES: Final = (5, 7, 12, 18, 25, 33, 42, 52)  # [pt]
+_DIRECTIONS: Final = (
+    *itertools.product((1, -1), (1, -1)),
+    *((1, 0), (-1, 0), (0, 1), (0, -1)),
+    *itertools.product((2, -2), (1, -1)),
+    *itertools.product((1, -1), (2, -2)),
+)
 _LED: Final = 12  # [pt]
 _LEADER: Final[dict[str, Any]] = {"arrowstyle": "-", "color": "#888888", "linewidth": 0.5}
 _HORIZONTAL: Final = {1: "left", 0: "center", -1: "right"}
@@ -160,8 +165,8 @@ def _place_labels(axes: Axes, rows: Sequence[Row], colours: Mapping[str, str], t
                 _point(row),
                 (reach * right, reach * up),
                 textcoords="offset points",
-                ha=_HORIZONTAL[right],
-                va=_VERTICAL[up],
+                ha=_HORIZONTAL[np.sign(right)],
+                va=_VERTICAL[np.sign(up)],
                 fontsize=7.5,
                 color=colours[row.method],
                 path_effects=[withStroke(linewidth=2.0, foreground="#FFFFFF")],
