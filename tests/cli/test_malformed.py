@@ -1,0 +1,210 @@
+"""Ten thousand axes and scene files, most of them wrong: each is understood, or refused in clear lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from vibro.axes import parse_axis
+from vibro.errors import InputError
+from vibro.files import read_scene_file
+from vibro.units import QUANTITIES
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from commands import Run
+
+EXAMPLES = {"axes": 6000, "texts": 2000, "tables": 2000, "commands": 150}
+
+QUANTITY = st.sampled_from(list(QUANTITIES.values()))
+NUMBER = st.sampled_from(
+    [
+        "1",
+        "15",
+        "0.1",
+        "-3",
+        "1e3",
+        "1e400",
+        "1e-400",
+        ".5",
+        "5.",
+        "0x1f",
+        "1_000",
+        "nan",
+        "inf",
+        "-inf",
+        "1/2",
+        "½",
+        "٣",
+        "",
+    ]
+)
+UNIT = st.sampled_from(
+    ["", "mm", "um", "µm", "Hz", "rpm", "deg", "°", "rad", "m/s^2", "in", "Mm", "parsec", "%", "$"]
+)
+PIECE = st.one_of(
+    st.builds(str.__add__, NUMBER, UNIT),
+    st.sampled_from(
+        ["log", "step=", "step=0.1", "step=1mm", "step=-1", "step=x", "0", "1.5", "1e9", "10000001"]
+    ),
+    st.text(max_size=4),
+)
+AXIS = st.one_of(
+    st.lists(PIECE, min_size=1, max_size=5).map(":".join),
+    st.lists(PIECE, min_size=1, max_size=5).map(",".join),
+    st.text(alphabet="0123456789.,:-+eE stpelogµ°mHz\t\n\0", max_size=20),
+    st.text(max_size=20),
+)
+
+KEYS = [q.column for q in QUANTITIES.values()]
+KEY = st.one_of(
+    st.sampled_from(KEYS),
+    st.sampled_from(["amplitude", "frequency_Hz", "static_fiction", "scene", "mu_s"]),
+    st.text(alphabet="abcdefgh_-", min_size=1, max_size=12),
+)
+TOML_VALUE = st.one_of(
+    st.sampled_from(
+        [
+            "1",
+            "1.5",
+            "-1",
+            "0",
+            "nan",
+            "inf",
+            "true",
+            '""',
+            '"1"',
+            '"0.1:3"',
+            '"3:0.1"',
+            '"0,74"',
+            "[]",
+            "[1]",
+            "[3, 2]",
+        ]
+    ),
+    st.sampled_from(
+        ['["a"]', "[[1]]", "{}", "{a = 1}", "1979-05-27", "07:32:00", "1e999", "0x10", "9" * 400, "0,74"]
+    ),
+    AXIS.map(lambda text: '"' + text.replace("\\", "").replace('"', "") + '"'),
+)
+TABLE = st.sampled_from(
+    ["[scene]", "[map]", "[Scene]", "[sweep]", "[[scene]]", "[scene.map]", "", "[scene", "[]"]
+)
+SECTION = st.tuples(TABLE, st.lists(st.tuples(KEY, TOML_VALUE), max_size=5)).map(
+    lambda section: "\n".join([section[0], *(f"{key} = {value}" for key, value in section[1])])
+)
+
+
+def exactly(name: str) -> settings:
+    return settings(
+        max_examples=EXAMPLES[name],
+        derandomize=True,
+        database=None,
+        deadline=None,
+        suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+    )
+
+
+def attempt(parse: Callable[[], Any]) -> tuple[Any, InputError | None]:
+    """Parse something; return what came of it, and what was said against it."""
+    try:
+        return parse(), None
+    except InputError as refusal:
+        return None, refusal
+
+
+def are_clear(refusal: InputError) -> bool:
+    """Whether all that is said is lines that a console can show."""
+    hints = refusal.hint.split("\n") if refusal.hint else []
+    lines = [*refusal.problems, *hints]
+    return bool(refusal.problems) and all(line.strip() and line.isprintable() for line in lines)
+
+
+@exactly("axes")
+@given(AXIS, QUANTITY)
+def test_an_axis_is_understood_or_refused_in_one_line(text: str, quantity: Any) -> None:
+    spec, refusal = attempt(lambda: parse_axis(text, quantity))
+    if spec is not None and (spec.count is None or spec.count < 1000):
+        axis, refusal = attempt(lambda: spec.axis(5))
+        if axis is not None:
+            assert np.isfinite(axis.values).all()
+            assert (np.diff(axis.values) > 0.0).all()
+    if refusal is not None:
+        assert len(refusal.problems) == 1
+        assert are_clear(refusal), refusal.problems
+        assert quantity.label in refusal.problems[0]
+
+
+@exactly("texts")
+@given(st.one_of(st.lists(SECTION, max_size=3).map("\n".join).map(str.encode), st.binary(max_size=40)))
+def test_a_scene_file_is_understood_or_refused_in_lines(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(content)
+    _, refusal = attempt(lambda: read_scene_file(path))
+    assert refusal is None or are_clear(refusal), (refusal.problems, refusal.hint)
+
+
+@exactly("tables")
+@given(st.sampled_from(["scene", "map"]), st.dictionaries(KEY, TOML_VALUE, min_size=1, max_size=4))
+def test_every_wrong_entry_of_a_table_is_named(tmp_path: Path, table: str, entries: dict[str, str]) -> None:
+    path = tmp_path / "scene.toml"
+    text = "\n".join([f"[{table}]", *(f"{key} = {value}" for key, value in entries.items())])
+    path.write_text(text, encoding="utf-8")
+    found, refusal = attempt(lambda: read_scene_file(path))
+    unknown = [key for key in entries if key not in KEYS]
+    if refusal is None:
+        assert not unknown
+        assert len(found.scene) + len(found.sweep) == len(entries)
+        return
+    assert are_clear(refusal), (refusal.problems, refusal.hint)
+    if "not valid TOML" not in refusal.problems[0]:
+        assert all(any(repr(key) in problem for problem in refusal.problems) for key in unknown)
+        assert len(refusal.problems) <= len(entries)
+
+
+def refuse(run: Run, *args: str) -> None:
+    """Run a command that must not succeed by accident, and look at how it ends."""
+    result = run(*args)
+    assert result.exit_code in (0, 2), (args, result.output)
+    if result.exit_code == 2:
+        lines = result.stderr.splitlines()
+        assert result.stdout == ""
+        assert any(line.startswith("error: ") for line in lines)
+        # Above the errors there may be the echo of what was understood.
+        said = [line for line in lines if line.startswith(("error: ", "hint: "))]
+        assert lines[-len(said) :] == said
+        assert "Traceback" not in result.output
+        assert "unexpected" not in said[0]
+
+
+WRONG_AXIS = st.lists(PIECE, min_size=2, max_size=4).map(":".join)
+
+
+@exactly("commands")
+@given(
+    WRONG_AXIS,
+    st.sampled_from(["-A", "-f", "-a", "--mu-s", "--mu-ratio", "--trough-angle", "--gravity", "-L"]),
+)
+def test_commands_refuse_wrong_axes(run: Run, text: str, option: str) -> None:
+    given_ = {"-A": "1", "-f": "15", "-a": "20", "--mu-s": "0.7", "--mu-ratio": "0.7"}
+    arguments = [part for pair in {**given_, option: text}.items() for part in pair]
+    refuse(run, "solve", *arguments)
+
+
+@exactly("commands")
+@given(st.lists(SECTION, min_size=1, max_size=2).map("\n".join))
+def test_commands_refuse_wrong_scene_files(run: Run, content: str) -> None:
+    path = Path("scene.toml")
+    path.write_text(content, encoding="utf-8")
+    refuse(run, "solve", str(path))
+
+
+def test_a_wrong_axis_is_one_error_and_a_hint(run: Run) -> None:
+    result = run("map", "-A", "3:0.1", "-f", "15", "-a", "20", "--mu-s", "0.7", "--mu-ratio", "0.7")
+    assert result.exit_code == 2
+    assert [line.split(":")[0] for line in result.stderr.splitlines()] == ["error", "hint"]
