@@ -94,7 +94,7 @@ def trade_figure(comparison: Comparison) -> Figure:
             "offset points",
             fontsize=7.5,
         )
-        _place_labels(axes, rows, {name: colour for name, (colour, _) in looks.items()}, [text, line])
+        _place_labels(figure, axes, rows, {name: colour for name, (colour, _) in looks.items()}, [text, line])
     return figure
 
 
@@ -137,14 +137,16 @@ def _draw_front(axes: Axes, rows: Sequence[Row]) -> None:
     axes.set(xlim=(left, right), ylim=(bottom, top))
 
 
-def _place_labels(axes: Axes, rows: Sequence[Row], colours: Mapping[str, str], taken: list[Any]) -> None:
+def _place_labels(
+    figure: Figure, axes: Axes, rows: Sequence[Row], colours: Mapping[str, str], taken: list[Any]
+) -> None:
     """Write each point's setting where it covers no other label, point or line, as near as it can."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.patheffects import withStroke
     from matplotlib.text import Text
     from matplotlib.transforms import Bbox
 
-    renderer: Any = FigureCanvasAgg(axes.get_figure(root=True)).get_renderer()  # type: ignore[no-untyped-call]
+    renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     inside = axes.get_window_extent()
     boxes = [text.get_window_extent() for text in taken]
     for row, following in itertools.zip_longest(rows, rows[1:]):
