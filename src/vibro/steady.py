@@ -40,7 +40,7 @@ _MODEL_TEXTS = np.array(MODELS)
 _BLOCK = 131_072
 
 # Hopping cells at once: many enough to share the steps that a few of them, with hundreds of flights, need.
-_HOPPING_BLOCK = 16_384
+_HOPPING_BLOCK = 32_768
 
 # [s] How long an interrupt may go unnoticed: on Windows a wait without an end ignores it.
 _PATIENCE = 0.1
