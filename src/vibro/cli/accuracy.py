@@ -208,9 +208,10 @@ def _content(
 
 
 _HEADINGS: Final = (
-    "method", "setting", "scenes", "time", "max error", "99.9 %", "> tolerance", "wrong regime", "silent",
-    "gave up", "drift at rest",
+    "method", "setting", "scenes", "time", "max error", "99.9 %", "beyond", "wrong regime", "silent",
+    "gave up", "rest drift",
 )  # fmt: skip
+_WIDE: Final = 120  # [characters] that the table takes
 
 
 def _print_table(comparison: Comparison) -> None:
@@ -220,20 +221,22 @@ def _print_table(comparison: Comparison) -> None:
     cells = [_cells(row) for row in comparison.rows]
     legend = (
         f"{comparison.scenes} scenes in contact; errors of the mean speed in A f against "
-        f"{comparison.reference}; tolerance {comparison.tolerance:g}; silent: misses half the speed or more "
-        "without a word"
+        f"{comparison.reference}; beyond: the tolerance, {comparison.tolerance:g}; silent: misses half the "
+        "speed or more without a word"
     )
     if sys.stdout.isatty():
         from rich import box
         from rich.console import Console as RichConsole
         from rich.table import Table
 
-        table = Table(box=box.SIMPLE_HEAD, caption=legend, caption_justify="left")
+        table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), caption=legend, caption_justify="left")
         for heading in _HEADINGS:
-            table.add_column(heading, justify="left" if heading in ("method", "setting") else "right")
+            left = heading in ("method", "setting")
+            table.add_column(heading, justify="left" if left else "right", no_wrap=True)
         for row in cells:
             table.add_row(*row)
-        RichConsole(highlight=False, markup=False).print(table)
+        # A number that is cut short is worse than a line that wraps.
+        RichConsole(highlight=False, markup=False, width=_WIDE).print(table, crop=False)
     else:
         from vibro.cli.report import aligned
 
