@@ -187,11 +187,7 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
 
 
 def _in_parallel(run: Callable[[Any], None], parts: list[Any]) -> None:
-    """Run parts on all cores; an interrupt does not wait for those under way, which end on their own."""
-    if len(parts) < 2:
-        for part in parts:
-            run(part)
-        return
+    """Run parts on all cores; after an interrupt the other threads end with the part they are at."""
     _retain_freed_memory()
     left = deque(parts)
     failures: list[BaseException] = []
@@ -199,18 +195,21 @@ def _in_parallel(run: Callable[[Any], None], parts: list[Any]) -> None:
     def work() -> None:
         with contextlib.suppress(IndexError):  # none left; another thread may have taken the last
             while True:
-                part = left.popleft()
-                try:
-                    run(part)
-                except BaseException as exc:
-                    failures.append(exc)
-                    left.clear()
+                run(left.popleft())
 
-    threads = [Thread(target=work, daemon=True) for _ in range(os.cpu_count() or 1)]
-    for thread in threads:
-        thread.start()
+    def work_along() -> None:
+        try:
+            work()
+        except BaseException as exc:
+            failures.append(exc)
+            left.clear()
+
+    others = [Thread(target=work_along, daemon=True) for _ in range(min(os.cpu_count() or 1, len(parts)) - 1)]
     try:
-        for thread in threads:
+        for thread in others:
+            thread.start()
+        work()
+        for thread in others:
             while thread.is_alive():
                 thread.join(_PATIENCE)
     finally:
@@ -294,10 +293,13 @@ def _solve_block(
         part["displacement_per_cycle"] *= amplitude
         np.multiply(part["displacement_per_cycle"], frequency, out=part["mean_velocity"])
         part["peak_velocity"] *= 2.0 * np.pi * frequency * amplitude
-    blank = np.where(np.isnan(part["displacement_per_cycle"]), np.nan, 0.0)
     for name in ("mean_velocity_error", "flight_fraction", "impact_velocity"):
-        part[name][...] = blank
-    np.add(blank, 1.0, out=part["period_cycles"])
+        flat[name].fill(0.0)
+    flat["period_cycles"].fill(1.0)
+    unanswered = np.flatnonzero(np.isnan(flat["displacement_per_cycle"]))
+    if unanswered.size:
+        for name in ("mean_velocity_error", "flight_fraction", "impact_velocity", "period_cycles"):
+            flat[name][unanswered] = np.nan
 
 
 def _at(where: tuple[NDArray[np.intp], ...], field: Floats) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.core.codes import Pattern
 from vibro.core.groups import put, take
-from vibro.core.slide import Onset, peak, slide, start_inside
+from vibro.core.slide import Onset, slide, start_inside
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -125,6 +125,9 @@ def _lead(scene: Loads, at: Margins, forward: Onset, back: Onset) -> _Lead:
     lift, hold = mu_s * scene.across, mu_s * scene.normal
     loads = at.forward_load * at.back_load
     scale = 4.0 / (loads * loads * (forward.sin + back.sin))
+    if not scene.tangential.any():
+        value = lift * hold * (hold * scene.along) * scale
+        return _Lead(value, value)
     a, b = lift * hold, scene.tangential * scene.along
     c, d = hold * scene.along, scene.tangential * lift
     return _Lead((a - b) * (c - d) * scale, (a + np.abs(b)) * (c + np.abs(d)) * scale)
@@ -228,7 +231,7 @@ def one_way_cycles(scene: Loads, at: Margins, direction: int) -> Cycles:
     return _blank(end.x.size)._replace(
         pattern=np.full(end.x.size, Pattern.F_ if direction > 0 else Pattern.B_, np.int8),
         displacement=direction * start.load * end.reach,
-        peak=start.load * peak(start.onset),
+        peak=start.load * end.peak,
         settled=end.settled,
     )
 
@@ -267,7 +270,7 @@ def _legs(which: Bools, start: _Start, after: tuple[Onset, _Legs] | None = None)
             edge, k = start.onset.c[cells], start.onset.k[cells]
             onset = start_inside(np.clip(np.pi + before.c[cells] - 2.0 * legs.x[cells], -edge, edge), k)
         end = slide(onset)
-        put(out, cells, (onset.c, end.x, load * end.reach, load * peak(onset), end.settled))
+        put(out, cells, (onset.c, end.x, load * end.reach, load * end.peak, end.settled))
     return out
 
 
@@ -291,29 +294,62 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
     """
     forward, back = resting_start(scene, at, 1), resting_start(scene, at, -1)
     lead = _lead(scene, at, forward.onset, back.onset)
-    (f_reaches, f_outlasts), (b_reaches, b_outlasts) = (
-        (_reaches(start, other), _outlasts(start, other, lead, sign))
-        for start, other, sign in ((forward.onset, back.onset, 1), (back.onset, forward.onset, -1))
-    )
+    reaches = _reaches(forward.onset, back.onset)
+    outlasts = _outlasts(forward.onset, back.onset, lead, 1)
     phases, restless = never_at_rest(scene, forward, back)
 
     # Equality belongs to rest: a slide that stops just where the opposite window closes stays at rest.
-    f_only = f_outlasts.positive | f_outlasts.edge
-    meets = f_reaches.positive & ~f_only  # ends inside the back window
+    f_only = outlasts.positive | outlasts.edge
+    meets = reaches.positive & ~f_only  # ends inside the back window
     never = meets & restless.positive
-    f = _legs(~never, forward)
-    chained = meets & ~never
+    out = _blank(never.size)
+    cells = np.flatnonzero(never)
+    if cells.size:
+        slides = ((forward.onset.k, forward.load), (back.onset.k, back.load))
+        parts = (scene.kinetic_friction * scene.across, scene.along, slides, phases)
+        out.pattern[cells] = Pattern.FB
+        out.displacement[cells], out.peak[cells] = _never_at_rest_motion(*take(parts, cells))
+        edge = outlasts.edge | reaches.edge | restless.edge
+        out.edge[cells] = edge[cells]
+        if scene.tangential.any():  # on a level trough no back slide outlasts the forward window
+            out.coexists[cells] = _outlasts(back.onset, forward.onset, lead, -1).positive[cells]
+    cells = np.flatnonzero(~never)
+    if cells.size:
+        pair = _Pair(forward, back, lead, reaches.edge, outlasts.edge, f_only, meets, restless)
+        put(out, cells, _cycles_with_rest(take(pair, cells)))
+    return out
+
+
+class _Pair(NamedTuple):
+    """Both slides from rest of scenes that are at rest once a cycle, and what is known of them."""
+
+    forward: _Start
+    back: _Start
+    lead: _Lead
+    reaches_edge: Bools
+    outlasts_edge: Bools
+    f_only: Bools  # the forward slide outlasts the back window
+    meets: Bools  # it ends inside that window
+    restless: _Verdict
+
+
+def _cycles_with_rest(pair: _Pair) -> Cycles:
+    """Steady cycles from rest of scenes whose load exceeds static friction both ways, but for FB."""
+    forward, back, lead, f_only, chained = pair.forward, pair.back, pair.lead, pair.f_only, pair.meets
+    b_reaches = _reaches(back.onset, forward.onset)
+    b_outlasts = _outlasts(back.onset, forward.onset, lead, -1)
+    b_lasts = b_outlasts.positive | b_outlasts.edge
+    f = _legs(np.ones(f_only.size, np.bool_), forward)
     b_next = _legs(chained, back, after=(forward.onset, f))
     # phase from the end of that back slide to p_f + 2 pi
     f_then_b = chained & (np.pi - forward.onset.c + b_next.c - 2.0 * b_next.x >= 0.0)
 
-    apart = ~(f_only | never | f_then_b)  # back slip starts from rest
-    b_only = apart & (b_outlasts.positive | b_outlasts.edge)
+    apart = ~(f_only | f_then_b)  # back slip starts from rest
+    b_only = apart & b_lasts
     b_then_f = apart & b_reaches.positive & ~b_only
     f_and_b = apart & ~b_only & ~b_then_f
     # Without kinetic friction other cycles are a neutral family: none attracts.
-    probe = f_only & ~restless.positive & b_reaches.positive & (forward.onset.k > 0.0)
-    probe &= ~(b_outlasts.positive | b_outlasts.edge)
+    probe = f_only & ~pair.restless.positive & b_reaches.positive & (forward.onset.k > 0.0) & ~b_lasts
     b = _legs(apart | probe, back)
     f_next = _legs(b_then_f | probe, forward, after=(back.onset, b))
 
@@ -333,16 +369,10 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
                     out.displacement[cells] += sign * legs.path[cells]
                     out.peak[cells] = np.maximum(out.peak[cells], legs.top[cells])
                     out.settled[cells] &= legs.settled[cells]
-    cells = np.flatnonzero(never)
-    if cells.size:
-        slides = ((forward.onset.k, forward.load), (back.onset.k, back.load))
-        parts = (scene.kinetic_friction * scene.across, scene.along, slides, phases)
-        out.pattern[cells] = Pattern.FB
-        out.displacement[cells], out.peak[cells] = _never_at_rest_motion(*take(parts, cells))
 
     # A disturbed body can settle elsewhere: F_ beside FB or F_B, and the mirrored pairs.
     probe &= 2.0 * f_next.x - f_next.c + back.onset.c < np.pi  # its forward slide ends before p_b
-    out.coexists[:] = (f_only & (restless.positive | probe)) | ((never | f_then_b) & b_outlasts.positive)
-    out.edge[:] = f_outlasts.edge | (~f_only & f_reaches.edge) | (meets & restless.edge)
+    out.coexists[:] = (f_only & (pair.restless.positive | probe)) | (f_then_b & b_outlasts.positive)
+    out.edge[:] = pair.outlasts_edge | (~f_only & pair.reaches_edge) | (chained & pair.restless.edge)
     out.edge[:] |= apart & (b_reaches.edge | b_outlasts.edge)
     return out

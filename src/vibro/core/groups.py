@@ -58,13 +58,16 @@ def loads(
     with np.errstate(over="ignore", divide="ignore"):
         w = 2.0 * np.pi * frequency
         weight = np.clip(gravity / w / amplitude / w, _LEAST_GRAVITY, _MOST_GRAVITY)  # 1/G
-    along = np.cos(drive_angle)
+    along, across = np.cos(drive_angle), np.sin(drive_angle)
+    if not trough_angle.any():
+        level = np.zeros(())
+        return Loads(along, across, weight, level, weight * along, static_friction, kinetic_friction)
     return Loads(
         along=along,
-        across=np.sin(drive_angle),
+        across=across,
         normal=weight * np.cos(trough_angle),
         tangential=weight * np.sin(trough_angle),
-        contrast=weight * (cosine_of_sum(drive_angle, trough_angle) if trough_angle.any() else along),
+        contrast=weight * cosine_of_sum(drive_angle, trough_angle),
         static_friction=static_friction,
         kinetic_friction=kinetic_friction,
     )

@@ -7,7 +7,7 @@ problem; the caller turns the sign.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Onset", "Slide", "peak", "sine_gap", "slide", "start_inside"]
+__all__ = ["Onset", "Slide", "sine_gap", "slide", "start_inside"]
 
 # 1 - sin(x)/x = x^2 Q(x^2) and sin x - x cos x = x^3 R(x^2) on 0 <= x <= pi, highest power first:
 # Chebyshev economisations computed with 60 digits, error below 6e-18 of the value (test_slide.py),
@@ -33,6 +33,12 @@ _R: Final = (
     1.07060281802820307e-11, -1.92708525689134348e-9, 2.5052108384699699e-7, -0.0000220458553791796289,
     0.00119047619047618481, -0.033333333333333332, 0.333333333333333333,
 )  # fmt: skip
+# Q to 1e-7 (1 - x^2 / pi^2), as far as the first step of the refinement needs it: exact where sin x vanishes.
+_ROUGH_Q: Final = (
+    2.07021594934088e-8, -2.7105882002563e-6, 0.000198209914335634, -0.00833299169063596, 0.166666564638624,
+)  # fmt: skip
+# Q, R, R and Q as the rows of one polynomial, to be evaluated at once.
+_ROWS: Final = tuple(np.array([[q], [r], [r], [q]]) for q, r in zip((0.0, *_Q), _R, strict=True))
 
 # Start of the refinement, Eq. (13): coefficients of rho theta^2, theta^2, rho and 1, with rho = c / theta.
 _START: Final = (-0.07074, 0.001219, 0.11467, -0.314847)
@@ -77,9 +83,9 @@ def start_inside(c: Floats, k: Floats) -> Onset:
     return Onset(c, cos, np.sin(c), vers, np.maximum(cos - k, 0.0), k)
 
 
-def _polynomial(y: Floats, coefficients: tuple[float, ...]) -> Floats:
-    """Horner's rule, in place."""
-    value = coefficients[0] * y
+def _polynomial(y: Floats, coefficients: tuple[Any, ...]) -> Floats:
+    """Horner's rule, in place; coefficients that are columns serve a row of ``y`` each."""
+    value: Floats = coefficients[0] * y
     for a in coefficients[1:-1]:
         value += a
         value *= y
@@ -124,8 +130,8 @@ class _Evaluation(NamedTuple):
     cos_u: Floats
 
 
-def _evaluate(x: Floats, onset: Onset, kappa: Floats) -> _Evaluation:
-    """Halley's step at x, written in terms that all vanish like x^2."""
+def _evaluate(x: Floats, gap: Floats, onset: Onset, kappa: Floats) -> _Evaluation:
+    """Halley's step at x, written in terms that all vanish like x^2; ``gap`` is 1 - sin(x)/x."""
     t = np.tan(0.5 * x)
     vers_x = 2.0 / (1.0 + t * t)
     sin_x = vers_x * t
@@ -134,8 +140,7 @@ def _evaluate(x: Floats, onset: Onset, kappa: Floats) -> _Evaluation:
     cos_u = onset.cos * cos_x + onset.sin * sin_x
     sin_u = onset.cos * sin_x - onset.sin * cos_x
     cos_minus = onset.sin * sin_x - onset.cos * vers_x  # cos u - cos c
-    y = x * x
-    f = x * (cos_minus + onset.excess - cos_u * (y * _polynomial(y, _Q)))
+    f = x * (cos_minus + onset.excess - cos_u * gap)
     f1 = kappa - (vers_x + cos_x * (onset.vers - cos_minus) + sin_x * sin_u)
     f2 = -2.0 * (sin_x * cos_u + cos_x * sin_u)
     return _Evaluation(f * f1 / (0.5 * f * f2 - (f1 * f1 + _TINY)), sin_x, cos_x, sin_u, cos_u)
@@ -150,12 +155,16 @@ class Slide(NamedTuple):
         Half of the slide's length in phase [rad]: it ends at p0 + 2 x; inf where it never ends.
     reach : array
         Displacement over the slide's load amplitude, >= 0 [A]: D = C * reach; NaN where it never ends.
+    peak : array
+        Largest speed over the slide's load amplitude, Eq. (14) [A w], as a sum of terms that all vanish
+        like the cube of the slide's length.
     settled : bool array
         Whether the last refinement step was as small as it must be.
     """
 
     x: Floats
     reach: Floats
+    peak: Floats
     settled: NDArray[np.bool_]
 
 
@@ -172,7 +181,8 @@ def slide(onset: Onset) -> Slide:
     downhill = onset.k < 0.0
     if not downhill.any():
         return _slide(onset)
-    whole = Slide(np.empty_like(onset.c), np.empty_like(onset.c), np.empty(onset.c.shape, np.bool_))
+    x, reach, peak = np.empty((3, onset.c.size))
+    whole = Slide(x, reach, peak, np.empty(onset.c.shape, np.bool_))
     for part, solver in ((~downhill, _slide), (downhill, _slide_downhill)):
         cells = np.flatnonzero(part)
         put(whole, cells, solver(take(onset, cells)))
@@ -182,15 +192,19 @@ def slide(onset: Onset) -> Slide:
 def _slide(onset: Onset) -> Slide:
     kappa, theta = _theta(onset)
     x = _start(onset, theta)
-    x += _evaluate(x, onset, kappa).step
-    step, sin_x, cos_x, sin_u, cos_u = _evaluate(x, onset, kappa)
     y = x * x
-    bulge = x * y * _polynomial(y, _R)  # sin x - x cos x
+    x += _evaluate(x, y * _polynomial(y, _ROUGH_Q), onset, kappa).step
+    y = x * x
+    squares = np.array((y, y, theta * theta, onset.c * onset.c))
+    gap, bulge, bulge_top, gap_start = squares * _polynomial(squares, _ROWS)
+    step, sin_x, cos_x, sin_u, cos_u = _evaluate(x, gap, onset, kappa)
+    bulge *= x  # sin x - x cos x
     slope = x * sin_x  # its derivative
     first = cos_u * bulge + sin_u * slope
     second = sin_u * (sin_x + x * cos_x - bulge) + 2.0 * cos_u * slope
     reach = 2.0 * (sin_u * bulge + step * (first + 0.5 * step * second))
-    return Slide(x + step, reach, np.abs(step) <= _SETTLED * x + _PHASE_NOISE)
+    peak = theta * bulge_top + onset.c * (kappa - gap_start)
+    return Slide(x + step, reach, peak, np.abs(step) <= _SETTLED * x + _PHASE_NOISE)
 
 
 def _slide_downhill(onset: Onset) -> Slide:
@@ -219,14 +233,6 @@ def _slide_downhill(onset: Onset) -> Slide:
         high = np.where(moving, high, middle)
     x = 0.5 * (high - (0.5 * np.pi - c))
     reach = 2.0 * np.sin(x - c) * (x * x * x * _polynomial(x * x, _R))
-    return Slide(np.where(ends, x, np.inf), np.where(ends, reach, np.nan), np.ones(c.shape, np.bool_))
-
-
-def peak(onset: Onset) -> Floats:
-    """Largest speed of a slide from rest over its load amplitude, Eq. (14) [A w].
-
-    Written as a sum of terms that all vanish like the cube of the slide's length.
-    """
     kappa, theta = _theta(onset)
-    t, y = theta * theta, onset.c * onset.c
-    return theta * t * _polynomial(t, _R) + onset.c * (kappa - y * _polynomial(y, _Q))
+    peak = theta**3 * _polynomial(theta * theta, _R) + c * (kappa - c * c * _polynomial(c * c, _Q))
+    return Slide(np.where(ends, x, np.inf), np.where(ends, reach, np.nan), peak, np.ones(c.shape, np.bool_))

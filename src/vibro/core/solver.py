@@ -88,21 +88,20 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
     hold = scene.static_friction * scene.normal
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         np.divide(scene.across, scene.normal, out=out.throw_number)
-        np.divide(at.margins.forward_load, hold + scene.tangential, out=out.forward_ratio)
-        np.divide(np.maximum(at.margins.back_load, 0.0), hold - scene.tangential, out=out.back_ratio)
+        np.add(hold, scene.tangential, out=out.forward_ratio)
+        np.divide(at.margins.forward_load, out.forward_ratio, out=out.forward_ratio)
+        np.subtract(hold, scene.tangential, out=out.back_ratio)
+        np.divide(np.maximum(at.margins.back_load, 0.0), out.back_ratio, out=out.back_ratio)
     out.status[:] = at.edge  # OK is 0, BOUNDARY is 1
-    out.regime.fill(Regime.NO_SLIP)
     out.pattern.fill(Pattern.R)
-    out.model.fill(Model.REST)
     for array in (out.displacement, out.peak, out.coexists):
         array.fill(0)
 
     # mu_s = 0 is restless too
     infeasible = (scene.kinetic_friction > scene.static_friction) | (scene.contrast <= 0.0)
     exceptional = at.hops | at.restless | infeasible
-    cells = np.flatnonzero(exceptional)
-    if cells.size:
-        _except(out, cells, take(scene, cells), at.hops[cells])
+    exceptions = np.flatnonzero(exceptional)
+    if exceptions.size:
         at = at._replace(forward=at.forward & ~exceptional, back=at.back & ~exceptional)
     if classes_alone:
         at = _classify(out, scene, at)
@@ -114,32 +113,42 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
         cells = np.flatnonzero(slipping)
         if cells.size:
             _write(out, cells, solver(take(scene, cells), take(at.margins, cells)))
+    for codes, table in ((out.regime, _REGIME_OF_PATTERN), (out.model, _MODEL_OF_PATTERN)):
+        np.take(table, out.pattern, out=codes, mode="clip")  # unlike the default, without a buffer
+    _withdraw(out, np.isnan(out.displacement))
+    if exceptions.size:
+        _except(out, exceptions, take(scene, exceptions), at.hops[exceptions])
     if classes_alone:
-        slipping = (out.regime == Regime.FORWARD_SLIP) | (out.regime == Regime.BACK_SLIP)
-        out.pattern[slipping] = Pattern.NONE
-        out.model[slipping] = Model.NONE
-        for numbers in (out.displacement, out.peak):
-            numbers[slipping] = np.nan
-        out.coexists[slipping] = False
+        _withdraw(out, (out.regime == Regime.FORWARD_SLIP) | (out.regime == Regime.BACK_SLIP))
 
 
 def _classify(out: SteadyState, scene: Loads, at: Thresholds) -> Thresholds:
     """Find the regimes of slipping cells without solving a slide; return the cells that need one.
 
     A cell that slips both ways slips back in its steady cycle unless its forward slide outlasts the back
-    window. Only where the trough is steeper than the angle of kinetic friction may a slide never end.
+    window; F_ and B_ stand for all patterns of their regimes. Only where the trough is steeper than the
+    angle of kinetic friction may a slide never end.
     """
     steep = np.abs(scene.tangential) >= scene.kinetic_friction * scene.normal
-    one_way = (at.forward & ~at.back & ~steep, at.back & ~at.forward & ~steep)
-    for slipping, regime in zip(one_way, (Regime.FORWARD_SLIP, Regime.BACK_SLIP), strict=True):
-        out.regime[slipping] = regime
-    both = at.forward & at.back & ~steep
-    cells = np.flatnonzero(both)
+    out.pattern[at.forward & ~steep] = Pattern.F_
+    out.pattern[at.back & ~steep] = Pattern.B_
+    cells = np.flatnonzero(at.forward & at.back & ~steep)
     if cells.size:
         lasts, edge = slides_forward_only(take(scene, cells), take(at.margins, cells))
-        out.regime[cells] = np.where(lasts, np.int8(Regime.FORWARD_SLIP), np.int8(Regime.BACK_SLIP))
+        out.pattern[cells[lasts]] = Pattern.F_
         out.status[cells] |= edge.view(np.int8)
     return at._replace(forward=at.forward & steep, back=at.back & steep)
+
+
+def _withdraw(out: SteadyState, which: Bools) -> None:
+    """Leave cells their regime and status alone."""
+    cells = np.flatnonzero(which)
+    if cells.size:
+        out.pattern[cells] = Pattern.NONE
+        out.model[cells] = Model.NONE
+        out.coexists[cells] = False
+        for numbers in (out.displacement, out.peak):
+            numbers[cells] = np.nan
 
 
 def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools) -> None:
@@ -167,30 +176,16 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
 
 
 def _write(out: SteadyState, cells: NDArray[np.intp], cycles: Cycles) -> None:
-    """Put the solved cells where they belong, with the status that each has earned."""
-    status = cycles.edge.view(np.int8) | out.status[cells]  # OK is 0, BOUNDARY is 1
-    pattern, regime = cycles.pattern, _REGIME_OF_PATTERN[cycles.pattern]
+    """Put the solved cells where they belong; those without an answer get NaN and a status that says why."""
+    for target, flags in ((out.status, cycles.edge), (out.coexists, cycles.coexists)):
+        if flags.any():
+            target[cells] |= flags  # OK is 0, BOUNDARY is 1
     endless = np.isnan(cycles.displacement)
     if endless.any() or not cycles.settled.all():
-        status[endless] = Status.RUNAWAY
-        status[~cycles.settled] = Status.UNRESOLVED
-        unanswered = status > Status.BOUNDARY
-        pattern[unanswered] = Pattern.NONE
-        cycles.displacement[unanswered] = np.nan
-        cycles.peak[unanswered] = np.nan
-    put(
-        (out.status, out.regime, out.pattern, out.model, out.displacement, out.peak, out.coexists),
-        cells,
-        (
-            status,
-            regime,
-            pattern,
-            _MODEL_OF_PATTERN[pattern],
-            cycles.displacement,
-            cycles.peak,
-            cycles.coexists,
-        ),
-    )
+        out.status[cells[endless]] = Status.RUNAWAY
+        out.status[cells[~cycles.settled]] = Status.UNRESOLVED
+        cycles.displacement[~cycles.settled] = np.nan
+    put((out.pattern, out.displacement, out.peak), cells, (cycles.pattern, cycles.displacement, cycles.peak))
 
 
 def pattern_texts(codes: NDArray[np.int64]) -> NDArray[np.str_]:
