@@ -134,11 +134,11 @@ class Scene:
     @property
     def shape(self) -> tuple[int, ...]:
         """Common shape of the fields."""
-        return np.broadcast_shapes(*(x.shape for x in self.arrays()))
+        return np.broadcast(*self.arrays()).shape
 
     def arrays(self) -> tuple[Floats, ...]:
         """Return the fields in their declared order."""
-        return tuple(getattr(self, f.name) for f in fields(self))
+        return tuple(getattr(self, name) for name in _RULES)
 
     def _set(self, values: dict[str, Any]) -> None:
         problems = []
@@ -163,22 +163,27 @@ class Scene:
         problems = []
         for name, (unit, allowed, rule) in _RULES.items():
             x = getattr(self, name)
-            bad = ~(np.isfinite(x) & rule(x))
-            if bad.any():
-                problems.append(Problem(name, _text(float(x[bad].flat[0]), unit), allowed))
+            good = np.isfinite(x) & rule(x)
+            if np.count_nonzero(good) < x.size:
+                problems.append(Problem(name, _text(float(x[~good].flat[0]), unit), allowed))
         return problems
 
     def _combination_problems(self) -> list[Problem]:
         problems = []
-        mu_d, mu_s = np.broadcast_arrays(self.kinetic_friction, self.static_friction)
-        bad = mu_d > mu_s
-        if bad.any():
+        bad = self.kinetic_friction > self.static_friction
+        if np.count_nonzero(bad):
+            mu_d, mu_s = (
+                np.broadcast_to(x, bad.shape) for x in (self.kinetic_friction, self.static_friction)
+            )
             limit = f"<= static_friction = {mu_s[bad].flat[0]:.15g}"
             problems.append(Problem("kinetic_friction", f"{mu_d[bad].flat[0]:.15g}", limit))
-        drive, trough = np.broadcast_arrays(self.drive_angle, self.trough_angle)
-        each_valid = (drive >= 0) & (drive < math.pi / 2) & (np.abs(trough) < math.pi / 2)
-        bad = each_valid & (drive + trough >= math.pi / 2)
-        if bad.any():
+        bad = self.drive_angle + self.trough_angle >= math.pi / 2
+        if np.count_nonzero(bad):
+            drive, trough = (np.broadcast_to(x, bad.shape) for x in (self.drive_angle, self.trough_angle))
+            bad &= (
+                (drive >= 0) & (drive < math.pi / 2) & (np.abs(trough) < math.pi / 2)
+            )  # each alone is valid
+        if np.count_nonzero(bad):
             limit = f"less than 90 deg together with trough_angle = {_text(trough[bad].flat[0], 'rad')}"
             problems.append(Problem("drive_angle", _text(drive[bad].flat[0], "rad"), limit))
         return problems

@@ -76,7 +76,7 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> _Start:
     cos = 1.0 - vers
     excess = (scene.static_friction - mu_d) * scene.contrast / (static_load * load)
     k = (mu_d * scene.normal + direction * scene.tangential) / load
-    if scene.tangential.any():
+    if np.count_nonzero(scene.tangential):
         # Where the weight down the trough nearly cancels friction, k has to share the rounding of sin p0.
         shared = cos - excess
         k = np.where(np.abs(k - shared) > _NOISE, shared, k)
@@ -125,7 +125,7 @@ def _lead(scene: Loads, at: Margins, forward: Onset, back: Onset) -> _Lead:
     lift, hold = mu_s * scene.across, mu_s * scene.normal
     loads = at.forward_load * at.back_load
     scale = 4.0 / (loads * loads * (forward.sin + back.sin))
-    if not scene.tangential.any():
+    if not np.count_nonzero(scene.tangential):
         value = lift * hold * (hold * scene.along) * scale
         return _Lead(value, value)
     a, b = lift * hold, scene.tangential * scene.along
@@ -228,12 +228,11 @@ def one_way_cycles(scene: Loads, at: Margins, direction: int) -> Cycles:
     """
     start = resting_start(scene, at, direction)
     end = slide(start.onset)
-    return _blank(end.x.size)._replace(
-        pattern=np.full(end.x.size, Pattern.F_ if direction > 0 else Pattern.B_, np.int8),
-        displacement=direction * start.load * end.reach,
-        peak=start.load * end.peak,
-        settled=end.settled,
-    )
+    pattern = np.empty(end.x.shape, np.int8)
+    pattern.fill(Pattern.F_ if direction > 0 else Pattern.B_)
+    no = np.zeros(end.x.shape, np.bool_)
+    displacement, peak = direction * start.load * end.reach, start.load * end.peak
+    return Cycles(pattern, displacement, peak, coexists=no, edge=no, settled=end.settled)
 
 
 def _blank(n: int) -> Cycles:
@@ -259,7 +258,7 @@ def _legs(which: Bools, start: _Start, after: tuple[Onset, _Legs] | None = None)
     """
     n = which.size
     out = _Legs(np.full(n, np.nan), np.full(n, np.nan), np.zeros(n), np.zeros(n), np.ones(n, np.bool_))
-    cells = np.flatnonzero(which)
+    cells = which.nonzero()[0]
     if cells.size:
         load = take(start.load, cells)
         if after is None:
@@ -303,7 +302,7 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
     meets = reaches.positive & ~f_only  # ends inside the back window
     never = meets & restless.positive
     out = _blank(never.size)
-    cells = np.flatnonzero(never)
+    cells = never.nonzero()[0]
     if cells.size:
         slides = ((forward.onset.k, forward.load), (back.onset.k, back.load))
         parts = (scene.kinetic_friction * scene.across, scene.along, slides, phases)
@@ -311,9 +310,9 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
         out.displacement[cells], out.peak[cells] = _never_at_rest_motion(*take(parts, cells))
         edge = outlasts.edge | reaches.edge | restless.edge
         out.edge[cells] = edge[cells]
-        if scene.tangential.any():  # on a level trough no back slide outlasts the forward window
+        if np.count_nonzero(scene.tangential):  # on a level trough no back slide outlasts the forward window
             out.coexists[cells] = _outlasts(back.onset, forward.onset, lead, -1).positive[cells]
-    cells = np.flatnonzero(~never)
+    cells = (~never).nonzero()[0]
     if cells.size:
         pair = _Pair(forward, back, lead, reaches.edge, outlasts.edge, f_only, meets, restless)
         put(out, cells, _cycles_with_rest(take(pair, cells)))
@@ -361,7 +360,7 @@ def _cycles_with_rest(pair: _Pair) -> Cycles:
         (b_then_f, Pattern.F_B, f_next, b),
         (b_only, Pattern.B_, None, b),
     ):
-        cells = np.flatnonzero(which)
+        cells = which.nonzero()[0]
         if cells.size:
             out.pattern[cells] = code
             for legs, sign in ((way, 1.0), (retour, -1.0)):

@@ -57,9 +57,9 @@ def loads(
     """
     with np.errstate(over="ignore", divide="ignore"):
         w = 2.0 * np.pi * frequency
-        weight = np.clip(gravity / w / amplitude / w, _LEAST_GRAVITY, _MOST_GRAVITY)  # 1/G
+        weight = (gravity / w / amplitude / w).clip(_LEAST_GRAVITY, _MOST_GRAVITY)  # 1/G
     along, across = np.cos(drive_angle), np.sin(drive_angle)
-    if not trough_angle.any():
+    if not np.count_nonzero(trough_angle):
         level = np.zeros(())
         return Loads(along, across, weight, level, weight * along, static_friction, kinetic_friction)
     return Loads(

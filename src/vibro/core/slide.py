@@ -34,9 +34,9 @@ _R: Final = (
     0.00119047619047618481, -0.033333333333333332, 0.333333333333333333,
 )  # fmt: skip
 # Q to 1e-7 (1 - x^2 / pi^2), as far as the first step of the refinement needs it: exact where sin x vanishes.
-_ROUGH_Q: Final = (
+_ROUGH_Q: Final = tuple(map(np.array, (
     2.07021594934088e-8, -2.7105882002563e-6, 0.000198209914335634, -0.00833299169063596, 0.166666564638624,
-)  # fmt: skip
+)))  # fmt: skip
 # Q, R, R and Q as the rows of one polynomial, to be evaluated at once.
 _ROWS: Final = tuple(np.array([[q], [r], [r], [q]]) for q, r in zip((0.0, *_Q), _R, strict=True))
 
@@ -130,20 +130,20 @@ class _Evaluation(NamedTuple):
     cos_u: Floats
 
 
-def _evaluate(x: Floats, gap: Floats, onset: Onset, kappa: Floats) -> _Evaluation:
+def _evaluate(x: Floats, gap: Floats, onset: Onset) -> _Evaluation:
     """Halley's step at x, written in terms that all vanish like x^2; ``gap`` is 1 - sin(x)/x."""
     t = np.tan(0.5 * x)
     vers_x = 2.0 / (1.0 + t * t)
     sin_x = vers_x * t
     vers_x = sin_x * t
     cos_x = 1.0 - vers_x
-    cos_u = onset.cos * cos_x + onset.sin * sin_x
-    sin_u = onset.cos * sin_x - onset.sin * cos_x
     cos_minus = onset.sin * sin_x - onset.cos * vers_x  # cos u - cos c
+    cos_u = onset.cos + cos_minus
+    sin_u = onset.cos * sin_x - onset.sin * cos_x
     f = x * (cos_minus + onset.excess - cos_u * gap)
-    f1 = kappa - (vers_x + cos_x * (onset.vers - cos_minus) + sin_x * sin_u)
-    f2 = -2.0 * (sin_x * cos_u + cos_x * sin_u)
-    return _Evaluation(f * f1 / (0.5 * f * f2 - (f1 * f1 + _TINY)), sin_x, cos_x, sin_u, cos_u)
+    slope = 2.0 * sin_x * sin_u - onset.excess  # -f'
+    bend = sin_x * cos_u + cos_x * sin_u  # -f''/2
+    return _Evaluation(f * slope / (f * bend + (slope * slope + _TINY)), sin_x, cos_x, sin_u, cos_u)
 
 
 class Slide(NamedTuple):
@@ -179,12 +179,12 @@ def slide(onset: Onset) -> Slide:
     For k < 0 (the trough steeper than the friction angle) see ``_slide_downhill``.
     """
     downhill = onset.k < 0.0
-    if not downhill.any():
+    if not np.count_nonzero(downhill):
         return _slide(onset)
     x, reach, peak = np.empty((3, onset.c.size))
     whole = Slide(x, reach, peak, np.empty(onset.c.shape, np.bool_))
     for part, solver in ((~downhill, _slide), (downhill, _slide_downhill)):
-        cells = np.flatnonzero(part)
+        cells = part.nonzero()[0]
         put(whole, cells, solver(take(onset, cells)))
     return whole
 
@@ -193,11 +193,11 @@ def _slide(onset: Onset) -> Slide:
     kappa, theta = _theta(onset)
     x = _start(onset, theta)
     y = x * x
-    x += _evaluate(x, y * _polynomial(y, _ROUGH_Q), onset, kappa).step
+    x += _evaluate(x, y * _polynomial(y, _ROUGH_Q), onset).step
     y = x * x
     squares = np.array((y, y, theta * theta, onset.c * onset.c))
     gap, bulge, bulge_top, gap_start = squares * _polynomial(squares, _ROWS)
-    step, sin_x, cos_x, sin_u, cos_u = _evaluate(x, gap, onset, kappa)
+    step, sin_x, cos_x, sin_u, cos_u = _evaluate(x, gap, onset)
     bulge *= x  # sin x - x cos x
     slope = x * sin_x  # its derivative
     first = cos_u * bulge + sin_u * slope

@@ -82,8 +82,8 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
     classes_alone : bool
         Whether to find the regimes only: slipping cells then have neither pattern nor numbers.
     """
-    # so that every threshold is 1-D
-    scene = scene._replace(normal=np.broadcast_to(scene.normal, out.status.shape))
+    if not scene.normal.ndim:  # so that every threshold is 1-D
+        scene = scene._replace(normal=np.broadcast_to(scene.normal, out.status.shape))
     at = thresholds(scene)
     hold = scene.static_friction * scene.normal
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -100,21 +100,21 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
     # mu_s = 0 is restless too
     infeasible = (scene.kinetic_friction > scene.static_friction) | (scene.contrast <= 0.0)
     exceptional = at.hops | at.restless | infeasible
-    exceptions = np.flatnonzero(exceptional)
+    exceptions = exceptional.nonzero()[0]
     if exceptions.size:
         at = at._replace(forward=at.forward & ~exceptional, back=at.back & ~exceptional)
     if classes_alone:
         at = _classify(out, scene, at)
     for slipping, solver in (
-        (at.forward & ~at.back, partial(one_way_cycles, direction=1)),
-        (at.back & ~at.forward, partial(one_way_cycles, direction=-1)),
+        (at.forward > at.back, partial(one_way_cycles, direction=1)),
+        (at.back > at.forward, partial(one_way_cycles, direction=-1)),
         (at.forward & at.back, two_way_cycles),
     ):
-        cells = np.flatnonzero(slipping)
+        cells = slipping.nonzero()[0]
         if cells.size:
             _write(out, cells, solver(take(scene, cells), take(at.margins, cells)))
     for codes, table in ((out.regime, _REGIME_OF_PATTERN), (out.model, _MODEL_OF_PATTERN)):
-        np.take(table, out.pattern, out=codes, mode="clip")  # unlike the default, without a buffer
+        table.take(out.pattern, out=codes, mode="clip")  # unlike the default, without a buffer
     _withdraw(out, np.isnan(out.displacement))
     if exceptions.size:
         _except(out, exceptions, take(scene, exceptions), at.hops[exceptions])
@@ -132,7 +132,7 @@ def _classify(out: SteadyState, scene: Loads, at: Thresholds) -> Thresholds:
     steep = np.abs(scene.tangential) >= scene.kinetic_friction * scene.normal
     out.pattern[at.forward & ~steep] = Pattern.F_
     out.pattern[at.back & ~steep] = Pattern.B_
-    cells = np.flatnonzero(at.forward & at.back & ~steep)
+    cells = (at.forward & at.back & ~steep).nonzero()[0]
     if cells.size:
         lasts, edge = slides_forward_only(take(scene, cells), take(at.margins, cells))
         out.pattern[cells[lasts]] = Pattern.F_
@@ -142,7 +142,7 @@ def _classify(out: SteadyState, scene: Loads, at: Thresholds) -> Thresholds:
 
 def _withdraw(out: SteadyState, which: Bools) -> None:
     """Leave cells their regime and status alone."""
-    cells = np.flatnonzero(which)
+    cells = which.nonzero()[0]
     if cells.size:
         out.pattern[cells] = Pattern.NONE
         out.model[cells] = Model.NONE
@@ -178,10 +178,10 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
 def _write(out: SteadyState, cells: NDArray[np.intp], cycles: Cycles) -> None:
     """Put the solved cells where they belong; those without an answer get NaN and a status that says why."""
     for target, flags in ((out.status, cycles.edge), (out.coexists, cycles.coexists)):
-        if flags.any():
+        if np.count_nonzero(flags):
             target[cells] |= flags  # OK is 0, BOUNDARY is 1
     endless = np.isnan(cycles.displacement)
-    if endless.any() or not cycles.settled.all():
+    if np.count_nonzero(endless) or np.count_nonzero(cycles.settled) < cells.size:
         out.status[cells[endless]] = Status.RUNAWAY
         out.status[cells[~cycles.settled]] = Status.UNRESOLVED
         cycles.displacement[~cycles.settled] = np.nan
