@@ -73,16 +73,15 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> _Start:
     mu_d = scene.kinetic_friction
     load = scene.along + direction * mu_d * scene.across
     vers = margin / static_load  # 1 - sin p0
-    cos = 1.0 - vers
     excess = (scene.static_friction - mu_d) * scene.contrast / (static_load * load)
     k = (mu_d * scene.normal + direction * scene.tangential) / load
     if np.count_nonzero(scene.tangential):
         # Where the weight down the trough nearly cancels friction, k has to share the rounding of sin p0.
-        shared = cos - excess
+        shared = 1.0 - vers - excess
         k = np.where(np.abs(k - shared) > _NOISE, shared, k)
     onset = Onset(
         c=2.0 * np.arcsin(np.sqrt(0.5 * vers)),
-        cos=cos,
+        cos=excess + k,  # keeps its digits where p0 -> 0, unlike 1 - vers
         sin=np.sqrt(vers * (2.0 - vers)),
         vers=vers,
         excess=excess,
