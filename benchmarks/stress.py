@@ -340,7 +340,7 @@ def _near_boundary(values: tuple[float, ...], found: str, true: str, *, said: bo
 
 
 def _patterns_nearby(values: tuple[float, ...], number: int) -> Iterator[str]:
-    """True patterns after changes of so many inputs, in multiple precision."""
+    """Find the true patterns after changes of so many inputs, in multiple precision."""
     changes = [sign * size * EPS for size in (0.25, 1.0, 4.0, 16.0) for sign in (-1.0, 1.0)]
     for inputs in itertools.combinations(range(len(values) - 1), number):
         for sizes in itertools.product(changes, repeat=number):
