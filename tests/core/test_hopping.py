@@ -14,7 +14,7 @@ from hopping import loads_at_throw, random_loads
 from scenes import at_load, loads_of
 
 from vibro import Scene, Status, solve
-from vibro.core import bounce, hopping, returns
+from vibro.core import bounce, orbits, returns
 from vibro.core.groups import Loads, take
 from vibro.core.hopping import MOST_THROW, HoppingCycles, hopping_cycles, pattern_text
 from vibro.core.motion import Mode, track_of
@@ -186,7 +186,8 @@ def test_the_slope_of_the_return_map_is_its_derivative() -> None:
     step_from, _ = _return_map(scene)
     velocity = np.random.default_rng(4).uniform(-1.0, 1.0, 200)
     here, left, right = (step_from(velocity + h) for h in (0.0, -1e-6, 1e-6))
-    smooth = (left.piece == here.piece) & (right.piece == here.piece)
+    smooth = np.abs(right.slope - left.slope) < 1e-4  # the velocities are on one piece of the map
+    smooth &= (left.pattern == here.pattern) & (right.pattern == here.pattern)
     assert smooth.mean() > 0.95
     difference = (right.velocity - left.velocity) / 2e-6
     assert difference[smooth] == pytest.approx(here.slope[smooth], abs=2e-4)
@@ -198,7 +199,7 @@ def test_low_kinetic_friction_can_leave_two_cycles() -> None:
     flagged = np.flatnonzero(cycles.coexists)
     assert 5 < flagged.size < 150
     ratio = scene.kinetic_friction / scene.static_friction
-    assert ratio[flagged].max() < hopping._MOST_COEXISTENCE
+    assert ratio[flagged].max() < orbits._MOST_COEXISTENCE
     step_from, _ = _return_map(take(scene, flagged))
     ends = []
     for start in (-3.0, 3.0):

@@ -27,8 +27,8 @@ __all__ = ["Coast", "Pull", "coast", "coasted", "pull_of"]
 
 _TURN: Final = 2.0 * np.pi
 
-# [rad] A slide that starts this close before a minimum of its speed starts at it: an onset phase is known
-# to a few ulp, and its speed falls by less than the square of this.
+# [rad] A slide that starts this close before a minimum of its speed starts at it: its speed falls by less
+# than the square of this.
 _AT_MINIMUM: Final = 1e-9
 
 _HALLEY_STEPS: Final = 4
@@ -118,14 +118,15 @@ def _loss(d: Floats, at: Pull) -> Floats:
     return at.bend * versine + at.drag * (d - sine) + at.excess * sine
 
 
-def coasted(at: Pull, phase: Floats, speed: Floats, length: Floats) -> tuple[Floats, Floats]:
-    """Speed and path of slides, a phase ``length`` behind their starts."""
+def coasted(at: Pull, phase: Floats, speed: Floats, length: Floats) -> tuple[Floats, Floats, Floats]:
+    """Speed, path and the integral of sin p of slides, a phase ``length`` behind their starts."""
     start = phase + at.shift
     sine, cosine = np.sin(start), np.cos(start)
     rise, versine = np.sin(length), 1.0 - np.cos(length)
-    now = speed + at.pull * (cosine * versine + sine * rise) - at.drag * length
+    swing = cosine * versine + sine * rise
+    now = speed + at.pull * swing - at.drag * length
     path = speed * length + at.pull * (sine * versine + cosine * (length - rise))
-    return now, path - 0.5 * at.drag * length * length
+    return now, path - 0.5 * at.drag * length * length, np.where(at.shift > 0.0, -swing, swing)
 
 
 def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:
@@ -150,6 +151,13 @@ def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:
     # d counts from the maximum pi - kappa of the turn that begins at the minimum kappa
     before = np.mod(phase + at.shift - at.kappa + _AT_MINIMUM, _TURN) - _AT_MINIMUM
     d0 = before + 2.0 * at.kappa - np.pi
+    still = np.flatnonzero(speed == 0.0)
+    if still.size:
+        # a slide from rest starts between the minimum and the maximum; where these are close to each other,
+        # their phases and that of the onset are known no better than to the root of an ulp
+        half = 0.5 * np.pi - (at.kappa[still] if at.kappa.ndim else at.kappa)
+        middle = np.mod(d0[still] + half + np.pi, _TURN) - np.pi
+        d0[still] = np.clip(middle, -half, half) - half
     fall = np.pi + 2.0 * at.kappa
     first_top = speed + _loss(d0, at)
     bottom = 2.0 * at.bend + at.drag * fall

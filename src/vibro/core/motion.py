@@ -112,6 +112,8 @@ class Leg(NamedTuple):
         Displacement relative to the trough.
     next_mode : int8 array
         What follows, as long as the contact lasts.
+    impulse : array
+        Normal impulse while it slides, with the sign of its velocity.
     gain : array
         Change of the velocity behind the leg per change of it before, in [0, 1], Eq. (26).
     top : array
@@ -124,6 +126,7 @@ class Leg(NamedTuple):
     velocity: Floats
     displacement: Floats
     next_mode: Modes
+    impulse: Floats
     gain: Floats
     top: Floats
     settled: Bools
@@ -154,6 +157,7 @@ def contact_leg(track: Track, mode: Modes, phase: Floats, velocity: Floats, limi
         np.full(n, Mode.REST, np.int8),
         np.zeros(n),
         np.zeros(n),
+        np.zeros(n),
         np.ones(n, np.bool_),
     )
     for kind, follow in ((Mode.REST, _rest), (Mode.FORWARD, _forward), (Mode.BACK, _back)):
@@ -175,7 +179,7 @@ def _rest(track: Track, phase: Floats, velocity: Floats, limit: Floats) -> Leg:
     still = np.zeros(phase.shape)
     next_mode = np.where(ahead <= behind, np.int8(Mode.FORWARD), np.int8(Mode.BACK))
     length = np.minimum(np.minimum(ahead, behind), limit)
-    return Leg(length, still, still, next_mode, still, still, np.ones(phase.shape, np.bool_))
+    return Leg(length, still, still, next_mode, still, still, still, np.ones(phase.shape, np.bool_))
 
 
 def _forward(track: Track, phase: Floats, velocity: Floats, limit: Floats) -> Leg:
@@ -191,11 +195,14 @@ def _slide(track: Track, at: Pull, direction: float, phase: Floats, velocity: Fl
     speed = np.abs(velocity)
     end = coast(at, phase, speed, limit)
     with np.errstate(invalid="ignore"):  # endless slides
-        path = coasted(at, phase, speed, end.length)[1]
-    return after_slide(track.scene, direction, phase, end, path)
+        _, path, swing = coasted(at, phase, speed, end.length)
+        impulse = track.scene.normal * end.length - track.scene.across * swing
+    return after_slide(track.scene, direction, phase, end, path, impulse)
 
 
-def after_slide(scene: Loads, direction: float, phase: Floats, end: Coast, path: Floats) -> Leg:
+def after_slide(
+    scene: Loads, direction: float, phase: Floats, end: Coast, path: Floats, impulse: Floats
+) -> Leg:
     """Tell what follows slides whose ends are known: rest, a turn, or flight if they did not stop."""
     with np.errstate(divide="ignore", invalid="ignore"):  # endless slides
         crest = np.sin(phase + end.length)
@@ -211,6 +218,7 @@ def after_slide(scene: Loads, direction: float, phase: Floats, end: Coast, path:
         direction * end.speed,
         direction * path,
         np.where(turns, opposite, np.where(end.stopped, np.int8(Mode.REST), same)),
+        direction * impulse,
         np.where(turns, turned, np.where(end.stopped, 0.0, 1.0)),
         end.top,
         end.settled,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.groups import take
-from vibro.core.motion import Mode, Track, contact_leg, mode_of
+from vibro.core.motion import Mode, Track, contact_leg, mode_of, until
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,10 +23,18 @@ if TYPE_CHECKING:
     from vibro.core.slide import Floats
 
     Bools = NDArray[np.bool_]
-    Codes = NDArray[np.int8]
     Words = NDArray[np.int64]
 
-__all__ = ["Cells", "Hops", "Return", "follow", "hops_of", "pattern_text", "velocity_from_rest"]
+__all__ = [
+    "Cells",
+    "Hops",
+    "Return",
+    "after_stops",
+    "follow",
+    "hops_of",
+    "pattern_text",
+    "velocity_from_rest",
+]
 
 _TURN: Final = 2.0 * np.pi
 
@@ -76,25 +84,22 @@ class Return(NamedTuple):
         Relative velocity at the next such lift-off.
     slope : array
         Its derivative.
+    friction : array
+        What friction adds to the velocity.
     displacement, peak : array
         Displacement, and largest speed.
     pattern : int64 array
         Phases of the cycle.
-    piece : int64 array
-        Names the piece of the map.
-    ways : int8 array
-        1: moves forward in contact somewhere, 2: backward, 4: at rest or stopped by an impact.
     settled : bool array
         Whether every slide was solved.
     """
 
     velocity: Floats
     slope: Floats
+    friction: Floats
     displacement: Floats
     peak: Floats
     pattern: Words
-    piece: Words
-    ways: Codes
     settled: Bools
 
 
@@ -131,13 +136,12 @@ def follow(cells: Cells, hops: Hops, velocity: Floats) -> Return:
         velocity.copy(),
         np.ones(n),
         np.zeros(n),
+        np.zeros(n),
         np.abs(velocity),
         np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int8),
         np.ones(n, np.bool_),
     )
-    for j in range(int(cells.number.max())):
+    for j in range(int(cells.number.max(initial=0))):
         flying = np.flatnonzero(cells.number > j)
         v = out.velocity[flying]
         hop = take(hops, cells.first[flying] + j)
@@ -149,17 +153,12 @@ def follow(cells: Cells, hops: Hops, velocity: Floats) -> Return:
         stopped = left == 0.0
         out.velocity[flying] = np.copysign(left, v)
         out.slope[flying] *= ~stopped
-        way = np.where(stopped, np.int8(4), np.where(v > 0.0, np.int8(1), np.int8(2)))
-        out.ways[flying] |= way
-        out.piece[flying] = out.piece[flying] * 37 + way
+        out.friction[flying] -= np.copysign(hop.brake, v)
         out.pattern[flying] = _append(out.pattern[flying], np.int64(Mode.FLIGHT))
     on_trough = np.flatnonzero(cells.rest > 0.0)
     if on_trough.size:
         _contact(cells, out, on_trough)
     return out
-
-
-_WAY_OF_MODE: Final = np.array([0, 0, 1, 2, 4], np.int8)
 
 
 def _contact(cells: Cells, out: Return, active: NDArray[np.intp]) -> None:
@@ -170,14 +169,11 @@ def _contact(cells: Cells, out: Return, active: NDArray[np.intp]) -> None:
     mode = mode_of(track.scene, phase, velocity)
     for _ in range(_MOST_LEGS):
         leg = contact_leg(track, mode, phase, velocity, left)
-        way = _WAY_OF_MODE[mode]
-        out.ways[active] |= way
-        turn = ((phase > np.pi) + np.int64(2) * (phase > 0.0)) * 8
-        out.piece[active] = out.piece[active] * 37 + way + turn
         out.pattern[active] = _append(out.pattern[active], mode.astype(np.int64))
         out.displacement[active] += leg.displacement
         out.peak[active] = np.maximum(out.peak[active], leg.top)
         out.slope[active] *= leg.gain
+        out.friction[active] -= track.scene.kinetic_friction * leg.impulse
         out.settled[active] &= leg.settled
         out.velocity[active] = leg.velocity
         going = np.flatnonzero(leg.length < left)
@@ -187,6 +183,42 @@ def _contact(cells: Cells, out: Return, active: NDArray[np.intp]) -> None:
         phase, left = phase[going] + leg.length[going], left[going] - leg.length[going]
         velocity, mode = leg.velocity[going], leg.next_mode[going]
     out.settled[active] = False
+
+
+def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
+    """Velocities at lift-off behind the last stop in a cycle, wherever that can be.
+
+    Parameters
+    ----------
+    cells : Cells
+        The scenes.
+    hops : Hops
+        Their flights.
+
+    Returns
+    -------
+    owner : int array
+        Scene of each velocity, many a scene; none for a rest that ends at the forward onset, which
+        ``velocity_from_rest`` serves.
+    velocity : array
+        At the lift-off that follows an impact, or a rest until the back onset, without another stop.
+    """
+    number = cells.number
+    owner = np.repeat(np.arange(number.size), number)
+    impact = 1 + np.arange(owner.size) - np.repeat(np.cumsum(number) - number, number)
+    behind = take(cells, owner)
+    behind = behind._replace(first=behind.first + impact, number=behind.number - impact)
+    stopped = follow(behind, hops, np.zeros(owner.size))
+    last = np.flatnonzero(stopped.slope > 0.0)
+
+    onset = np.mod(np.broadcast_to(cells.track.back_onset, number.shape), _TURN)
+    with np.errstate(invalid="ignore"):
+        rests = np.flatnonzero(until(onset, cells.landing) < cells.rest)
+    behind = take(cells, rests)
+    left = until(behind.track.lift_off, onset[rests])
+    behind = behind._replace(number=np.zeros(rests.size, np.intp), landing=onset[rests], rest=left)
+    rested = follow(behind, hops, np.zeros(rests.size))
+    return np.concatenate((owner[last], rests)), np.concatenate((stopped.velocity[last], rested.velocity))
 
 
 def _append(pattern: Words, digit: Words | np.int64) -> Words:
