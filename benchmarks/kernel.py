@@ -120,7 +120,7 @@ def event_loop_time(fields: dict[str, np.ndarray], n: int) -> float:
 
 
 def single_scene_times() -> tuple[float, float]:
-    """Times of building one scene and of solving it [s]."""
+    """Time the building of one scene, and its solution [s]."""
     fields = {
         "amplitude": 1e-3,
         "frequency": 15.0,

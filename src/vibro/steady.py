@@ -6,7 +6,7 @@ import contextlib
 import math
 import os
 from collections import deque
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -130,9 +130,6 @@ class SteadyCycle:
             return np.where(np.isnan(self.mean_velocity), np.nan, length / velocity)[()]
 
 
-_NAMES = tuple(f.name for f in fields(SteadyCycle))
-
-
 def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) -> SteadyCycle:
     """Steady cycle that a body at rest settles into, for every scene.
 
@@ -172,7 +169,7 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
     grid = shape or (1,)
     ones = (1,) * len(grid)
     arrays = [a.reshape(ones[a.ndim :] + a.shape) for a in scene.arrays()]
-    out = _empty(grid)
+    out = _unsolved(grid)
 
     def contact(block: tuple[slice, ...]) -> None:
         inputs = arrays if len(blocks) == 1 else [a[_within(block, a.shape)] for a in arrays]
@@ -190,7 +187,7 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
         followed = (out.status == int(Status.FLIGHT_NOT_MODELLED)) & (out.throw_number <= MOST_THROW)
         hopping = followed.reshape(-1).nonzero()[0]
         _in_parallel(hops, [hopping[i : i + _HOPPING_BLOCK] for i in range(0, hopping.size, _HOPPING_BLOCK)])
-    return out if shape else SteadyCycle(*(getattr(out, name)[0] for name in _NAMES))
+    return out if shape else SteadyCycle(*(array[0] for array in vars(out).values()))
 
 
 def _in_parallel(run: Callable[[Any], None], parts: list[Any]) -> None:
@@ -239,7 +236,9 @@ def _retain_freed_memory() -> None:
     np.empty((32 << 20) - 8192, np.uint8)  # just below the largest threshold that malloc adapts to
 
 
-def _empty(shape: tuple[int, ...]) -> SteadyCycle:
+def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:
+    """Make arrays to be filled; what only flight changes is zero from the start, which costs nothing."""
+
     def codes() -> Codes:
         return np.empty(shape, np.int8)
 
@@ -248,7 +247,7 @@ def _empty(shape: tuple[int, ...]) -> SteadyCycle:
 
     return SteadyCycle(
         codes(), codes(), np.empty(shape, np.int64), codes(),
-        numbers(), numbers(), numbers(), numbers(), numbers(), numbers(), numbers(),
+        numbers(), numbers(), np.zeros(shape), numbers(), np.zeros(shape), np.zeros(shape), numbers(),
         numbers(), numbers(), numbers(),
         np.empty(shape, np.bool_),
     )  # fmt: skip
@@ -283,7 +282,7 @@ def _solve_block(
     out: SteadyCycle, block: tuple[slice, ...], arrays: list[Floats], classes_alone: bool
 ) -> None:
     """Solve one block in place and scale it to SI."""
-    part = {name: getattr(out, name)[block] for name in _NAMES}
+    part = {name: array[block] for name, array in vars(out).items()}
     shape = part["status"].shape
     # views: blocks are contiguous
     flat = part if len(shape) == 1 else {name: array.reshape(-1) for name, array in part.items()}
@@ -305,8 +304,6 @@ def _solve_block(
         part["displacement_per_cycle"] *= amplitude
         np.multiply(part["displacement_per_cycle"], frequency, out=part["mean_velocity"])
         part["peak_velocity"] *= 2.0 * np.pi * frequency * amplitude
-    for name in ("mean_velocity_error", "flight_fraction", "impact_velocity"):
-        flat[name].fill(0.0)
     flat["period_cycles"].fill(1.0)
     unanswered = np.isnan(flat["displacement_per_cycle"]).nonzero()[0]
     if unanswered.size:
