@@ -1,13 +1,15 @@
-"""How much of a sweep to file is the solver? What a faster one could gain end to end.
+"""How much of a sweep to file is the solver, and how much the CSV? What faster ones gain end to end.
 
 Usage: python benchmarks/share.py [--side 1000]
 
-Runs ``vibro map`` over amplitude and frequency, pictures and all, and takes the time inside ``solve``.
+Runs ``vibro map`` over amplitude and frequency, pictures and all, and takes the time inside ``solve`` and
+inside ``CsvFormat.rows``; with pyarrow if it is installed (the extra ``fast``), and without.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import tempfile
 import time
 from typing import Any
@@ -15,7 +17,7 @@ from unittest.mock import patch
 
 from typer.testing import CliRunner
 
-from vibro import sweep
+from vibro import sweep, tables
 from vibro.cli.app import app
 
 MAPS = {
@@ -24,40 +26,49 @@ MAPS = {
 }
 
 
-def measure(arguments: tuple[str, ...], side: int, folder: str) -> tuple[float, float]:
-    """Wall time of a map, and of the solver in it [s]."""
-    spent = 0.0
-    solve = sweep.solve
+def measure(arguments: tuple[str, ...], side: int, folder: str) -> tuple[float, float, float]:
+    """Wall time of a map, of the solver in it, and of the rows of its CSV [s]."""
+    spent = {"solve": 0.0, "rows": 0.0}
 
-    def timed(*args: Any, **kwargs: Any) -> Any:
-        nonlocal spent
-        start = time.perf_counter()
-        try:
-            return solve(*args, **kwargs)
-        finally:
-            spent += time.perf_counter() - start
+    def timed(name: str, call: Any) -> Any:
+        def run(*args: Any, **kwargs: Any) -> Any:
+            start = time.perf_counter()
+            try:
+                return call(*args, **kwargs)
+            finally:
+                spent[name] += time.perf_counter() - start
+
+        return run
 
     sized = [f"{a}:{side}" if ":" in a else a for a in arguments]
     command = ["map", *sized, "-a", "20", "--mu-s", ".74", "--mu-d", ".57", "-o", f"{folder}/map", "--force"]
-    with patch.object(sweep, "solve", timed):
+    with (
+        patch.object(sweep, "solve", timed("solve", sweep.solve)),
+        patch.object(tables.CsvFormat, "rows", timed("rows", tables.CsvFormat.rows)),
+    ):
         start = time.perf_counter()
         result = CliRunner().invoke(app, command)
         total = time.perf_counter() - start
     if result.exit_code:
         raise SystemExit(result.stderr)
-    return total, spent
+    return total, spent["solve"], spent["rows"]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--side", type=int, default=1000, help="values of each axis")
     side = parser.parse_args().side
-    print(f"{'map of ' + str(side) + ' x ' + str(side):32}  total [s]  solver [s]  share  gain at most")
+    writers = {"without pyarrow": lambda: None}
+    if tables._arrow():
+        writers = {"with pyarrow": tables._arrow, **writers}
+    print(f"{f'map of {side} x {side}':46}  total [s]  CSV [s]  solver [s]  share  gain at most")
     with tempfile.TemporaryDirectory() as folder:
-        for name, arguments in MAPS.items():
-            total, spent = measure(arguments, side, folder)
-            gain = total / (total - spent)
-            print(f"{name:32}  {total:9.2f}  {spent:10.2f}  {spent / total:5.1%}  {gain:10.2f} x")
+        for (name, arguments), (writer, arrow) in itertools.product(MAPS.items(), writers.items()):
+            with patch.object(tables, "_arrow", arrow):
+                total, solver, rows = measure(arguments, side, folder)
+            share, gain = solver / total, total / (total - solver)
+            label = f"{name}, {writer}"
+            print(f"{label:46}  {total:9.2f}  {rows:7.2f}  {solver:10.2f}  {share:5.1%}  {gain:10.2f} x")
 
 
 if __name__ == "__main__":

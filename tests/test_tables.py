@@ -8,8 +8,11 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import vibro
+from vibro import tables
 from vibro.axes import parse_axis
 from vibro.core.codes import Status
 from vibro.sweep import Block, Grid, sweep_blocks
@@ -119,6 +122,35 @@ def test_decimal_commas_reach_every_number() -> None:
     text = csv_of(one_block(amplitude="1.5,2", frequency="15"), CsvFormat(decimal_comma=True))
     assert text.splitlines()[1].startswith("1,5;15;20;0,74;0,57;0;back-slip;FB_;40,5906")
     assert "." not in text
+
+
+@pytest.mark.parametrize("form", [CsvFormat(), CsvFormat(excel=True, decimal_comma=True)])
+@pytest.mark.parametrize(
+    "texts",
+    [
+        {},
+        {"amplitude": "0.0000001,1,2,30,4e10", "frequency": "1e-4,15,1e5"},
+        {"amplitude": "1,9", "frequency": "15", "kinetic_friction": "0.5,0.9"},
+    ],
+)
+def test_large_tables_are_written_faster_but_not_otherwise(
+    form: CsvFormat, texts: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    block = one_block(600.0, **texts)
+    plain = form.rows(COLUMNS, block)
+    assert tables._arrow() is not None
+    monkeypatch.setattr("vibro.tables._WORTH_ARROW", 1)
+    assert form.rows(COLUMNS, block) == plain
+    monkeypatch.setattr("vibro.tables._arrow", lambda: None)
+    assert form.rows(COLUMNS, block) == plain
+
+
+@given(st.lists(st.floats()), st.integers(-20, 20))
+def test_both_ways_write_the_same_numbers(values: list[float], power: int) -> None:
+    near = np.array([1e-4, 1e10, 1e16, 9999999999.5, 9.9999999999999e-5]) * 10.0**power
+    numbers = np.array([*values, *near, *-near, *np.nextafter(near, 0.0), 0.0, -0.0, 3.0])
+    form = CsvFormat()
+    assert form._arrow_numbers(numbers, tables._arrow()).to_pylist() == form._numbers(numbers)
 
 
 def test_no_number_is_an_empty_cell_and_null() -> None:

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
@@ -32,6 +33,9 @@ __all__ = [
     "record",
     "to_frame",
 ]
+
+# [cells] from which a block is worth the import of pyarrow
+_WORTH_ARROW: Final = 50_000
 
 # Numbers, or texts, by their header.
 TableColumns: TypeAlias = "Mapping[str, NDArray[np.float64] | Sequence[str]]"
@@ -157,10 +161,44 @@ class CsvFormat:
         str
             Floats have the fewest digits that read back as the same double; no number is an empty cell.
         """
-        if not math.prod(block.shape):
+        number = math.prod(block.shape)
+        if not number:
             return ""
+        if number >= _WORTH_ARROW and (arrow := _arrow()):
+            return self._rows_by_arrow(columns, block, arrow)
         cells = [self._cells(column, block) for column in columns]
         return "\n".join(map(self.separator.join, zip(*cells, strict=True))) + "\n"
+
+    def _rows_by_arrow(self, columns: Sequence[Column], block: Block, arrow: Any) -> str:
+        """Return the same lines, in half the time or less (benchmarks/share.py)."""
+        cells = [self._arrow_cells(column, block, arrow) for column in columns]
+        lines = arrow.compute.binary_join_element_wise(*cells, self.separator)
+        text: bytes = arrow.compute.binary_join_element_wise(lines, "", "\n").buffers()[2].to_pybytes()
+        return text.decode()
+
+    def _arrow_cells(self, column: Column, block: Block, arrow: Any) -> Any:
+        values = column.values(block)
+        if column.texts is not None:
+            texts = arrow.array(column.texts).take(arrow.array(values.ravel() % len(column.texts)))
+        elif values.dtype.kind == "U":
+            texts = arrow.array(values.ravel())
+        else:
+            texts = self._arrow_numbers(values.ravel(), arrow)
+        if values.shape == block.shape:
+            return texts
+        which = np.broadcast_to(np.arange(values.size).reshape(values.shape), block.shape)
+        return texts.take(arrow.array(which.ravel()))
+
+    def _arrow_numbers(self, values: NDArray[np.float64], arrow: Any) -> Any:
+        texts = arrow.compute.cast(arrow.array(values), arrow.string())
+        if self.decimal_comma:
+            texts = arrow.compute.replace_substring(texts, ".", ",")
+        # Outside this range it writes exponents where Python does not, or the other way round.
+        size = np.abs(values)
+        others = ~((size >= 1e-4) & (size < 1e10) | (size == 0.0))
+        return arrow.compute.replace_with_mask(
+            texts, arrow.array(others), arrow.array(self._numbers(values[others]), arrow.string())
+        )
 
     def table(self, columns: TableColumns) -> str:
         """Return a whole table of columns of equal length.
@@ -204,6 +242,16 @@ class CsvFormat:
         for i in np.flatnonzero(values == np.trunc(values)):
             texts[i] = texts[i].removesuffix(".0")
         return [text.replace(".", ",") for text in texts] if self.decimal_comma else texts
+
+
+@cache
+def _arrow() -> Any:
+    """Return pyarrow with its functions, if it is installed: the extra ``fast``."""
+    try:
+        import pyarrow.compute
+    except ImportError:
+        return None
+    return pyarrow
 
 
 def _harmless(text: str) -> str:
