@@ -14,11 +14,12 @@ Lengths in A, speeds in A w, phases in radians.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Status
+from vibro.core.drift import FLOOR, Span, drift, has_stop, size_of, span_of
 from vibro.core.groups import put, take
 from vibro.core.returns import Cells, Hops, Return, after_stops, follow, velocity_from_rest
 
@@ -34,72 +35,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Orbits", "from_rest"]
 
-_TURN: Final = 2.0 * np.pi
-
 _MOST_EVALUATIONS: Final = 200
-_FLOOR: Final = 16 * 2.0**-52  # [1] rounding of one evaluation, relative to the velocities in it
-_CLOSED: Final = 1e-13  # [1] distance from the fixed point at which the cycle is closed, over the velocities
 _NEAR: Final = 1e-6  # [1] some roots of an ulp: error of a velocity behind an onset next to the lift-off
-_EDGE: Final = 4 * 2.0**-52  # [1] relative distance of two loads that rounding decides
 
 # [1] Coexisting cycles need mu_d well below mu_s; none was found above (benchmarks/hopping.py).
 _MOST_COEXISTENCE: Final = 0.75
 _APART: Final = 1e-9  # [A w] fixed points closer than this are one
-
-
-class Span(NamedTuple):
-    """Sizes of what makes the velocities in a cycle.
-
-    Attributes
-    ----------
-    bounded, edge : bool array
-        Whether kinetic friction holds gravity along the trough, and if rounding decides that.
-    neutral : bool array
-        Whether there is neither of them.
-    bound : array
-        Limit of the velocity at lift-off at any fixed point.
-    fall : array
-        What gravity along the trough adds in a cycle.
-    drive : array
-        Velocity that the drive brings.
-    forces : array
-        What gravity and friction can bring in a cycle.
-    """
-
-    bounded: Bools
-    edge: Bools
-    neutral: Bools
-    bound: Floats
-    fall: Floats
-    drive: Floats
-    forces: Floats
-
-
-def _span_of(cells: Cells, flights: Bounces) -> Span:
-    """Measure the cycles that these flights make.
-
-    The body is stopped, or turns round, once in a cycle; only the drive and gravity can add behind that.
-    Over a cycle the normal impulse is that of the weight, so that friction adds 2 pi mu_d n at most.
-    """
-    scene, turns = cells.track.scene, _TURN * flights.cycles
-    lean, grip = np.abs(scene.tangential), scene.kinetic_friction * scene.normal
-    edge = (grip > 0.0) & (np.abs(lean - grip) <= _EDGE * grip)
-    bounded = edge | (lean < grip)
-    return Span(
-        np.broadcast_to(bounded, turns.shape),
-        np.broadcast_to(edge, turns.shape),
-        np.broadcast_to((grip == 0.0) & (lean == 0.0), turns.shape),
-        2.0 * scene.along + turns * lean,
-        -scene.tangential * np.where(flights.repeats, turns, np.bincount(flights.owner, flights.length)),
-        np.broadcast_to(scene.along, turns.shape),
-        turns * (grip + lean),
-    )
-
-
-def _size(span: Span, velocity: Floats) -> Floats:
-    """Size of the numbers whose sum is the velocity behind a cycle."""
-    size: Floats = span.drive + span.forces + np.abs(velocity)
-    return size
 
 
 class Orbits(NamedTuple):
@@ -137,27 +78,40 @@ def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Bools
     coexists : bool array
         Looked at where kinetic friction holds gravity and is well below static friction.
     """
-    span, scene = _span_of(cells, flights), cells.track.scene
+    span = span_of(cells, flights)
     start = np.broadcast_to(velocity_from_rest(cells.track), span.bound.shape)
     if not flights.repeats.all():
         # a sample begins amid the motion, and there the body moves over the ground as at its lift-off
         swing = np.cos(cells.track.lift_off) - np.cos(flights.phase[flights.first])
-        start = np.where(flights.repeats, start, start + scene.along * swing)
+        start = np.where(flights.repeats, start, start + cells.track.scene.along * swing)
     coexists = np.zeros(start.shape, np.bool_)
     free = np.flatnonzero(~span.bounded)
     if free.size == start.size:
         return _until_stopped(cells, hops, start, span), coexists
+    if not free.size:
+        return _settled(cells, hops, start, span, flights.repeats)
+    end = _begin(cells, hops, start)
+    held = np.flatnonzero(span.bounded)
+    part = take(cells, held), hops, start[held], take(span, held)
+    found, coexists[held] = _settled(*part, flights.repeats[held])
+    _put(end, held, found)
+    _put(end, free, _until_stopped(take(cells, free), hops, start[free], take(span, free)))
+    return end, coexists
+
+
+def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, repeats: Bools) -> tuple[Orbits, Bools]:
+    """Follow orbits where friction holds gravity, so that they stay bounded."""
     end = _bracketed(cells, hops, start, span, (-span.bound, span.bound.copy()))
+    coexists = np.zeros(start.shape, np.bool_)
+    scene = cells.track.scene
     low = scene.kinetic_friction < _MOST_COEXISTENCE * scene.static_friction
-    doubtful = np.flatnonzero(low & span.bounded & (end.status == Status.OK))
+    doubtful = np.flatnonzero(low & repeats & (end.status == Status.OK))
     if doubtful.size:
         home = _taken(end, doubtful)
         part = take(cells, doubtful), hops, start[doubtful], take(span, doubtful)
         coexists[doubtful] = _several(*part, home)
         _put(end, doubtful, home)
-    if free.size:
-        _put(end, free, _until_stopped(take(cells, free), hops, start[free], take(span, free)))
-    end.status[(end.status == Status.OK) & span.edge & ~_stops(end.cycle)] = Status.BOUNDARY
+    end.status[(end.status == Status.OK) & span.edge & ~has_stop(end.cycle)] = Status.BOUNDARY
     return end, coexists
 
 
@@ -185,37 +139,6 @@ def _checked(end: Orbits) -> Orbits:
     return end
 
 
-def _stops(cycle: Return) -> Bools:
-    """Whether the body stops in a cycle, and forgets its velocity."""
-    stops: Bools = cycle.slope == 0.0
-    return stops
-
-
-class _Steps(NamedTuple):
-    """What the states of some orbits ask for."""
-
-    rises: Bools
-    newton: Floats
-    closed: Bools
-
-
-def _steps(here: Floats, now: Return, span: Span) -> _Steps:
-    """Compare states with their images: the direction, Newton's step, and whether the orbit ends.
-
-    What changes the velocity over a cycle without a stop is gravity and friction alone, and they are known
-    without the cancellation in the difference of two velocities. A sample of a motion without a cycle ends
-    at another phase of the drive than it began; there they change the velocity over the ground.
-    """
-    slides = ~_stops(now)
-    change = np.where(slides, span.fall + now.friction, now.velocity - here)
-    walk = np.abs(change)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        newton = walk / (1.0 - now.slope)
-    floor = _FLOOR * np.where(slides, span.forces, _size(span, here))
-    closed = (walk <= floor) | (newton <= _CLOSED * (span.drive + np.abs(here)))
-    return _Steps(change > 0.0, newton, closed)
-
-
 def _bracketed(
     cells: Cells, hops: Hops, velocity: Floats, span: Span, bracket: tuple[Floats, Floats]
 ) -> Orbits:
@@ -230,7 +153,7 @@ def _bracketed(
     for _ in range(_MOST_EVALUATIONS):
         here = end.velocity[active]
         now = end.cycle if active.size == velocity.size else take(end.cycle, active)
-        steps = _steps(here, now, span)
+        steps = drift(here, now, span)
         past = steps.closed & span.edge & (now.slope == 1.0) & (here != velocity[active])
         if past.any():
             steps.rises[past] = (here < velocity[active])[past]
@@ -238,7 +161,7 @@ def _bracketed(
         low[active[steps.rises]] = here[steps.rises]
         high[active[~steps.rises]] = here[~steps.rises]
         room = high[active] - low[active]
-        closed = steps.closed | (room <= _FLOOR * (span.drive + np.abs(here)))
+        closed = steps.closed | (room <= FLOOR * (span.drive + np.abs(here)))
         end.status[active[closed]] = Status.OK
         going = np.flatnonzero(~closed)
         if not going.size:
@@ -260,13 +183,14 @@ def _until_stopped(cells: Cells, hops: Hops, start: Floats, span: Span) -> Orbit
     end = _begin(cells, hops, start)
     downhill = -np.sign(np.broadcast_to(cells.track.scene.tangential, start.shape))
     change = end.cycle.velocity - start
-    change[np.abs(change) <= _FLOOR * _size(span, start)] = 0.0
-    way = np.where(_stops(end.cycle), np.sign(change), downhill)
+    change[np.abs(change) <= FLOOR * size_of(span, start)] = 0.0
+    way = np.where(has_stop(end.cycle), np.sign(change), downhill)
     end.status[way == downhill] = Status.RUNAWAY
     end.status[way == 0.0] = Status.OK
     going = np.flatnonzero(way != 0.0)
     if going.size:
-        fixed = _stopping(take(cells, going), hops, start[going], take(span, going))
+        part = take(cells, going), hops, start[going], take(span, going)
+        fixed = _stopping(*part, take(end.cycle, going), way[going])
         found, first = _first(fixed, start[going], way[going])
         _move(end, going[found], fixed.velocity[first], take(fixed.cycle, first))
         end.status[going[found]] = Status.OK
@@ -281,20 +205,28 @@ class _Fixed(NamedTuple):
     cycle: Return
 
 
-def _stopping(cells: Cells, hops: Hops, start: Floats, span: Span) -> _Fixed:
-    """All fixed points with a stop; where nothing acts on the body, those behind a stop too."""
+def _stopping(
+    cells: Cells, hops: Hops, start: Floats, span: Span, begin: Return, way: Floats | None = None
+) -> _Fixed:
+    """Find fixed points with a stop, or behind one where nothing acts on the body: all, or those on a way.
+
+    ``begin`` is the cycle from the start, which stands for a rest that ends at the forward onset.
+    """
     owner, velocity = after_stops(cells, hops)
+    if way is not None:
+        ahead = np.flatnonzero(way[owner] * (velocity - start[owner]) >= 0.0)
+        owner, velocity = owner[ahead], velocity[ahead]
+    cycle = _joined(begin, follow(take(cells, owner), hops, velocity))
     owner = np.concatenate((np.arange(start.size), owner))
     velocity = np.concatenate((start, velocity))
-    cycle = follow(take(cells, owner), hops, velocity)
-    size = _size(take(span, owner), velocity)
+    size = size_of(take(span, owner), velocity)
     apart = np.abs(cycle.velocity - velocity)
-    near = np.flatnonzero(_stops(cycle) & (apart > _FLOOR * size) & (apart <= _NEAR * size))
+    near = np.flatnonzero(has_stop(cycle) & (apart > FLOOR * size) & (apart <= _NEAR * size))
     if near.size:
         velocity[near] = cycle.velocity[near]
         put(cycle, near, follow(take(cells, owner[near]), hops, velocity[near]))
         apart[near] = np.abs(cycle.velocity[near] - velocity[near])
-    again = np.where(_stops(cycle), apart <= _FLOOR * size, span.neutral[owner])
+    again = np.where(has_stop(cycle), apart <= FLOOR * size, span.neutral[owner])
     repeats = np.flatnonzero(cycle.settled & again)
     return _Fixed(owner[repeats], velocity[repeats], take(cycle, repeats))
 
@@ -316,11 +248,9 @@ def _several(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) 
     the outermost fixed points with a stop, and between those and the start.
     """
     n = start.size
-    fixed = _stopping(cells, hops, start, span)
-    everyone = np.arange(n)
-    fixed = _joined(fixed, _Fixed(everyone, home.velocity, home.cycle))
     now = follow(cells, hops, start)
-    steps = _steps(start, now, span)
+    fixed = _joined(_stopping(cells, hops, start, span, now), _Fixed(np.arange(n), home.velocity, home.cycle))
+    steps = drift(start, now, span)
     way = np.where(steps.closed, 0.0, np.where(steps.rises, 1.0, -1.0))
 
     low, high = span.bound.copy(), -span.bound
@@ -329,7 +259,7 @@ def _several(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) 
     target = way * span.bound
     found, first = _first(fixed, start, way)
     target[found] = fixed.velocity[first]
-    unknown = np.flatnonzero(_stops(home.cycle))
+    unknown = np.flatnonzero(has_stop(home.cycle))
     inside = unknown[way[unknown] != 0.0]
     owner = np.concatenate((unknown, unknown, inside))
     begin = np.concatenate((-span.bound[unknown], span.bound[unknown], start[inside]))
@@ -339,7 +269,7 @@ def _several(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) 
     fixed = _joined(fixed, _Fixed(owner[seen], sliding.velocity[seen], take(sliding.cycle, seen)))
 
     with np.errstate(divide="ignore", invalid="ignore"):
-        blur = _FLOOR * span.forces[fixed.owner] / (1.0 - fixed.cycle.slope)
+        blur = FLOOR * span.forces[fixed.owner] / (1.0 - fixed.cycle.slope)
     apart = np.abs(fixed.velocity - home.velocity[fixed.owner]) > np.maximum(_APART, 8.0 * blur)
     several = np.zeros(n, np.bool_)
     several[fixed.owner[apart]] = True
@@ -349,11 +279,11 @@ def _several(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) 
     return several
 
 
-def _joined(one: _Fixed, other: _Fixed) -> _Fixed:
-    cycle = Return(*(np.concatenate(pair) for pair in zip(one.cycle, other.cycle, strict=True)))
-    return _Fixed(
-        np.concatenate((one.owner, other.owner)), np.concatenate((one.velocity, other.velocity)), cycle
-    )
+def _joined(one: Any, other: Any) -> Any:
+    """Put two nested tuples of arrays behind each other."""
+    if isinstance(one, tuple):
+        return type(one)(*(_joined(*pair) for pair in zip(one, other, strict=True)))
+    return np.concatenate((one, other))
 
 
 def _between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: Span) -> Orbits:
@@ -369,26 +299,26 @@ def _between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: S
     active, rest, sizes = np.arange(velocity.size), cells, span
     for _ in range(_MOST_EVALUATIONS):
         here, now, onward = end.velocity[active], take(end.cycle, active), way[active]
-        steps = _steps(here, now, sizes)
-        end.status[active[steps.closed & ~_stops(now)]] = Status.OK
+        steps = drift(here, now, sizes)
+        end.status[active[steps.closed & ~has_stop(now)]] = Status.OK
         room = onward * (far[active] - here)
-        over = steps.closed | crossed[active] | (room <= _FLOOR * (sizes.drive + np.abs(here)))
-        over |= (onward * (now.velocity - target[active]) >= 0.0) | (steps.rises != (onward > 0.0))
+        over = steps.closed | crossed[active] | (room <= FLOOR * (sizes.drive + np.abs(here)))
+        over |= (onward * (now.velocity - far[active]) >= 0.0) | (steps.rises != (onward > 0.0))
         going = np.flatnonzero(~over)
         if not going.size:
             break
         active, rest, sizes = active[going], take(rest, going), take(sizes, going)
         here, onward, room, newton = here[going], onward[going], room[going], steps.newton[going]
-        trial = here + onward * np.where(newton < room, newton, 0.5 * room)
+        trial = here + onward * np.fmin(newton, 0.5 * room)
         found = follow(rest, hops, trial)
-        steps, stops = _steps(trial, found, sizes), _stops(found)
+        steps, stops = drift(trial, found, sizes), has_stop(found)
         leads_back = ~steps.closed & (steps.rises != (onward > 0.0))
-        arrives = stops & (steps.closed | (onward * (found.velocity - target[active]) >= 0.0))
+        arrives = stops & (steps.closed | (onward * (found.velocity - far[active]) >= 0.0))
         blocked = leads_back | arrives
         through = np.flatnonzero(stops & ~blocked)
         if through.size:
             behind = follow(take(rest, through), hops, found.velocity[through])
-            again = _stops(behind)
+            again = has_stop(behind)
             blocked[through[again]] = True
             free = np.flatnonzero(~again)
             trial[through[free]] = found.velocity[through[free]]
