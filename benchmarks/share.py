@@ -1,6 +1,6 @@
 """How much of a sweep to file is the solver, and how much the CSV? What faster ones gain end to end.
 
-Usage: python benchmarks/share.py [--side 1000]
+Usage: python benchmarks/share.py [--side 1000] [--contact]
 
 Runs ``vibro map`` over amplitude and frequency, pictures and all, and takes the time inside ``solve`` and
 inside ``CsvFormat.rows``; with pyarrow if it is installed (the extra ``fast``), and without.
@@ -26,7 +26,7 @@ MAPS = {
 }
 
 
-def measure(arguments: tuple[str, ...], side: int, folder: str) -> tuple[float, float, float]:
+def measure(axes: tuple[str, ...], side: int, folder: str) -> tuple[float, float, float]:
     """Wall time of a map, of the solver in it, and of the rows of its CSV [s]."""
     spent = {"solve": 0.0, "rows": 0.0}
 
@@ -40,7 +40,7 @@ def measure(arguments: tuple[str, ...], side: int, folder: str) -> tuple[float, 
 
         return run
 
-    sized = [f"{a}:{side}" if ":" in a else a for a in arguments]
+    sized = [f"{a}:{side}" if ":" in a else a for a in axes]
     command = ["map", *sized, "-a", "20", "--mu-s", ".74", "--mu-d", ".57", "-o", f"{folder}/map", "--force"]
     with (
         patch.object(sweep, "solve", timed("solve", sweep.solve)),
@@ -57,15 +57,19 @@ def measure(arguments: tuple[str, ...], side: int, folder: str) -> tuple[float, 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--side", type=int, default=1000, help="values of each axis")
-    side = parser.parse_args().side
+    parser.add_argument("--contact", action="store_true", help="only the map in contact, the fastest way")
+    arguments = parser.parse_args()
+    side, maps = arguments.side, list(MAPS.items())
     writers = {"without pyarrow": lambda: None}
     if tables._arrow():
         writers = {"with pyarrow": tables._arrow, **writers}
+    if arguments.contact:
+        maps, writers = maps[:1], dict(list(writers.items())[:1])
     print(f"{f'map of {side} x {side}':46}  total [s]  CSV [s]  solver [s]  share  gain at most")
     with tempfile.TemporaryDirectory() as folder:
-        for (name, arguments), (writer, arrow) in itertools.product(MAPS.items(), writers.items()):
+        for (name, axes), (writer, arrow) in itertools.product(maps, writers.items()):
             with patch.object(tables, "_arrow", arrow):
-                total, solver, rows = measure(arguments, side, folder)
+                total, solver, rows = measure(axes, side, folder)
             share, gain = solver / total, total / (total - solver)
             label = f"{name}, {writer}"
             print(f"{label:46}  {total:9.2f}  {rows:7.2f}  {solver:10.2f}  {share:5.1%}  {gain:10.2f} x")
