@@ -24,7 +24,7 @@ from scenes import (
     solve_one,
 )
 
-from vibro import Regime, Scene, SceneError, Status, VibroError, solve
+from vibro import Regime, Scene, SceneError, Status, SteadyCycle, VibroError, solve, steady
 from vibro.core.codes import MODELS, PATTERNS
 from vibro.core.phases import steady_phases
 from vibro.core.slide import slide
@@ -335,4 +335,26 @@ def test_what_fails_in_one_part_of_many_is_told(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr("vibro.steady.hopping_cycles", fails)
     scene = scene_with(amplitude=np.linspace(4e-3, 5e-3, 10_000))
     with pytest.raises(MemoryError, match="part"):
+        solve(scene)
+
+
+@pytest.mark.parametrize("failing", [0, 36])
+def test_an_error_in_any_block_reaches_the_caller(failing: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    solve_block = steady._solve_block
+
+    def fail_there(out: SteadyCycle, block: tuple[slice, ...], *rest: Any) -> None:
+        if block[0].start == failing:
+            raise IndexError(failing)
+        solve_block(out, block, *rest)
+
+    monkeypatch.setattr(steady, "_BLOCK", 4)
+    monkeypatch.setattr(steady, "_solve_block", fail_there)
+    scene = Scene(
+        amplitude=np.linspace(1e-4, 1e-3, 40),
+        frequency=15.0,
+        drive_angle=0.3,
+        static_friction=0.7,
+        kinetic_friction=0.5,
+    )
+    with pytest.raises(IndexError, match=str(failing)):
         solve(scene)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 from collections import deque
@@ -169,6 +168,7 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
     grid = shape or (1,)
     ones = (1,) * len(grid)
     arrays = [a.reshape(ones[a.ndim :] + a.shape) for a in scene.arrays()]
+    blocks = list(grid_blocks(grid, _BLOCK))
     out = _unsolved(grid)
 
     def contact(block: tuple[slice, ...]) -> None:
@@ -179,7 +179,6 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
         where = np.unravel_index(cells, grid)
         _solve_hops(out, cells, [_at(where, a) for a in arrays])
 
-    blocks = list(grid_blocks(grid, _BLOCK))
     _in_parallel(contact, blocks)
     if flight and accuracy == "exact":
         # Beyond the largest throw number the phase of a landing is lost to rounding. NumPy takes 2 us to
@@ -201,9 +200,12 @@ def _in_parallel(run: Callable[[Any], None], parts: list[Any]) -> None:
     failures: list[BaseException] = []
 
     def work() -> None:
-        with contextlib.suppress(IndexError):  # none left; another thread may have taken the last
-            while True:
-                run(left.popleft())
+        while True:
+            try:
+                part = left.popleft()
+            except IndexError:  # none left; another thread may have taken the last
+                return
+            run(part)
 
     def work_along() -> None:
         try:
