@@ -99,19 +99,21 @@ def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Bools
     return end, coexists
 
 
-def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, repeats: Bools) -> tuple[Orbits, Bools]:
+def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, cyclic: Bools) -> tuple[Orbits, Bools]:
     """Follow orbits where friction holds gravity, so that they stay bounded."""
     end = _bracketed(cells, hops, start, span, (-span.bound, span.bound.copy()))
     coexists = np.zeros(start.shape, np.bool_)
     scene = cells.track.scene
     low = scene.kinetic_friction < _MOST_COEXISTENCE * scene.static_friction
-    doubtful = np.flatnonzero(low & repeats & (end.status == Status.OK))
+    doubtful = np.flatnonzero(low & cyclic & (end.status == Status.OK))
     if doubtful.size:
         home = _taken(end, doubtful)
         part = take(cells, doubtful), hops, start[doubtful], take(span, doubtful)
         coexists[doubtful] = _several(*part, home)
         _put(end, doubtful, home)
-    end.status[(end.status == Status.OK) & span.edge & ~has_stop(end.cycle)] = Status.BOUNDARY
+    apart = np.abs(end.cycle.velocity - end.velocity)
+    repeats = has_stop(end.cycle) & (apart <= FLOOR * size_of(span, end.velocity))
+    end.status[(end.status == Status.OK) & span.edge & ~repeats] = Status.BOUNDARY
     return end, coexists
 
 
