@@ -54,10 +54,10 @@ def best_time(run: Callable[[], Any], repeats: int) -> float:
     return min(times)
 
 
-def solve_time(fields: dict[str, np.ndarray], threads: int, repeats: int) -> float:
-    """Time of building a scene and solving it [s]."""
+def solve_time(scene: vibro.Scene, threads: int, repeats: int) -> float:
+    """Time of solving a scene: onsets, pattern, displacement, speeds, ratios and status [s]."""
     with patch("os.cpu_count", return_value=threads):
-        return best_time(lambda: vibro.solve(vibro.Scene(**fields)), repeats)
+        return best_time(lambda: vibro.solve(scene), repeats)
 
 
 def forward_slides(fields: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -147,18 +147,20 @@ def main() -> None:
     n, repeats = arguments.scenes, arguments.repeats
     cores = os.cpu_count() or 1
     fields = random_fields(n)
-    cycle = vibro.solve(vibro.Scene(**fields))
+    scene = vibro.Scene(**fields)
+    cycle = vibro.solve(scene)
     patterns, counts = np.unique(cycle.pattern, return_counts=True)
     shares = ", ".join(f"{p} {c / n:.1%}" for p, c in zip(patterns, counts, strict=True))
     print(f"{n} contact scenes: {shares}\n")
 
     p0, k = forward_slides(fields)
     few = min(arguments.event_scenes, n)
-    one = solve_time(fields, 1, repeats)
+    one = solve_time(scene, 1, repeats)
     rows = [("vibro.solve, 1 thread", n, one)]
     if cores > 1:
-        rows.append((f"vibro.solve, {cores} threads", n, solve_time(fields, cores, repeats)))
+        rows.append((f"vibro.solve, {cores} threads", n, solve_time(scene, cores, repeats)))
     rows += [
+        ("vibro.Scene: copying and checking inputs", n, best_time(lambda: vibro.Scene(**fields), repeats)),
         ("find_root on (E1) alone, 1 thread, of scenes that slip forward", p0.size, find_root_time(p0, k, 2)),
         ("solve_ivp with events, DOP853, rtol 1e-9", few, event_loop_time(fields, few)),
         ("sin + cos + asin of one value, 1 thread", p0.size, plain_functions_time(p0, repeats)),
@@ -172,8 +174,8 @@ def main() -> None:
     print(f"\n{'scenes':>9} {'ns, 1 thread':>14} {f'ns, {cores} threads':>14}")
     size = 10_000
     while size <= arguments.linearity:
-        many = random_fields(size)
-        few_repeats = max(2, min(50, 10_000_000 // size // 2))
+        many = vibro.Scene(**random_fields(size))
+        few_repeats = max(3, min(50, 10_000_000 // size // 2))
         single, all_cores = (1e9 * solve_time(many, t, few_repeats) / size for t in (1, cores))
         print(f"{size:9} {single:14.1f} {all_cores:14.1f}")
         size *= 10
