@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from hopping import loads_at_throw
+from hopping import loads_at_throw, random_loads
 
 from vibro import Scene, Status, solve
 from vibro.core.bounce import bounces
+from vibro.core.groups import take
 from vibro.core.hopping import HoppingCycles, hopping_cycles, pattern_text
 from vibro.core.motion import track_of
 from vibro.core.orbits import from_rest
@@ -214,3 +215,54 @@ def test_hopping_scenes_of_tiny_forces_are_all_resolved(restitution: float, coun
     assert np.isfinite(cycle.mean_velocity[answered]).all()
     assert answered.mean() > 0.3
     assert answered[np.asarray(scene.trough_angle) == 0.0].all()
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "frequency", "drive", "mu_s", "mu_d", "restitution"),
+    [
+        (1.3748956736119936e-4, 51.236, 1.0669505127608383, 0.30035830, 0.06672496, 0.4668653293478722),
+        (3.36438085517087e-3, 15.0, 0.5277495776122026, 1.00793060, 0.28847504, 0.14350018392575653),
+    ],
+)
+def test_several_stops_may_lead_to_another_cycle(
+    amplitude: float, frequency: float, drive: float, mu_s: float, mu_d: float, restitution: float
+) -> None:
+    assert solve(
+        Scene(
+            amplitude=amplitude,
+            frequency=frequency,
+            drive_angle=drive,
+            static_friction=mu_s,
+            kinetic_friction=mu_d,
+            restitution=restitution,
+        )
+    ).coexists
+
+
+def test_bodies_from_anywhere_settle_where_it_is_said() -> None:
+    count = 2000
+    scene = random_loads(count, 5, most_throw=2.5, least_ratio=0.03)
+    restitution = np.random.default_rng(5).uniform(0.0, 0.6, count)
+    flights = bounces(scene.across / scene.normal, restitution)
+    hops = hops_of(scene, flights)
+    cells = Cells(track_of(scene), flights.first, flights.number, flights.landing, flights.rest)
+    found, coexists = from_rest(cells, hops, flights)
+
+    bound = 2.0 * np.broadcast_to(scene.along, count)
+    starts = np.array([velocity_from_rest(cells.track), *(bound * f for f in np.linspace(-1.0, 1.0, 10))])
+    velocity = starts.ravel()
+    settled = np.zeros(velocity.size, np.bool_)
+    active = np.arange(velocity.size)
+    for _ in range(300):
+        after = follow(take(cells, active % count), hops, velocity[active]).velocity
+        moved = np.abs(after - velocity[active]) > 1e-13
+        velocity[active] = after
+        settled[active[~moved]] = True
+        active = active[moved]
+    ends = velocity.reshape(starts.shape)
+    known = settled.reshape(starts.shape).all(0) & flights.repeats
+    assert known.mean() > 0.7
+    np.testing.assert_allclose(found.velocity[known], ends[0][known], rtol=0.0, atol=1e-10)
+    apart = np.ptp(ends, axis=0) > 1e-7
+    assert coexists[known].tolist() == apart[known].tolist()
+    assert apart[known].sum() > 20

@@ -317,14 +317,23 @@ def _between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: S
         leads_back = ~steps.closed & (steps.rises != (onward > 0.0))
         arrives = stops & (steps.closed | (onward * (found.velocity - far[active]) >= 0.0))
         blocked = leads_back | arrives
+        # A stop leads on, as the map never decreases: by others to a cycle without one, or to the target.
         through = np.flatnonzero(stops & ~blocked)
-        if through.size:
-            behind = follow(take(rest, through), hops, found.velocity[through])
+        position = found.velocity[through]
+        for _ in range(_MOST_EVALUATIONS):
+            if not through.size:
+                break
+            behind = follow(take(rest, through), hops, position)
             again = has_stop(behind)
-            blocked[through[again]] = True
             free = np.flatnonzero(~again)
-            trial[through[free]] = found.velocity[through[free]]
+            trial[through[free]] = position[free]
             put(found, through[free], take(behind, free))
+            path = onward[through] * (behind.velocity - position)
+            left = onward[through] * (far[active[through]] - behind.velocity)
+            on = again & (left > 0.0) & (path > FLOOR * size_of(take(sizes, through), position))
+            blocked[through[again & ~on]] = True
+            through, position = through[on], behind.velocity[on]
+        blocked[through] = True
         far[active[blocked]] = trial[blocked]
         crossed[active] = leads_back
         moved = np.flatnonzero(~blocked)
