@@ -9,6 +9,7 @@ hopping if that comes first. Times are the best of several repeats; ratios are o
 from __future__ import annotations
 
 import argparse
+import functools
 import math
 import os
 import time
@@ -119,17 +120,20 @@ def event_loop_time(fields: dict[str, np.ndarray], n: int) -> float:
     return best_time(lambda: [simulate_by_events(m, "DOP853", 1e-9) for m in motions(scene)], 1)
 
 
-def single_scene_times() -> tuple[float, float]:
-    """Time the building of one scene, and its solution [s]."""
+def single_scene_times() -> tuple[float, dict[str, float]]:
+    """Time the building of one scene, and its solution by pattern as the amplitude grows [s]."""
     fields = {
-        "amplitude": 1e-3,
         "frequency": 15.0,
         "drive_angle": math.radians(20.0),
         "static_friction": 0.74,
         "kinetic_friction": 0.57,
     }
-    scene = vibro.Scene(**fields)
-    return best_time(lambda: vibro.Scene(**fields), 1000), best_time(lambda: vibro.solve(scene), 1000)
+    solving = {}
+    for amplitude in (0.5e-3, 1e-3, 1.2e-3, 1.5e-3, 2.5e-3):
+        scene = vibro.Scene(amplitude=amplitude, **fields)
+        pattern = vibro.solve(scene).pattern
+        solving[pattern] = best_time(functools.partial(vibro.solve, scene), 1000)
+    return best_time(lambda: vibro.Scene(amplitude=1e-3, **fields), 1000), solving
 
 
 def main() -> None:
@@ -159,7 +163,9 @@ def main() -> None:
     rows = [("vibro.solve, 1 thread", n, one)]
     if cores > 1:
         rows.append((f"vibro.solve, {cores} threads", n, solve_time(scene, cores, repeats)))
+    regimes = best_time(lambda: vibro.solve(scene, accuracy="regimes"), repeats)
     rows += [
+        (f'vibro.solve, {cores} threads, accuracy="regimes"', n, regimes),
         ("vibro.Scene: copying and checking inputs", n, best_time(lambda: vibro.Scene(**fields), repeats)),
         ("find_root on (E1) alone, 1 thread, of scenes that slip forward", p0.size, find_root_time(p0, k, 2)),
         ("solve_ivp with events, DOP853, rtol 1e-9", few, event_loop_time(fields, few)),
@@ -180,7 +186,8 @@ def main() -> None:
         print(f"{size:9} {single:14.1f} {all_cores:14.1f}")
         size *= 10
     building, solving = single_scene_times()
-    print(f"\none scene through vibro.solve: {1e6 * solving:.0f} us, and {1e6 * building:.0f} us to build it")
+    times = ", ".join(f"{1e6 * seconds:.0f} us ({pattern})" for pattern, seconds in solving.items())
+    print(f"\none scene through vibro.solve: {times}; and {1e6 * building:.0f} us to build it")
 
 
 if __name__ == "__main__":
