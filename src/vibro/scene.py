@@ -177,7 +177,8 @@ class Scene:
             )
             limit = f"<= static_friction = {mu_s[bad].flat[0]:.15g}"
             problems.append(Problem("kinetic_friction", f"{mu_d[bad].flat[0]:.15g}", limit))
-        bad = self.drive_angle + self.trough_angle >= math.pi / 2
+        with np.errstate(over="ignore", invalid="ignore"):  # of angles that are no angles
+            bad = self.drive_angle + self.trough_angle >= math.pi / 2
         if np.count_nonzero(bad):
             drive, trough = (np.broadcast_to(x, bad.shape) for x in (self.drive_angle, self.trough_angle))
             bad &= (

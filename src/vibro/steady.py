@@ -138,7 +138,8 @@ def solve(scene: Scene, *, accuracy: Accuracy = "exact", flight: bool = True) ->
         Operating points of any shape.
     accuracy : {"exact", "regimes"}, optional
         With "regimes" only the classes, ratios and statuses are found: a slipping cell has neither
-        pattern nor model, and NaN for its numbers. It stands for ``flight=False``.
+        pattern nor model, NaN for its numbers, and no ``BOUNDARY`` between patterns of one class. It
+        stands for ``flight=False``.
     flight : bool, optional
         Whether hopping scenes are followed through flight and impact; else, and above a throw number of
         1e6, they have no numbers and the status ``FLIGHT_NOT_MODELLED``.

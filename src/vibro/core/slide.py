@@ -43,8 +43,8 @@ _ROWS: Final = tuple(np.array([[q], [r], [r], [q]]) for q, r in zip((0.0, *_Q), 
 # Start of the refinement, Eq. (13): coefficients of rho theta^2, theta^2, rho and 1, with rho = c / theta.
 _START: Final = (-0.07074, 0.001219, 0.11467, -0.314847)
 
-# [rad] Rounding of p0 = pi/2 - c, which may even turn its sign; added where k -> 0 and p0 -> 0 divide 0 by 0.
 _TINY: Final = 1e-300  # [1] keeps the step of a slide of no length from being 0 / 0
+# [rad] Rounding of p0 = pi/2 - c, which may even turn its sign; added where k -> 0 and p0 -> 0 divide 0 by 0.
 _PHASE_NOISE: Final = 1e-15
 _BISECTIONS: Final = 55  # from an interval below pi down to an ulp
 
@@ -174,7 +174,7 @@ def slide(onset: Onset) -> Slide:
     Notes
     -----
     For k >= 0, two steps of Halley's iteration on Eq. (12): from within 1.2 % the first leaves at most
-    4e-6, the second rounding errors. The second is applied to the displacement, Eq. (11), by its Taylor
+    4.5e-6, the second rounding errors. The second is applied to the displacement, Eq. (11), by its Taylor
     series, whose first neglected term is as small; so the trigonometric functions are needed only twice.
     For k < 0 (the trough steeper than the friction angle) see ``_slide_downhill``.
     """
