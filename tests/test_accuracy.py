@@ -40,7 +40,7 @@ KNOWN = {
 PRINTED = 1e-7  # [A] digits of KNOWN
 
 
-def nut(amplitude_mm: float) -> vibro.Scene:
+def nut(amplitude_mm: float | np.ndarray) -> vibro.Scene:
     return vibro.Scene(
         amplitude=1e-3 * amplitude_mm,
         frequency=FREQUENCY,
@@ -113,19 +113,9 @@ def test_time_stepping_converges_with_the_step(amplitude: float) -> None:
 
 def test_time_stepping_solves_many_scenes_as_each_alone() -> None:
     amplitudes = np.array([0.6, 1.0, 1.5, 2.0])
-    together = simulate_by_steps(motion_arrays(nut_many(amplitudes)), 40)
+    together = simulate_by_steps(motion_arrays(nut(amplitudes)), 40)
     alone = [simulate_by_steps(motion_arrays(nut(a)), 40)[0] for a in amplitudes]
     assert together == alone
-
-
-def nut_many(amplitudes_mm: np.ndarray) -> vibro.Scene:
-    return vibro.Scene(
-        amplitude=1e-3 * amplitudes_mm,
-        frequency=FREQUENCY,
-        drive_angle=ALPHA,
-        static_friction=MU_S,
-        kinetic_friction=MU_D,
-    )
 
 
 def test_smoothed_friction_tends_to_stiction() -> None:

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from stress import against_reference, broken_invariants, extreme_fields
+from extremes import extreme_fields
+from stress import NAMES, against_reference, broken_invariants
 
 import vibro
 from vibro.accuracy.reference import exact_cycle
@@ -19,16 +20,7 @@ TOLERANCE = 16.0
 
 
 def solve(*values: float) -> vibro.SteadyCycle:
-    names = (
-        "amplitude",
-        "frequency",
-        "drive_angle",
-        "static_friction",
-        "kinetic_friction",
-        "trough_angle",
-        "gravity",
-    )
-    return vibro.solve(vibro.Scene(**dict(zip(names, values, strict=True))))
+    return vibro.solve(vibro.Scene(**dict(zip(NAMES, values, strict=True))))
 
 
 def test_the_scenes_are_extreme() -> None:

@@ -21,7 +21,7 @@ __all__ = ["STANDARD_GRAVITY", "Scene"]
 
 STANDARD_GRAVITY = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
-# field -> (unit for messages, allowed range in words, test of each finite value)
+# field, in declared order -> (unit for messages, allowed range in words, test of each finite value)
 _RULES: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
     "amplitude": ("m", "finite and > 0 m", lambda x: x > 0),
     "frequency": ("Hz", "finite and > 0 Hz", lambda x: x > 0),
@@ -181,9 +181,8 @@ class Scene:
             bad = self.drive_angle + self.trough_angle >= math.pi / 2
         if np.count_nonzero(bad):
             drive, trough = (np.broadcast_to(x, bad.shape) for x in (self.drive_angle, self.trough_angle))
-            bad &= (
-                (drive >= 0) & (drive < math.pi / 2) & (np.abs(trough) < math.pi / 2)
-            )  # each alone is valid
+            valid = (drive >= 0) & (drive < math.pi / 2) & (np.abs(trough) < math.pi / 2)  # each alone
+            bad &= valid
         if np.count_nonzero(bad):
             limit = f"less than 90 deg together with trough_angle = {_text(trough[bad].flat[0], 'rad')}"
             problems.append(Problem("drive_angle", _text(drive[bad].flat[0], "rad"), limit))
