@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["accuracy_command"]
 
 # The paper's ranges where nothing is given: its drive angles are below 45 deg, its scenes within these.
-_SAMPLE: Final = {
+_SAMPLE: Final[dict[str, Any]] = {
     "amplitude": "0.1:3:log",
     "frequency": "5:60:log",
     "drive_angle": "2:45",
@@ -73,16 +73,18 @@ def accuracy_command(
         raise InputError(f"--scenes {scenes}: must be at least 1")
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"--tolerance {tolerance:g}: must be finite and > 0")
-    if options.json and options.output == "-":
-        raise InputError("--json and -o - both want stdout", hint="leave one of them out")
+    stream = None
+    if options.output == "-":
+        from vibro.cli.output import table_stream
+
+        stream = table_stream(json=options.json)
     request = _request(options, context.obj)
     grid = _grid(request, console)
-    if options.output == "-":
+    if stream:
         from vibro.tables import CsvFormat
 
-        sys.stdout.reconfigure(encoding="utf-8", newline="")  # type: ignore[union-attr]
         comparison = _compare(grid, scenes, tolerance, console)
-        sys.stdout.write(CsvFormat(options.excel, options.decimal_comma).table(_columns(comparison.rows)))
+        stream.write(CsvFormat(options.excel, options.decimal_comma).table(_columns(comparison.rows)))
         return 0
     stem = output_stem(options.output, f"{request.name or 'vibro'}-accuracy")
     pictures = {suffixed(stem, f".{form}"): form for form in wanted}
@@ -109,7 +111,7 @@ def _request(options: Options, argv: Sequence[str]) -> Request:
     from vibro.units import QUANTITIES
 
     if options.scene is None and all(getattr(options, name) is None for name in QUANTITIES):
-        options = replace(options, **_SAMPLE)  # type: ignore[arg-type]
+        options = replace(options, **_SAMPLE)
     return gather(options, argv, reads_map=True, takes_axes=True, ranges=_AROUND_A_SCENE)
 
 

@@ -6,7 +6,7 @@ import json
 import sys
 from collections import Counter
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
@@ -28,13 +28,16 @@ if TYPE_CHECKING:
     from typing import TextIO
 
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from vibro.cli.options import Options
     from vibro.cli.request import Request
     from vibro.sweep import Block
     from vibro.tables import Column
 
-__all__ = ["Pictures", "answer_one", "count", "describe_grid", "make_grid", "write_sweep"]
+__all__ = ["Pictures", "answer_one", "count", "describe_grid", "make_grid", "table_stream", "write_sweep"]
+
+_Code = TypeVar("_Code", Status, Regime)
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
 _BYTES_PER_ROW: Final = 210  # [B] what a row of all columns comes to, rounded up
@@ -137,10 +140,7 @@ def write_sweep(
     if grid.size > _ROWS_OF_A_SHEET:
         console.warn(f"{count(grid.size)} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet")
     if options.output == "-":
-        if options.json:
-            raise InputError("--json and -o - both want stdout", hint="leave one of them out")
-        sys.stdout.reconfigure(encoding="utf-8", newline="")  # type: ignore[union-attr]
-        tally = _write_table(grid, columns, form, sys.stdout, console)
+        tally = _write_table(grid, columns, form, table_stream(json=options.json), console)
         return _conclude(tally, grid.size, console, [])
 
     stem = output_stem(options.output, name)
@@ -213,6 +213,14 @@ def answer_one(
     return _UNRESOLVED if block.cycle.status == Status.UNRESOLVED else 0
 
 
+def table_stream(*, json: bool) -> TextIO:
+    """Return stdout for a table alone: in UTF-8, with line ends as they are written."""
+    if json:
+        raise InputError("--json and -o - both want stdout", hint="leave one of them out")
+    sys.stdout.reconfigure(encoding="utf-8", newline="")  # type: ignore[union-attr]
+    return sys.stdout
+
+
 @dataclass
 class _Tally:
     """Cells by status and by regime."""
@@ -221,12 +229,13 @@ class _Tally:
     regime: Counter[Regime]
 
     def add(self, block: Block) -> None:
-        for codes, counter, kind in (
-            (block.cycle.status, self.status, Status),
-            (block.cycle.regime, self.regime, Regime),
-        ):
-            for code, number in zip(*np.unique(codes, return_counts=True), strict=True):
-                counter[kind(code)] += int(number)  # type: ignore[index]
+        self.status.update(_counted(block.cycle.status, Status))
+        self.regime.update(_counted(block.cycle.regime, Regime))
+
+
+def _counted(codes: NDArray[np.int8], kind: Callable[[int], _Code]) -> dict[_Code, int]:
+    values, numbers = np.unique(codes, return_counts=True)
+    return {kind(code): number for code, number in zip(values.tolist(), numbers.tolist(), strict=True)}
 
 
 def _check_size(grid: Grid, files: OutputSet) -> None:

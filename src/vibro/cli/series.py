@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import sys
 from typing import TYPE_CHECKING, Any
 
 from vibro import __version__
-from vibro.errors import InputError
+from vibro.cli.output import table_stream
 from vibro.files import OutputSet, output_stem, suffixed, write_json
 from vibro.scene import Scene
 from vibro.tables import CsvFormat
@@ -79,10 +78,7 @@ def write_series(
     """
     form = CsvFormat(options.excel, options.decimal_comma)
     if options.output == "-":
-        if options.json:
-            raise InputError("--json and -o - both want stdout", hint="leave one of them out")
-        sys.stdout.reconfigure(encoding="utf-8", newline="")  # type: ignore[union-attr]
-        sys.stdout.write(form.table(next(iter(tables.values()))))
+        table_stream(json=options.json).write(form.table(next(iter(tables.values()))))
         return
     stem = output_stem(options.output, name)
     sheets = {suffixed(stem, f"{suffix}.csv"): columns for suffix, columns in tables.items()}
