@@ -180,7 +180,7 @@ def test_the_refinement_starts_within_its_basin(side: float, bound: float) -> No
     start = module._start(onset, 2.0 * np.arcsin(np.sqrt(0.5 * (onset.vers + onset.excess))))
     double_root = np.sqrt(p0 * p0 + 4.0 * onset.k * (np.pi - p0))  # distance to the other root for k, p0 -> 0
     distance: NDArray[np.float64] = np.minimum(x, np.minimum(1.0, x) * np.minimum(1.0, double_root))
-    rounding = 5e-15  # ulps of x where it is pi
+    rounding = 3e-15
     assert (np.abs(start - x) <= bound * distance + rounding).all()
     # and the refinement got x right: Eq. (12) holds there
     residual = np.sin(p0 + x) * np.sin(x) - onset.k * x

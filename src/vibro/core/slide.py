@@ -35,7 +35,8 @@ _R: Final = (
 )  # fmt: skip
 # Q to 1e-7 (1 - x^2 / pi^2), as far as the first step of the refinement needs it: exact where sin x vanishes.
 _ROUGH_Q: Final = tuple(map(np.array, (
-    2.07021594934088e-8, -2.7105882002563e-6, 0.000198209914335634, -0.00833299169063596, 0.166666564638624,
+    2.07021594934088201e-8, -2.710588200256295715e-6, 0.0001982099143356336995,
+    -0.008332991690635963418, 0.1666665646386242498,
 )))  # fmt: skip
 # Q, R, R and Q as the rows of one polynomial, to be evaluated at once.
 _ROWS: Final = tuple(np.array([[q], [r], [r], [q]]) for q, r in zip((0.0, *_Q), _R, strict=True))
