@@ -91,7 +91,7 @@ def print_coexistence(scenes: int) -> None:
             static_friction=mu_s,
             kinetic_friction=mu_s * rng.uniform(low, high, scenes),
         )
-        with patch("vibro.core.orbits._MOST_COEXISTENCE", math.inf):
+        with patch("vibro.core.flight.orbits._MOST_COEXISTENCE", math.inf):
             two = int(vibro.solve(scene).coexists.sum())
         print(f"{f'{low:g}-{high:g}':>12} {scenes:9} {two / scenes:12.4%}")
 

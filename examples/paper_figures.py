@@ -21,10 +21,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import vibro
+from vibro.motion.trace import trace
 from vibro.plots.history import history_figure
 from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
 from vibro.plots.style import INK, RC
-from vibro.trace import trace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from vibro.history import Sample
+    from vibro.motion.histories import Sample
 
     Floats = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibro.core.limits import critical_loads
+from vibro.core.contact.limits import critical_loads
 from vibro.plots.labels import Labeller
 
 if TYPE_CHECKING:

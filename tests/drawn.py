@@ -12,8 +12,8 @@ from matplotlib.path import Path as Outline
 from vibro import Regime, Scene
 from vibro.axes import parse_axis
 from vibro.plots import choose_view
-from vibro.sweep import Grid, SweepResult, sweep_picture
-from vibro.units import QUANTITIES
+from vibro.quantities import QUANTITIES
+from vibro.sweeps.run import Grid, SweepResult, sweep_picture
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -6,7 +6,7 @@ import pytest
 
 from vibro.axes import MAX_VALUES, default_count, parse_axis
 from vibro.errors import InputError
-from vibro.units import QUANTITIES
+from vibro.quantities import QUANTITIES
 
 
 def values_of(text: str, name: str = "amplitude", count: int = 5) -> list[float]:

@@ -12,7 +12,7 @@ import pytest
 from scenes import loads_of
 
 import vibro
-from vibro.core.phases import steady_phases
+from vibro.core.contact.phases import steady_phases
 
 DATA = Path(__file__).parent / "data"
 EPS = float(np.finfo(float).eps)

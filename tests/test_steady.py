@@ -26,11 +26,11 @@ from scenes import (
 
 from vibro import Regime, Scene, SceneError, Status, SteadyCycle, VibroError, solve, steady
 from vibro.core.codes import MODELS, PATTERNS
-from vibro.core.phases import steady_phases
-from vibro.core.slide import slide
+from vibro.core.contact.phases import steady_phases
+from vibro.core.contact.slide import slide
 
 if TYPE_CHECKING:
-    from vibro.core.slide import Onset, Slide
+    from vibro.core.contact.slide import Onset, Slide
 
 EPS = float(np.finfo(float).eps)
 
@@ -85,7 +85,7 @@ def test_every_status_in_one_array(monkeypatch: pytest.MonkeyPatch) -> None:
     def unsettled(onset: Onset) -> Slide:
         return slide(onset)._replace(settled=np.zeros(onset.c.shape, np.bool_))
 
-    monkeypatch.setattr("vibro.core.cycle.slide", unsettled)
+    monkeypatch.setattr("vibro.core.contact.cycle.slide", unsettled)
     unproven = solve(scene_with())
     assert unproven.status == Status.UNRESOLVED
     assert math.isnan(unproven.mean_velocity)

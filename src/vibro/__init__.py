@@ -9,10 +9,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from vibro.arrival import arrival_time
     from vibro.core.codes import Regime, Status
     from vibro.errors import SceneError, VibroError
-    from vibro.history import History, simulate
+    from vibro.motion.arrivals import arrival_time
+    from vibro.motion.histories import History, simulate
     from vibro.scene import Scene
     from vibro.steady import SteadyCycle, solve
 
@@ -31,15 +31,15 @@ __all__ = [
 __version__ = "0.1.0"
 
 _HOMES = {
-    "History": "vibro.history",
+    "History": "vibro.motion.histories",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
     "SceneError": "vibro.errors",
     "Status": "vibro.core.codes",
     "SteadyCycle": "vibro.steady",
     "VibroError": "vibro.errors",
-    "arrival_time": "vibro.arrival",
-    "simulate": "vibro.history",
+    "arrival_time": "vibro.motion.arrivals",
+    "simulate": "vibro.motion.histories",
     "solve": "vibro.steady",
 }
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.errors import InputError
-from vibro.units import QUANTITIES, Quantity, exact_number
+from vibro.quantities import QUANTITIES, Quantity, exact_number
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

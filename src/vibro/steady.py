@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 from vibro.core.codes import MODELS, Model, Status
+from vibro.core.contact.solver import HOPPING_PATTERNS, SteadyState, pattern_texts, steady_state
+from vibro.core.flight.cycles import MOST_THROW, hopping_cycles
 from vibro.core.groups import Loads, loads
-from vibro.core.hopping import MOST_THROW, hopping_cycles
-from vibro.core.solver import HOPPING_PATTERNS, SteadyState, pattern_texts, steady_state
 from vibro.errors import Problem, SceneError, VibroError
 
 if TYPE_CHECKING:

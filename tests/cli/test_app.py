@@ -140,7 +140,7 @@ def test_faults_are_told_in_one_line_and_leave_nothing(
     def fail(*_: object) -> str:
         raise error
 
-    monkeypatch.setattr("vibro.tables.CsvFormat.rows", fail)
+    monkeypatch.setattr("vibro.sweeps.columns.CsvFormat.rows", fail)
     result = run(*SMALL, "-o", "nut")
     assert result.exit_code == 1
     assert message in result.stderr

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import NUT, Run, rows_of
-from records import EXAMPLES, STUDY, STUDY_FILE
+from made_records import EXAMPLES, STUDY, STUDY_FILE
 
 SCENE = EXAMPLES / "safety_nut.toml"
 NAMED = ("--time", "Time [s]", "--displacement", "X [mm]", "--velocity", "V [mm/s]")

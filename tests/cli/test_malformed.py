@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from vibro.axes import parse_axis
 from vibro.errors import InputError
-from vibro.files import read_scene_file
-from vibro.units import QUANTITIES
+from vibro.files.outputs import read_scene_file
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable

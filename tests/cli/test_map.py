@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
-from vibro.tables import COLUMNS
+from vibro.sweeps.columns import COLUMNS
 
 SCENE = """
 [scene]
@@ -360,7 +360,7 @@ def test_formats(run: Run) -> None:
 
 
 def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    import vibro.sweep
+    import vibro.sweeps.run
     from vibro.core.codes import Status
     from vibro.scene import Scene
     from vibro.steady import SteadyCycle, solve
@@ -370,7 +370,7 @@ def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPa
         cycle.status.flat[0] = Status.UNRESOLVED
         return cycle
 
-    monkeypatch.setattr(vibro.sweep, "solve", doubtful)
+    monkeypatch.setattr(vibro.sweeps.run, "solve", doubtful)
     result = run("map", "-A", "0.5:2:3", "-f", "15", *NUT_ANGLE_AND_FRICTION, "-o", "nut")
     assert result.exit_code == 3
     assert "1 of 3 cells: unresolved" in result.stderr

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import NUT, Run, rows_of
-from records import EXAMPLES
+from made_records import EXAMPLES
 
 SCENE = EXAMPLES / "safety_nut.toml"
 

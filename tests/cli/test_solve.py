@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from commands import NUT, Run, rows_of
 
-from vibro.tables import COLUMNS
+from vibro.sweeps.columns import COLUMNS
 
 
 def test_json_has_the_keys_of_a_table(run: Run) -> None:
@@ -211,7 +211,7 @@ def test_longer_periods_are_counted(run: Run) -> None:
 
 
 def test_a_mean_of_irregular_motion_has_its_error(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    import vibro.sweep
+    import vibro.sweeps.run
     from vibro.core.codes import Status
     from vibro.steady import SteadyCycle, solve
 
@@ -223,7 +223,7 @@ def test_a_mean_of_irregular_motion_has_its_error(run: Run, monkeypatch: pytest.
             mean_velocity_error=np.array(1.25e-3),
         )
 
-    monkeypatch.setattr(vibro.sweep, "solve", irregular)
+    monkeypatch.setattr(vibro.sweeps.run, "solve", irregular)
     result = run("solve", *NUT, "-A", "4")
     assert result.exit_code == 0
     told = facts(result.stdout)

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgba
 from vibro import Status
 from vibro.plots import map_figures
 from vibro.plots.style import AVERAGED_LABEL, NO_ANSWER_HATCH
-from vibro.sweep import SweepResult
+from vibro.sweeps.run import SweepResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

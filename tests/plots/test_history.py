@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from made_records import Walked, nut
 from matplotlib.patches import Polygon, Rectangle
-from records import Walked, nut
 
 import vibro
-from vibro.compare import compare
 from vibro.errors import InputError
+from vibro.motion.trace import trace
 from vibro.plots.comparison import comparison_figure
 from vibro.plots.history import PANELS, choose_panels, history_figure
 from vibro.plots.phases import PHASE_STYLES
-from vibro.trace import trace
+from vibro.records.comparison import compare
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,7 +12,7 @@ from matplotlib.colors import LogNorm
 
 from vibro import Regime, Scene, solve
 from vibro.plots import map_figures
-from vibro.sweep import SweepResult
+from vibro.sweeps.run import SweepResult
 
 if TYPE_CHECKING:
     from drawn import Floats

@@ -10,8 +10,8 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pytest
+from made_records import EXAMPLES
 from matplotlib.figure import Figure
-from records import EXAMPLES
 
 from vibro.plots.style import RC
 

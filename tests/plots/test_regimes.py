@@ -26,11 +26,11 @@ from matplotlib.colors import to_rgb
 from matplotlib.path import Path as Outline
 
 from vibro import Regime, Scene, Status, solve
-from vibro.core.limits import critical_loads
+from vibro.core.contact.limits import critical_loads
 from vibro.plots import choose_view, map_figures
 from vibro.plots.style import CURVES, REGIME_COLOURS
-from vibro.sweep import SweepResult
-from vibro.units import to_si
+from vibro.quantities import to_si
+from vibro.sweeps.run import SweepResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,7 +10,7 @@ import pytest
 from vibro.axes import parse_axis
 from vibro.errors import InputError
 from vibro.plots import choose_view
-from vibro.units import QUANTITIES
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     pass

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibro.quantities import to_si
 from vibro.scene import Scene
-from vibro.units import to_si
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.sweep import Grid
+    from vibro.sweeps.run import Grid
 
 __all__ = ["draw_scenes", "take_scenes"]
 

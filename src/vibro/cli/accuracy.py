@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from vibro.accuracy.compare import Comparison, Row
+    from vibro.accuracy.trade import Comparison, Row
     from vibro.cli.console import Console
     from vibro.cli.request import Request
-    from vibro.files import OutputSet
-    from vibro.sweep import Grid
-    from vibro.tables import TableColumns
+    from vibro.files.outputs import OutputSet
+    from vibro.sweeps.columns import TableColumns
+    from vibro.sweeps.run import Grid
 
 __all__ = ["accuracy_command"]
 
@@ -65,7 +65,7 @@ def accuracy_command(
     """
     from vibro.cli.console import Console
     from vibro.cli.output import count
-    from vibro.files import OutputSet, output_stem, suffixed
+    from vibro.files.outputs import OutputSet, output_stem, suffixed
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -81,7 +81,7 @@ def accuracy_command(
     request = _request(options, context.obj)
     grid = _grid(request, console)
     if stream:
-        from vibro.tables import CsvFormat
+        from vibro.sweeps.columns import CsvFormat
 
         comparison = _compare(grid, scenes, tolerance, console)
         stream.write(CsvFormat(options.excel, options.decimal_comma).table(_columns(comparison.rows)))
@@ -108,7 +108,7 @@ def accuracy_command(
 def _request(options: Options, argv: Sequence[str]) -> Request:
     """Merge options, scene file and what is sampled where nothing is given."""
     from vibro.cli.request import gather
-    from vibro.units import QUANTITIES
+    from vibro.quantities import QUANTITIES
 
     if options.scene is None and all(getattr(options, name) is None for name in QUANTITIES):
         options = replace(options, **_SAMPLE)
@@ -116,7 +116,7 @@ def _request(options: Options, argv: Sequence[str]) -> Request:
 
 
 def _grid(request: Request, console: Console) -> Grid:
-    from vibro.sweep import Grid
+    from vibro.sweeps.run import Grid
 
     specs = {name: spec for name, spec in request.specs.items() if name != "trough_length"}
     axes = {name: spec.axis(_VALUES) for name, spec in specs.items() if spec.varies}
@@ -126,8 +126,8 @@ def _grid(request: Request, console: Console) -> Grid:
 
 
 def _compare(grid: Grid, scenes: int, tolerance: float, console: Console) -> Comparison:
-    from vibro.accuracy.compare import best_reference, compare, runs
     from vibro.accuracy.methods import METHODS
+    from vibro.accuracy.trade import best_reference, compare, runs
     from vibro.cli.output import count
 
     reference = best_reference()
@@ -152,10 +152,10 @@ def _write(
     targets: Sequence[Path],
 ) -> None:
     """Write table, pictures and sidecar under their temporary names."""
-    from vibro.files import write_json
+    from vibro.files.outputs import write_json
     from vibro.plots import save
     from vibro.plots.trade import trade_figure
-    from vibro.tables import CsvFormat
+    from vibro.sweeps.columns import CsvFormat
 
     table = CsvFormat(options.excel, options.decimal_comma).table(_columns(comparison.rows))
     files[targets[0]].write_text(table, encoding="utf-8", newline="")
@@ -174,7 +174,7 @@ def _columns(rows: Sequence[Row]) -> TableColumns:
     """Return the columns of the table, with their units in their names."""
     import numpy as np
 
-    from vibro.accuracy.compare import Row
+    from vibro.accuracy.trade import Row
 
     columns: dict[str, Any] = {}
     for field in fields(Row):
@@ -218,7 +218,7 @@ _WIDE: Final = 120  # [characters] that the table takes
 
 def _print_table(comparison: Comparison) -> None:
     """Print the table and the advice: with rich for a person, as aligned text otherwise."""
-    from vibro.accuracy.compare import advice
+    from vibro.accuracy.trade import advice
 
     cells = [_cells(row) for row in comparison.rows]
     legend = (

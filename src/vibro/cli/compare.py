@@ -14,10 +14,10 @@ from vibro.cli.options import Options, picture_formats
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from vibro.compare import Comparison, Row
-    from vibro.fitting import Fit
-    from vibro.measured import Record
-    from vibro.tables import TableColumns
+    from vibro.records.comparison import Comparison, Row
+    from vibro.records.fitting import Fit
+    from vibro.records.reading import Record
+    from vibro.sweeps.columns import TableColumns
 
 __all__ = ["CompareCommand", "compare_command"]
 
@@ -102,12 +102,12 @@ def compare_command(
     trigger time is found. Measured and computed figures are printed; with -o they go to STEM.csv (signals),
     STEM-summary.csv, STEM.json and a picture.
     """
-    from vibro.alignment import Observation
     from vibro.cli.request import gather
     from vibro.cli.series import scene_of, scene_record, write_series
-    from vibro.compare import compare
-    from vibro.measured import read_record
-    from vibro.units import MASS, exact_number
+    from vibro.quantities import MASS, exact_number
+    from vibro.records.alignment import Observation
+    from vibro.records.comparison import compare
+    from vibro.records.reading import read_record
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -143,7 +143,7 @@ def compare_command(
         console.warn(warning)
     fit = None
     if names:
-        from vibro.fitting import fit as fit_scene
+        from vibro.records.fitting import fit as fit_scene
 
         fit = fit_scene(scene, observation, names)
 

@@ -72,7 +72,7 @@ def map_command(
     from vibro.cli.output import Pictures, make_grid, write_sweep
     from vibro.cli.request import gather
     from vibro.plots.view import choose_view
-    from vibro.tables import COLUMNS
+    from vibro.sweeps.columns import COLUMNS
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -91,7 +91,7 @@ def map_command(
 
     def draw() -> dict[str, Figure]:
         from vibro.plots import map_figures
-        from vibro.sweep import sweep_picture
+        from vibro.sweeps.run import sweep_picture
 
         drawn: dict[str, tuple[int, ...]] = {held: (i,) for held, i in view.held.items()}
         if view.facet:
@@ -119,7 +119,7 @@ def _shown(texts: list[str]) -> list[str]:
 
 def _axis_name(text: str) -> str:
     """Return the name of the quantity that a user calls an axis."""
-    from vibro.units import QUANTITIES
+    from vibro.quantities import QUANTITIES
 
     name = text.strip().removeprefix("--").replace("-", "_")
     for quantity in QUANTITIES.values():
@@ -129,7 +129,7 @@ def _axis_name(text: str) -> str:
 
 
 def _held(texts: list[str], request: Request) -> dict[str, float]:
-    from vibro.units import QUANTITIES, exact_number
+    from vibro.quantities import QUANTITIES, exact_number
 
     held = {}
     for text in (part for given in texts for part in given.split(",")):

@@ -17,10 +17,10 @@ from vibro.cli.options import Accuracy, Flight
 from vibro.cli.report import OneScene
 from vibro.core.codes import Regime, Status
 from vibro.errors import InputError
-from vibro.files import OutputSet, output_stem, suffixed, write_json
-from vibro.sweep import Grid, sweep_blocks
-from vibro.tables import CsvFormat, record
-from vibro.units import QUANTITIES
+from vibro.files.outputs import OutputSet, output_stem, suffixed, write_json
+from vibro.quantities import QUANTITIES
+from vibro.sweeps.columns import CsvFormat, record
+from vibro.sweeps.run import Grid, sweep_blocks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
     from vibro.cli.options import Options
     from vibro.cli.request import Request
-    from vibro.sweep import Block
-    from vibro.tables import Column
+    from vibro.sweeps.columns import Column
+    from vibro.sweeps.run import Block
 
 __all__ = ["Pictures", "answer_one", "count", "describe_grid", "make_grid", "table_stream", "write_sweep"]
 

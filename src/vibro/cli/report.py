@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
+from vibro.core.contact.legs import Mode
+from vibro.core.contact.limits import critical_loads
+from vibro.core.contact.phases import Phase, steady_phases
 from vibro.core.groups import loads
-from vibro.core.limits import critical_loads
-from vibro.core.motion import Mode
-from vibro.core.phases import Phase, steady_phases
+from vibro.quantities import QUANTITIES, from_si, to_si
 from vibro.scene import STANDARD_GRAVITY
-from vibro.units import QUANTITIES, from_si, to_si
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from vibro.core.groups import Loads
-    from vibro.sweep import Block
+    from vibro.sweeps.run import Block
 
 __all__ = ["OneScene", "Transition", "aligned", "number"]
 
@@ -203,8 +203,8 @@ class OneScene:
 
 def _phases_with_flights(scene: Loads, restitution: float) -> list[Phase]:
     """Phases of the steady cycle of a body that hops; empty if they do not repeat soon, or are too many."""
-    from vibro.core.history import follow
-    from vibro.core.walk import course_of
+    from vibro.core.walk.histories import follow
+    from vibro.core.walk.steps import course_of
 
     steady = follow(course_of(scene, np.array([restitution])), 0.0, 0.0, _LONGEST_RUN).steady
     starts = 2 * math.pi * (steady.cycle - steady.cycle[:1]) + steady.phase

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Final
 
 from vibro.axes import AxisSpec, parse_axis
 from vibro.errors import InputError, SceneError
-from vibro.files import SceneFile, read_scene_file
+from vibro.files.outputs import SceneFile, read_scene_file
+from vibro.quantities import QUANTITIES, SWEPT, to_si
 from vibro.scene import STANDARD_GRAVITY, Scene
-from vibro.units import QUANTITIES, SWEPT, to_si
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from vibro import __version__
 from vibro.cli.output import table_stream
-from vibro.files import OutputSet, output_stem, suffixed, write_json
+from vibro.files.outputs import OutputSet, output_stem, suffixed, write_json
+from vibro.quantities import QUANTITIES, to_si
 from vibro.scene import Scene
-from vibro.tables import CsvFormat
-from vibro.units import QUANTITIES, to_si
+from vibro.sweeps.columns import CsvFormat
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from vibro.cli.console import Console
     from vibro.cli.options import Options
     from vibro.cli.request import Request
-    from vibro.tables import TableColumns
+    from vibro.sweeps.columns import TableColumns
 
 __all__ = ["scene_of", "scene_record", "write_series"]
 

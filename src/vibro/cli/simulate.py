@@ -15,7 +15,7 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibro.history import History
+    from vibro.motion.histories import History
 
 __all__ = ["simulate_command"]
 
@@ -74,10 +74,10 @@ def simulate_command(
     """
     from vibro.cli.request import gather
     from vibro.cli.series import scene_of, scene_record, write_series
-    from vibro.history import simulate
+    from vibro.motion.histories import simulate
+    from vibro.motion.trace import motion_table, phase_table, trace
     from vibro.plots.history import choose_panels
-    from vibro.trace import motion_table, phase_table, trace
-    from vibro.units import DURATION, START_PHASE, START_VELOCITY, exact_number
+    from vibro.quantities import DURATION, START_PHASE, START_VELOCITY, exact_number
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -162,7 +162,7 @@ def _records(history: History) -> list[dict[str, Any]]:
     """Return the phases, one a record, as their table has them."""
     import numpy as np
 
-    from vibro.trace import phase_table
+    from vibro.motion.trace import phase_table
 
     columns = phase_table(history, history.phases)
     rows = zip(*(c.tolist() if isinstance(c, np.ndarray) else c for c in columns.values()), strict=True)
@@ -174,8 +174,8 @@ def _text(history: History) -> str:
     import numpy as np
 
     from vibro.cli.report import aligned
+    from vibro.motion.trace import phase_table
     from vibro.steady import solve
-    from vibro.trace import phase_table
 
     phases = history.phases
     columns = phase_table(history, phases[:_PRINTED])

@@ -26,7 +26,7 @@ def solve_command(
     """
     from vibro.cli.output import answer_one, make_grid
     from vibro.cli.request import gather
-    from vibro.tables import COLUMNS
+    from vibro.sweeps.columns import COLUMNS
 
     request = gather(options, context.obj)
     grid = make_grid(request, accuracy=accuracy, flight=flight)

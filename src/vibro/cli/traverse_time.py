@@ -38,7 +38,7 @@ def traverse_time_command(
     from vibro.cli.console import Console
     from vibro.cli.output import answer_one, make_grid, write_sweep
     from vibro.cli.request import gather
-    from vibro.tables import ARRIVAL, STROKES, columns_with
+    from vibro.sweeps.columns import ARRIVAL, STROKES, columns_with
 
     request = gather(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"

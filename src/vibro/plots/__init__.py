@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from vibro.sweep import SweepResult
+    from vibro.sweeps.run import SweepResult
 
 __all__ = ["View", "choose_view", "map_figures", "save"]
 

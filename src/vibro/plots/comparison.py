@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from vibro.compare import Comparison
+    from vibro.records.comparison import Comparison
 
     Floats = NDArray[np.float64]
 

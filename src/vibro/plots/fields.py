@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.units import to_si
+from vibro.quantities import to_si
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.plots.view import Panel
-    from vibro.sweep import SweepResult
+    from vibro.sweeps.run import SweepResult
 
 __all__ = [
     "make_logarithmic",

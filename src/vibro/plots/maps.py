@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.plots.fields import Fields
-    from vibro.sweep import SweepResult
+    from vibro.sweeps.run import SweepResult
 
     Floats = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.core.codes import Regime, Status
-from vibro.units import QUANTITIES
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.transforms import Bbox
 
-    from vibro.accuracy.compare import Comparison, Row
+    from vibro.accuracy.trade import Comparison, Row
 
 __all__ = ["trade_figure"]
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.sweep import SweepResult
+    from vibro.sweeps.run import SweepResult
 
 __all__ = ["MAX_FACETS", "Panel", "View", "choose_view", "panels"]
 

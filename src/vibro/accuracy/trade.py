@@ -1,0 +1,283 @@
+"""Methods run on the same scenes, and how far each is from the reference."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.accuracy.methods import METHODS, Answers, answers_of, converged_answers
+from vibro.accuracy.sample import draw_scenes, take_scenes
+from vibro.core.codes import Regime
+from vibro.scene import Scene
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from vibro.accuracy.methods import Method, Tick
+    from vibro.sweeps.run import Grid
+
+__all__ = ["Comparison", "Row", "advice", "best_reference", "compare", "runs"]
+
+_FEWEST: Final = 20  # scenes that any method is run on
+_DRAWS: Final = 20  # times the sample that is drawn at most, to find enough scenes in contact
+
+# [1] of the true speed, and more: an error that nobody would call one of accuracy
+_FAILURE: Final = 0.5
+
+
+class Reference(NamedTuple):
+    """What errors are measured against.
+
+    Attributes
+    ----------
+    name : str
+        In words.
+    answer : callable
+        As that of a method; NaN where there is no steady cycle in contact, or none was found.
+    most : int
+        Scenes that it can be run on in reasonable time.
+    """
+
+    name: str
+    answer: Callable[[Scene, Tick], Answers]
+    most: int
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method beside the reference; errors of the mean speed in A f.
+
+    Attributes
+    ----------
+    method, setting : str
+        What was run.
+    scenes : int
+        How many scenes.
+    time_us : float
+        Time a scene [us].
+    error_max, error_999 : float
+        Largest error, and the one that 99.9 % of the answers do not exceed; NaN if the method tells no speed.
+    error_median : float
+        Of the answers for scenes that truly slip: where others rest most methods are exact.
+    beyond_tolerance : int
+        Answers whose error exceeds the tolerance.
+    wrong_regime_share : float
+        Answers of a wrong regime, as a share of all answers.
+    silent_failures : int
+        Answers that miss half of the true speed or more, and do not say so.
+    gave_up : int
+        Scenes without an answer.
+    drift_at_rest : float
+        Largest speed where the body is truly at rest [A f].
+    """
+
+    method: str
+    setting: str
+    scenes: int
+    time_us: float
+    error_max: float
+    error_999: float
+    error_median: float
+    beyond_tolerance: int
+    wrong_regime_share: float
+    silent_failures: int
+    gave_up: int
+    drift_at_rest: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Methods beside each other.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+        One a method, in their order.
+    reference : str
+        What errors are measured against.
+    scenes, drawn : int
+        Scenes in contact, and how many were drawn to find them.
+    tolerance : float
+        Error that counts as none [A f].
+    """
+
+    rows: tuple[Row, ...]
+    reference: str
+    scenes: int
+    drawn: int
+    tolerance: float
+
+
+def best_reference() -> Reference:
+    """Return arbitrary precision if mpmath is installed, else a converged event-driven simulation."""
+    try:
+        from vibro.accuracy.reference import DIGITS, exact_cycle
+    except ImportError:
+        return Reference("event-driven simulation, DOP853 at rtol 1e-13", _converged, 300)
+
+    def answer(scene: Scene, tick: Tick) -> Answers:
+        cycles = []
+        start = time.perf_counter()
+        for values in zip(*(field.tolist() for field in scene.arrays()[:7]), strict=True):
+            cycles.append(exact_cycle(values))
+            tick()
+        seconds = time.perf_counter() - start
+        return answers_of([(float(c.displacement), c.pattern) for c in cycles], seconds)
+
+    return Reference(f"event walk in {DIGITS}-digit arithmetic", answer, 1_000_000)
+
+
+def _converged(scene: Scene, tick: Tick) -> Answers:
+    """Solve what stays in contact and can rest, by event-driven simulation."""
+    load = scene.amplitude * (2.0 * np.pi * scene.frequency) ** 2 / scene.gravity
+    hold = scene.static_friction * np.cos(scene.trough_angle)
+    contact = load * np.sin(scene.drive_angle) <= np.cos(scene.trough_angle)
+    cells = np.flatnonzero(contact & (np.abs(np.sin(scene.trough_angle)) < hold))
+    found = converged_answers(take_scenes(scene, cells), tick)
+    displacement, regime = np.full(scene.shape, np.nan), np.zeros(scene.shape, np.int8)
+    displacement[cells], regime[cells] = found.displacement, found.regime
+    return Answers(displacement, regime, found.seconds)
+
+
+def runs(methods: Sequence[Method], scenes: int) -> list[int]:
+    """Return how many scenes each method is run on."""
+    return [min(scenes, max(_FEWEST, round(method.share * scenes))) for method in methods]
+
+
+def compare(
+    grid: Grid,
+    scenes: int,
+    *,
+    tolerance: float,
+    reference: Reference,
+    methods: Sequence[Method] = METHODS,
+    report: Callable[[int], None] = lambda done: None,
+) -> Comparison:
+    """Run methods on scenes drawn from a grid.
+
+    Parameters
+    ----------
+    grid : Grid
+        What to draw from. Scenes that hop, run away or have no steady cycle are left out.
+    scenes : int
+        How many to draw; each method is run on the first of them, as many as its share says.
+    tolerance : float
+        Error in mean speed that counts as none [A f].
+    reference : Reference
+        What errors are measured against.
+    methods : sequence of Method, optional
+        What to run.
+    report : callable, optional
+        Called with the number of scenes done, of ``scenes + sum(runs(methods, scenes))``.
+
+    Returns
+    -------
+    Comparison
+        With fewer scenes than asked for where the grid has not more.
+    """
+    done = 0
+
+    def tick(number: int = 1) -> None:
+        nonlocal done
+        done += number
+        report(done)
+
+    sample, truth, drawn = _sample(grid, scenes, reference, tick)
+    found = sample.shape[0]
+    rows = []
+    for method, n in zip(methods, runs(methods, found), strict=True):
+        before = done
+        answers = method.answer(take_scenes(sample, slice(n)), tick)
+        tick(n - (done - before))
+        rows.append(_row(method, answers, Answers(truth.displacement[:n], truth.regime[:n], 0.0), tolerance))
+    return Comparison(tuple(rows), reference.name, found, drawn, tolerance)
+
+
+def _sample(grid: Grid, scenes: int, reference: Reference, tick: Tick) -> tuple[Scene, Answers, int]:
+    """Draw scenes until enough of them have a steady cycle in contact."""
+    parts: list[tuple[Scene, Answers]] = []
+    found = drawn = 0
+    while found < scenes and drawn < _DRAWS * scenes:
+        part = draw_scenes(grid, drawn, scenes)
+        drawn += scenes
+        if not part.shape[0]:
+            if grid.size <= scenes:
+                break
+            continue
+        answers = reference.answer(part, tick)
+        cells = np.flatnonzero(np.isfinite(answers.displacement))[: scenes - found]
+        found += cells.size
+        parts.append(
+            (take_scenes(part, cells), Answers(answers.displacement[cells], answers.regime[cells], 0.0))
+        )
+    fields = {
+        name: np.concatenate([getattr(part, name) for part, _ in parts] or [np.empty(0)])
+        for name in Scene.__dataclass_fields__
+    }
+    displacement = np.concatenate([a.displacement for _, a in parts] or [np.empty(0)])
+    regime = np.concatenate([a.regime for _, a in parts] or [np.empty(0, np.int8)])
+    return Scene(**fields), Answers(displacement, regime, 0.0), min(drawn, grid.size)
+
+
+def _row(method: Method, answers: Answers, truth: Answers, tolerance: float) -> Row:
+    n = answers.displacement.size
+    answered = answers.regime != Regime.UNDEFINED
+    measured = np.isfinite(answers.displacement)
+    error = np.abs(answers.displacement - truth.displacement)[measured]
+    known = truth.displacement[measured]
+    still = truth.regime[measured] == Regime.NO_SLIP
+    return Row(
+        method.name,
+        method.setting,
+        n,
+        1e6 * answers.seconds / n,
+        error_max=_quantile(error, 1.0),
+        error_999=_quantile(error, 0.999),
+        error_median=_quantile(error[~still], 0.5),
+        beyond_tolerance=int(np.sum(error > tolerance)),
+        wrong_regime_share=float(np.mean((answers.regime != truth.regime)[answered]))
+        if answered.any()
+        else 0.0,
+        silent_failures=int(np.sum((known != 0.0) & (error >= _FAILURE * np.abs(known)))),
+        gave_up=int(np.sum(~answered)),
+        drift_at_rest=float(np.max(error[still], initial=0.0)),
+    )
+
+
+def _quantile(values: NDArray[np.float64], share: float) -> float:
+    return float(np.quantile(values, share, method="higher")) if values.size else np.nan
+
+
+def advice(comparison: Comparison) -> str:
+    """Say in one line what to use."""
+    right = [
+        row
+        for row in comparison.rows
+        if math.isfinite(row.error_max)
+        and row.beyond_tolerance == row.wrong_regime_share == row.silent_failures == row.gave_up == 0
+    ]
+    limit = f"within {comparison.tolerance:g} A f in every scene"
+    if not right:
+        closest = min((r for r in comparison.rows if math.isfinite(r.error_max)), key=lambda r: r.error_max)
+        reached = f"{closest.method} ({closest.setting}), within {closest.error_max:.2g}"
+        return f"No method stays {limit}; the closest is {reached}."
+    best = min(right, key=lambda row: row.time_us)
+    rivals = [row for row in right if row.method != best.method]
+    if not rivals:
+        return f"Use {best.method} ({best.setting}): no other method run here stays {limit}."
+    rival = min(rivals, key=lambda row: row.time_us)
+    faster = _times(rival.time_us / best.time_us)
+    return (
+        f"Use {best.method} ({best.setting}): {faster} as fast as the next that stays {limit} "
+        f"({rival.method}, {rival.setting})."
+    )
+
+
+def _times(ratio: float) -> str:
+    return f"{float(f'{ratio:.2g}'):.0f} times" if ratio >= 10.0 else f"{ratio:.2g} times"

@@ -1,0 +1,163 @@
+"""Where a scene changes class as the load grows: the critical G = A w^2 / g of each transition."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from vibro.core.groups import Loads, cosine_of_sum, take
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from vibro.core.contact.slide import Floats
+
+__all__ = ["CriticalLoads", "critical_loads"]
+
+
+class CriticalLoads(NamedTuple):
+    """Critical loads G = A w^2 / g; inf where a transition never happens, 0 where it always has.
+
+    Attributes
+    ----------
+    hop : array
+        Above, the throw number exceeds 1 and the body leaves the trough.
+    forward_onset, back_onset : array
+        Above, the load of a body at rest exceeds static friction forward, or back.
+    back_slip : array
+        Above, the steady cycle from rest has a back slide; at least ``back_onset``, and more where the
+        forward slide outlasts the back window.
+    rest_vanishes : array
+        Above, the body slides all the time.
+    """
+
+    hop: Floats
+    forward_onset: Floats
+    back_onset: Floats
+    back_slip: Floats
+    rest_vanishes: Floats
+
+
+def critical_loads(
+    drive_angle: ArrayLike,
+    static_friction: ArrayLike,
+    kinetic_friction: ArrayLike,
+    trough_angle: ArrayLike = 0.0,
+) -> CriticalLoads:
+    """Critical loads of every transition of the steady cycle from rest.
+
+    Parameters
+    ----------
+    drive_angle, trough_angle : array_like
+        Drive and trough angle [rad].
+    static_friction, kinetic_friction : array_like
+        mu_s and mu_d [1].
+
+    Returns
+    -------
+    CriticalLoads
+        Arrays of the broadcast shape; NaN where the combination is infeasible or mu_s = 0.
+
+    Notes
+    -----
+    Hop and onsets are closed forms, Eqs. (4) and (5). Rest vanishes where both slides of the
+    never-at-rest cycle start on their onsets, a closed form too, Eq. (21), since the shape of that
+    cycle does not depend on G; but not before back slip has entered. Back slip enters at its onset, or
+    where the forward slide stops outlasting the back window: the one root of a monotone function, Eq. (22),
+    in a bracket that has both signs, by Chandrupatla's method. The classes follow each other in one order
+    as G grows (theory.md, section 6; tests/core/contact/test_limits.py).
+    """
+    fields = [
+        np.asarray(a, np.float64) for a in (drive_angle, static_friction, kinetic_friction, trough_angle)
+    ]
+    shape = np.broadcast_shapes(*(a.shape for a in fields))
+    alpha, mu_s, mu_d, beta = (np.broadcast_to(a, shape).reshape(-1) for a in fields)
+    unit = Loads(
+        np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta), cosine_of_sum(alpha, beta), mu_s, mu_d
+    )
+    feasible = (mu_d <= mu_s) & (mu_s > 0.0) & (unit.contrast > 0.0)
+    out = CriticalLoads(*(np.full(alpha.size, np.nan) for _ in CriticalLoads._fields))
+    cells = np.flatnonzero(feasible)
+    if cells.size:
+        for target, source in zip(out, _critical(take(unit, cells)), strict=True):
+            target[cells] = source
+    return CriticalLoads(*(a.reshape(shape)[()] for a in out))
+
+
+def _critical(unit: Loads) -> CriticalLoads:
+    """Critical loads of feasible scenes; ``unit`` is their loads at G = 1."""
+    lift = unit.static_friction * unit.across
+    hold = unit.static_friction * unit.normal
+    with np.errstate(divide="ignore", over="ignore"):
+        hop = unit.normal / unit.across
+        forward = np.maximum(hold + unit.tangential, 0.0) / (unit.along + lift)
+        back = np.where(
+            unit.along > lift, np.maximum(hold - unit.tangential, 0.0) / (unit.along - lift), np.inf
+        )
+    slips_both = np.isfinite(back) & (np.abs(unit.tangential) < hold)
+
+    # The forward slide may outlast the back window for a while, or for ever if nothing brakes it.
+    back_slip = back.copy()
+    outlasts = slips_both & (back > forward)
+    braked = unit.kinetic_friction * unit.normal + unit.tangential > 0.0
+    back_slip[outlasts & ~braked] = np.inf
+    cells = np.flatnonzero(outlasts & braked)
+    if cells.size:
+        back_slip[cells] = _back_slip_enters(forward[cells], back[cells], _resistance(take(unit, cells)))
+
+    vanishes = np.full(hop.shape, np.inf)
+    cells = np.flatnonzero(slips_both & braked)
+    vanishes[cells] = np.maximum(_rest_vanishes(take(unit, cells)), back_slip[cells])
+    vanishes[np.abs(unit.tangential) >= hold] = 0.0
+    return CriticalLoads(hop, forward, back, back_slip, vanishes)
+
+
+def _resistance(unit: Loads) -> Floats:
+    """G k of the forward slide, Eq. (3)."""
+    return (unit.kinetic_friction * unit.normal + unit.tangential) / (
+        unit.along + unit.kinetic_friction * unit.across
+    )
+
+
+def _back_slip_enters(forward: Floats, back: Floats, resistance: Floats) -> Floats:
+    """Load from which the forward slide ends before the back window closes; at least the back onset."""
+
+    def speed(weight: Floats, forward: Floats, back: Floats, resistance: Floats) -> Floats:
+        """Speed of the forward slide where the back window closes, over 1/G, Eq. (22): monotone."""
+        s_f, s_b = weight * forward, np.minimum(weight * back, 1.0)
+        cosines = np.sqrt((1.0 - s_f) * (1.0 + s_f)) + np.sqrt((1.0 - s_b) * (1.0 + s_b))
+        gain: Floats = weight * (back - forward) * (back + forward) / cosines
+        loss: Floats = resistance * (np.pi + np.arccos(s_f) + np.arccos(s_b))
+        return gain - loss
+
+    limit = back.copy()
+    cells = np.flatnonzero(speed(1.0 / back, forward, back, resistance) > 0.0)
+    if cells.size:
+        from scipy.optimize import elementwise  # late: most scenes do not need its import time
+
+        members = (forward[cells], back[cells], resistance[cells])
+        root = elementwise.find_root(
+            speed,
+            (np.zeros(cells.size), 1.0 / back[cells]),
+            args=members,
+            tolerances={"xatol": 0.0, "xrtol": 4 * 2.0**-52, "fatol": 0.0, "frtol": 0.0},
+        )
+        limit[cells] = 1.0 / root.x
+    return limit
+
+
+def _rest_vanishes(unit: Loads) -> Floats:
+    """Load at which the never-at-rest cycle exists, Eq. (21); inf where it never does."""
+    mu_s, mu_d = unit.static_friction, unit.kinetic_friction
+    possible = mu_d * unit.normal > np.abs(unit.tangential)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turn = mu_d * mu_d * unit.across * unit.normal - unit.tangential * unit.along
+        y = np.where(possible, 0.5 * np.pi * turn / (mu_d * unit.contrast), np.nan)
+    middle = _resistance(unit) * (0.5 * np.pi + y) / np.cos(y)  # G sin m
+    drop = middle * np.sin(y)
+    static = mu_s * unit.across
+    forward = (mu_s * unit.normal + unit.tangential) / (unit.along + static)
+    back = (mu_s * unit.normal - unit.tangential) / (unit.along - static)
+    needed = np.maximum(np.maximum(forward + drop, back - drop), 0.0) / np.cos(y)
+    return np.where(possible, np.hypot(middle, needed), np.inf)

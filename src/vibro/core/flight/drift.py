@@ -1,0 +1,116 @@
+"""What a cycle adds to the velocity of a hopping body, and whether that is nothing.
+
+Over a cycle in which the body does not stop the drive adds nothing: gravity along the trough and friction
+alone change the velocity, and they are known without the cancellation in the difference of two velocities.
+Lengths in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.core.contact.slide import Floats
+    from vibro.core.flight.bounces import Bounces
+    from vibro.core.flight.returns import Cells, Return
+
+    Bools = NDArray[np.bool_]
+
+__all__ = ["FLOOR", "Drift", "Span", "drift", "has_stop", "size_of", "span_of"]
+
+_TURN: Final = 2.0 * np.pi
+
+#: [1] Rounding of one evaluation of the return map, relative to the velocities in it.
+FLOOR: Final = 16 * 2.0**-52
+
+_CLOSED: Final = 1e-13  # [1] distance from the fixed point at which the cycle is closed, over the velocities
+_EDGE: Final = 4 * 2.0**-52  # [1] relative distance of two loads that rounding decides
+
+
+class Span(NamedTuple):
+    """Sizes of what makes the velocities in a cycle.
+
+    Attributes
+    ----------
+    bounded, edge : bool array
+        Whether kinetic friction holds gravity along the trough, and if rounding decides that.
+    neutral : bool array
+        Whether there is neither of them.
+    bound : array
+        Limit of the velocity at lift-off at any fixed point.
+    fall : array
+        What gravity along the trough adds in a cycle.
+    drive : array
+        Velocity that the drive brings.
+    forces : array
+        What gravity and friction can bring in a cycle.
+    """
+
+    bounded: Bools
+    edge: Bools
+    neutral: Bools
+    bound: Floats
+    fall: Floats
+    drive: Floats
+    forces: Floats
+
+
+def span_of(cells: Cells, flights: Bounces) -> Span:
+    """Measure the cycles that these flights make.
+
+    The body is stopped, or turns round, once in a cycle; only the drive and gravity can add behind that.
+    Over a cycle the normal impulse is that of the weight, so that friction adds 2 pi mu_d n at most.
+    """
+    scene, turns = cells.track.scene, _TURN * flights.cycles
+    lean, grip = np.abs(scene.tangential), scene.kinetic_friction * scene.normal
+    edge = (grip > 0.0) & (np.abs(lean - grip) <= _EDGE * grip)
+    bounded = edge | (lean < grip)
+    return Span(
+        np.broadcast_to(bounded, turns.shape),
+        np.broadcast_to(edge, turns.shape),
+        np.broadcast_to((grip == 0.0) & (lean == 0.0), turns.shape),
+        2.0 * scene.along + turns * lean,
+        -scene.tangential * np.where(flights.repeats, turns, np.bincount(flights.owner, flights.length)),
+        np.broadcast_to(scene.along, turns.shape),
+        turns * (grip + lean),
+    )
+
+
+def size_of(span: Span, velocity: Floats) -> Floats:
+    """Size of the numbers whose sum is the velocity behind a cycle."""
+    size: Floats = span.drive + span.forces + np.abs(velocity)
+    return size
+
+
+def has_stop(cycle: Return) -> Bools:
+    """Tell whether the body stops in a cycle, and so forgets its velocity."""
+    stops: Bools = cycle.slope == 0.0
+    return stops
+
+
+class Drift(NamedTuple):
+    """What the states of some orbits ask for."""
+
+    rises: Bools
+    newton: Floats
+    closed: Bools
+
+
+def drift(here: Floats, now: Return, span: Span) -> Drift:
+    """Compare states with their images: the direction, Newton's step, and whether the orbit ends.
+
+    A sample of a motion without a cycle ends at another phase of the drive than it began; what gravity and
+    friction change there is the velocity over the ground.
+    """
+    slides = ~has_stop(now)
+    change = np.where(slides, span.fall + now.friction, now.velocity - here)
+    walk = np.abs(change)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        newton = walk / (1.0 - now.slope)
+    floor = FLOOR * np.where(slides, span.forces, size_of(span, here))
+    closed = (walk <= floor) | (newton <= _CLOSED * (span.drive + np.abs(here)))
+    return Drift(change > 0.0, newton, closed)

@@ -1,0 +1,346 @@
+"""Where the orbits of the return map of ``returns.py`` lead: its fixed points.
+
+The map never decreases, so that its orbits are monotone and end at the first fixed point on their way.
+A cycle either has a stop, a rest or an impact that takes all of the velocity, or it has none.
+
+* Behind its last stop a cycle is the same whatever was before: the few velocities that can repeat are known
+  beforehand.
+* Without a stop the drive adds nothing over a cycle. What friction takes off grows with the velocity, as
+  faster bodies are ahead at every phase, so that there is one fixed point at most; and none where gravity
+  along the trough exceeds kinetic friction.
+
+Lengths in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Status
+from vibro.core.flight.drift import FLOOR, Span, drift, has_stop, size_of, span_of
+from vibro.core.flight.returns import Cells, Hops, Return, after_stops, follow, velocity_from_rest
+from vibro.core.groups import put, take
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.core.contact.slide import Floats
+    from vibro.core.flight.bounces import Bounces
+
+    Bools = NDArray[np.bool_]
+    Codes = NDArray[np.int8]
+    Indices = NDArray[np.intp]
+
+__all__ = ["Orbits", "from_rest"]
+
+_MOST_EVALUATIONS: Final = 200
+_NEAR: Final = 1e-6  # [1] some roots of an ulp: error of a velocity behind an onset next to the lift-off
+
+# [1] Coexisting cycles need mu_d well below mu_s; none was found above (benchmarks/hopping.py).
+_MOST_COEXISTENCE: Final = 0.75
+_APART: Final = 1e-9  # [A w] fixed points closer than this are one
+
+
+class Orbits(NamedTuple):
+    """Where orbits lead.
+
+    Attributes
+    ----------
+    velocity : array
+        At the lift-off.
+    cycle : Return
+        The cycle from there.
+    status : int8 array
+        ``OK``, ``BOUNDARY``, ``RUNAWAY`` or ``UNRESOLVED``.
+    """
+
+    velocity: Floats
+    cycle: Return
+    status: Codes
+
+
+def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Bools]:
+    """Find the fixed points that bodies from rest reach, and whether they are not the only ones.
+
+    Parameters
+    ----------
+    cells, hops : Cells, Hops
+        Scenes and their flights.
+    flights : Bounces
+        The same flights as the normal motion has them.
+
+    Returns
+    -------
+    Orbits
+        One entry a scene.
+    coexists : bool array
+        Looked at where kinetic friction holds gravity and is well below static friction.
+    """
+    span = span_of(cells, flights)
+    start = np.broadcast_to(velocity_from_rest(cells.track), span.bound.shape)
+    if not flights.repeats.all():
+        # a sample begins amid the motion, and there the body moves over the ground as at its lift-off
+        swing = np.cos(cells.track.lift_off) - np.cos(flights.phase[flights.first])
+        start = np.where(flights.repeats, start, start + cells.track.scene.along * swing)
+    coexists = np.zeros(start.shape, np.bool_)
+    free = np.flatnonzero(~span.bounded)
+    if free.size == start.size:
+        return _until_stopped(cells, hops, start, span), coexists
+    if not free.size:
+        return _settled(cells, hops, start, span, flights.repeats)
+    end = _begin(cells, hops, start)
+    held = np.flatnonzero(span.bounded)
+    part = take(cells, held), hops, start[held], take(span, held)
+    found, coexists[held] = _settled(*part, flights.repeats[held])
+    _put(end, held, found)
+    _put(end, free, _until_stopped(take(cells, free), hops, start[free], take(span, free)))
+    return end, coexists
+
+
+def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, cyclic: Bools) -> tuple[Orbits, Bools]:
+    """Follow orbits where friction holds gravity, so that they stay bounded."""
+    end = _bracketed(cells, hops, start, span, (-span.bound, span.bound.copy()))
+    coexists = np.zeros(start.shape, np.bool_)
+    scene = cells.track.scene
+    low = scene.kinetic_friction < _MOST_COEXISTENCE * scene.static_friction
+    doubtful = np.flatnonzero(low & cyclic & (end.status == Status.OK))
+    if doubtful.size:
+        home = _taken(end, doubtful)
+        part = take(cells, doubtful), hops, start[doubtful], take(span, doubtful)
+        coexists[doubtful] = _several(*part, home)
+        _put(end, doubtful, home)
+    apart = np.abs(end.cycle.velocity - end.velocity)
+    repeats = has_stop(end.cycle) & (apart <= FLOOR * size_of(span, end.velocity))
+    end.status[(end.status == Status.OK) & span.edge & ~repeats] = Status.BOUNDARY
+    return end, coexists
+
+
+def _begin(cells: Cells, hops: Hops, velocity: Floats) -> Orbits:
+    status = np.full(velocity.size, Status.UNRESOLVED, np.int8)
+    return Orbits(velocity.copy(), follow(cells, hops, velocity), status)
+
+
+def _taken(end: Orbits, cells: Indices) -> Orbits:
+    return Orbits(end.velocity[cells], take(end.cycle, cells), end.status[cells])
+
+
+def _put(end: Orbits, cells: Indices, part: Orbits) -> None:
+    _move(end, cells, part.velocity, part.cycle)
+    end.status[cells] = part.status
+
+
+def _move(end: Orbits, cells: Indices, velocity: Floats, cycle: Return) -> None:
+    end.velocity[cells] = velocity
+    put(end.cycle, cells, cycle)
+
+
+def _checked(end: Orbits) -> Orbits:
+    end.status[(end.status == Status.OK) & ~end.cycle.settled] = Status.UNRESOLVED
+    return end
+
+
+def _bracketed(
+    cells: Cells, hops: Hops, velocity: Floats, span: Span, bracket: tuple[Floats, Floats]
+) -> Orbits:
+    """Find fixed points, any where there are several: Newton's iteration in the bracket its steps leave.
+
+    Where kinetic friction just holds gravity, all velocities at which the body slides downhill alone are
+    fixed points; the orbit ends at the first of them.
+    """
+    end = _begin(cells, hops, velocity)
+    low, high = bracket
+    active = np.arange(velocity.size)
+    for _ in range(_MOST_EVALUATIONS):
+        here = end.velocity[active]
+        now = end.cycle if active.size == velocity.size else take(end.cycle, active)
+        steps = drift(here, now, span)
+        past = steps.closed & span.edge & (now.slope == 1.0) & (here != velocity[active])
+        if past.any():
+            steps.rises[past] = (here < velocity[active])[past]
+            steps.closed[past] = False
+        low[active[steps.rises]] = here[steps.rises]
+        high[active[~steps.rises]] = here[~steps.rises]
+        room = high[active] - low[active]
+        closed = steps.closed | (room <= FLOOR * (span.drive + np.abs(here)))
+        end.status[active[closed]] = Status.OK
+        going = np.flatnonzero(~closed)
+        if not going.size:
+            break
+        if going.size < active.size:
+            active, cells, span = active[going], take(cells, going), take(span, going)
+            here, steps, room = here[going], take(steps, going), room[going]
+        step = np.where(steps.newton < room, steps.newton, 0.5 * room)
+        here = here + np.where(steps.rises, step, -step)
+        _move(end, active, here, follow(cells, hops, here))
+    return _checked(end)
+
+
+def _until_stopped(cells: Cells, hops: Hops, start: Floats, span: Span) -> Orbits:
+    """Follow orbits where gravity drives the body on in every cycle without a stop, or nothing acts on it.
+
+    They end at the first fixed point with a stop on their way, or nowhere: ``RUNAWAY``.
+    """
+    end = _begin(cells, hops, start)
+    downhill = -np.sign(np.broadcast_to(cells.track.scene.tangential, start.shape))
+    change = end.cycle.velocity - start
+    change[np.abs(change) <= FLOOR * size_of(span, start)] = 0.0
+    way = np.where(has_stop(end.cycle), np.sign(change), downhill)
+    end.status[way == downhill] = Status.RUNAWAY
+    end.status[way == 0.0] = Status.OK
+    going = np.flatnonzero(way != 0.0)
+    if going.size:
+        part = take(cells, going), hops, start[going], take(span, going)
+        fixed = _stopping(*part, take(end.cycle, going), way[going])
+        found, first = _first(fixed, start[going], way[going])
+        _move(end, going[found], fixed.velocity[first], take(fixed.cycle, first))
+        end.status[going[found]] = Status.OK
+    return _checked(end)
+
+
+class _Fixed(NamedTuple):
+    """Fixed points and the scenes they belong to."""
+
+    owner: Indices
+    velocity: Floats
+    cycle: Return
+
+
+def _stopping(
+    cells: Cells, hops: Hops, start: Floats, span: Span, begin: Return, way: Floats | None = None
+) -> _Fixed:
+    """Find fixed points with a stop, or behind one where nothing acts on the body: all, or those on a way.
+
+    ``begin`` is the cycle from the start, which stands for a rest that ends at the forward onset.
+    """
+    owner, velocity = after_stops(cells, hops)
+    if way is not None:
+        ahead = np.flatnonzero(way[owner] * (velocity - start[owner]) >= 0.0)
+        owner, velocity = owner[ahead], velocity[ahead]
+    cycle = _joined(begin, follow(take(cells, owner), hops, velocity))
+    owner = np.concatenate((np.arange(start.size), owner))
+    velocity = np.concatenate((start, velocity))
+    size = size_of(take(span, owner), velocity)
+    apart = np.abs(cycle.velocity - velocity)
+    near = np.flatnonzero(has_stop(cycle) & (apart > FLOOR * size) & (apart <= _NEAR * size))
+    if near.size:
+        velocity[near] = cycle.velocity[near]
+        put(cycle, near, follow(take(cells, owner[near]), hops, velocity[near]))
+        apart[near] = np.abs(cycle.velocity[near] - velocity[near])
+    again = np.where(has_stop(cycle), apart <= FLOOR * size, span.neutral[owner])
+    repeats = np.flatnonzero(cycle.settled & again)
+    return _Fixed(owner[repeats], velocity[repeats], take(cycle, repeats))
+
+
+def _first(fixed: _Fixed, start: Floats, way: Floats) -> tuple[Indices, Indices]:
+    """Scenes that have a fixed point on the way from their starts, and the first of each."""
+    ahead, way = fixed.velocity - start[fixed.owner], way[fixed.owner]
+    distance = np.where(way == 0.0, np.abs(ahead), way * ahead)
+    order = np.lexsort((distance, fixed.owner))
+    order = order[distance[order] >= 0.0]
+    found, first = np.unique(fixed.owner[order], return_index=True)
+    return found, order[first]
+
+
+def _several(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) -> Bools:
+    """Tell whether there are more fixed points than ``home``; move it to the one that the orbits reach.
+
+    The one without a stop is either ``home``, or it is looked for: between the limits of all velocities and
+    the outermost fixed points with a stop, and between those and the start.
+    """
+    n = start.size
+    now = follow(cells, hops, start)
+    fixed = _joined(_stopping(cells, hops, start, span, now), _Fixed(np.arange(n), home.velocity, home.cycle))
+    steps = drift(start, now, span)
+    way = np.where(steps.closed, 0.0, np.where(steps.rises, 1.0, -1.0))
+
+    low, high = span.bound.copy(), -span.bound
+    np.minimum.at(low, fixed.owner, fixed.velocity)
+    np.maximum.at(high, fixed.owner, fixed.velocity)
+    target = way * span.bound
+    found, first = _first(fixed, start, way)
+    target[found] = fixed.velocity[first]
+    unknown = np.flatnonzero(has_stop(home.cycle))
+    inside = unknown[way[unknown] != 0.0]
+    owner = np.concatenate((unknown, unknown, inside))
+    begin = np.concatenate((-span.bound[unknown], span.bound[unknown], start[inside]))
+    aim = np.concatenate((low[unknown], high[unknown], target[inside]))
+    sliding = _between(take(cells, owner), hops, begin, aim, take(span, owner))
+    seen = np.flatnonzero(sliding.status == Status.OK)
+    fixed = _joined(fixed, _Fixed(owner[seen], sliding.velocity[seen], take(sliding.cycle, seen)))
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        blur = FLOOR * span.forces[fixed.owner] / (1.0 - fixed.cycle.slope)
+    apart = np.abs(fixed.velocity - home.velocity[fixed.owner]) > np.maximum(_APART, 8.0 * blur)
+    several = np.zeros(n, np.bool_)
+    several[fixed.owner[apart]] = True
+    found, first = _first(fixed, start, way)
+    moved = several[found]
+    _move(home, found[moved], fixed.velocity[first[moved]], take(fixed.cycle, first[moved]))
+    return several
+
+
+def _joined(one: Any, other: Any) -> Any:
+    """Put two nested tuples of arrays behind each other."""
+    if isinstance(one, tuple):
+        return type(one)(*(_joined(*pair) for pair in zip(one, other, strict=True)))
+    return np.concatenate((one, other))
+
+
+def _between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: Span) -> Orbits:
+    """Look for the fixed points without a stop on the way to a target, with none with a stop before it.
+
+    As there is one at most, it lies ahead of every velocity without a stop that is carried on. ``far`` is a
+    velocity behind which it cannot lie: from there the orbit leads back, or to the target by stops alone.
+    Where it is found the status is ``OK``.
+    """
+    end = _begin(cells, hops, velocity)
+    way, far = np.sign(target - velocity), target.copy()
+    crossed = np.zeros(velocity.shape, np.bool_)
+    active, rest, sizes = np.arange(velocity.size), cells, span
+    for _ in range(_MOST_EVALUATIONS):
+        here, now, onward = end.velocity[active], take(end.cycle, active), way[active]
+        steps = drift(here, now, sizes)
+        end.status[active[steps.closed & ~has_stop(now)]] = Status.OK
+        room = onward * (far[active] - here)
+        over = steps.closed | crossed[active] | (room <= FLOOR * (sizes.drive + np.abs(here)))
+        over |= (onward * (now.velocity - far[active]) >= 0.0) | (steps.rises != (onward > 0.0))
+        going = np.flatnonzero(~over)
+        if not going.size:
+            break
+        active, rest, sizes = active[going], take(rest, going), take(sizes, going)
+        here, onward, room, newton = here[going], onward[going], room[going], steps.newton[going]
+        trial = here + onward * np.fmin(newton, 0.5 * room)
+        found = follow(rest, hops, trial)
+        steps, stops = drift(trial, found, sizes), has_stop(found)
+        leads_back = ~steps.closed & (steps.rises != (onward > 0.0))
+        arrives = stops & (steps.closed | (onward * (found.velocity - far[active]) >= 0.0))
+        blocked = leads_back | arrives
+        # A stop leads on, as the map never decreases: by others to a cycle without one, or to the target.
+        through = np.flatnonzero(stops & ~blocked)
+        position = found.velocity[through]
+        for _ in range(_MOST_EVALUATIONS):
+            if not through.size:
+                break
+            behind = follow(take(rest, through), hops, position)
+            again = has_stop(behind)
+            free = np.flatnonzero(~again)
+            trial[through[free]] = position[free]
+            put(found, through[free], take(behind, free))
+            path = onward[through] * (behind.velocity - position)
+            left = onward[through] * (far[active[through]] - behind.velocity)
+            on = again & (left > 0.0) & (path > FLOOR * size_of(take(sizes, through), position))
+            blocked[through[again & ~on]] = True
+            through, position = through[on], behind.velocity[on]
+        blocked[through] = True
+        far[active[blocked]] = trial[blocked]
+        crossed[active] = leads_back
+        moved = np.flatnonzero(~blocked)
+        _move(end, active[moved], trial[moved], take(found, moved))
+    inside = np.flatnonzero(crossed)
+    if inside.size:
+        near, far = end.velocity[inside], far[inside]
+        bracket = np.minimum(near, far), np.maximum(near, far)
+        _put(end, inside, _bracketed(take(cells, inside), hops, near, take(span, inside), bracket))
+    return _checked(end)

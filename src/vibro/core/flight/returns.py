@@ -1,0 +1,234 @@
+"""The return map of hopping bodies: from the velocity at a lift-off to that at the next one like it.
+
+The flights are known before the sliding (``bounce.py``). Trajectories cannot cross, only merge, so that the
+map never decreases. It is piecewise smooth with a slope of at most 1 (a change of direction under friction,
+a rest and an impact all bring velocities closer) and jumps upwards only, where stiction holds one body and
+not its neighbour. Lengths in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.contact.legs import Mode, Track, contact_leg, mode_of, until
+from vibro.core.groups import take
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.core.contact.slide import Floats
+    from vibro.core.flight.bounces import Bounces
+    from vibro.core.groups import Loads
+
+    Bools = NDArray[np.bool_]
+    Words = NDArray[np.int64]
+
+__all__ = [
+    "Cells",
+    "Hops",
+    "Return",
+    "after_stops",
+    "follow",
+    "hops_of",
+    "pattern_text",
+    "velocity_from_rest",
+]
+
+_TURN: Final = 2.0 * np.pi
+
+_LETTERS: Final = " HFB_"  # by Mode
+_MOST_LETTERS: Final = 27  # digits to base 5 in an int64; longer patterns are cut
+
+_MOST_LEGS: Final = 64
+
+
+def pattern_text(code: int) -> str:
+    """Phases of a cycle from their code: H flight, F forward slide, B back slide, _ rest.
+
+    A pattern of more than 27 phases is cut, and ends in ``...``.
+    """
+    if code < 0:
+        return pattern_text(-code) + "..."
+    return "" if code == 0 else pattern_text(code // 5) + _LETTERS[code % 5]
+
+
+class Hops(NamedTuple):
+    """What each flight and the impact behind it do to the relative velocity, whatever that is."""
+
+    gain: Floats
+    length: Floats
+    shift: Floats
+    brake: Floats
+    high: Floats
+    low: Floats
+
+
+class Cells(NamedTuple):
+    """Scenes under way: their flights in the arrays of ``Hops``, and their contact."""
+
+    track: Track
+    first: NDArray[np.intp]
+    number: NDArray[np.intp]
+    landing: Floats
+    rest: Floats
+
+
+class Return(NamedTuple):
+    """One cycle from a given velocity at its first lift-off.
+
+    Attributes
+    ----------
+    velocity : array
+        Relative velocity at the next such lift-off.
+    slope : array
+        Its derivative.
+    friction : array
+        What friction adds to the velocity.
+    displacement, peak : array
+        Displacement, and largest speed.
+    pattern : int64 array
+        Phases of the cycle.
+    settled : bool array
+        Whether every slide was solved.
+    """
+
+    velocity: Floats
+    slope: Floats
+    friction: Floats
+    displacement: Floats
+    peak: Floats
+    pattern: Words
+    settled: Bools
+
+
+def hops_of(scene: Loads, flights: Bounces) -> Hops:
+    """Integrate the free motion along the trough over each flight, Eq. (30)."""
+    along, tangential, normal, mu_d = (
+        x[flights.owner] if x.ndim else x
+        for x in (scene.along, scene.tangential, scene.normal, scene.kinetic_friction)
+    )
+    s, p = flights.length, flights.phase
+    sine, cosine = np.sin(p), np.cos(p)
+    sine_s, versine_s = np.sin(s), 1.0 - np.cos(s)
+    gain = along * (cosine * versine_s + sine * sine_s) - tangential * s
+    shift = along * (cosine * (s - sine_s) + sine * versine_s) - 0.5 * tangential * s * s
+    high, low = np.maximum(gain, 0.0), np.minimum(gain, 0.0)
+    # extremes inside the flight: where the tangential load changes sign
+    with np.errstate(divide="ignore", invalid="ignore"):
+        kappa = np.arcsin(np.clip(tangential / along, -1.0, 1.0))
+    for extreme in (np.pi - kappa, kappa):
+        nearest = np.mod(extreme - p, _TURN)
+        last = nearest + _TURN * np.floor((s - nearest) / _TURN)
+        for at in (nearest, last):
+            v = along * (cosine - np.cos(p + at)) - tangential * at
+            inside = at <= s
+            high = np.where(inside, np.maximum(high, v), high)
+            low = np.where(inside, np.minimum(low, v), low)
+    return Hops(gain, s, shift, mu_d * normal * flights.impulse, high, low)
+
+
+def follow(cells: Cells, hops: Hops, velocity: Floats) -> Return:
+    """Follow the bodies through one cycle of their normal motion."""
+    n = velocity.size
+    out = Return(
+        velocity.copy(),
+        np.ones(n),
+        np.zeros(n),
+        np.zeros(n),
+        np.abs(velocity),
+        np.zeros(n, np.int64),
+        np.ones(n, np.bool_),
+    )
+    for j in range(int(cells.number.max(initial=0))):
+        flying = np.flatnonzero(cells.number > j)
+        v = out.velocity[flying]
+        hop = take(hops, cells.first[flying] + j)
+        out.displacement[flying] += v * hop.length + hop.shift
+        top = np.maximum(np.abs(v + hop.high), np.abs(v + hop.low))
+        out.peak[flying] = np.maximum(out.peak[flying], top)
+        v += hop.gain
+        left = np.maximum(np.abs(v) - hop.brake, 0.0)
+        stopped = left == 0.0
+        out.velocity[flying] = np.copysign(left, v)
+        out.slope[flying] *= ~stopped
+        out.friction[flying] -= np.copysign(hop.brake, v)
+        out.pattern[flying] = _append(out.pattern[flying], np.int64(Mode.FLIGHT))
+    on_trough = np.flatnonzero(cells.rest > 0.0)
+    if on_trough.size:
+        _contact(cells, out, on_trough)
+    return out
+
+
+def _contact(cells: Cells, out: Return, active: NDArray[np.intp]) -> None:
+    """Slide and rest from the last landing to the lift-off."""
+    track = take(cells.track, active)
+    phase, left = cells.landing[active], cells.rest[active]
+    velocity = out.velocity[active]
+    mode = mode_of(track.scene, phase, velocity)
+    for _ in range(_MOST_LEGS):
+        leg = contact_leg(track, mode, phase, velocity, left)
+        out.pattern[active] = _append(out.pattern[active], mode.astype(np.int64))
+        out.displacement[active] += leg.displacement
+        out.peak[active] = np.maximum(out.peak[active], leg.top)
+        out.slope[active] *= leg.gain
+        out.friction[active] -= track.scene.kinetic_friction * leg.impulse
+        out.settled[active] &= leg.settled
+        out.velocity[active] = leg.velocity
+        going = np.flatnonzero(leg.length < left)
+        if not going.size:
+            return
+        active, track = active[going], take(track, going)
+        phase, left = phase[going] + leg.length[going], left[going] - leg.length[going]
+        velocity, mode = leg.velocity[going], leg.next_mode[going]
+    out.settled[active] = False
+
+
+def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
+    """Velocities at lift-off behind the last stop in a cycle, wherever that can be.
+
+    Parameters
+    ----------
+    cells : Cells
+        The scenes.
+    hops : Hops
+        Their flights.
+
+    Returns
+    -------
+    owner : int array
+        Scene of each velocity, many a scene; none for a rest that ends at the forward onset, which
+        ``velocity_from_rest`` serves.
+    velocity : array
+        At the lift-off that follows an impact, or a rest until the back onset, without another stop.
+    """
+    number = cells.number
+    owner = np.repeat(np.arange(number.size), number)
+    impact = 1 + np.arange(owner.size) - np.repeat(np.cumsum(number) - number, number)
+    behind = take(cells, owner)
+    behind = behind._replace(first=behind.first + impact, number=behind.number - impact)
+    stopped = follow(behind, hops, np.zeros(owner.size))
+    last = np.flatnonzero(stopped.slope > 0.0)
+
+    onset = np.mod(np.broadcast_to(cells.track.back_onset, number.shape), _TURN)
+    with np.errstate(invalid="ignore"):
+        rests = np.flatnonzero(until(onset, cells.landing) < cells.rest)
+    behind = take(cells, rests)
+    left = until(behind.track.lift_off, onset[rests])
+    behind = behind._replace(number=np.zeros(rests.size, np.intp), landing=onset[rests], rest=left)
+    rested = follow(behind, hops, np.zeros(rests.size))
+    return np.concatenate((owner[last], rests)), np.concatenate((stopped.velocity[last], rested.velocity))
+
+
+def _append(pattern: Words, digit: Words | np.int64) -> Words:
+    """Append a phase to a pattern; beyond what fits it turns negative and stays as it is."""
+    full = np.abs(pattern) >= 5 ** (_MOST_LETTERS - 1)
+    return np.where(full, -np.abs(pattern), 5 * pattern + digit)
+
+
+def velocity_from_rest(track: Track) -> Floats:
+    """Velocity at the first lift-off of a body at rest, which slides forward from its onset, Eq. (34)."""
+    start, end, at = track.forward_onset, track.lift_off, track.forward
+    velocity: Floats = at.pull * (np.cos(start) - np.cos(end)) - at.drag * (end - start)
+    return velocity

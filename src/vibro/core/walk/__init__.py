@@ -1,0 +1,1 @@
+"""One body from its first moment on: steps, histories, arrival."""

@@ -1,0 +1,320 @@
+"""When bodies first reach a position: all of them walked at once, and settled ones moved on by cycles.
+
+Lengths in A, speeds in A w, normal speeds over n = cos(beta)/G [A w n], phases in radians.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.contact.legs import Mode
+from vibro.core.groups import put, take
+from vibro.core.walk.histories import is_section, sections_of
+from vibro.core.walk.steps import accelerated, starting, step, tangential_motion
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from vibro.core.contact.slide import Floats
+    from vibro.core.walk.histories import Sections
+    from vibro.core.walk.steps import Course, Passage, State
+
+    Bools = NDArray[np.bool_]
+
+__all__ = ["arrival_cycles"]
+
+_TURN: Final = 2.0 * np.pi
+_BISECTIONS: Final = 60  # from several turns down to an ulp
+
+#: [1] Phases of motion after which the search gives up; a transient that long needs mu_d below 1e-5 mu_s.
+_MOST_PHASES: Final = 2_000_000
+
+_SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
+# [rad, A w] Distance from the steady cycle below which changes shrink geometrically, to its square.
+_LINEAR: Final = 1e-7
+_SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
+_SLACK: Final = 100.0  # [1] factor between a difference of states and of the positions they lead to
+# [rad] Error of a phase from which on the arrival is unknown: motion without a period amplifies rounding.
+_LOST: Final = 1e-10
+_ROUNDING: Final = 2.0**-50  # [rad] of one landing
+
+
+class _Memory(NamedTuple):
+    """Bodies at the last start at which they were compared, and what happened since.
+
+    ``mode`` is 0 before the first one; ``gain`` is the change of the state now per change of it then,
+    ``top`` a position that was not passed.
+    """
+
+    mode: NDArray[np.int8]
+    cycle: NDArray[np.int64]
+    phase: Floats
+    velocity: Floats
+    rate: Floats
+    position: Floats
+    starts: NDArray[np.intp]
+    gain: Floats
+    top: Floats
+
+
+class _Walk(NamedTuple):
+    """Bodies still under way; ``blur`` is the error of phase and rate where the motion has no period."""
+
+    cells: NDArray[np.intp]
+    course: Course
+    sections: Sections
+    length: Floats
+    steady: Floats
+    at: State
+    memory: _Memory
+    blur: tuple[Floats, Floats]
+
+
+def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floats, steady: Floats) -> Floats:
+    """Drive cycles until bodies have moved by a length.
+
+    Parameters
+    ----------
+    course : Course
+        Their scenes.
+    length : array
+        Displacement to be reached, > 0; 1-D.
+    phase, velocity : array
+        Where the trough is and how fast they slide at the start, 1-D.
+    steady : array
+        Displacement per drive cycle of the steady cycle, NaN where it is unknown; 1-D.
+
+    Returns
+    -------
+    array
+        inf where they never arrive; NaN where that is unknown.
+
+    Notes
+    -----
+    A body that has rested repeats its cycle exactly, and whole cycles are added at once. One that never rests
+    approaches its cycle geometrically, by the product of the ratios of its accelerations at each turn: within
+    1e-7 of it the rest of the transient is summed in closed form. Only the way there is walked. In a
+    steady cycle without net advance no later cycle gets farther than the last: it never arrives.
+    """
+    n = length.size
+    out = np.full(n, np.nan)
+    at = starting(course, phase, velocity)
+    origin = at.phase.copy()
+    zero = np.zeros(n)
+    memory = _Memory(
+        np.zeros(n, np.int8), at.cycle.copy(), zero.copy(), zero.copy(), zero.copy(), zero.copy(),
+        np.zeros(n, np.intp), np.ones(n), zero.copy(),
+    )  # fmt: skip
+    blur = zero.copy(), zero.copy()
+    walk = _Walk(np.arange(n), course, sections_of(course), length, steady, at, memory, blur)
+    for _ in range(_MOST_PHASES):
+        never = _move_on(walk)
+        out[walk.cells[never]] = np.inf
+        passage = step(walk.course, walk.at)
+        reach = _reach(walk, passage)
+        there = np.isfinite(reach)
+        now = walk.at
+        out[walk.cells[there]] = (
+            now.cycle[there] + (now.phase[there] - origin[walk.cells[there]] + reach[there]) / _TURN
+        )
+        ended = ~there & ~np.isfinite(passage.length)
+        out[walk.cells[ended]] = np.inf
+        lost = _blur(walk, passage)
+        walk.memory.gain[:] *= passage.gain
+        walk.memory.top[:] = np.maximum(walk.memory.top, _bound(walk, passage))
+        walk = walk._replace(at=passage.after)
+        going = np.flatnonzero(~(never | there | ended | lost))
+        if not going.size:
+            break
+        if going.size < walk.cells.size:
+            walk = take(walk, going)
+    return out
+
+
+def _move_on(walk: _Walk) -> Bools:
+    """Add whole cycles to bodies that have settled, in place; return which never arrive."""
+    at, memory = walk.at, walk.memory
+    never = np.zeros(at.phase.shape, np.bool_)
+    here = is_section(walk.course, walk.sections, at)
+    # a kind of start that has not come again for two cycles belongs to the transient
+    stale = (memory.mode == 0) | (at.cycle - memory.cycle > 2 * (walk.sections.lag + 1))
+    same = here & (memory.mode == at.mode)
+    memory.starts[same] += 1
+    due = same & (memory.starts >= walk.sections.lag)
+    cells = np.flatnonzero(due)
+    if cells.size:
+        never[cells] = _compare(take(walk, cells), walk.at, cells)
+    fresh = np.flatnonzero(due | (here & ~same & stale))
+    if fresh.size:
+        state = (memory.mode, memory.cycle, memory.phase, memory.velocity, memory.rate, memory.position)
+        put(state, fresh, take((at.mode, at.cycle, at.phase, at.velocity, at.rate, at.position), fresh))
+        memory.starts[fresh] = 0
+        memory.gain[fresh] = 1.0
+        memory.top[fresh] = at.position[fresh]
+    return never
+
+
+def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
+    """Compare bodies with themselves one cycle ago; add cycles to ``whole`` in place.
+
+    With the gain g per cycle the change of the state from now to m cycles later is its last change times
+    g (1 - g^m) / (1 - g), and so is the change of the displacement per cycle, Eq. (39).
+    """
+    at, then = walk.at, walk.memory
+    turn = np.mod(at.phase - then.phase + np.pi, _TURN) - np.pi
+    period = at.cycle - then.cycle + np.rint((at.phase - then.phase - turn) / _TURN).astype(np.int64)
+    push = at.velocity - then.velocity
+    other = np.abs(at.rate - then.rate)
+    slides = np.isinf(walk.course.track.lift_off)
+    change = np.where(slides, turn, push)
+    other = np.maximum(other, np.where(slides, np.abs(push), np.abs(turn)))
+    scale = 1.0 + np.abs(at.velocity)
+    walked = at.position - then.position
+    advance = walk.steady * period
+    left = 1.0 - then.gain
+    with np.errstate(divide="ignore", invalid="ignore"):
+        series = np.where(then.gain > 0.0, then.gain / left, 0.0)
+        distance = np.where(change == 0.0, 0.0, np.abs(change) * series)
+        ours = np.abs(walked - advance) <= _SLACK * distance + _SAME * (1.0 + np.abs(advance))
+        linear = ours & (other <= _SETTLED) & (distance <= _LINEAR * scale * np.sqrt(left))
+        settled = np.maximum(np.abs(change), other) <= _SETTLED * scale
+        advance = np.where(ours, advance, walked)
+        tail = np.where(linear, (walked - advance) * series, 0.0)
+    series, distance = np.where(linear, (series, distance), 0.0)
+    # the next cycles may get farther than the last by about as much as their states differ
+    top = then.top + np.abs(tail) + _SLACK * (distance + np.abs(change))
+    never = (advance <= 0.0) & (settled | (linear & (top < walk.length)))
+    # A hopping body that is behind and slower than a cycle ago stays so: trajectories do not cross, Eq. (35).
+    never |= ~slides & (other <= _SETTLED) & (walked <= 0.0) & (change <= 0.0)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        count = np.floor((walk.length - top - walked) / advance) - 1.0
+    jumps = np.flatnonzero((settled | linear) & (advance > 0.0) & (count >= 1.0))
+    if jumps.size:
+        m = count[jumps]
+        done = 1.0 - then.gain[jumps] ** m
+        moved = change[jumps] * series[jumps] * done
+        phase = at.phase[jumps] + np.where(slides[jumps], moved, 0.0)
+        turns = np.floor(phase / _TURN)
+        target = cells[jumps]
+        whole.cycle[target] += (m * period[jumps] + turns).astype(np.int64)
+        whole.phase[target] = phase - _TURN * turns
+        whole.velocity[target] += np.where(slides[jumps], 0.0, moved)
+        whole.position[target] += m * advance[jumps] + tail[jumps] * done
+    return np.asarray(never)
+
+
+def _bound(walk: _Walk, passage: Passage) -> Floats:
+    """Return a position that is not passed during a phase of the motion."""
+    now, scene = walk.at, walk.course.track.scene
+    end = passage.after.position
+    with np.errstate(invalid="ignore"):
+        highest = now.velocity + scene.along * (1.0 + np.cos(now.phase))
+        highest += np.maximum(-scene.tangential, 0.0) * passage.length
+        aloft = now.position + np.maximum(highest, 0.0) * passage.length
+    return np.where(now.mode == Mode.FLIGHT, aloft, np.maximum(now.position, end))
+
+
+def _blur(walk: _Walk, passage: Passage) -> Bools:
+    """Carry the rounding of a motion without a period through its flights; return where it is too large."""
+    if walk.sections.lag.all():
+        return np.zeros(walk.cells.shape, np.bool_)
+    now = walk.at
+    flies = (walk.sections.lag == 0) & (now.mode == Mode.FLIGHT)
+    blur_phase, blur_rate = walk.blur
+    throw, sine, touch = walk.course.throw, np.sin(now.phase), now.phase + passage.length
+    with np.errstate(divide="ignore", invalid="ignore"):  # phases of the motion that never end
+        lever = np.abs(throw * (np.cos(now.phase) - np.cos(touch) - passage.length * sine))
+        late = blur_phase + (blur_phase * lever + blur_rate * passage.length) / passage.impact + _ROUNDING
+        fast = walk.course.restitution * (blur_rate + (1.0 + throw) * (late + blur_phase))
+    blur_phase[:] = np.where(flies, late, 0.0)  # a contact ends at the lift-off, whenever it began
+    blur_rate[:] = np.where(flies, fast, 0.0)
+    return np.asarray(flies & ~(late <= _LOST))
+
+
+def _reach(walk: _Walk, passage: Passage) -> Floats:
+    """Phase from the start of a phase of the motion to the arrival; NaN where that does not come in it."""
+    out = np.full(walk.cells.shape, np.nan)
+    now = walk.at
+    endless = np.isinf(passage.length)
+    ahead = (now.mode == Mode.FORWARD) & (endless | (passage.after.position >= walk.length))
+    aloft = (now.mode == Mode.FLIGHT) & (_bound(walk, passage) >= walk.length)
+    for which, search in ((ahead, _reach_sliding), (aloft, _reach_flying)):
+        cells = np.flatnonzero(which)
+        if cells.size:
+            at = take(now, cells)
+            motion = _Motion(
+                *tangential_motion(take(walk.course.track.scene, cells), at.mode),
+                at.phase,
+                at.velocity,
+                walk.length[cells] - at.position,
+            )
+            out[cells] = search(motion, passage.length[cells])
+    return out
+
+
+class _Motion(NamedTuple):
+    """Accelerated motion towards a target; see ``accelerated``."""
+
+    pull: Floats
+    drag: Floats
+    phase: Floats
+    velocity: Floats
+    target: Floats
+
+    def missing(self, s: Floats) -> Floats:
+        """Return how far the target is after a phase ``s``."""
+        return self.target - accelerated(*self[:4], s)[0]
+
+    def speed(self, s: Floats) -> Floats:
+        """Return the velocity after a phase ``s``."""
+        return accelerated(*self[:4], s)[1]
+
+
+def _reach_sliding(motion: _Motion, length: Floats) -> Floats:
+    """Arrival in forward slides that pass the target, or never end."""
+    high = np.where(np.isinf(length), _TURN, length)
+    while (short := np.isinf(length) & (motion.missing(high) > 0.0)).any():
+        high = np.where(short, 2.0 * high, high)
+    return _bisect(motion.missing, np.zeros(length.shape), high)
+
+
+def _reach_flying(motion: _Motion, length: Floats) -> Floats:
+    """Arrival in flights: the velocity is monotone between the zeros of the acceleration."""
+    out = np.full(length.shape, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        kappa = np.arcsin(motion.drag / motion.pull)  # NaN: no zeros
+    low = np.zeros(length.shape)
+    while (open_ := np.isnan(out) & (low < length)).any():
+        high = length.copy()
+        for zero in (kappa, np.pi - kappa):
+            nearest = low + np.mod(zero - motion.phase - low, _TURN)
+            nearest = np.where(nearest > low + _SETTLED * (1.0 + low), nearest, nearest + _TURN)
+            high = np.fmin(high, nearest)
+        rises, rises_on = motion.speed(low) > 0.0, motion.speed(high) >= 0.0
+        start, end = low.copy(), np.where(rises | rises_on, high, low)
+        turns = np.flatnonzero(open_ & (rises != rises_on))
+        if turns.size:
+            ahead = rises[turns]
+            still = _bisect(take(motion, turns).speed, low[turns], high[turns], rises=~ahead)
+            start[turns] = np.where(ahead, low[turns], still)
+            end[turns] = np.where(ahead, still, high[turns])
+        there = np.flatnonzero(open_ & (motion.missing(end) <= 0.0))
+        if there.size:
+            out[there] = _bisect(take(motion, there).missing, start[there], end[there])
+        low = high
+    return out
+
+
+def _bisect(
+    function: Callable[[Floats], Floats], low: Floats, high: Floats, rises: Bools | bool = False
+) -> Floats:
+    """Return where a monotone function changes its sign, at the far end of the last interval."""
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        before = (function(middle) > 0.0) ^ rises
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return high

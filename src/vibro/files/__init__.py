@@ -1,0 +1,1 @@
+"""Scene files, and sets of output files that appear whole or not at all."""

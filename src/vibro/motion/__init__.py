@@ -1,0 +1,1 @@
+"""Motion over time: histories, arrivals and settled motion, in SI units."""

@@ -1,0 +1,137 @@
+"""The steady motion of one scene over trough time: what a record of a running conveyor should show."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.core.codes import Status
+from vibro.core.contact.phases import steady_phases
+from vibro.core.groups import loads
+from vibro.errors import VibroError
+from vibro.motion.histories import History, Sample, simulate
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.motion.histories import Phase
+    from vibro.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["SettledMotion", "settled_motion"]
+
+_SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
+_PERIODIC: Final = 1e-6  # relative change from one cycle to the next, above which it takes more to repeat
+
+
+@dataclass(frozen=True, eq=False)
+class SettledMotion:
+    """A body that has settled; times count from a passage of the trough through its middle, upwards.
+
+    Attributes
+    ----------
+    pattern : str
+        Phases of a cycle: F forward slide, B back slide, _ rest, H flight.
+    period : float
+        Of the drive [s].
+    advance : float
+        Displacement relative to the trough per cycle [m].
+    phases : tuple of Phase
+        One cycle, at trough times.
+    """
+
+    pattern: str
+    period: float
+    advance: float
+    phases: tuple[Phase, ...]
+    _history: History
+    _since: float
+    _lag: float
+
+    @property
+    def slides(self) -> tuple[tuple[int, float, float], ...]:
+        """Direction, start and end of each slide of a cycle [s]."""
+        ways = {"F": 1, "B": -1}
+        return tuple((ways[p.kind], p.start, p.end) for p in self.phases if p.kind in ways)
+
+    def sample(self, time: Floats) -> Sample:
+        """Motion and forces at any trough times, also before the first cycle."""
+        since = time - self._lag
+        turns = np.floor(since / self.period)
+        within = np.clip(since - turns * self.period, 0.0, self.period)
+        sample = self._history.sample(self._since + within)
+        return replace(sample, time=time, position=sample.position + turns * self.advance)
+
+
+def settled_motion(scene: Scene) -> SettledMotion:
+    """Solve the steady motion of one scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of shape ().
+
+    Returns
+    -------
+    SettledMotion
+        The cycle that a body at rest settles into.
+
+    Raises
+    ------
+    VibroError
+        If there is none that repeats in every drive cycle.
+    """
+    cycle = solve(scene)
+    status = Status(int(cycle.status))
+    if status > Status.BOUNDARY:
+        raise VibroError(f"no steady motion to compare with: {status.message}")
+    frequency = float(scene.frequency)
+    groups = loads(*(np.atleast_1d(a) for a in scene.arrays()[:7]))
+    contact = steady_phases(groups, int(cycle.pattern_code))
+    if contact:
+        # A slide of the cycle begins at a known phase: there is no need to wait for it.
+        history = simulate(scene, cycles=1.0, start_phase=contact[0].start)
+        since, lag = 0.0, contact[0].start / (2.0 * math.pi * frequency)
+    else:
+        history, since = _settled_flight(scene)
+        lag = since % (1.0 / frequency)
+    ends = history.sample([since, since + 1.0 / frequency], side="left")
+    advance = float(cycle.displacement_per_cycle)
+    moved = float(ends.position[1] - ends.position[0])
+    if abs(moved - advance) > _PERIODIC * max(abs(advance), float(scene.amplitude)):
+        raise VibroError(
+            "no steady motion to compare with: the body repeats its motion only every few cycles"
+        )
+    return SettledMotion(
+        pattern=str(cycle.pattern),
+        period=1.0 / frequency,
+        advance=advance,
+        phases=tuple(_at_trough_times(history, since, lag)),
+        _history=history,
+        _since=since,
+        _lag=lag,
+    )
+
+
+def _settled_flight(scene: Scene) -> tuple[History, float]:
+    """Follow a hopping body until it repeats its motion; return the start of a flight from then on too."""
+    settles_at = simulate(scene, cycles=_SETTLING).settles_at
+    if math.isinf(settles_at):
+        raise VibroError("no steady motion to compare with: the body hops without a period")
+    history = simulate(scene, cycles=settles_at * float(scene.frequency) + 3.0)
+    return history, next(p.start for p in history.phases if p.kind == "H" and p.start >= settles_at)
+
+
+def _at_trough_times(history: History, since: float, lag: float) -> list[Phase]:
+    """Cut one cycle out of a history."""
+    until = since + 1.0 / float(history.scene.frequency)
+    return [
+        replace(p, start=max(p.start, since) - since + lag, end=min(p.end, until) - since + lag)
+        for p in history.phases
+        if p.end > since and p.start < until
+    ]

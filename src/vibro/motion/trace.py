@@ -1,0 +1,109 @@
+"""A history in rows: its phases, and its motion at even steps and at every event."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.motion.histories import Sample
+from vibro.quantities import from_si
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from vibro.motion.histories import History, Phase
+    from vibro.sweeps.columns import TableColumns
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["PHASE_NAMES", "motion_table", "phase_table", "trace"]
+
+_ROUNDING: Final = 1e-9  # of the number of steps
+
+PHASE_NAMES: Final = {"F": "forward slide", "B": "back slide", "_": "rest", "H": "flight"}
+
+
+def trace(history: History, *, until: float, samples_per_cycle: int, both_sides: bool = False) -> Sample:
+    """Sample a history at even steps and at every event.
+
+    Parameters
+    ----------
+    history : History
+        What to sample.
+    until : float
+        When the samples end [s].
+    samples_per_cycle : int
+        Even steps in a drive cycle; 0 for the events alone.
+    both_sides : bool
+        Whether there are two rows at an event, before and behind it, as a picture needs them; else there
+        is one, behind it.
+
+    Returns
+    -------
+    Sample
+        Arrays of one row a time, ascending, from 0 on.
+    """
+    events = np.array([p.start for p in history.phases if p.start < until])
+    rate = samples_per_cycle * float(history.scene.frequency)
+    # The last step, if it is the end but for its rounding, is left to the end.
+    even = np.arange(math.ceil(rate * until * (1.0 - _ROUNDING))) / rate if rate else np.array([])
+    times = np.unique(np.concatenate([even, events, [until]]))
+    behind = history.sample(times)
+    if not both_sides:
+        return behind
+    before = history.sample(events[1:], side="left")
+    # Stable: the row before an event stands first.
+    order = np.argsort(np.concatenate([before.time, behind.time]), kind="stable")
+    return Sample(
+        *(np.concatenate([getattr(before, f.name), getattr(behind, f.name)])[order] for f in fields(Sample))
+    )
+
+
+def motion_table(history: History, sample: Sample) -> TableColumns:
+    """Return the columns of a sampled motion, forces per unit mass."""
+    phases = history.phases
+    place = np.searchsorted([p.start for p in phases], sample.time, side="right") - 1
+    return {
+        "time_s": sample.time,
+        "trough_phase_deg": _degrees(history, sample.time),
+        "phase": [PHASE_NAMES[phases[i].kind] for i in place],
+        "trough_displacement_mm": _mm(sample.trough_displacement),
+        "relative_position_mm": _mm(sample.position),
+        "relative_velocity_mm_s": _mm(sample.velocity),
+        "relative_acceleration_m_s2": sample.acceleration,
+        "inertial_m_s2": sample.inertial,
+        "friction_m_s2": sample.friction,
+        "normal_m_s2": sample.normal,
+        "static_limit_m_s2": sample.static_limit,
+        "gap_mm": _mm(sample.gap),
+    }
+
+
+def phase_table(history: History, phases: Sequence[Phase]) -> TableColumns:
+    """Return the columns of a list of phases."""
+    return {
+        "phase": [PHASE_NAMES[p.kind] for p in phases],
+        "start_s": np.array([p.start for p in phases]),
+        "end_s": np.array([p.end for p in phases]),
+        "trough_phase_at_start_deg": _degrees(history, np.array([p.start for p in phases])),
+        "start_position_mm": _mm(np.array([p.start_position for p in phases])),
+        "end_position_mm": _mm(np.array([p.end_position for p in phases])),
+        "start_velocity_mm_s": _mm(np.array([p.start_velocity for p in phases])),
+        "end_velocity_mm_s": _mm(np.array([p.end_velocity for p in phases])),
+        "impact_velocity_mm_s": _mm(np.array([p.impact_velocity for p in phases])),
+    }
+
+
+def _mm(values: Floats) -> Floats:
+    return np.asarray(from_si("amplitude", values)) + 0.0  # not -0.0
+
+
+def _degrees(history: History, time: Floats) -> Floats:
+    """Trough phase in [0, 360) [deg]."""
+    turns = float(history.scene.frequency) * time + history.start_phase / (2.0 * math.pi)
+    return np.asarray(360.0 * (turns - np.floor(turns)))

@@ -1,0 +1,1 @@
+"""Measured records: reading, alignment, comparison with the model, and fits."""

@@ -1,0 +1,310 @@
+"""Where a record stands in the drive's cycle: the one unknown between a measurement and the model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from vibro.errors import InputError
+from vibro.records.folding import Folded, fold, independent_samples
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.motion.settled import SettledMotion
+    from vibro.records.reading import Record
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Alignment", "Observation", "align", "computed", "data_frequency"]
+
+_GRID: Final = 512  # shifts that the search starts from
+# A misfit of zero would outweigh every other signal: none is taken below this part of the signal itself.
+_LEAST_MISFIT: Final = 1e-9
+# A computed motion that fits no place in the cycle better than this is the same everywhere: the body rests.
+_FLAT: Final = 1e-3
+# Enough for errors far below a sample's step; a part of at least so many cycles.
+_SEARCHED_ROWS: Final = 6000
+_SEARCHED_CYCLES: Final = 4.0
+# The fine search covers this part of the cycle to each side of the rough one, in so many steps.
+_SEARCHED: Final = 0.05
+_STEPS: Final = 41
+_CLEAR: Final = 0.02  # of the power: a wave that the data clearly hold
+_SIGMAS: Final = 3.0  # within which a second place in the cycle fits as well
+_TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
+
+
+class Alignment(NamedTuple):
+    """Trough time of the record's clock.
+
+    Attributes
+    ----------
+    shift : float
+        Trough time at the clock's zero, in [0, period): the trough passes its middle upwards at trough
+        time 0 [s]. NaN where the computed motion is the same at any time.
+    error : float
+        Its standard error, for noise [s].
+    rivals : tuple of float
+        Other shifts that fit nearly as well [s].
+    """
+
+    shift: float
+    error: float
+    rivals: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """A record as the comparison uses it, in SI units.
+
+    Attributes
+    ----------
+    time : array
+        Ascending [s].
+    signals : mapping of str to array
+        ``displacement``, ``velocity``, ``acceleration`` relative to the trough and ``friction`` on the body
+        per unit mass, positive in the conveying direction; any subset.
+    frequency : float
+        Of the drive [Hz].
+    """
+
+    time: Floats
+    signals: Mapping[str, Floats]
+    frequency: float
+
+    @classmethod
+    def of(
+        cls, record: Record, frequency: float, *, mass: float | None = None, reverse: bool = False
+    ) -> Observation:
+        """Take what can be compared from a record.
+
+        Parameters
+        ----------
+        record : Record
+            With at least one signal.
+        frequency : float
+            Of the drive [Hz].
+        mass : float, optional
+            Of the body, without which forces cannot be compared [kg].
+        reverse : bool
+            Whether the record's axis points against the conveying direction.
+        """
+        sign = -1.0 if reverse else 1.0
+        signals = {name: sign * values for name, values in record.signals.items() if name != "force"}
+        if "force" in record.signals and mass is not None:
+            signals["friction"] = sign * record.signals["force"] / mass
+        if not signals:
+            raise InputError(
+                "the data hold a force alone, and the mass is unknown", hint="give --mass 0.02kg"
+            )
+        return cls(record.time, signals, frequency)
+
+    @property
+    def period(self) -> float:
+        """Of the drive [s]."""
+        return 1.0 / self.frequency
+
+    @cached_property
+    def sample_time(self) -> float:
+        """Usual step of the time [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    @cached_property
+    def folded(self) -> Mapping[str, Folded]:
+        """What each signal repeats in every cycle."""
+        return {
+            name: fold(self.time, values, self.frequency, _TRENDS[name])
+            for name, values in self.signals.items()
+        }
+
+    @cached_property
+    def middle(self) -> Observation:
+        """The part that searches use: all of it, or the middle of a long record."""
+        cycles = (float(self.time[-1]) - float(self.time[0])) * self.frequency
+        rows = max(_SEARCHED_ROWS, math.ceil(_SEARCHED_CYCLES * self.time.size / cycles))
+        if self.time.size <= rows:
+            return self
+        first = (self.time.size - rows) // 2
+        part = slice(first, first + rows)
+        signals = {name: values[part] for name, values in self.signals.items()}
+        return Observation(self.time[part], signals, self.frequency)
+
+    def residuals(
+        self, motion: SettledMotion, shift: float, *, trend: bool = True, window: float = 1.0
+    ) -> dict[str, Floats]:
+        """Measured minus computed, of each signal.
+
+        Parameters
+        ----------
+        motion : SettledMotion
+            The model.
+        shift : float
+            Trough time at the clock's zero [s].
+        trend : bool
+            Whether the growth of the displacement counts. Its zero never does: sensors have their own.
+        window : float
+            Part of a sample over which the model's accelerations and friction are averaged.
+        """
+        result = {}
+        model = computed(motion, self.signals, self.time + shift, window * self.sample_time)
+        for name, values in self.signals.items():
+            residual = values - model[name]
+            if name == "displacement":
+                residual = residual - residual.mean()
+                if not trend:
+                    time = self.time - self.time.mean()
+                    residual = residual - time * float(time @ residual) / float(time @ time)
+            result[name] = residual
+        return result
+
+    def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
+        """Return the best shift on a grid over the cycle, and half the log-likelihood loss at all of them.
+
+        All shifts cost one correlation of the folded signals. The trend does not count.
+        """
+        grid = np.arange(_GRID) * self.period / _GRID
+        loss = np.zeros(_GRID)
+        models = computed(motion, self.signals, grid, self.sample_time)
+        for name, folded in self.folded.items():
+            measured, model = folded.periodic(grid), models[name]
+            if name == "displacement":
+                model = model - motion.advance * grid / self.period
+                model = model - model.mean()
+            else:
+                measured = measured + folded.coefficients[0]
+            both = np.fft.irfft(np.conj(np.fft.rfft(measured)) * np.fft.rfft(model), _GRID)
+            energy = float(measured @ measured + model @ model)
+            misfit = np.maximum(energy - 2.0 * both, 0.0) + _LEAST_MISFIT * energy
+            loss += 0.5 * self.time.size * np.log(misfit + np.finfo(float).tiny)
+        return float(grid[np.argmin(loss)]), loss
+
+
+def computed(motion: SettledMotion, names: Iterable[str], time: Floats, window: float) -> dict[str, Floats]:
+    """Return signals of the model at trough times.
+
+    Accelerations and friction jump where a slide starts or ends. They are averaged, exactly, over a window:
+    no record resolves its own step, and a search can follow the jumps.
+
+    Parameters
+    ----------
+    motion : SettledMotion
+        The model.
+    names : iterable of str
+        Signals of ``Observation``.
+    time : array
+        Trough times [s].
+    window : float
+        Width of the averages [s].
+    """
+    names = list(names)
+    jumping = {"acceleration", "friction"} & set(names)
+    shifts = (0.0, 0.5 * window, -0.5 * window) if jumping else (0.0,)
+    sample = motion.sample(np.concatenate([time + shift for shift in shifts]))
+    n = time.size
+    velocity = sample.velocity
+    signals = {"displacement": sample.position[:n], "velocity": velocity[:n]}
+    if jumping:
+        signals["acceleration"] = (velocity[n : 2 * n] - velocity[2 * n :]) / window
+        signals["friction"] = signals["acceleration"] - sample.inertial[:n]
+    return {name: signals[name] for name in names}
+
+
+def align(observation: Observation, motion: SettledMotion) -> Alignment:
+    """Find the trough time of a record's clock.
+
+    One-dimensional search for the least mean absolute misfit, every signal weighing by its own; the growth of
+    the displacement does not count. Absolute, not squared, because friction that a solver or an elastic
+    body smooths misses the model most in the few samples where a slide begins or ends. The error is
+    where the (Laplace) likelihood has fallen by that of one sigma.
+
+    Parameters
+    ----------
+    observation : Observation
+        The record.
+    motion : SettledMotion
+        The model.
+
+    Returns
+    -------
+    Alignment
+        The best shift.
+    """
+    observation = observation.middle
+    period = observation.period
+    rough, losses = observation.rough_shift(motion)
+    counts = {
+        name: independent_samples(observation.time, r, observation.frequency)
+        for name, r in observation.residuals(motion, rough, trend=False).items()
+    }
+    least = {name: _LEAST_MISFIT * float(np.abs(s).mean()) for name, s in observation.signals.items()}
+    if float(np.ptp(losses)) < _FLAT * observation.time.size:
+        return Alignment(math.nan, math.nan, ())
+    # The rough search took every sample for independent.
+    losses = losses * max(counts.values()) / observation.time.size
+
+    def loss(shift: float) -> float:
+        residuals = observation.residuals(motion, shift, trend=False)
+        return sum(
+            counts[name] * math.log(float(np.abs(r).mean()) + least[name] + np.finfo(float).tiny)
+            for name, r in residuals.items()
+        )
+
+    near = rough + period * np.linspace(-_SEARCHED, _SEARCHED, _STEPS)
+    place = float(near[np.argmin([loss(shift) for shift in near])])
+    step = float(near[1] - near[0])
+    best = minimize_scalar(
+        loss, bounds=(place - step, place + step), method="bounded", options={"xatol": 1e-9 * period}
+    )
+    shift, least_loss = float(best.x), float(best.fun)
+    error = 0.5 * sum(_reach(loss, shift, least_loss, way * period) for way in (1, -1))
+    if not {"displacement", "velocity"} & observation.signals.keys():
+        # Jumps alone are seen between two samples, nobody knows where: the spread of an even distribution.
+        error = math.hypot(error, observation.sample_time / math.sqrt(12.0))
+    low = (losses <= np.roll(losses, 1)) & (losses <= np.roll(losses, -1))
+    rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * _SIGMAS**2)) * period / _GRID
+    apart = np.abs((rivals - shift + 0.5 * period) % period - 0.5 * period) > _SEARCHED * period
+    return Alignment(shift % period, error, tuple(rivals[apart].tolist()))
+
+
+def _reach(loss: Callable[[float], float], shift: float, least: float, period: float) -> float:
+    """Distance to the side of the sign of ``period`` at which the log-likelihood has fallen by 1/2."""
+    near, far = 0.0, 1e-7 * period
+    while loss(shift + far) - least < 0.5:
+        near, far = far, 2.0 * far
+        if abs(far) > 0.5 * abs(period):
+            return 0.5 * abs(period)
+    for _ in range(20):
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if loss(shift + middle) - least < 0.5 else (near, middle)
+    return abs(far)
+
+
+def data_frequency(observation: Observation) -> float:
+    """Frequency at which the data repeat, near that of the drive [Hz].
+
+    That of the largest wave within half to twice of the drive's; NaN where it is no larger than noise.
+    """
+    names = ("velocity", "acceleration", "friction", "displacement")
+    name = next(name for name in names if name in observation.signals)
+    part = observation.middle
+    time = part.time - part.time.mean()
+    trend = np.vander(time / np.ptp(time), 2, increasing=True)
+    values = part.signals[name] - trend @ np.linalg.lstsq(trend, part.signals[name], rcond=None)[0]
+
+    def strength(frequency: float) -> float:
+        return abs(complex(np.exp(-2j * math.pi * frequency * time) @ values))
+
+    step = 0.25 / float(np.ptp(time))
+    grid = np.arange(0.5 * part.frequency, 2.0 * part.frequency, step)
+    peak = float(grid[np.argmax([strength(g) for g in grid])])
+    if strength(peak) ** 2 < _CLEAR * time.size * float(values @ values):
+        return math.nan
+    best = minimize_scalar(lambda g: -strength(g), bounds=(peak - step, peak + step), method="bounded")
+    return float(best.x)

@@ -1,0 +1,359 @@
+"""The trade of speed for accuracy: each method by itself, the reference, and the comparison."""
+
+from __future__ import annotations
+
+import csv
+import math
+import sys
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from matplotlib.text import Text
+
+import vibro
+from vibro.accuracy.events import simulate_by_events
+from vibro.accuracy.methods import METHODS, Answers, Method
+from vibro.accuracy.motion import Motion, motion_arrays, motions
+from vibro.accuracy.reference import exact_cycle, exact_sensitivity
+from vibro.accuracy.sample import draw_scenes
+from vibro.accuracy.smoothed import simulate_smoothed
+from vibro.accuracy.stepping import simulate_by_steps
+from vibro.accuracy.trade import Comparison, Row, advice, best_reference, compare, runs
+from vibro.axes import parse_axis
+from vibro.plots.trade import trade_figure
+from vibro.quantities import QUANTITIES
+from vibro.sweeps.run import Grid
+
+DATA = Path(__file__).parents[1] / "data"
+ALPHA, MU_S, MU_D, GRAVITY, FREQUENCY = math.radians(20.0), 0.74, 0.57, 9.81, 15.0
+
+# Displacement per cycle [A] of the paper's scene and pattern by amplitude [mm], from 50 digits.
+KNOWN = {
+    0.6: (0.0, ""),
+    1.0: (16.263456166287 / 15.0, "F"),
+    1.2: (27.119929 / 15.0 / 1.2, "BF"),
+    1.5: (40.590623 / 15.0 / 1.5, "BF"),
+    2.0: (67.617507 / 15.0 / 2.0, "BF"),
+}
+PRINTED = 1e-7  # [A] digits of KNOWN
+
+
+def nut(amplitude_mm: float | np.ndarray) -> vibro.Scene:
+    return vibro.Scene(
+        amplitude=1e-3 * amplitude_mm,
+        frequency=FREQUENCY,
+        drive_angle=ALPHA,
+        static_friction=MU_S,
+        kinetic_friction=MU_D,
+    )
+
+
+def motion(amplitude_mm: float) -> Motion:
+    return next(motions(nut(amplitude_mm)))
+
+
+def grid(**texts: str) -> Grid:
+    defaults = {
+        "amplitude": "0.1:3:log",
+        "frequency": "5:60:log",
+        "drive_angle": "2:45",
+        "static_friction": "0.1:1",
+        "friction_ratio": "0.4:1",
+    }
+    specs = {name: parse_axis(text, QUANTITIES[name]) for name, text in (defaults | texts).items()}
+    axes = {name: spec.axis(101) for name, spec in specs.items() if spec.varies}
+    fixed = {name: spec.value for name, spec in specs.items() if not spec.varies}
+    return Grid(axes, fixed | {"trough_angle": 0.0, "gravity": GRAVITY, "restitution": 0.0}, None)
+
+
+@pytest.mark.parametrize("amplitude", KNOWN)
+@pytest.mark.parametrize(
+    ("solver", "rtol", "tolerance"), [("RK45", 1e-9, 1e-6), ("DOP853", 1e-12, 1e-9), ("LSODA", 1e-9, 1e-6)]
+)
+def test_event_driven_simulation_finds_the_known_cycles(
+    amplitude: float, solver: str, rtol: float, tolerance: float
+) -> None:
+    known, slides = KNOWN[amplitude]
+    found = simulate_by_events(motion(amplitude), solver, rtol)  # type: ignore[arg-type]
+    assert found.slides == slides
+    assert found.displacement == pytest.approx(known, abs=tolerance + PRINTED)
+
+
+def test_a_simulation_that_does_not_settle_says_so() -> None:
+    found = simulate_by_events(motion(2.0), "DOP853", 1e-12, most_slides=4)
+    assert math.isnan(found.displacement)
+
+
+def test_a_simulation_reports_slides_that_never_end() -> None:
+    scene = vibro.Scene(
+        amplitude=1e-3,
+        frequency=15.0,
+        drive_angle=0.3,
+        static_friction=0.6,
+        kinetic_friction=0.2,
+        trough_angle=-0.5,
+    )
+    assert math.isnan(simulate_by_events(next(motions(scene)), "DOP853", 1e-9).displacement)
+
+
+@pytest.mark.parametrize("amplitude", KNOWN)
+def test_time_stepping_converges_with_the_step(amplitude: float) -> None:
+    known, slides = KNOWN[amplitude]
+    arrays = motion_arrays(nut(amplitude))
+    errors = []
+    for steps in (400, 1600, 6400):
+        (found,) = simulate_by_steps(arrays, steps)
+        assert "".join(sorted(found.slides)) == slides
+        errors.append(abs(found.displacement - known))
+    assert errors[-1] <= 0.003
+    assert errors[-1] <= 0.3 * errors[0]
+
+
+def test_time_stepping_solves_many_scenes_as_each_alone() -> None:
+    amplitudes = np.array([0.6, 1.0, 1.5, 2.0])
+    together = simulate_by_steps(motion_arrays(nut(amplitudes)), 40)
+    alone = [simulate_by_steps(motion_arrays(nut(a)), 40)[0] for a in amplitudes]
+    assert together == alone
+
+
+def test_smoothed_friction_tends_to_stiction() -> None:
+    known, _ = KNOWN[1.0]
+    errors = [abs(simulate_smoothed(motion(1.0), w).displacement - known) for w in (1e-2, 1e-3, 1e-4)]
+    # The body passes the law's peak the more slowly the nearer the load stays to it: like the root of w.
+    assert errors[0] > 2.5 * errors[1] > 6.0 * errors[2]
+    assert errors[2] < 0.02
+
+
+@pytest.mark.parametrize("width", [1e-2, 1e-3])
+def test_smoothed_friction_creeps_at_rest(width: float) -> None:
+    found = simulate_smoothed(motion(0.6), width)
+    assert found.slides == ""
+    assert 0.1 * width < found.displacement < 2.0 * width
+
+
+@pytest.mark.parametrize("table", sorted(DATA.glob("contact_*.csv")), ids=lambda path: path.stem)
+def test_the_reference_agrees_with_the_tables(table: Path) -> None:
+    """To all printed digits; the tables are made by another program."""
+    with table.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert rows
+    with mpmath.workdps(60):
+        for row in rows:
+            degree = mpmath.pi / 180
+            values = [
+                mpmath.mpf(float(row["amplitude_mm"])) / 1000,
+                mpmath.mpf(float(row["frequency_hz"])),
+                mpmath.mpf(float(row["drive_angle_deg"])) * degree,
+                mpmath.mpf(float(row["static_friction"])),
+                mpmath.mpf(float(row["kinetic_friction"])),
+                mpmath.mpf(float(row["trough_angle_deg"])) * degree,
+                mpmath.mpf("9.81"),
+            ]
+            exact = exact_cycle(values)
+            assert sorted(exact.pattern) == sorted(row["pattern"]), row
+            if row["pattern"] != "runaway":
+                known = mpmath.mpf(row["displacement_per_cycle_mm"]) / 1000 / values[0]
+                assert abs(exact.displacement - known) < 1e-17 * (1 + abs(known)), row
+
+
+def test_the_sensitivity_is_the_condition_of_the_tables() -> None:
+    with (DATA / "contact_regular.csv").open(encoding="utf-8", newline="") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["displacement_per_cycle_mm"] != "0"][:20]
+    for row in rows:
+        amplitude = 1e-3 * float(row["amplitude_mm"])
+        values = (
+            amplitude,
+            float(row["frequency_hz"]),
+            math.radians(float(row["drive_angle_deg"])),
+            float(row["static_friction"]),
+            float(row["kinetic_friction"]),
+            0.0,
+            GRAVITY,
+        )
+        displacement = abs(float(row["displacement_per_cycle_mm"])) * 1e-3 / amplitude
+        assert float(exact_sensitivity(values)) == pytest.approx(
+            float(row["condition"]) * displacement, rel=1e-3
+        )
+
+
+def test_scenes_are_drawn_evenly_from_every_axis() -> None:
+    scene = draw_scenes(grid(amplitude="1:3"), 0, 2000)
+    assert scene.shape == (2000,)
+    for values, low, high in (
+        (scene.amplitude, 1e-3, 3e-3),
+        (scene.drive_angle, math.radians(2.0), math.radians(45.0)),
+        (scene.kinetic_friction / scene.static_friction, 0.4, 1.0),
+    ):
+        counts, _ = np.histogram(values, 8, (low, high))
+        assert abs(counts - 250).max() < 40
+
+
+def test_scenes_go_on_where_they_ended() -> None:
+    whole, rest = draw_scenes(grid(), 0, 60), draw_scenes(grid(), 20, 40)
+    np.testing.assert_array_equal(whole.amplitude[20:], rest.amplitude)
+
+
+def test_a_small_grid_is_taken_whole_and_without_what_cannot_be() -> None:
+    small = grid(
+        amplitude="1,2",
+        frequency="15",
+        drive_angle="20",
+        static_friction="0.3,0.6",
+        friction_ratio="0.5,2",
+    )
+    scene = draw_scenes(small, 0, 50)
+    assert scene.shape == (4,)
+    assert (scene.kinetic_friction <= scene.static_friction).all()
+    assert draw_scenes(small, 50, 50).shape == (0,)
+
+
+@pytest.fixture(scope="module")
+def comparison() -> Comparison:
+    return compare(grid(), 300, tolerance=1e-3, reference=best_reference())
+
+
+def named(comparison: Comparison, method: str, setting: str) -> Row:
+    (row,) = [r for r in comparison.rows if r.method == method and r.setting == setting]
+    return row
+
+
+def test_every_method_runs_on_its_share(comparison: Comparison) -> None:
+    assert comparison.reference == "event walk in 60-digit arithmetic"
+    assert comparison.scenes == 300
+    assert [row.scenes for row in comparison.rows] == runs(METHODS, 300)
+    assert all(row.time_us > 0.0 for row in comparison.rows)
+    # What no method may be counted out for: the sample has scenes that move, and the first ones do.
+    assert all(row.error_median >= 0.0 for row in comparison.rows if row.setting != "regimes alone")
+
+
+def test_the_order_of_the_methods_is_that_of_the_documentation(comparison: Comparison) -> None:
+    exact = named(comparison, "vibro", "exact")
+    assert exact.error_max < 1e-13
+    assert exact.beyond_tolerance == exact.gave_up == exact.silent_failures == 0
+    assert exact.wrong_regime_share == 0.0
+    assert named(comparison, "vibro", "regimes alone").wrong_regime_share == 0.0
+
+    others = [row for row in comparison.rows if row.method != "vibro"]
+    assert all(row.error_max > 1e3 * exact.error_max for row in others)
+    assert all(row.time_us > 10.0 * exact.time_us for row in others)
+
+    for solver, settings in (
+        ("RK45", ("rtol 1e-3", "rtol 1e-6", "rtol 1e-9")),
+        ("DOP853", ("rtol 1e-6", "rtol 1e-9", "rtol 1e-12")),
+        ("LSODA", ("rtol 1e-3", "rtol 1e-6", "rtol 1e-9")),
+    ):
+        errors = [named(comparison, f"events, {solver}", s).error_max for s in settings]
+        assert errors == sorted(errors, reverse=True)
+        assert errors[0] > 100.0 * errors[-1]
+        assert errors[-1] < 1e-5
+
+    widths = [named(comparison, "smoothed friction", f"width {w} A w") for w in ("0.01", "0.001", "0.0001")]
+    drifts = [row.drift_at_rest for row in widths]
+    assert drifts == sorted(drifts, reverse=True)
+    assert drifts[0] > 1e-3
+    assert all(row.drift_at_rest == 0.0 for row in comparison.rows if row not in widths)
+    medians = [row.error_median for row in widths]
+    assert medians == sorted(medians, reverse=True)
+
+    steps = [named(comparison, "time steps", f"{n} a cycle") for n in (20, 40, 400, 4000)]
+    medians = [row.error_median for row in steps]
+    assert medians == sorted(medians, reverse=True)
+    assert steps[1].beyond_tolerance > 0.3 * steps[1].scenes
+
+
+def test_the_advice_names_what_is_right_in_every_scene(comparison: Comparison) -> None:
+    assert advice(comparison).startswith("Use vibro (exact): ")
+
+
+def row(method: str, time_us: float, error: float, beyond: int = 0, gave_up: int = 0) -> Row:
+    return Row(method, "s", 10, time_us, error, error, error, beyond, 0.0, 0, gave_up, 0.0)
+
+
+def test_the_advice_compares_with_the_next_method_that_is_right() -> None:
+    rows = (
+        row("a", 1.0, 1e-9),
+        row("b", 25.0, 1e-5),
+        row("c", 2.0, 0.1, beyond=3),
+        row("d", 3.0, 0.0, gave_up=1),
+    )
+    text = advice(Comparison(rows, "truth", 10, 10, 1e-3))
+    assert (
+        text == "Use a (s): 25 times as fast as the next that stays within 0.001 A f in every scene (b, s)."
+    )
+
+
+def test_the_advice_says_when_nothing_is_right() -> None:
+    rows = (row("a", 1.0, 0.5, beyond=1), row("b", 1.0, 0.2, beyond=1))
+    text = advice(Comparison(rows, "truth", 10, 10, 1e-3))
+    assert text == "No method stays within 0.001 A f in every scene; the closest is b (s), within 0.2."
+
+
+def test_errors_are_counted_where_they_are() -> None:
+    """A method that is right in some scenes, and wrong in a known way in the others."""
+
+    def answer(scene: vibro.Scene, tick: object) -> Answers:
+        cycle = vibro.solve(scene)
+        displacement = cycle.displacement_per_cycle / scene.amplitude
+        regime = cycle.regime.copy()
+        still, moves = np.flatnonzero(displacement == 0.0), np.flatnonzero(displacement > 0.1)
+        displacement[still[0]] = 0.25  # creeps
+        displacement[moves[0]] *= 0.4  # misses half the speed
+        regime[moves[1]] = vibro.Regime.NO_SLIP
+        displacement[moves[2]], regime[moves[2]] = np.nan, vibro.Regime.UNDEFINED
+        return Answers(displacement, regime, 1.0)
+
+    method = Method("odd", "", 1.0, answer)
+    result = compare(grid(), 100, tolerance=1e-3, reference=best_reference(), methods=[method])
+    (found,) = result.rows
+    assert found.beyond_tolerance == 2
+    assert found.wrong_regime_share == pytest.approx(1 / 99)
+    assert found.silent_failures == 1
+    assert found.gave_up == 1
+    assert found.drift_at_rest == 0.25
+    assert found.time_us == 1e4
+
+
+def test_without_mpmath_a_converged_simulation_is_the_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mpmath", None)
+    monkeypatch.delitem(sys.modules, "vibro.accuracy.reference")
+    reference = best_reference()
+    assert reference.name == "event-driven simulation, DOP853 at rtol 1e-13"
+    scene = vibro.Scene(
+        amplitude=np.array([1e-3, 20e-3]),
+        frequency=FREQUENCY,
+        drive_angle=ALPHA,
+        static_friction=MU_S,
+        kinetic_friction=MU_D,
+    )
+    answers = reference.answer(draw_flat(scene), lambda: None)
+    assert answers.displacement[0] == pytest.approx(KNOWN[1.0][0], abs=1e-9)
+    assert np.isnan(answers.displacement[1])
+
+
+def draw_flat(scene: vibro.Scene) -> vibro.Scene:
+    names = vibro.Scene.__dataclass_fields__
+    return vibro.Scene(**{name: np.broadcast_to(getattr(scene, name), scene.shape) for name in names})
+
+
+def test_labels_of_the_picture_do_not_overlap(comparison: Comparison) -> None:
+    figure = trade_figure(comparison)
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    # of the words: an annotation's own extent has its leader in it
+    boxes = [Text.get_window_extent(text) for text in axes.texts]
+    assert len(boxes) == sum(math.isfinite(r.error_max) for r in comparison.rows) + 1
+    for i, box in enumerate(boxes):
+        assert not box.count_overlaps(boxes[:i])
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert legend[:2] == ["vibro", "events, RK45"]
+    assert axes.get_xlabel() == "time per scene [µs]"
+
+
+def test_progress_reaches_its_total() -> None:
+    seen: list[int] = []
+    methods = METHODS[:3]
+    compare(grid(), 40, tolerance=1e-3, reference=best_reference(), methods=methods, report=seen.append)
+    assert seen == sorted(seen)
+    assert 40 + sum(runs(methods, 40)) <= seen[-1] <= 2 * 40 + 40 + sum(runs(methods, 40))

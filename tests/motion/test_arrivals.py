@@ -1,0 +1,218 @@
+"""Arrival times against the reference table, histories, and bodies that never arrive."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import Groups, at_load, contact_groups, deterministic, random_scenes, replaced, scene_with
+
+import vibro
+from vibro import SceneError, Status
+from vibro.core.walk import arrival
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+TABLE = Path(__file__).parents[1] / "data" / "arrival.csv"
+
+
+def table() -> tuple[vibro.Scene, NDArray[np.float64], NDArray[np.float64]]:
+    with TABLE.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    scene = vibro.Scene(
+        amplitude=1e-3 * columns["amplitude_mm"],
+        frequency=columns["frequency_hz"],
+        drive_angle=np.radians(columns["drive_angle_deg"]),
+        static_friction=columns["static_friction"],
+        kinetic_friction=columns["kinetic_friction"],
+        trough_angle=np.radians(columns["trough_angle_deg"]),
+    )
+    return scene, 1e-3 * columns["length_mm"], columns["traverse_time_s"]
+
+
+def cells_of(scene: vibro.Scene) -> Iterator[vibro.Scene]:
+    fields = [np.broadcast_to(x, scene.shape).ravel() for x in scene.arrays()]
+    for values in zip(*fields, strict=True):
+        yield vibro.Scene(**dict(zip(scene.__dataclass_fields__, map(float, values), strict=True)))
+
+
+def test_the_reference_table() -> None:
+    scene, length, expected = table()
+    assert length.size == 40
+    np.testing.assert_allclose(vibro.arrival_time(scene, length), expected, rtol=1e-13, atol=0.0)
+
+
+def test_one_scene_and_many_agree() -> None:
+    scene, length, _ = table()
+    together = vibro.arrival_time(scene, length)
+    alone = [vibro.arrival_time(cell, x) for cell, x in zip(cells_of(scene), length, strict=True)]
+    np.testing.assert_allclose(together, alone, rtol=1e-14, atol=0.0)
+
+
+def test_the_length_broadcasts_against_the_scene() -> None:
+    scene = scene_with(amplitude=[[1e-3], [2e-3]])
+    time = vibro.arrival_time(scene, [0.1, 0.2, 0.3])
+    assert time.shape == (2, 3)
+    assert time[1, 2] == vibro.arrival_time(scene_with(amplitude=2e-3), 0.3)
+    assert np.ndim(vibro.arrival_time(scene_with(), 0.1)) == 0
+    assert vibro.arrival_time(scene_with(amplitude=np.ones((0, 3))), 0.1).shape == (0, 3)
+
+
+@deterministic
+@given(contact_groups(), st.floats(0.01, 30.0))
+def test_a_body_is_there_on_arrival_and_never_was_before(groups: Groups, reach: float) -> None:
+    scene = at_load(*groups)
+    length = reach * float(scene.amplitude)
+    time = float(vibro.arrival_time(scene, length))
+    horizon = 12.0 / float(scene.frequency)
+    history = vibro.simulate(scene, duration=min(time, horizon))
+    farthest = max(phase.end_position for phase in history.phases)  # slides are monotone
+    slack = 1e-12 * max(length, float(scene.amplitude))
+    assert farthest <= length + slack
+    if time <= horizon:
+        assert history.sample(history.end).position == pytest.approx(length, abs=slack)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6])
+@pytest.mark.parametrize("reach", [0.05, 3.0, 7.77, 40.0])
+def test_hopping_bodies_too(restitution: float, reach: float) -> None:
+    throws = np.array([1.05, 1.4, 1.9, 2.4, 2.9])
+    scene = replaced(
+        at_load(throws / math.sin(math.radians(20.0)), 20.0, 0.74, 0.57), restitution=restitution
+    )
+    periodic = [cell for cell in cells_of(scene) if vibro.solve(cell).status == Status.OK]
+    assert len(periodic) >= 3
+    for cell in periodic:
+        length = reach * float(cell.amplitude)
+        history = vibro.simulate(cell, length=length)
+        positions = history.sample(np.linspace(0.0, history.end, 4_001)).position
+        assert positions[-1] == pytest.approx(length, rel=1e-12)
+        assert positions[:-1].max() < length
+
+
+def test_a_body_that_slides_back_arrives_before_the_cycle_ends() -> None:
+    """Within a cycle of FB the body gets farther than where it ends, by more than it advances."""
+    scene = at_load(2.0, 3.0, 0.4, 0.35)
+    cycle = vibro.solve(scene)
+    assert cycle.pattern == "FB"
+    history = vibro.simulate(scene, cycles=300)
+    forward = next(p for p in history.phases if p.start > history.settles_at and p.kind == "F")
+    back = next(p for p in history.phases if p.start >= forward.end)
+    assert back.end_position - back.start_position < -float(cycle.displacement_per_cycle)
+    length = 0.5 * (back.start_position + max(back.end_position, forward.start_position))
+    assert vibro.arrival_time(scene, length) < back.end
+    assert history.sample(float(vibro.arrival_time(scene, length))).position == pytest.approx(
+        length, rel=1e-12
+    )
+
+
+def test_long_ways_are_as_exact_as_short_ones() -> None:
+    """After n cycles a settled body is n displacements farther, and n periods later."""
+    scene = scene_with(amplitude=[1e-3, 1.3e-3, 1.5e-3, 2e-3, 4e-3])
+    cycle = vibro.solve(scene)
+    count = 10.0**7
+    near = 200.5 * cycle.displacement_per_cycle
+    first = vibro.arrival_time(scene, near)
+    later = vibro.arrival_time(scene, near + count * cycle.displacement_per_cycle)
+    np.testing.assert_allclose((later - first) * 15.0, count, rtol=1e-13, atol=0.0)
+
+
+def test_a_jump_over_a_converging_transient_is_exact(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Low friction: hundreds of cycles to settle; with and without the closed sum of its end."""
+    scene = at_load([2.0, 1.5, 2.5], [10.0, 20.0, 20.0], [0.05, 0.02, 0.3], [0.03, 0.02, 0.01])
+    length = 900.0 * vibro.solve(scene).displacement_per_cycle
+    jumped = vibro.arrival_time(scene, length)
+    monkeypatch.setattr(arrival, "_LINEAR", 0.0)
+    np.testing.assert_allclose(vibro.arrival_time(scene, length), jumped, rtol=1e-13, atol=0.0)
+
+
+def test_the_steady_figure_is_the_limit_for_long_troughs() -> None:
+    scene = random_scenes(400, 3, most_trough_deg=6.0)
+    cycle = vibro.solve(scene)
+    forward = cycle.displacement_per_cycle > 1e-3 * scene.amplitude
+    length = np.where(forward, 1e5 * cycle.displacement_per_cycle, 1.0)
+    exact = np.where(forward, vibro.arrival_time(scene, length), 0.0)
+    # what the start brings or costs does not grow with the length; with a slow advance it may be many cycles
+    ahead = cycle.mean_velocity[forward] * (cycle.traverse_time(length) - exact)[forward]
+    assert (np.abs(ahead) < 200.0 * scene.amplitude[forward]).all()
+
+
+def test_bodies_that_never_arrive() -> None:
+    at_rest = scene_with(amplitude=5e-4)
+    assert vibro.arrival_time(at_rest, 1e-9) == math.inf
+    to_and_fro = scene_with(drive_angle=0.0, amplitude=3e-3)
+    assert vibro.solve(to_and_fro).displacement_per_cycle == 0.0
+    assert vibro.arrival_time(to_and_fro, 1.0) == math.inf
+    backwards = scene_with(amplitude=9e-4, static_friction=0.3, kinetic_friction=0.29, trough_angle=0.26)
+    assert vibro.solve(backwards).mean_velocity < 0.0
+    assert vibro.arrival_time(backwards, 1.0) == math.inf
+
+
+def test_a_transient_may_reach_what_the_steady_cycle_would_not() -> None:
+    to_and_fro = scene_with(drive_angle=0.0, amplitude=3e-3)
+    top = max(p.end_position for p in vibro.simulate(to_and_fro, cycles=300).phases)
+    assert top > 0.0
+    assert vibro.arrival_time(to_and_fro, top * (1.0 - 1e-9)) < 20.0
+    assert vibro.arrival_time(to_and_fro, top * (1.0 + 1e-9)) == math.inf
+
+
+def test_runaways() -> None:
+    steep = math.radians(50.0)
+    scene = scene_with(trough_angle=[-steep, steep], amplitude=1e-3)
+    assert (vibro.solve(scene).status == Status.RUNAWAY).all()
+    forward, back = vibro.arrival_time(scene, 1.0)
+    fall = 9.81 * (math.sin(steep) - 0.57 * math.cos(steep))
+    assert forward == pytest.approx(math.sqrt(2.0 / fall), rel=0.1)
+    assert back == math.inf
+
+
+def test_hopping_bodies_that_slide_off_backwards_never_arrive() -> None:
+    scene = at_load(6.0, 20.0, 0.1, 0.05, 10.0)
+    assert vibro.solve(scene).status == Status.RUNAWAY
+    assert vibro.arrival_time(scene, 1.0) == math.inf
+
+
+def test_without_static_friction_the_motion_from_rest_is_still_known() -> None:
+    scene = scene_with(static_friction=0.0, kinetic_friction=0.0, amplitude=1e-3)
+    assert vibro.solve(scene).status == Status.INDETERMINATE
+    # free of friction the body moves by 2 pi A cos(alpha) a cycle, as v = A w cos(alpha) (1 - cos wt)
+    length = 2.0 * math.pi * 1e-3 * math.cos(math.radians(20.0)) * 10.0
+    assert vibro.arrival_time(scene, length) == pytest.approx(10.0 / 15.0, rel=1e-4)
+
+
+def test_motion_without_a_period_is_unknown_once_rounding_has_grown() -> None:
+    scene = scene_with(amplitude=8e-3, restitution=0.3)
+    assert vibro.solve(scene).status == Status.AVERAGED
+    soon, late = vibro.arrival_time(scene, float(scene.amplitude) * np.array([1.0, 1e4]))
+    assert vibro.simulate(scene, duration=soon).sample(soon).position == pytest.approx(float(scene.amplitude))
+    assert math.isnan(late)
+
+
+def test_infeasible_cells_are_unknown() -> None:
+    scene = vibro.Scene.allowing_infeasible(
+        amplitude=2e-3, frequency=15, drive_angle=0.3, static_friction=[0.2, 0.4], kinetic_friction=0.3
+    )
+    infeasible, feasible = vibro.arrival_time(scene, 0.1)
+    assert math.isnan(infeasible)
+    assert feasible > 0.0
+
+
+@pytest.mark.parametrize("length", [0.0, -1.0, math.nan, math.inf, [1.0, -2.0], "far"])
+def test_a_length_that_cannot_be_is_named(length: object) -> None:
+    with pytest.raises(SceneError, match="length = "):
+        vibro.arrival_time(scene_with(), length)  # type: ignore[arg-type]
+
+
+def test_a_length_of_another_shape_is_named() -> None:
+    with pytest.raises(SceneError, match=r"length = .*broadcast against the scene, \(3,\)"):
+        vibro.arrival_time(scene_with(amplitude=[1e-3, 2e-3, 3e-3]), [1.0, 2.0])

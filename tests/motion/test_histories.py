@@ -1,0 +1,427 @@
+"""Time histories: samples, energy, friction, the way into the steady cycle, and an integrator as witness."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import GRAVITY, Groups, at_load, contact_groups, deterministic, replaced, scene_with
+from scipy.integrate import solve_ivp
+
+import vibro
+from vibro import SceneError, VibroError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from vibro.motion.histories import Phase, Sample
+
+    Floats = NDArray[np.float64]
+
+TURN = 2.0 * math.pi
+SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
+
+PATTERNS = [
+    ("F_", Groups(0.9, 20.0, 0.74, 0.57)),
+    ("F_", Groups(0.95, 75.0, 0.4, 0.25, 9.0)),
+    ("F_", Groups(0.25, 10.0, 0.5, 0.2, -13.0)),
+    ("B_", Groups(0.582, 0.43, 0.752, 0.565, 10.62)),
+    ("F_B_", Groups(1.1, 20.0, 0.74, 0.57)),
+    ("F_B_", Groups(0.922, 9.38, 0.692, 0.62, 2.97)),
+    ("FB_", Groups(1.36, 20.0, 0.74, 0.57)),
+    ("FB_", Groups(1.007, 16.82, 0.51, 0.426, -8.95)),
+    ("F_B", Groups(0.781, 57.03, 0.27, 0.155, 3.46)),
+    ("F_B", Groups(0.599, 16.44, 0.359, 0.242, 2.97)),
+    ("FB", Groups(2.0, 20.0, 0.74, 0.57)),
+    ("FB", Groups(2.859, 19.78, 0.831, 0.6, 10.47)),
+]
+HOPS = [  # K = 1.5, 2, 2.5, 3 and one that leaves again where it lands
+    (throw / math.sin(math.radians(20.0)), restitution)
+    for throw, restitution in (
+        (1.5, 0.0),
+        (2.0, 0.0),
+        (2.5, 0.0),
+        (3.0, 0.0),
+        (3.6, 0.0),
+        (1.5, 0.3),
+        (2.0, 0.3),
+    )
+]
+
+
+def hopping(load: float, restitution: float) -> vibro.Scene:
+    return replaced(at_load(load, 20.0, 0.74, 0.57), restitution=restitution)
+
+
+def within(phase: Phase) -> Floats:
+    """Nodes of Gauss and Legendre inside a phase."""
+    return phase.start + 0.5 * (phase.end - phase.start) * (1.0 + NODES)
+
+
+def integral(phase: Phase, values: Floats) -> float:
+    return float(0.5 * (phase.end - phase.start) * (WEIGHTS @ values))
+
+
+def assert_balanced(history: vibro.History) -> None:
+    """Path, velocity and kinetic energy are the integrals of velocity, acceleration and power."""
+    scene = history.scene
+    speed = float(scene.amplitude * TURN * scene.frequency)
+    period = 1.0 / float(scene.frequency)
+    for phase in history.phases:
+        if phase.end - phase.start > 2.0 * period:
+            continue  # a long rest, or a slide without end: the quadrature is for one cycle
+        q = history.sample(within(phase))
+        top = speed + float(np.abs(q.velocity).max())
+        moved = phase.end_position - phase.start_position
+        gained = phase.end_velocity - phase.start_velocity
+        energy = 0.5 * (phase.end_velocity**2 - phase.start_velocity**2)
+        assert integral(phase, q.velocity) == pytest.approx(moved, abs=1e-12 * top * period)
+        assert integral(phase, q.acceleration) == pytest.approx(gained, abs=1e-12 * top)
+        work = integral(phase, q.inertial * q.velocity) + integral(phase, q.friction * q.velocity)
+        assert work == pytest.approx(energy, abs=1e-12 * top * top)
+        np.testing.assert_allclose(
+            q.inertial + q.friction, q.acceleration, rtol=0.0, atol=1e-12 * speed / period
+        )
+
+
+def assert_in_cone(history: vibro.History) -> None:
+    """Kinetic friction opposes motion, static friction stays within its limit, and flight knows neither."""
+    scene = history.scene
+    ratio = float(scene.kinetic_friction)
+    for phase in history.phases:
+        if phase.end - phase.start < 1e-9 / float(scene.frequency):
+            continue  # no time inside it is a double
+        q = history.sample(within(phase))
+        noise = 1e-12 * float(GRAVITY + (TURN * scene.frequency) ** 2 * scene.amplitude)
+        assert (q.normal >= 0.0).all()
+        assert (q.gap >= 0.0).all()
+        if phase.kind == "_":
+            assert (np.abs(q.friction) <= q.static_limit + noise).all()
+            assert (q.velocity == 0.0).all()
+        elif phase.kind == "H":
+            assert (q.friction == 0.0).all()
+            assert (q.normal == 0.0).all()
+        else:
+            way = 1.0 if phase.kind == "F" else -1.0
+            assert (way * q.velocity >= -noise / float(scene.frequency)).all()
+            np.testing.assert_allclose(q.friction, -way * ratio * q.normal, rtol=0.0, atol=noise)
+
+
+@deterministic
+@given(contact_groups(), st.floats(-2.0, 2.0), st.floats(0.0, TURN))
+def test_contact_motion_balances_and_keeps_to_the_friction_cone(
+    groups: Groups, velocity: float, phase: float
+) -> None:
+    scene = at_load(*groups)
+    speed = float(scene.amplitude * TURN * scene.frequency)
+    history = vibro.simulate(scene, cycles=3, start_phase=phase, start_velocity=velocity * speed)
+    assert_balanced(history)
+    assert_in_cone(history)
+
+
+@pytest.mark.parametrize(("load", "restitution"), HOPS)
+def test_hopping_motion_balances_and_keeps_to_the_friction_cone(load: float, restitution: float) -> None:
+    history = vibro.simulate(hopping(load, restitution), cycles=6)
+    assert "H" in {phase.kind for phase in history.phases}
+    assert_balanced(history)
+    assert_in_cone(history)
+
+
+@pytest.mark.parametrize(("pattern", "groups"), PATTERNS)
+def test_over_a_steady_cycle_the_drive_brings_what_friction_takes(pattern: str, groups: Groups) -> None:
+    scene = at_load(*groups)
+    history = vibro.simulate(scene, cycles=400)
+    cycle = [p for p in history.phases if p.start >= history.settles_at][: len(pattern)]
+    assert cycle[-1].end - cycle[0].start == pytest.approx(1.0 / float(scene.frequency), rel=1e-12)
+    drive = sum(integral(p, (q := history.sample(within(p))).inertial * q.velocity) for p in cycle)
+    taken = sum(integral(p, (q := history.sample(within(p))).friction * q.velocity) for p in cycle)
+    assert taken < 0.0
+    assert drive == pytest.approx(-taken, rel=1e-11)
+
+
+def rotations(pattern: str) -> set[str]:
+    return {pattern[i:] + pattern[:i] for i in range(len(pattern))}
+
+
+@pytest.mark.parametrize(("pattern", "groups"), PATTERNS)
+def test_the_transient_leads_to_the_steady_cycle(pattern: str, groups: Groups) -> None:
+    scene = at_load(*groups)
+    steady = vibro.solve(scene)
+    assert steady.pattern == pattern
+    history = vibro.simulate(scene, cycles=100_000)
+    assert history.pattern in rotations(pattern)
+    assert history.cycle_displacement == pytest.approx(float(steady.displacement_per_cycle), rel=1e-12)
+    period = 1.0 / float(scene.frequency)
+    late = history.settles_at + period * np.array([90_000.0, 90_001.0])
+    before, after = history.sample(late).position
+    assert after - before == pytest.approx(float(steady.displacement_per_cycle), rel=1e-7)  # of 1e5 cycles
+    whole = np.array([0.0, 90_000.0])
+    start, end = history.sample(history.settles_at + period * whole).position
+    assert (end - start) / 90_000.0 == pytest.approx(float(steady.displacement_per_cycle), rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize(("load", "restitution"), HOPS)
+def test_hopping_leads_to_the_steady_cycle(load: float, restitution: float) -> None:
+    scene = hopping(load, restitution)
+    steady = vibro.solve(scene)
+    assert steady.status == vibro.Status.OK
+    history = vibro.simulate(scene, cycles=2_000)
+    assert history.settles_at < math.inf
+    assert history.cycle_displacement == pytest.approx(float(steady.displacement_per_cycle), rel=1e-12)
+    speed = float(np.abs(history.sample(np.linspace(history.settles_at, history.end, 20_001)).velocity).max())
+    assert speed == pytest.approx(float(steady.peak_velocity), rel=1e-3)
+    impacts = [p.impact_velocity for p in history.phases if p.start > history.settles_at]
+    assert max(impacts) == pytest.approx(float(steady.impact_velocity), rel=1e-11)
+
+
+def test_a_disturbed_body_settles_into_the_other_steady_cycle() -> None:
+    scene = at_load(1.49149, math.degrees(0.7034), 0.457783, 0.0429106)
+    steady = vibro.solve(scene)
+    assert steady.coexists
+    unit = GRAVITY / (TURN * float(scene.frequency)) ** 2
+    from_rest = vibro.simulate(scene, cycles=1_000)
+    assert from_rest.pattern == "F_"
+    assert from_rest.cycle_displacement / unit == pytest.approx(6.4684, abs=5e-5)
+    assert from_rest.cycle_displacement == pytest.approx(float(steady.displacement_per_cycle), rel=1e-12)
+    speed = float(scene.amplitude * TURN * scene.frequency)
+    disturbed = vibro.simulate(scene, cycles=1_000, start_velocity=-speed)
+    assert disturbed.pattern in rotations("FB")
+    assert disturbed.cycle_displacement / unit == pytest.approx(0.5732, abs=5e-5)
+
+
+class Witness:
+    """A body in the plane of its motion, integrated: state x, v, height, its rate; p is the time."""
+
+    def __init__(self, groups: Groups, restitution: float) -> None:
+        alpha, self.beta = math.radians(groups.drive_deg), math.radians(groups.trough_deg)
+        self.a, self.b = groups.load * math.cos(alpha), groups.load * math.sin(alpha)
+        self.mu_s, self.mu_d, self.e = groups.mu_s, groups.mu_d, restitution
+        self.events: list[tuple[str, float]] = []
+
+    def tangential(self, p: float) -> float:
+        return self.a * math.sin(p) - math.sin(self.beta)
+
+    def normal(self, p: float) -> float:
+        return math.cos(self.beta) - self.b * math.sin(p)
+
+    def run(self, p: float, velocity: float, times: Floats) -> Floats:
+        """Position at given phases, from the trough."""
+        state = np.array([0.0, velocity, 0.0, 0.0])
+        found = np.full(times.size, np.nan)
+        mode = self.held(p) if velocity == 0.0 else ("F" if velocity > 0.0 else "B")
+        mode = mode if self.normal(p) >= 0.0 else "H"
+        while p < times[-1]:
+            self.events.append((mode, p))
+            result: Any = solve_ivp(
+                partial(self.rates, mode), (p, float(times[-1])), state, "DOP853",
+                events=self.ends(mode), rtol=1e-12, atol=1e-13, dense_output=True, max_step=0.2,
+            )  # fmt: skip
+            inside = (times >= p) & (times <= result.t[-1])
+            found[inside] = result.sol(times[inside])[0]
+            p, state = float(result.t[-1]), result.y[:, -1]
+            if result.status == 1:
+                which = [i for i, t in enumerate(result.t_events) if t.size]
+                mode, state = self.next(mode, which[0], p, state)
+        return found
+
+    def rates(self, mode: str, p: float, state: Floats) -> list[float]:
+        way = {"F": 1.0, "B": -1.0, "_": 0.0, "H": 0.0}[mode]
+        pull = 0.0 if mode == "_" else self.tangential(p) - way * self.mu_d * self.normal(p)
+        return [state[1], pull, state[3], -self.normal(p) if mode == "H" else 0.0]
+
+    def ends(self, mode: str) -> list[Callable[[float, Floats], float]]:
+        def event(function: Callable[[float, Floats], float], way: float) -> Any:
+            function.terminal, function.direction = True, way  # type: ignore[attr-defined]
+            return function
+
+        if mode == "H":
+            return [event(lambda p, y: y[2], -1.0)]
+        lifts = event(lambda p, y: self.normal(p), -1.0)
+        if mode == "_":
+            return [
+                lifts,
+                event(lambda p, y: self.tangential(p) - self.mu_s * self.normal(p), 1.0),
+                event(lambda p, y: -self.tangential(p) - self.mu_s * self.normal(p), 1.0),
+            ]
+        return [lifts, event(lambda p, y: y[1], -1.0 if mode == "F" else 1.0)]
+
+    def next(self, mode: str, which: int, p: float, state: Floats) -> tuple[str, Floats]:
+        x, v, _, rate = state
+        if mode == "H":
+            left = max(abs(v) - self.mu_d * (1.0 + self.e) * -rate, 0.0)
+            v, rate = math.copysign(left, v), -self.e * rate
+            if rate > 1e-7:
+                return "H", np.array([x, v, 0.0, rate])
+            mode = self.held(p) if v == 0.0 else ("F" if v > 0.0 else "B")
+            return mode, np.array([x, v, 0.0, 0.0])
+        if which == 0:
+            return "H", np.array([x, v, 0.0, 0.0])
+        if mode == "_":
+            return ("F" if which == 1 else "B"), np.array([x, 0.0, 0.0, 0.0])
+        return self.held(p), np.array([x, 0.0, 0.0, 0.0])
+
+    def held(self, p: float) -> str:
+        load, hold = self.tangential(p), self.mu_s * self.normal(p)
+        return "_" if abs(load) <= hold else ("F" if load > 0.0 else "B")
+
+
+@pytest.mark.parametrize(
+    ("groups", "restitution", "phase", "velocity", "cycles"),
+    [
+        (Groups(2.0, 20.0, 0.74, 0.57), 0.0, 0.0, 0.0, 4),
+        (Groups(1.007, 16.82, 0.51, 0.426, -8.95), 0.0, 2.0, -0.8, 4),
+        (Groups(5.8, 20.0, 0.74, 0.57), 0.0, 0.0, 0.0, 4),
+        (Groups(5.8, 20.0, 0.74, 0.57), 0.3, 0.0, 0.0, 3),
+        (Groups(8.0, 20.0, 0.3, 0.2, 3.0), 0.3, 1.0, 0.4, 2),
+    ],
+)
+def test_an_integrated_body_moves_the_same_way(
+    groups: Groups, restitution: float, phase: float, velocity: float, cycles: int
+) -> None:
+    scene = replaced(at_load(*groups), restitution=restitution)
+    w = TURN * float(scene.frequency)
+    times = np.linspace(0.0, cycles / float(scene.frequency), 301)
+    history = vibro.simulate(scene, cycles=cycles, start_phase=phase, start_velocity=velocity * GRAVITY / w)
+    witness = Witness(groups, restitution)
+    expected = witness.run(phase, velocity, phase + w * times) * GRAVITY / w**2
+    kinds = [kind for kind, _ in witness.events]
+    if groups.load * math.sin(math.radians(groups.drive_deg)) > 1.0:
+        assert "H" in kinds
+    # the integrator's bounces end at a small speed, those of the history are summed to their end
+    tolerance = 1e-8 if restitution == 0.0 else 1e-6
+    np.testing.assert_allclose(
+        history.sample(times).position, expected, rtol=0.0, atol=tolerance * float(scene.amplitude)
+    )
+
+
+def fields(sample: Sample) -> dict[str, Floats]:
+    return {name: getattr(sample, name) for name in sample.__dataclass_fields__}
+
+
+def test_both_sides_of_an_event() -> None:
+    history = vibro.simulate(scene_with(amplitude=4e-3), cycles=3)
+    onset = next(p for p in history.phases if p.kind == "F" and p.start_velocity == 0.0)
+    before, after = (history.sample(onset.start, side) for side in SIDES)
+    assert before.acceleration == 0.0
+    assert before.friction == pytest.approx(float(before.static_limit) * -1.0, rel=1e-9)
+    assert after.friction == pytest.approx(0.57 / 0.74 * float(before.friction), rel=1e-9)
+    assert after.velocity == 0.0
+    landing = next(p for p in history.phases if p.kind == "H")
+    before, after = (history.sample(landing.end, side) for side in SIDES)
+    assert before.velocity == landing.end_velocity
+    assert abs(float(after.velocity)) < abs(landing.end_velocity)
+    assert before.normal == 0.0
+    assert after.normal > 0.0
+    assert before.gap == after.gap == 0.0
+    loss = abs(landing.end_velocity) - abs(float(after.velocity))
+    assert loss == pytest.approx(0.57 * landing.impact_velocity, rel=1e-12)
+
+
+def test_samples_at_the_events_are_those_of_the_phases() -> None:
+    history = vibro.simulate(scene_with(amplitude=2e-3), cycles=60)
+    starts = np.array([p.start for p in history.phases])
+    ends = np.array([p.end for p in history.phases])
+    np.testing.assert_array_equal(starts[1:], ends[:-1])
+    right, left = history.sample(starts), history.sample(ends, side="left")
+    np.testing.assert_array_equal(right.velocity, [p.start_velocity for p in history.phases])
+    np.testing.assert_array_equal(left.velocity, [p.end_velocity for p in history.phases])
+    np.testing.assert_array_equal(right.position, [p.start_position for p in history.phases])
+    np.testing.assert_allclose(
+        left.position, [p.end_position for p in history.phases], rtol=1e-13, atol=1e-17
+    )
+
+
+def test_samples_keep_the_shape_and_order_of_the_times() -> None:
+    history = vibro.simulate(scene_with(), cycles=2)
+    times = np.array([[0.1, 0.03], [0.02, 0.07]])
+    together = history.sample(times)
+    for name, values in fields(together).items():
+        assert values.shape == (2, 2), name
+        alone = [getattr(history.sample(t), name) for t in times.ravel()]
+        np.testing.assert_array_equal(values.ravel(), alone)
+
+
+def test_the_trough_moves_as_it_is_driven_from_any_start_phase() -> None:
+    scene = scene_with()
+    times = np.linspace(0.0, 0.2, 50)
+    history = vibro.simulate(scene, duration=0.2, start_phase=-9.0)
+    expected = 1e-3 * np.sin(TURN * 15.0 * times - 9.0)
+    np.testing.assert_allclose(history.sample(times).trough_displacement, expected, atol=1e-16, rtol=0.0)
+
+
+def test_a_body_that_rests_for_ever() -> None:
+    history = vibro.simulate(scene_with(amplitude=5e-4), cycles=10.5)
+    (phase,) = history.phases
+    assert (phase.kind, phase.start) == ("_", 0.0)
+    assert phase.end == pytest.approx(0.7)
+    sample = history.sample(np.linspace(0.0, 0.7, 11))
+    assert not sample.position.any()
+    assert history.pattern == ""
+    assert math.isnan(history.cycle_displacement)
+
+
+def test_a_runaway_slide_is_followed() -> None:
+    scene = scene_with(trough_angle=math.radians(-50.0), amplitude=1e-3)
+    assert vibro.solve(scene).status == vibro.Status.RUNAWAY
+    history = vibro.simulate(scene, cycles=30)
+    assert history.phases[-1].kind == "F"
+    fall = GRAVITY * (math.sin(math.radians(50.0)) - 0.57 * math.cos(math.radians(50.0)))
+    assert history.sample(2.0).position == pytest.approx(0.5 * fall * 2.0**2, rel=0.05)
+
+
+def test_the_history_of_a_length_ends_on_arrival() -> None:
+    history = vibro.simulate(scene_with(), length=0.6)
+    assert history.end == vibro.arrival_time(scene_with(), 0.6)
+    assert history.phases[-1].end_position == pytest.approx(0.6, rel=1e-13)
+    assert max(p.end_position for p in history.phases) == history.phases[-1].end_position
+    moved = vibro.simulate(scene_with(), length=0.02, start_velocity=1.0)
+    assert moved.end < vibro.simulate(scene_with(), length=0.02).end
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({}, "exactly one of cycles, duration and length; given: none"),
+        ({"cycles": 3, "duration": 1.0}, "given: cycles = 3 and duration = 1"),
+        ({"duration": -1.0}, "duration = -1 s: must be a finite number > 0 s"),
+        ({"cycles": 0}, "cycles = 0: must be a finite number > 0"),
+        ({"length": math.nan}, "length = nan m: must be a finite number > 0 m"),
+        ({"cycles": math.inf}, "cycles = inf"),
+        ({"cycles": "many"}, "cycles = 'many'"),
+        ({"cycles": 3, "start_phase": math.nan}, "start_phase = nan rad: must be a finite number rad"),
+        ({"cycles": 3, "start_velocity": math.inf}, "start_velocity = inf m/s"),
+    ],
+)
+def test_what_is_wrong_is_named(arguments: dict[str, Any], words: str) -> None:
+    with pytest.raises(VibroError) as error:
+        vibro.simulate(scene_with(), **arguments)
+    assert words in str(error.value)
+
+
+def test_scenes_without_a_motion_are_refused() -> None:
+    with pytest.raises(SceneError, match=r"scene = shape \(2,\): must be one operating point"):
+        vibro.simulate(scene_with(amplitude=[1e-3, 2e-3]), cycles=3)
+    infeasible = vibro.Scene.allowing_infeasible(
+        amplitude=1e-3, frequency=15, drive_angle=0.3, static_friction=0.2, kinetic_friction=0.3
+    )
+    with pytest.raises(VibroError, match="the combination cannot be"):
+        vibro.simulate(infeasible, cycles=3)
+    with pytest.raises(VibroError, match=r"length = 1 m: the body never gets so far"):
+        vibro.simulate(scene_with(amplitude=5e-4), length=1.0)
+
+
+def test_times_outside_of_the_history_are_refused() -> None:
+    history = vibro.simulate(scene_with(), cycles=3)
+    for time in (-0.1, 0.21, math.nan):
+        with pytest.raises(VibroError, match=r"is outside of the history, 0 to 0\.2 s"):
+            history.sample(time)
+    with pytest.raises(VibroError, match="side = 'both'"):
+        history.sample(0.1, side="both")  # type: ignore[arg-type]

@@ -1,0 +1,107 @@
+"""Histories in rows: even steps, events with one or both of their sides, and units."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from made_records import FREQUENCY, PERIOD, nut
+
+import vibro
+from vibro.motion.trace import PHASE_NAMES, motion_table, phase_table, trace
+
+
+@pytest.fixture
+def history() -> vibro.History:
+    return vibro.simulate(nut(), cycles=3)
+
+
+def test_rows_are_even_steps_and_events(history: vibro.History) -> None:
+    rows = trace(history, until=history.end, samples_per_cycle=40)
+    starts = [p.start for p in history.phases]
+    assert rows.time[0] == 0.0
+    assert rows.time[-1] == history.end
+    assert (np.diff(rows.time) > 0.0).all()
+    assert set(starts) <= set(rows.time)
+    even = np.setdiff1d(rows.time, starts)
+    np.testing.assert_allclose(even * 40 * FREQUENCY, np.round(even * 40 * FREQUENCY), atol=1e-9)
+    assert rows.time.size == 120 + 1 + len(starts) - 1
+
+
+def test_events_alone(history: vibro.History) -> None:
+    rows = trace(history, until=history.end, samples_per_cycle=0)
+    assert rows.time.tolist() == [*(p.start for p in history.phases), history.end]
+
+
+def test_a_row_at_an_event_is_the_one_behind_it(history: vibro.History) -> None:
+    slide = history.phases[1]
+    rows = trace(history, until=PERIOD, samples_per_cycle=40)
+    (at,) = np.flatnonzero(rows.time == slide.start)
+    assert rows.acceleration[at] > 1.0  # it slides already: kinetic friction is lower
+    (at,) = np.flatnonzero(rows.time == slide.end)
+    assert rows.acceleration[at] == 0.0
+
+
+def test_both_sides_of_an_event_stand_behind_each_other(history: vibro.History) -> None:
+    rows = trace(history, until=history.end, samples_per_cycle=40, both_sides=True)
+    assert (np.diff(rows.time) >= 0.0).all()
+    slide = history.phases[1]
+    before, behind = np.flatnonzero(rows.time == slide.start)
+    assert behind == before + 1
+    assert rows.acceleration[before] == 0.0 < rows.acceleration[behind]
+    assert abs(rows.friction[before]) == pytest.approx(rows.static_limit[before], rel=1e-12)
+    np.testing.assert_allclose(rows.acceleration, rows.inertial + rows.friction, atol=1e-12)
+
+
+def test_the_motion_table_is_in_the_units_of_its_headers(history: vibro.History) -> None:
+    rows = trace(history, until=history.end, samples_per_cycle=100)
+    table = motion_table(history, rows)
+    sizes = {len(column) for column in table.values()}
+    assert sizes == {rows.time.size}
+    position = np.asarray(table["relative_position_mm"], float)
+    assert position[-1] == pytest.approx(3 * 1.0842304, rel=1e-6)
+    velocity = np.asarray(table["relative_velocity_mm_s"], float)
+    assert velocity.max() == pytest.approx(60.15, abs=0.05)
+    trough = np.asarray(table["trough_displacement_mm"], float)
+    phase = np.asarray(table["trough_phase_deg"], float)
+    assert ((phase >= 0.0) & (phase < 360.0)).all()
+    np.testing.assert_allclose(trough, np.sin(np.radians(phase)), atol=1e-9)
+    names = np.array(table["phase"])
+    assert set(names) == {"rest", "forward slide"}
+    assert (velocity[names == "rest"] == 0.0).all()
+    assert (np.asarray(table["gap_mm"], float) == 0.0).all()
+
+
+def test_trough_phases_begin_where_the_run_does() -> None:
+    history = vibro.simulate(nut(), cycles=1, start_phase=math.radians(90))
+    table = motion_table(history, trace(history, until=history.end, samples_per_cycle=4))
+    assert np.asarray(table["trough_phase_deg"], float)[0] == pytest.approx(90.0)
+    assert np.asarray(table["trough_displacement_mm"], float)[0] == pytest.approx(1.0)
+
+
+def test_the_phase_table(history: vibro.History) -> None:
+    table = phase_table(history, history.phases)
+    assert list(table["phase"]) == [PHASE_NAMES[p.kind] for p in history.phases]
+    starts, ends = np.asarray(table["start_s"], float), np.asarray(table["end_s"], float)
+    np.testing.assert_array_equal(starts[1:], ends[:-1])
+    assert 1e3 * starts[1] == pytest.approx(8.00900, abs=5e-6)
+    assert 1e3 * ends[1] == pytest.approx(38.68329, abs=5e-6)
+    degrees = np.asarray(table["trough_phase_at_start_deg"], float)
+    assert degrees[1] == pytest.approx(math.degrees(math.asin(0.685165)), abs=1e-4)
+    for column in table.values():
+        if isinstance(column, np.ndarray):
+            assert not np.signbit(column).any()
+
+
+def test_flights_have_gaps_and_impacts() -> None:
+    history = vibro.simulate(nut(4.0), cycles=2)
+    table = phase_table(history, history.phases)
+    impacts = np.asarray(table["impact_velocity_mm_s"], float)
+    flights = np.array(table["phase"]) == "flight"
+    assert flights.any()
+    assert (impacts[flights & (np.asarray(table["end_s"], float) < history.end)] > 0.0).all()
+    assert (impacts[~flights] == 0.0).all()
+    rows = trace(history, until=history.end, samples_per_cycle=100, both_sides=True)
+    assert rows.gap.max() > 1e-4
+    assert (rows.normal[rows.gap > 0.0] == 0.0).all()

@@ -1,0 +1,346 @@
+"""Records of other solvers beside the exact motion: alignment, figures, misfits and warnings."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from made_records import FREQUENCY, PERIOD, STUDY, STUDY_FILE, Walked, nut
+
+import vibro
+from vibro.errors import InputError, VibroError
+from vibro.motion.settled import settled_motion
+from vibro.records.alignment import Observation, align, data_frequency
+from vibro.records.comparison import Comparison, Row, compare
+from vibro.records.folding import fold, independent_samples
+from vibro.records.reading import read_record
+
+TRIGGER = STUDY["TRIGGER_TIME"]
+MASS = STUDY["MASS"]
+
+
+def study(mass: float | None = MASS) -> Observation:
+    """Read the motion study with smoothed friction and noise, as a user does."""
+    return Observation.of(read_record(STUDY_FILE), FREQUENCY, mass=mass)
+
+
+def only(observation: Observation, *names: str) -> Observation:
+    return Observation(
+        observation.time, {name: observation.signals[name] for name in names}, observation.frequency
+    )
+
+
+def rows(comparison: Comparison) -> dict[str, Row]:
+    return {row.key: row for row in comparison.rows}
+
+
+# --- the study itself -----------------------------------------------------------------------------
+
+
+def test_the_committed_study_is_what_its_script_makes() -> None:
+    made = STUDY["table"]()
+    lines = STUDY_FILE.read_text(encoding="utf-8").splitlines()
+    assert lines[0] == ",".join(made)
+    committed = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]]).T
+    for values, column in zip(made.values(), committed, strict=True):
+        np.testing.assert_allclose(column, values, atol=2e-4 * np.ptp(values))
+    assert STUDY_FILE.stat().st_size < 300_000
+
+
+def test_how_far_smoothing_alone_moves_speed_and_advance() -> None:
+    """The figures of docs/compare.md, without noise: the fourth cycle of the study against the exact one."""
+    times = 3.0 * PERIOD + np.linspace(0.0, PERIOD, 2001)
+    displacement, velocity = STUDY["simulate"](times)
+    exact = vibro.solve(nut())
+    assert velocity.max() == pytest.approx(55.6825e-3, rel=1e-4)
+    assert displacement[-1] - displacement[0] == pytest.approx(0.955436e-3, rel=1e-4)
+    assert velocity.max() / exact.peak_velocity - 1.0 == pytest.approx(-0.0743, abs=5e-4)
+    assert (displacement[-1] - displacement[0]) / exact.displacement_per_cycle - 1.0 == pytest.approx(
+        -0.1188, abs=5e-4
+    )
+
+
+# --- the settled motion that records are compared with ---------------------------------------------
+
+
+@pytest.mark.parametrize("amplitude", [0.5, 1.0, 1.2, 1.5, 2.0])
+def test_the_settled_motion_is_that_of_another_solver(amplitude: float) -> None:
+    motion, other = settled_motion(nut(amplitude)), Walked(nut(amplitude))
+    assert motion.pattern == other.pattern
+    assert motion.advance == pytest.approx(other.advance, rel=1e-12, abs=1e-15)
+    time = np.linspace(-0.05, 0.3, 5001)
+    sample = motion.sample(time)
+    np.testing.assert_allclose(sample.velocity, other.velocity(time), atol=1e-12)
+    np.testing.assert_allclose(sample.position - sample.position[0], other.displacement(time), atol=1e-9)
+
+
+def test_a_settled_flight_repeats_itself_over_trough_time() -> None:
+    """At K = 1.24 the nut hops once a cycle; each cycle of the model starts with the flight."""
+    motion, cycle = settled_motion(nut(4.0)), vibro.solve(nut(4.0))
+    assert motion.pattern == "HFB"
+    assert [phase.kind for phase in motion.phases] == list("HFB")
+    assert motion.advance == cycle.displacement_per_cycle
+    time = np.linspace(0.0, PERIOD, 201)
+    first, later = motion.sample(time), motion.sample(time + 3 * PERIOD)
+    np.testing.assert_allclose(later.position - first.position, 3 * motion.advance, rtol=1e-9)
+    np.testing.assert_allclose(later.gap, first.gap, atol=1e-12)
+    flight = motion.phases[0]
+    flies = (time > flight.start) & (time < flight.end)
+    assert (first.gap[flies] > 0.0).all()
+    assert (first.gap[~flies] == 0.0).all()
+
+
+def test_flights_can_be_compared_too() -> None:
+    """With data of the model itself: signals, alignment and figures fit each other, nothing more."""
+    motion = settled_motion(nut(4.0))
+    time = np.arange(401) / 600.0
+    sample = motion.sample(time + 0.02)
+    observation = Observation(time, {"displacement": sample.position, "velocity": sample.velocity}, FREQUENCY)
+    comparison = compare(nut(4.0), observation)
+    assert comparison.alignment.shift == pytest.approx(0.02, abs=1e-6)
+    assert rows(comparison)["stroke_advance"].measured.value == pytest.approx(motion.advance, rel=1e-3)
+    assert not any("_slip_" in key for key in rows(comparison))
+
+
+def test_without_a_steady_motion_there_is_nothing_to_compare_with() -> None:
+    with pytest.raises(VibroError, match="no steady motion"):
+        settled_motion(nut(static_friction=0.0, kinetic_friction=0.0))
+
+
+# --- folding ---------------------------------------------------------------------------------------
+
+
+def test_a_trend_and_harmonics_are_found_exactly_also_with_gaps() -> None:
+    time = np.delete(np.arange(400) / 600.0, slice(100, 130))
+    signal = (
+        3.0
+        - 2.0 * time
+        + np.sin(2 * math.pi * FREQUENCY * time)
+        + 0.5 * np.cos(6 * math.pi * FREQUENCY * time)
+    )
+    folded = fold(time, signal, FREQUENCY, 2)
+    assert folded.trend(1).value == pytest.approx(-2.0, rel=1e-11)
+    at = np.array([0.013, 0.4])
+    slope = 2 * math.pi * FREQUENCY * np.cos(2 * math.pi * FREQUENCY * at)
+    slope -= 3 * math.pi * FREQUENCY * np.sin(6 * math.pi * FREQUENCY * at)
+    np.testing.assert_allclose(folded.periodic(at, 1), slope, rtol=1e-10)
+
+
+def test_standard_errors_are_those_of_repeated_noise() -> None:
+    random = np.random.default_rng(3)
+    time = np.arange(161) / 600.0
+    trends, harmonics = [], []
+    for _ in range(200):
+        folded = fold(time, time + 0.1 * random.standard_normal(time.size), FREQUENCY, 2)
+        trends.append((folded.trend(1).value, folded.trend(1).error))
+        at = np.array([0.02])
+        harmonics.append((float(folded.periodic(at)[0]), float(folded.error(at)[0])))
+    for values in (np.array(trends), np.array(harmonics)):
+        assert np.std(values[:, 0]) == pytest.approx(np.median(values[:, 1]), rel=0.2)
+
+
+def test_independent_samples() -> None:
+    random = np.random.default_rng(4)
+    time = np.arange(801) / 600.0
+    white = random.standard_normal(time.size)
+    assert independent_samples(time, white, FREQUENCY) == pytest.approx(801, rel=0.15)
+    slow = np.convolve(white, np.ones(10) / 10, "same")
+    assert independent_samples(time, slow, FREQUENCY) < 200
+    # A misfit that repeats counts the same however long the record is.
+    long = np.arange(8001) / 600.0
+    for t in (time, long):
+        wave = np.sin(2 * math.pi * FREQUENCY * t)
+        assert independent_samples(t, wave, FREQUENCY) == pytest.approx(2.0, rel=0.01)
+    assert independent_samples(time, np.zeros_like(time), FREQUENCY) == 801
+
+
+@pytest.mark.parametrize(
+    ("count", "rate", "said"),
+    [(70, 600.0, r"cover 1\.7\d drive cycles of 66\.6667 ms"), (60, 90.0, "have 6 samples a drive cycle")],
+)
+def test_too_few_cycles_or_samples(count: int, rate: float, said: str) -> None:
+    time = np.arange(count) / rate
+    with pytest.raises(InputError, match=said) as caught:
+        fold(time, time, FREQUENCY, 1)
+    assert caught.value.hint
+
+
+# --- alignment -------------------------------------------------------------------------------------
+
+SIGNALS = ("displacement", "velocity", "acceleration", "friction")
+
+
+@pytest.mark.parametrize("signals", [*((name,) for name in SIGNALS), SIGNALS])
+@pytest.mark.parametrize("amplitude", [1.0, 1.5, 2.0])
+def test_the_trigger_time_of_exact_data_is_found(amplitude: float, signals: tuple[str, ...]) -> None:
+    observation = Walked(nut(amplitude)).observe(*signals, trigger=0.0501)
+    alignment = align(observation, settled_motion(nut(amplitude)))
+    assert abs(alignment.shift - 0.0501) < 4.0 * alignment.error
+    assert alignment.error < 5e-4
+    assert alignment.rivals == ()
+
+
+@pytest.mark.parametrize("trigger", [0.0, 0.5 / 600.0, PERIOD - 1e-4])
+def test_the_trigger_time_wraps_round(trigger: float) -> None:
+    observation = Walked(nut()).observe("velocity", trigger=trigger)
+    shift = align(observation, settled_motion(nut())).shift
+    assert 0.0 <= shift < PERIOD
+    assert abs(math.remainder(shift - trigger, PERIOD)) < 1e-4
+
+
+@pytest.mark.parametrize("signals", [*((name,) for name in SIGNALS), SIGNALS[:3], SIGNALS])
+def test_the_trigger_time_of_smoothed_data_is_found_within_its_error(signals: tuple[str, ...]) -> None:
+    alignment = align(only(study(), *signals), settled_motion(nut()))
+    assert abs(alignment.shift - TRIGGER) < 2.0 * alignment.error
+    assert abs(alignment.shift - TRIGGER) < 0.2e-3
+    assert alignment.error < 2e-3
+
+
+def test_searches_use_the_middle_of_a_long_record() -> None:
+    observation = Walked(nut()).observe("velocity", cycles=250, trigger=0.02)
+    part = observation.middle
+    assert part.time.size == 6000
+    np.testing.assert_array_equal(part.time, observation.time[2000:8000])
+    np.testing.assert_array_equal(part.signals["velocity"], observation.signals["velocity"][2000:8000])
+    assert align(observation, settled_motion(nut())).shift == pytest.approx(0.02, abs=5e-5)
+    short = Walked(nut()).observe("velocity")
+    assert short.middle is short
+    # A quick sensor: rows of at least four cycles.
+    time = np.arange(100_000) / 50_000.0
+    quick = Observation(time, {"velocity": Walked(nut()).velocity(time)}, FREQUENCY)
+    assert float(np.ptp(quick.middle.time)) == pytest.approx(4 * PERIOD, rel=1e-3)
+
+
+def test_a_body_at_rest_has_no_place_in_the_cycle() -> None:
+    observation = Walked(nut(0.5)).observe("displacement", "velocity")
+    comparison = compare(nut(0.5), observation)
+    assert math.isnan(comparison.alignment.shift)
+    assert len(comparison.warnings) == 1
+    assert "cannot be found" in comparison.warnings[0]
+    assert abs(rows(comparison)["stroke_advance"].measured.value) < 1e-7
+    assert rows(comparison)["stroke_advance"].computed == 0.0
+
+
+def test_friction_tells_the_place_of_a_body_at_rest() -> None:
+    observation = Walked(nut(0.5)).observe("friction", trigger=0.02)
+    assert align(observation, settled_motion(nut(0.5))).shift == pytest.approx(0.02, abs=1e-4)
+
+
+# --- figures ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("amplitude", [1.0, 1.2, 1.5, 2.0])
+def test_measured_figures_of_exact_data_are_the_computed_ones(amplitude: float) -> None:
+    comparison = compare(nut(amplitude), Walked(nut(amplitude)).observe("displacement", "velocity"))
+    found = rows(comparison)
+    for key in ("stroke_advance", "mean_speed", "drift"):
+        assert abs(found[key].measured.value - found[key].computed) < 4.0 * found[key].measured.error
+    # Folded speeds round their corners: 18 harmonics of 600 samples a second.
+    assert found["peak_speed"].measured.value == pytest.approx(found["peak_speed"].computed, rel=0.01)
+    slips = [row for key, row in found.items() if "_slip_" in key]
+    assert len(slips) == 2 * len(comparison.motion.slides)
+    for row in slips:
+        assert abs(row.measured.value - row.computed) < 0.3e-3, row.label
+    assert found["rms_velocity"].measured.value == pytest.approx(4e-4, rel=0.1)
+    assert found["rms_displacement"].measured.value == pytest.approx(2e-6, rel=0.2)
+    assert comparison.warnings == ()
+
+
+def test_figures_of_the_smoothed_study() -> None:
+    comparison = compare(nut(), study())
+    found = rows(comparison)
+    advance, peak = found["stroke_advance"], found["peak_speed"]
+    assert abs(advance.measured.value - 0.955436e-3) < 4.0 * advance.measured.error < 1e-7
+    assert advance.computed == pytest.approx(1.084230e-3, rel=1e-6)
+    assert abs(peak.measured.value - 55.6825e-3) < 3.0 * peak.measured.error < 0.4e-3
+    assert peak.computed == pytest.approx(60.1496e-3, rel=1e-5)
+    # Smoothed friction starts late and stops early.
+    assert found["forward_slip_start"].measured.value - found["forward_slip_start"].computed > 1e-3
+    assert found["forward_slip_end"].measured.value < found["forward_slip_end"].computed
+    assert abs(found["rest_speed"].measured.value) < 3.0 * found["rest_speed"].measured.error
+    assert found["rms_velocity"].measured.value == pytest.approx(2.9e-3, rel=0.05)
+    # Without the trend, whose 12 % are told above, little is left.
+    assert (
+        found["rms_displacement_without_trend"].measured.value
+        < 0.05 * found["rms_displacement"].measured.value
+    )
+    assert comparison.warnings == ()
+
+
+def test_speeds_come_from_a_displacement_alone() -> None:
+    both = rows(compare(nut(), study()))
+    alone = rows(compare(nut(), only(study(), "displacement")))
+    assert alone["peak_speed"].measured.value == pytest.approx(both["peak_speed"].measured.value, rel=0.01)
+    assert alone["forward_slip_end"].measured.value == pytest.approx(
+        both["forward_slip_end"].measured.value, abs=0.5e-3
+    )
+
+
+def test_a_velocity_alone_tells_advance_and_drift() -> None:
+    found = rows(compare(nut(), only(study(), "velocity")))
+    assert found["stroke_advance"].measured.value == pytest.approx(0.955436e-3, rel=5e-3)
+    assert abs(found["drift"].measured.value) < 3.0 * found["drift"].measured.error
+
+
+def test_a_drifting_sensor_is_noticed() -> None:
+    observation = Walked(nut()).observe("displacement", "velocity")
+    middle = observation.time - observation.time.mean()
+    drifting = dict(observation.signals)
+    drifting["displacement"] = drifting["displacement"] + 0.5 * 1e-3 * middle**2
+    found = rows(compare(nut(), Observation(observation.time, drifting, FREQUENCY)))
+    span = float(np.ptp(observation.time))
+    assert found["drift"].measured.value == pytest.approx(1e-3 * span, rel=0.02)
+
+
+def test_a_slide_that_the_data_do_not_show_is_not_seen() -> None:
+    resting = Walked(nut(0.5)).observe("velocity")
+    found = rows(compare(nut(), resting))
+    assert math.isnan(found["forward_slip_start"].measured.value)
+
+
+def test_signals_and_curves_are_on_one_clock() -> None:
+    comparison = compare(nut(), study())
+    for name, values in comparison.observation.signals.items():
+        assert np.corrcoef(values, comparison.computed[name])[0, 1] > 0.95
+        assert comparison.curves[name].shape == comparison.curve_time.shape
+    assert comparison.curve_time[-1] == PERIOD
+    assert comparison.curves["displacement"][-1] == pytest.approx(comparison.motion.advance)
+    measured = comparison.observation.signals["displacement"]
+    assert comparison.computed["displacement"].mean() == pytest.approx(measured.mean())
+
+
+# --- warnings --------------------------------------------------------------------------------------
+
+
+def test_data_of_another_frequency_are_noticed() -> None:
+    observation = Walked(nut()).observe("velocity")
+    off = Observation(observation.time, observation.signals, 14.0)
+    assert data_frequency(off) == pytest.approx(FREQUENCY, abs=0.02)
+    warnings = compare(nut(frequency=14.0), off).warnings
+    assert any("the data repeat at" in text for text in warnings)
+
+
+def test_data_that_run_the_other_way_are_noticed_and_turned() -> None:
+    record = read_record(STUDY_FILE)
+    reversed_ = Observation.of(record, FREQUENCY, mass=MASS, reverse=True)
+    assert any("--reverse" in text for text in compare(nut(), reversed_).warnings)
+    for name, values in reversed_.signals.items():
+        np.testing.assert_array_equal(values, -study().signals[name])
+
+
+def test_friction_on_the_trough_instead_of_the_body_is_noticed() -> None:
+    signals = dict(study().signals)
+    signals["friction"] = -signals["friction"]
+    warnings = compare(nut(), Observation(study().time, signals, FREQUENCY)).warnings
+    assert any("opposite sign" in text for text in warnings)
+
+
+def test_a_force_needs_a_mass() -> None:
+    record = read_record(STUDY_FILE, {"force": "F [N]"})
+    with pytest.raises(InputError, match="mass is unknown") as caught:
+        Observation.of(record, FREQUENCY)
+    assert "--mass" in caught.value.hint
+    np.testing.assert_allclose(
+        Observation.of(record, FREQUENCY, mass=0.5).signals["friction"], 2.0 * record.signals["force"]
+    )

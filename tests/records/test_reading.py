@@ -1,0 +1,269 @@
+"""Reading engineers' tables: names, units, separators, and what is wrong with a row."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vibro.errors import FileError, InputError
+from vibro.quantities import signal_unit
+from vibro.records.reading import Record, read_record
+
+TIMES = np.arange(6) / 600.0
+POSITIONS = np.array([0.0, 0.25, 1.0, 1.5, -0.125, 2.0])  # [mm]
+
+
+def lines(separator: str = ",", header: str = "Time [s],X [mm]", comma: bool = False) -> list[str]:
+    rows = [f"{t!r}{separator}{x!r}" for t, x in zip(TIMES.tolist(), POSITIONS.tolist(), strict=True)]
+    if comma:
+        rows = [row.replace(".", ",") for row in rows]
+    return [header, *rows]
+
+
+def read(folder: Path, content: list[str] | bytes, newline: str = "\n", **columns: str) -> Record:
+    path = folder / "data.csv"
+    data = content if isinstance(content, bytes) else (newline.join(content) + newline).encode()
+    path.write_bytes(data)
+    return read_record(path, columns)
+
+
+def refusal(folder: Path, content: list[str] | bytes, **columns: str) -> InputError:
+    with pytest.raises(InputError) as caught:
+        read(folder, content, **columns)
+    return caught.value
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize(
+    ("separator", "comma", "note"),
+    [
+        (",", False, None),
+        (";", False, "separated by semicolons"),
+        (";", True, "separated by semicolons, decimal commas"),
+        ("\t", False, "separated by tabs"),
+        ("\t", True, "separated by tabs, decimal commas"),
+    ],
+)
+def test_separators_and_decimals(
+    tmp_path: Path, separator: str, comma: bool, note: str | None, newline: str
+) -> None:
+    content = lines(separator, f"Time [s]{separator}X [mm]", comma)
+    record = read(tmp_path, content, newline)
+    np.testing.assert_array_equal(record.time, TIMES)
+    np.testing.assert_allclose(record.signals["displacement"], POSITIONS / 1000, rtol=1e-15)
+    said = [text for text in record.notes if "separated" in text]
+    assert said == ([f"data.csv: {note}"] if note else [])
+    assert record.sample_time == pytest.approx(1 / 600)
+
+
+def test_quoted_decimal_commas_between_commas(tmp_path: Path) -> None:
+    content = ["Time [s],X [mm]", '"0,5","1,25"', '"1,0","2,5"']
+    np.testing.assert_array_equal(read(tmp_path, content).time, [0.5, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("encoding", "note"),
+    [("utf-8", None), ("utf-8-sig", None), ("utf-16", "UTF-16"), ("cp1252", "Windows-1252")],
+)
+def test_encodings(tmp_path: Path, encoding: str, note: str | None) -> None:
+    content = "Time [s],Auslenkung [µm]\n0,1\n1,2\n2,5\n".encode(encoding)
+    record = read(tmp_path, content)
+    np.testing.assert_allclose(record.signals["displacement"], [1e-6, 2e-6, 5e-6])
+    assert record.headers["displacement"] == "Auslenkung [µm]"
+    assert (
+        any(note in text for text in record.notes) if note else not any("data.csv" in t for t in record.notes)
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "size"),
+    [
+        ("s", "time", 1.0),
+        ("sec", "time", 1.0),
+        ("ms", "time", 1e-3),
+        ("\u00b5s", "time", 1e-6),
+        ("\u03bcm", "displacement", 1e-6),
+        ("MM", "displacement", 1e-3),
+        ("in", "displacement", 0.0254),
+        ("mm/sec", "velocity", 1e-3),
+        ("mm_s", "velocity", 1e-3),
+        ("m/s", "velocity", 1.0),
+        ("mm/sec**2", "acceleration", 1e-3),
+        ("mm/s\u00b2", "acceleration", 1e-3),
+        ("m_s2", "acceleration", 1.0),
+        ("g", "acceleration", 9.80665),
+        ("newton", "force", 1.0),
+        ("mN", "force", 1e-3),
+    ],
+)
+def test_spellings_of_units(text: str, kind: str, size: float) -> None:
+    assert signal_unit(text) == (kind, size)
+
+
+@pytest.mark.parametrize("text", ["", "deg", "1/s", "furlong"])
+def test_what_is_no_unit(text: str) -> None:
+    assert signal_unit(text) is None
+
+
+def test_columns_by_name_part_of_it_and_number_of_words(tmp_path: Path) -> None:
+    content = ["Time (sec),Weg (mm),Weg 2 (mm),Force (newton)", "0,1,2,3", "1,2,3,4", "2,0,0,0"]
+    record = read(tmp_path, content, time="time", displacement="Weg 2 (mm)", force="FORCE (newton)")
+    np.testing.assert_allclose(record.signals["displacement"], [2e-3, 3e-3, 0.0])
+    np.testing.assert_array_equal(record.signals["force"], [3.0, 4.0, 0.0])
+    assert set(record.signals) == {"displacement", "force"}
+
+
+def test_the_unit_may_come_from_the_option(tmp_path: Path) -> None:
+    content = ["t,v", "0,1", "10,2", "20,3"]
+    record = read(tmp_path, content, time="t [ms]", velocity="v [mm/s]")
+    np.testing.assert_allclose(record.time, [0.0, 0.01, 0.02])
+    np.testing.assert_allclose(record.signals["velocity"], [1e-3, 2e-3, 3e-3])
+
+
+def test_preamble_and_row_of_units(tmp_path: Path) -> None:
+    content = ["Motion study 1", "Time;X", "[ms];[mm]", "0;1,5", "1;2,5", "2;0,5"]
+    record = read(tmp_path, content)
+    np.testing.assert_allclose(record.time, [0.0, 1e-3, 2e-3])
+    np.testing.assert_allclose(record.signals["displacement"], [1.5e-3, 2.5e-3, 0.5e-3])
+
+
+def test_a_preamble_above_a_header_with_units(tmp_path: Path) -> None:
+    record = read(tmp_path, ["study,1", *lines()])
+    assert record.headers == {"time": "Time [s]", "displacement": "X [mm]"}
+
+
+def test_names_of_own_tables_carry_their_units(tmp_path: Path) -> None:
+    header = "time_s,trough_displacement_mm,relative_position_mm,relative_velocity_mm_s,inertial_m_s2"
+    header += ",relative_acceleration_m_s2"
+    record = read(tmp_path, [header, "0,1,2,3,4,5", "1,1,2,3,4,5", "2,1,2,3,4,5"])
+    assert record.headers == {
+        "time": "time_s",
+        "displacement": "relative_position_mm",
+        "velocity": "relative_velocity_mm_s",
+        "acceleration": "relative_acceleration_m_s2",
+    }
+
+
+def test_columns_of_text_beside_the_numbers_do_not_matter(tmp_path: Path) -> None:
+    record = read(tmp_path, ["phase,t [s],x [mm]", "rest,0,1", "slide,1,2", ",2,3"])
+    np.testing.assert_array_equal(record.time, [0.0, 1.0, 2.0])
+
+
+def test_ambiguous_columns_are_named(tmp_path: Path) -> None:
+    error = refusal(tmp_path, ["t [s],left [mm],right [mm]", "0,1,2", "1,2,3"])
+    assert "'left [mm]', 'right [mm]' could each be the displacement" in str(error)
+    assert error.hint == 'choose: --displacement "left [mm]"'
+
+
+def test_a_missing_column_suggests_the_nearest(tmp_path: Path) -> None:
+    error = refusal(tmp_path, lines(), displacement="X [mn]")
+    assert "no column 'X [mn]' for --displacement" in str(error)
+    assert "'Time [s]', 'X [mm]'" in str(error)
+    assert error.hint == "did you mean 'X [mm]'?"
+
+
+def test_a_column_without_unit_is_refused_with_the_way_to_give_it(tmp_path: Path) -> None:
+    error = refusal(tmp_path, ["t [s],X", "0,1", "1,2"], displacement="X")
+    assert "column 'X' for --displacement: it has no unit" in str(error)
+    assert '--displacement "X [mm]"' in error.hint
+
+
+def test_a_unit_of_another_kind_is_refused(tmp_path: Path) -> None:
+    error = refusal(tmp_path, lines(), velocity="X [mm]")
+    assert "'mm' is no unit of velocity" in str(error)
+
+
+def test_one_column_cannot_be_two_signals(tmp_path: Path) -> None:
+    content = ["t [s],a", "0,1", "1,2"]
+    error = refusal(tmp_path, content, acceleration="a [m/s^2]", force="a [N]")
+    assert "given as acceleration and as force" in str(error)
+
+
+def test_no_time_and_no_signal(tmp_path: Path) -> None:
+    assert "no column of time" in str(refusal(tmp_path, ["n,X [mm]", "0,1", "1,2"]))
+    error = refusal(tmp_path, ["t [s],X", "0,1", "1,2"])
+    assert "no signal found" in str(error)
+    assert "--displacement" in error.hint
+
+
+@pytest.mark.parametrize(
+    ("cell", "said"),
+    [
+        ("overflow", "row 4, column 'X [mm]': 'overflow' is not a number"),
+        ("", "row 4, column 'X [mm]': the cell is empty"),
+        ("nan", "row 4, column 'X [mm]': 'nan' is not a number"),
+        ("1e999", "row 4, column 'X [mm]': '1e999' is not a number"),
+    ],
+)
+def test_text_rows_are_named(tmp_path: Path, cell: str, said: str) -> None:
+    content = lines()
+    content[3] = f"{TIMES[2]},{cell}"
+    error = refusal(tmp_path, content)
+    assert said in str(error)
+    assert error.hint
+
+
+def test_row_numbers_count_blank_lines_and_preambles(tmp_path: Path) -> None:
+    content = ["study", "", *lines()]
+    content[5] = f"{TIMES[2]},bad"
+    assert "row 6, column 'X [mm]': 'bad' is not a number" in str(refusal(tmp_path, content))
+
+
+def test_many_bad_cells_are_counted(tmp_path: Path) -> None:
+    content = lines()[:3] + [f"{t},-" for t in range(20)]
+    problems = refusal(tmp_path, content).problems
+    assert len(problems) == 6
+    assert "15 more such cells" in problems[-1]
+
+
+@pytest.mark.parametrize(
+    ("order", "said"),
+    [
+        ([0, 1, 2, 2, 3, 4, 5], "row 5, column 'Time [s]': time repeats 0.00333333333 s"),
+        ([0, 1, 3, 2, 4, 5], "row 5, column 'Time [s]': time goes back to 0.00333333333 s after 0.005 s"),
+    ],
+)
+def test_repeated_and_unsorted_times(tmp_path: Path, order: list[int], said: str) -> None:
+    header, *rows = lines()
+    error = refusal(tmp_path, [header, *(rows[i] for i in order)])
+    assert said in str(error)
+    assert error.hint
+
+
+def test_a_gap_is_named(tmp_path: Path) -> None:
+    times = [0.0, 1.0, 2.0, 6.0, 7.0, 8.0, 12.0]
+    error = refusal(tmp_path, ["t [s],X [mm]", *(f"{t},0" for t in times)])
+    assert "row 5, column 't [s]': time leaps to 6 s after 2 s, usual steps are 1 s; 1 more such rows" in str(
+        error
+    )
+
+
+def test_unquoted_decimal_commas_between_commas(tmp_path: Path) -> None:
+    error = refusal(tmp_path, ["t [s],X [mm]", "0,0,1,5", "0,1,2,5"])
+    assert "row 2 has 4 cells, the header row 2" in str(error)
+    assert "semicolons" in error.hint
+
+
+def test_thousands_are_no_numbers(tmp_path: Path) -> None:
+    error = refusal(tmp_path, ["t [s];X [mm]", "0;1,5", "1;1.000,5", "2;1,5"])
+    assert "'1.000,5' is not a number" in str(error)
+
+
+@pytest.mark.parametrize("content", [b"", b"hello\nworld\n", b"\x89PNG\0\0", b"\xff\xfeabc"])
+def test_files_that_are_no_tables(tmp_path: Path, content: bytes) -> None:
+    assert "data.csv: " in str(refusal(tmp_path, content))
+
+
+def test_a_table_without_header(tmp_path: Path) -> None:
+    error = refusal(tmp_path, ["0,1", "1,2"])
+    assert "row 1 holds numbers" in str(error)
+    assert "Time [s]" in error.hint
+
+
+def test_a_missing_file_suggests_its_neighbour(tmp_path: Path) -> None:
+    (tmp_path / "nut.csv").write_text("", encoding="utf-8")
+    with pytest.raises(FileError) as caught:
+        read_record(tmp_path / "nuts.csv")
+    assert "nut.csv" in caught.value.hint

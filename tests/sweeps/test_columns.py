@@ -1,0 +1,185 @@
+"""Tables: exact floats, separators, and the same numbers as the library's."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import vibro
+from vibro.axes import parse_axis
+from vibro.core.codes import Status
+from vibro.quantities import QUANTITIES
+from vibro.sweeps import columns as tables
+from vibro.sweeps.columns import COLUMNS, STROKES, CsvFormat, columns_with, record, to_frame
+from vibro.sweeps.run import Block, Grid, sweep_blocks
+
+HEADER = (
+    "amplitude_mm,frequency_hz,drive_angle_deg,static_friction,kinetic_friction,trough_angle_deg,regime,pattern,"
+    "mean_velocity_mm_s,displacement_per_cycle_mm,peak_velocity_mm_s,traverse_time_s,throw_number,forward_ratio,"
+    "back_ratio,flight_fraction,impact_speed_mm_s,period_cycles,model,status"
+)
+
+
+def one_block(length: float | None = 600.0, **texts: str) -> Block:
+    given = {
+        "amplitude": "0.1:4:40",
+        "frequency": "10:50:9",
+        "drive_angle": "20",
+        "static_friction": "0.74",
+        "kinetic_friction": "0.57",
+        "trough_angle": "0",
+        "gravity": "9.81",
+        "restitution": "0",
+    } | texts
+    specs = {name: parse_axis(text, QUANTITIES[name]) for name, text in given.items()}
+    axes = {name: spec.axis(7) for name, spec in specs.items() if spec.varies}
+    fixed = {name: spec.value for name, spec in specs.items() if not spec.varies}
+    (block,) = sweep_blocks(Grid(axes, fixed, length))
+    return block
+
+
+def csv_of(block: Block, form: CsvFormat) -> str:
+    return form.header(COLUMNS) + form.rows(COLUMNS, block)
+
+
+def read(text: str, form: CsvFormat) -> dict[str, list[str]]:
+    """Read a CSV as texts, by column."""
+    header, *rows = csv.reader(io.StringIO(text.removeprefix("\ufeff"), newline=""), delimiter=form.separator)
+    return dict(zip(header, map(list, zip(*rows, strict=True)), strict=True))
+
+
+def floats(texts: list[str]) -> list[float]:
+    return [float(text.replace(",", ".") or "nan") for text in texts]
+
+
+def test_the_columns_are_the_documented_ones() -> None:
+    assert CsvFormat().header(COLUMNS) == HEADER + "\n"
+    names = [column.name for column in columns_with(STROKES)]
+    assert names[-3:] == ["strokes", "model", "status"]
+
+
+@pytest.mark.parametrize("form", [CsvFormat(), CsvFormat(excel=True), CsvFormat(decimal_comma=True)])
+def test_reading_back_gives_the_same_doubles(form: CsvFormat) -> None:
+    block = one_block()
+    text = csv_of(block, form)
+    assert text.startswith("\ufeff") == form.excel
+    table = read(text, form)
+    cycle = block.cycle
+    expected = {
+        "mean_velocity_mm_s": 1000 * cycle.mean_velocity,
+        "displacement_per_cycle_mm": 1000 * cycle.displacement_per_cycle,
+        "peak_velocity_mm_s": 1000 * cycle.peak_velocity,
+        "throw_number": cycle.throw_number,
+        "forward_ratio": cycle.forward_ratio,
+        "back_ratio": cycle.back_ratio,
+    }
+    for name, values in expected.items():
+        np.testing.assert_array_equal(floats(table[name]), np.ravel(values), err_msg=name)
+    times = np.ravel(cycle.traverse_time(0.6))
+    np.testing.assert_array_equal(
+        floats(table["traverse_time_s"]), np.where(np.isfinite(times), times, np.nan)
+    )
+    assert table["pattern"] == list(cycle.pattern.ravel())
+    assert table["model"] == list(cycle.model.ravel())
+    assert table["regime"] == [vibro.Regime(int(code)).label for code in cycle.regime.ravel()]
+    assert table["status"] == [vibro.Status(int(code)).label for code in cycle.status.ravel()]
+
+
+def test_the_table_is_the_librarys_answer_scene_by_scene() -> None:
+    block = one_block()
+    frame = to_frame(COLUMNS, block)
+    for i in (0, 77, 200, len(frame) - 1):
+        row = frame.iloc[i]
+        cycle = vibro.solve(
+            vibro.Scene(
+                amplitude=row["amplitude_mm"] / 1000,
+                frequency=row["frequency_hz"],
+                drive_angle=math.radians(20),
+                static_friction=0.74,
+                kinetic_friction=0.57,
+            )
+        )
+        np.testing.assert_array_equal(row["mean_velocity_mm_s"], 1000 * cycle.mean_velocity)
+        assert row["pattern"] == str(cycle.pattern)
+
+
+def test_numbers_are_short_plain_ascii_without_negative_zero() -> None:
+    text = csv_of(one_block(amplitude="0.0000001,1,2", frequency="15"), CsvFormat())
+    rows = [line.split(",") for line in text.splitlines()[1:]]
+    assert [row[0] for row in rows] == ["1e-07", "1", "2"]
+    assert rows[0][8:12] == ["0", "0", "0", ""]
+    assert "-0," not in text
+    assert text.isascii()
+
+
+def test_decimal_commas_reach_every_number() -> None:
+    text = csv_of(one_block(amplitude="1.5,2", frequency="15"), CsvFormat(decimal_comma=True))
+    assert text.splitlines()[1].startswith("1,5;15;20;0,74;0,57;0;back-slip;FB_;40,5906")
+    assert "." not in text
+
+
+@pytest.mark.parametrize("form", [CsvFormat(), CsvFormat(excel=True, decimal_comma=True)])
+@pytest.mark.parametrize(
+    "texts",
+    [
+        {},
+        {"amplitude": "0.0000001,1,2,30,4e10", "frequency": "1e-4,15,1e5"},
+        {"amplitude": "1,9", "frequency": "15", "kinetic_friction": "0.5,0.9"},
+    ],
+)
+def test_large_tables_are_written_faster_but_not_otherwise(
+    form: CsvFormat, texts: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    block = one_block(600.0, **texts)
+    plain = form.rows(COLUMNS, block)
+    assert tables._arrow() is not None
+    monkeypatch.setattr("vibro.sweeps.columns._WORTH_ARROW", 1)
+    assert form.rows(COLUMNS, block) == plain
+    monkeypatch.setattr("vibro.sweeps.columns._arrow", lambda: None)
+    assert form.rows(COLUMNS, block) == plain
+
+
+@given(st.lists(st.floats()), st.integers(-20, 20))
+def test_both_ways_write_the_same_numbers(values: list[float], power: int) -> None:
+    near = np.array([1e-4, 1e10, 1e16, 9999999999.5, 9.9999999999999e-5]) * 10.0**power
+    numbers = np.array([*values, *near, *-near, *np.nextafter(near, 0.0), 0.0, -0.0, 3.0])
+    form = CsvFormat()
+    assert form._arrow_numbers(numbers, tables._arrow()).to_pylist() == form._numbers(numbers)
+
+
+def test_no_number_is_an_empty_cell_and_null() -> None:
+    block = one_block(length=None, amplitude="1,9", frequency="15", kinetic_friction="0.5,0.9")
+    rows = [
+        dict(zip(HEADER.split(","), line.split(","), strict=True))
+        for line in csv_of(block, CsvFormat()).splitlines()[1:]
+    ]
+    assert [row["status"] for row in rows] == ["ok", "infeasible", "ok", "infeasible"]
+    assert rows[1]["mean_velocity_mm_s"] == rows[1]["throw_number"] == rows[0]["traverse_time_s"] == ""
+    assert record(COLUMNS, block, 1)["mean_velocity_mm_s"] is None
+    assert record(COLUMNS, block, 1)["regime"] == ""
+    assert record(COLUMNS, block, 1)["throw_number"] is None
+
+
+@pytest.mark.parametrize("length", [None, 600.0])
+def test_record_frame_and_csv_agree(length: float | None) -> None:
+    block = one_block(length, amplitude="0.2:4:7", frequency="15")
+    frame, table = to_frame(COLUMNS, block), read(csv_of(block, CsvFormat()), CsvFormat())
+    for i in range(len(frame)):
+        for name, value in record(COLUMNS, block, i).items():
+            if value is None:
+                assert math.isnan(frame[name].iloc[i])
+                assert table[name][i] == ""
+            else:
+                assert frame[name].iloc[i] == value
+                assert (table[name][i] if isinstance(value, str) else float(table[name][i])) == value
+
+
+def test_every_status_has_its_words() -> None:
+    (column,) = (column for column in COLUMNS if column.name == "status")
+    assert column.texts == tuple(status.label for status in Status)

@@ -1,0 +1,101 @@
+"""Sweeps: rows in the order of the axes, whatever the blocks; the part that pictures show."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import vibro.sweeps.run
+from vibro.axes import parse_axis
+from vibro.quantities import QUANTITIES
+from vibro.sweeps.run import Grid, sweep_blocks, sweep_picture
+
+FIXED = {
+    "amplitude": 1.0,
+    "frequency": 15.0,
+    "drive_angle": 20.0,
+    "static_friction": 0.74,
+    "kinetic_friction": 0.57,
+    "trough_angle": 0.0,
+    "gravity": 9.81,
+    "restitution": 0.0,
+}
+
+
+def grid_of(**texts: str) -> Grid:
+    axes = {name: parse_axis(text, QUANTITIES[name]).axis(5) for name, text in texts.items()}
+    fixed = {name: value for name, value in FIXED.items() if name not in axes}
+    if "friction_ratio" in axes:
+        del fixed["kinetic_friction"]
+    return Grid(axes, fixed, None)
+
+
+def cells_of(grid: Grid, name: str) -> np.ndarray:
+    return np.concatenate(
+        [np.broadcast_to(block.values[name], block.shape).ravel() for block in sweep_blocks(grid)]
+    )
+
+
+@pytest.mark.parametrize("cells", [1, 3, 7, 20, 10**6])
+def test_rows_come_in_the_order_of_the_axes_whatever_the_blocks(
+    monkeypatch: pytest.MonkeyPatch, cells: int
+) -> None:
+    monkeypatch.setattr(vibro.sweeps.run, "_BLOCK", cells)
+    grid = grid_of(amplitude="0.5:1.5:3", frequency="10:16:4", static_friction="0.6:0.9:5")
+    expected = list(itertools.product(*(axis.values for axis in grid.axes.values())))
+    found = list(zip(*(cells_of(grid, name) for name in grid.axes), strict=True))
+    assert found == expected
+    speeds = np.concatenate([block.cycle.mean_velocity.ravel() for block in sweep_blocks(grid)])
+    monkeypatch.undo()
+    (whole,) = sweep_blocks(grid)
+    np.testing.assert_array_equal(speeds, whole.cycle.mean_velocity.ravel())
+    assert all(block.cycle.status.size <= max(cells, 1) for block in sweep_blocks(grid) if cells == 10**6)
+
+
+def test_a_ratio_gives_the_kinetic_friction() -> None:
+    grid = grid_of(static_friction="0.4,0.8", friction_ratio="0.5,1,1.5")
+    (block,) = sweep_blocks(grid)
+    np.testing.assert_array_equal(
+        block.values["kinetic_friction"], [[0.2, 0.4, 0.4 * 1.5], [0.4, 0.8, 0.8 * 1.5]]
+    )
+    assert [vibro.Status(int(code)).label for code in block.cycle.status[0]] == ["ok", "ok", "infeasible"]
+
+
+def test_a_picture_shows_the_chosen_slice_of_the_same_numbers() -> None:
+    grid = grid_of(
+        amplitude="0.5:1.5:3", frequency="10:16:4", drive_angle="10,20,30", static_friction="0.6,0.9"
+    )
+    result = sweep_picture(grid, {"drive_angle": (0, 2), "static_friction": (1,)}, None, "title")
+    assert list(result.axes) == ["amplitude", "frequency", "drive_angle"]
+    assert result.fixed["static_friction"] == 0.9
+    assert list(result.axes["drive_angle"].values) == [10, 30]
+    (block,) = sweep_blocks(grid)
+    corners = np.ix_([0, -1], [0, -1])
+    np.testing.assert_array_equal(
+        result.cycle.mean_velocity[corners], block.cycle.mean_velocity[:, :, ::2, 1][corners]
+    )
+    assert result.limits.hop.shape == (1, 1, 2)
+    assert result.operating_point is None
+
+
+@pytest.mark.parametrize(
+    "axes", [("amplitude",), ("amplitude", "frequency"), ("amplitude", "frequency", "drive_angle")]
+)
+def test_a_picture_has_a_resolution_of_its_own(axes: tuple[str, ...]) -> None:
+    texts = {"amplitude": "0.5:1.5:9001", "frequency": "10:16:4:log", "drive_angle": "10,20"}
+    grid = grid_of(**{name: texts[name] for name in axes})
+    drawn = {"drive_angle": (0, 1)} if "drive_angle" in axes else {}
+    result = sweep_picture(grid, drawn, FIXED, "")
+    assert 10_000 > result.shape[0] > 100
+    for name, axis in result.axes.items():
+        assert axis.values[[0, -1]].tolist() == pytest.approx(
+            grid.axes[name].values[[0, -1]].tolist(), rel=1e-15
+        )
+    assert result.operating_point == {name: FIXED[name] for name in axes}
+
+
+def test_a_scene_that_lacks_an_axis_has_no_operating_point() -> None:
+    grid = grid_of(amplitude="0.5:1.5:3", frequency="10:16:4")
+    assert sweep_picture(grid, {}, {"amplitude": 1.0}, "").operating_point is None
