@@ -53,9 +53,9 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     -----
     Exact: within 1e-10 of the reference table, relative (tests/motion/test_arrivals.py). The transient is
     walked phase by phase. A cycle with a rest in it repeats exactly and is jumped at once, in closed form.
-    One without, in contact or hopping, is approached geometrically; within 1e-7 of it the rest of the transient
-    is summed in closed form from the known contraction per cycle and the steady displacement. At low
-    friction the walk to there takes some 20 / (1 - contraction) cycles, all scenes side by side.
+    One without, in contact or hopping, is approached geometrically; within 1e-7 of it the rest of the
+    transient is summed in closed form from the known contraction per cycle and the steady displacement. At
+    low friction the walk to there takes some 20 / (1 - contraction) cycles, all scenes side by side.
 
     Examples
     --------
