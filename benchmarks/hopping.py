@@ -92,7 +92,7 @@ def print_coexistence(scenes: int) -> None:
             kinetic_friction=mu_s * rng.uniform(low, high, scenes),
         )
         with patch("vibro.core.flight.orbits._MOST_COEXISTENCE", math.inf):
-            two = int(vibro.solve(scene).coexists.sum())
+            two = int((vibro.solve(scene).coexists > 0).sum())
         print(f"{f'{low:g}-{high:g}':>12} {scenes:9} {two / scenes:12.4%}")
 
 

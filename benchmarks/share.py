@@ -18,7 +18,7 @@ from unittest.mock import patch
 from typer.testing import CliRunner
 
 from vibro.cli.app import app
-from vibro.sweeps import columns as tables
+from vibro.files import tables
 from vibro.sweeps import run as sweep
 
 WARM_UP = 300  # values of each axis of a first map, that pays for the imports

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 import vibro
 from vibro.accuracy.reference import DIGITS, exact_cycle, exact_sensitivity
+from vibro.core.codes import is_answered
 
 BOUNDARY: Final = 16 * EPS  # [1] relative distance to a threshold within which either class is right
 CHUNK: Final = 1000  # scenes a task
@@ -53,7 +54,7 @@ def broken_invariants(fields: Fields) -> Iterator[tuple[str, NDArray[np.intp]]]:
         warnings.simplefilter("ignore")
         cycle = vibro.solve(scene_of(fields))
         scaled = vibro.solve(scene_of(_rescaled(fields)))
-    answered = (cycle.status <= vibro.Status.BOUNDARY) | (cycle.status == vibro.Status.AVERAGED)
+    answered = is_answered(cycle.status)
     numbers = (cycle.displacement_per_cycle, cycle.mean_velocity, cycle.peak_velocity)
     finite = np.all([np.isfinite(x) for x in numbers], axis=0)
     nan = np.any([np.isnan(x) for x in numbers], axis=0)
@@ -211,7 +212,7 @@ def against_reference(n: int, seed: int) -> Worst:
 
 def _pattern(cycle: Any, i: int) -> str:
     status = vibro.Status(int(cycle.status[i]))
-    return str(cycle.pattern[i]) if status <= vibro.Status.BOUNDARY else status.label
+    return str(cycle.pattern[i]) if status.answered else status.label
 
 
 def _near_boundary(values: tuple[float, ...], found: str, true: str, *, said: bool) -> bool:

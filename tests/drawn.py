@@ -13,7 +13,9 @@ from vibro import Regime, Scene
 from vibro.axes import parse_axis
 from vibro.plots import choose_view
 from vibro.quantities import QUANTITIES
-from vibro.sweeps.run import Grid, SweepResult, sweep_picture
+from vibro.results.sweep import SweepResult
+from vibro.sweeps.grid import Grid
+from vibro.sweeps.run import sweep_picture
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -130,10 +132,16 @@ def corners(text: Text) -> Floats:
     return np.asarray(centre + half @ matrix)
 
 
-def mesh_of(axes: Axes) -> Any:
-    """Return the numbers of a map, as the only mesh on it."""
-    (mesh,) = axes.collections
-    return mesh
+def image_of(axes: Axes) -> Any:
+    """Return the numbers of a map, as the only image on it."""
+    (image,) = axes.images
+    return image
+
+
+def colours_of(axes: Axes, values: Floats) -> NDArray[np.uint8]:
+    """Return the colours, RGBA, that numbers have in the scale of a map."""
+    image = image_of(axes)
+    return np.asarray(image.cmap(image.norm(values), bytes=True))
 
 
 def scene_of(amplitude: Floats, frequency: Floats) -> Scene:

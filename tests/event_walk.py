@@ -1,4 +1,4 @@
-"""A second solver for the tests: walk from slide to slide, with nothing of the package in it.
+"""A second solver for the tests: a walk from slide to slide that uses nothing of the package.
 
 The body's state is "rests at this phase" or "slides this way from this phase on"; each slide's end is the
 first zero of its speed, by Brent's method in a bracket that holds only that zero.

@@ -1,4 +1,4 @@
-"""Records that the package did not make: another solver's slides, and a study with smoothed friction."""
+"""Records made without the package: by another solver, and by a study with smoothed friction."""
 
 from __future__ import annotations
 

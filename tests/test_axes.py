@@ -87,6 +87,60 @@ def test_a_wrong_axis_names_the_remedy(text: str, name: str, problem: str, hint:
 
 
 @pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("1:2:2", 2),
+        ("1:2:step=1", 2),
+        ("1:2:step=2:log", 2),
+        (f"1:2:{MAX_VALUES}", MAX_VALUES),
+        (f"1:2:{MAX_VALUES}:log", MAX_VALUES),
+        (f"0:{MAX_VALUES - 1}:step=1", MAX_VALUES),
+    ],
+)
+def test_the_fewest_and_the_most_values_of_a_range_are_allowed(text: str, count: int) -> None:
+    assert parse_axis(text, QUANTITIES["amplitude"]).count == count
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("1:2:1", "a range has at least 2 values"),
+        ("1:2:step=1.000001", "the step is longer than the range"),
+        ("1:2:step=2.000001:log", "the step is longer than the range"),
+        (f"1:2:{MAX_VALUES + 1}", f"more than {MAX_VALUES} values"),
+        (f"1:2:{MAX_VALUES + 1}:log", f"more than {MAX_VALUES} values"),
+        (f"0:{MAX_VALUES}:step=1", f"more than {MAX_VALUES} values"),
+    ],
+)
+def test_one_value_fewer_or_more_is_refused(text: str, problem: str) -> None:
+    with pytest.raises(InputError, match=problem):
+        parse_axis(text, QUANTITIES["amplitude"])
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        # start:step:stop, where one step just reaches the stop, or just does not
+        ("1:1:2", "for start:step:stop write 1:2:step=1"),
+        ("1:1:1.9", "write 1 for one value"),
+        ("1:1:0", "write 1 for one value"),
+        # lo:hi:step, where one step just reaches the end
+        ("0.25:1.75:1.5", "write 0.25:1.75:step=1.5"),
+    ],
+)
+def test_hints_about_the_order_of_a_range_hold_at_their_limits(text: str, hint: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_axis(text, QUANTITIES["amplitude"])
+    assert caught.value.hint == hint
+
+
+def test_a_step_of_0_is_never_advised() -> None:
+    with pytest.raises(InputError) as caught:
+        parse_axis("-1:0:1.5", QUANTITIES["amplitude"])
+    assert "step=0" not in caught.value.hint
+
+
+@pytest.mark.parametrize(
     ("text", "name", "echo"),
     [
         ("0.1:3:200", "amplitude", "amplitude: 200 values, 0.1 ... 3 mm, step 0.0146"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import math
 import re
 from dataclasses import fields, is_dataclass
@@ -11,9 +12,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nomenclature import HEADER, page_with, tables
 
 import vibro
-from vibro.sweeps import columns as tables
+from vibro.quantities import QUANTITIES
+from vibro.results import RESULTS
+from vibro.scene import Fields
+from vibro.sweeps.columns import WITH_ARRIVAL, WITH_STROKES, columns_of
 
 ROOT = Path(__file__).parent.parent
 THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
@@ -24,8 +29,6 @@ MODULES = sorted((ROOT / "src" / "vibro").rglob("*.py"))
 CITATION = re.compile(r"\bEqs?\.[\s#]+\(\d+\)(?:(?:-|,|[\s#]+and)?[\s#]*\(\d+\))*")
 RANGE = re.compile(r"\((\d+)\)(?:-\((\d+)\))?")
 SECTION = re.compile(r"theory\.md,[\s#]+section (\d+)")
-
-HEADER = "| symbol | code name | unit | CSV column | meaning |"
 
 
 def cited(text: str) -> set[int]:
@@ -84,6 +87,14 @@ def test_the_core_cites_its_equations() -> None:
     assert len(cited(text)) >= 15
 
 
+@pytest.mark.parametrize("name", ["Scene", *(n for n in vibro.__all__ if n[0].islower())])
+def test_the_examples_of_public_names_run(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    (test,) = doctest.DocTestFinder(recurse=False).find(getattr(vibro, name), name)
+    assert test.examples
+    assert doctest.DocTestRunner().run(test).failed == 0
+
+
 def test_links_inside_the_docs_lead_somewhere() -> None:
     for page in (ROOT / "docs").glob("*.md"):
         text = page.read_text(encoding="utf-8")
@@ -92,7 +103,7 @@ def test_links_inside_the_docs_lead_somewhere() -> None:
 
 
 def test_every_code_name_exists_and_is_listed_once() -> None:
-    names = [row[1] for row in rows()]
+    names = [row[1] for row in rows() if row[1] != "-"]
     assert len(names) > 40
     assert len(set(names)) == len(names)
     for name in names:
@@ -107,10 +118,15 @@ def test_a_code_name_that_does_not_exist_is_noticed() -> None:
 
 def test_columns_are_those_of_the_tables() -> None:
     listed = [row[3].strip("`") for row in rows() if row[3] != "-"]
-    known = {column.name for column in tables.COLUMNS}
-    known |= {value.name for value in vars(tables).values() if isinstance(value, tables.Column)}
     assert len(set(listed)) == len(listed)
-    assert set(listed) == known
+    assert {column.name for column in columns_of(QUANTITIES, WITH_ARRIVAL, WITH_STROKES)} <= set(listed)
+
+
+def test_inputs_and_results_are_those_that_the_code_describes() -> None:
+    assert page_with(tables()) == NOMENCLATURE, "python tests/nomenclature.py writes them"
+    assert {f"| `Scene.{name}` |" in tables() for name in Fields._fields} == {True}
+    described = {name for result in RESULTS for name in (result.name,)}
+    assert described == {field.name for field in fields(vibro.SteadyCycle)}
 
 
 def test_every_quantity_of_the_nomenclature_is_explained() -> None:

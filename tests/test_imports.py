@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import vibro
 
+NUT = Path(__file__).parents[1] / "examples" / "safety_nut.toml"
 HEAVY = ("numpy", "scipy", "pandas", "matplotlib", "typer", "rich")
 
 
@@ -27,6 +29,42 @@ def test_the_package_alone_loads_no_library() -> None:
 def test_solving_loads_no_library_for_tables_pictures_or_the_command_line() -> None:
     scene = "amplitude=1e-3, frequency=15, drive_angle=0.35, static_friction=0.74, kinetic_friction=0.57"
     assert _loaded_after(f"import vibro; vibro.solve(vibro.Scene({scene}))") == {"numpy"}
+
+
+# What each public name gives when it is called as its documentation says.
+CALLS = {
+    "History": "vibro.simulate(scene, cycles=1).__class__ is vibro.History",
+    "Regime": "vibro.Regime(0).label == 'no-slip'",
+    "Scene": "scene.shape == ()",
+    "SceneError": "issubclass(vibro.SceneError, vibro.VibroError)",
+    "Status": "vibro.Status(0).label == 'ok'",
+    "SteadyCycle": "isinstance(vibro.solve(scene), vibro.SteadyCycle)",
+    "VibroError": "issubclass(vibro.VibroError, Exception)",
+    "arrival_time": "vibro.arrival_time(scene, 0.1) > 0",
+    "critical_loads": "vibro.critical_loads(scene).hop > 1",
+    "read_scene": "vibro.read_scene(nut).shape == ()",
+    "simulate": "vibro.simulate(scene, cycles=1).end > 0",
+    "solve": "vibro.solve(scene).pattern == 'F_'",
+    "sweep": "vibro.sweep(nut, frequency_hz=15).shape == (200,)",
+    "transitions": "len(vibro.transitions(scene)) == 4",
+}
+
+
+def test_no_submodule_hides_a_public_name() -> None:
+    """Once imported, a submodule is an attribute of the package: no public name may be the same."""
+    assert set(CALLS) == set(vibro.__all__)
+    scene = "amplitude=1e-3, frequency=15, drive_angle=0.35, static_friction=0.74, kinetic_friction=0.57"
+    code = "\n".join(
+        [
+            "import importlib, pkgutil, vibro",
+            "for module in pkgutil.walk_packages(vibro.__path__, 'vibro.'):",
+            "    importlib.import_module(module.name)",
+            f"scene, nut = vibro.Scene({scene}), {str(NUT)!r}",
+            *(f"assert {call}, {name!r}" for name, call in CALLS.items()),
+        ]
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, encoding="utf-8")
+    assert done.returncode == 0, done.stderr
 
 
 def test_every_public_name_can_be_had_and_listed() -> None:

@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
+import dataclasses
+import inspect
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from vibro.errors import InputError
-from vibro.quantities import QUANTITIES, exact_number, from_si, to_si
+from vibro.quantities import (
+    DURATION,
+    MASS,
+    QUANTITIES,
+    STANDS_FOR,
+    START_VELOCITY,
+    Quantity,
+    exact_number,
+    find_quantity,
+    kinetic_friction,
+)
+from vibro.scene import Fields, Scene
 
 
 @pytest.mark.parametrize(
@@ -38,6 +54,25 @@ from vibro.quantities import QUANTITIES, exact_number, from_si, to_si
 )
 def test_a_number_is_read_in_the_default_unit(name: str, text: str, expected: float) -> None:
     assert float(exact_number(text, QUANTITIES[name])) == pytest.approx(expected, rel=2e-16)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "text", "expected"),
+    [
+        (DURATION, "1.5", 1.5),
+        (DURATION, "250ms", 0.25),
+        (DURATION, "1.5min", 90.0),
+        (DURATION, "2h", 7200.0),
+        (MASS, "0.02", 0.02),
+        (MASS, "20g", 0.02),
+        (MASS, "0.5 kg", 0.5),
+        (MASS, "10lb", 4.5359237),  # the international pound
+        (START_VELOCITY, "0.02m/s", 20.0),
+        (START_VELOCITY, "2in/s", 50.8),
+    ],
+)
+def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expected: float) -> None:
+    assert float(exact_number(text, quantity)) == expected
 
 
 @pytest.mark.parametrize(
@@ -76,11 +111,70 @@ def test_tiny_exponents_do_not_explode() -> None:
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_conversions_are_inverse(name: str) -> None:
     values = np.array([0.1, 1.0, 44.5])
-    np.testing.assert_allclose(from_si(name, to_si(name, values)), values, rtol=4e-16)
+    np.testing.assert_allclose(QUANTITIES[name].from_si(QUANTITIES[name].to_si(values)), values, rtol=4e-16)
 
 
 def test_si_values() -> None:
-    assert to_si("amplitude", 3.97) == 3.97 / 1000
-    assert to_si("drive_angle", 20.0) == math.radians(20)
-    assert to_si("frequency", 15.0) == 15.0
-    assert to_si("trough_length", 600.0) == 0.6
+    assert QUANTITIES["amplitude"].to_si(3.97) == 3.97 / 1000
+    assert QUANTITIES["drive_angle"].to_si(20.0) == math.radians(20)
+    assert QUANTITIES["frequency"].to_si(15.0) == 15.0
+    assert QUANTITIES["trough_length"].to_si(600.0) == 0.6
+
+
+def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
+    parameters = inspect.signature(Scene).parameters
+    assert tuple(parameters) == Fields._fields == tuple(f.name for f in dataclasses.fields(Scene))
+    assert set(parameters) | set(STANDS_FOR) | {"trough_length"} == set(QUANTITIES)
+    for name, parameter in parameters.items():
+        default = QUANTITIES[name].default
+        if default is None:
+            assert parameter.default is inspect.Parameter.empty
+        else:
+            assert parameter.default == QUANTITIES[name].to_si(default)
+
+
+@pytest.mark.parametrize("name", [name for name in Fields._fields if name not in ("static_friction",)])
+def test_a_range_ends_where_it_says(name: str) -> None:
+    quantity = QUANTITIES[name]
+    for end, belongs, outward in (
+        (quantity.allowed.low, quantity.allowed.with_low, -math.inf),
+        (quantity.allowed.high, quantity.allowed.with_high, math.inf),
+    ):
+        if math.isfinite(end):
+            at = quantity.to_si(end)
+            assert bool(quantity.allows(at)) is belongs
+            assert not quantity.allows(math.nextafter(at, outward))
+            assert quantity.allows(math.nextafter(at, -outward))
+
+
+@pytest.mark.parametrize(
+    ("called", "name"),
+    [
+        ("amplitude", "amplitude"), ("A", "amplitude"), ("a", "amplitude"), ("-a", "drive_angle"),
+        ("--drive-angle", "drive_angle"), ("drive_angle_deg", "drive_angle"), ("alpha", "drive_angle"),
+        ("mu_s", "static_friction"), ("--mu-ratio", "friction_ratio"), ("MU_D", "kinetic_friction"),
+        (" f ", "frequency"), ("L", "trough_length"),
+    ],
+)  # fmt: skip
+def test_a_quantity_is_found_by_any_of_its_names(called: str, name: str) -> None:
+    found = find_quantity(called)
+    assert found is not None
+    assert found.name == name
+
+
+def test_a_word_that_is_no_quantity() -> None:
+    assert find_quantity("speed") is None
+
+
+@given(st.integers(1, 9999), st.integers(1, 9999))
+def test_kinetic_friction_is_spelled_as_a_person_would(ratio: int, static: int) -> None:
+    exact = Fraction(ratio, 10_000) * Fraction(static, 1000)
+    assert kinetic_friction(ratio / 10_000, static / 1000) == float(exact)
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1e6))
+def test_kinetic_friction_is_a_rounding_of_the_product_at_most_static(ratio: float, static: float) -> None:
+    found = kinetic_friction(ratio, static)
+    assert abs(found - ratio * static) <= np.spacing(ratio * static)
+    assert found <= static
+    assert kinetic_friction(1.0, static) == static

@@ -1,4 +1,4 @@
-"""Every row of the contact tables, computed apart with 50 digits, and the published numbers."""
+"""Every row of the contact tables, computed independently with 50 digits, and the published numbers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from scenes import loads_of
 
 import vibro
-from vibro.core.contact.phases import steady_phases
+from vibro.core.contact.cycle_legs import cycle_legs
 
 DATA = Path(__file__).parent / "data"
 EPS = float(np.finfo(float).eps)
@@ -145,7 +145,7 @@ def test_speeds_of_the_published_scene_to_all_digits(
 
 
 @pytest.mark.parametrize(
-    ("last_mm", "before", "behind"),
+    ("last_mm", "before", "after"),
     [
         (0.685165, vibro.Regime.NO_SLIP, vibro.Regime.FORWARD_SLIP),
         (1.190299, vibro.Regime.FORWARD_SLIP, vibro.Regime.BACK_SLIP),
@@ -153,28 +153,28 @@ def test_speeds_of_the_published_scene_to_all_digits(
     ],
 )
 def test_amplitudes_where_the_published_scene_changes_regime(
-    last_mm: float, before: vibro.Regime, behind: vibro.Regime
+    last_mm: float, before: vibro.Regime, after: vibro.Regime
 ) -> None:
     assert vibro.solve(_published(last_mm - 0.5e-6)).regime == before
-    assert vibro.solve(_published(last_mm + 1.0e-6)).regime == behind
+    assert vibro.solve(_published(last_mm + 1.0e-6)).regime == after
 
 
 def test_speed_jumps_at_the_forward_onset() -> None:
     onset = 0.74 * 9.81 / ((30.0 * math.pi) ** 2 * (math.cos(math.pi / 9) + 0.74 * math.sin(math.pi / 9)))
     above = [vibro.solve(_published(1000.0 * onset * (1.0 + h))).mean_velocity for h in (1e-12, 1e-6)]
-    # 0.65898397 is the limit, with 40 digits; the square root of the excess load comes on top of it
+    # The limit is 0.65898397, from 40 digits; above it the speed grows like the root of the excess load.
     assert [f"{1000.0 * v:.4f}" for v in above] == ["0.6590", "0.6624"]
 
 
 def test_speed_drops_where_back_slip_sets_in() -> None:
-    before, behind = (vibro.solve(_published(a)).mean_velocity for a in (1.190298, 1.190300))
-    assert f"{100.0 * (1.0 - behind / before):.0f}" == "6"
+    before, after = (vibro.solve(_published(a)).mean_velocity for a in (1.190298, 1.190300))
+    assert f"{100.0 * (1.0 - after / before):.0f}" == "6"
 
 
 def test_one_stroke_of_the_published_scene_to_all_digits() -> None:
     scene = _published(1.0)
     cycle = vibro.solve(scene)
-    forward, rest = steady_phases(loads_of(scene), int(cycle.pattern_code))
+    forward, rest = cycle_legs(loads_of(scene), int(cycle.pattern_code))
     in_milliseconds = 1000.0 / (2.0 * math.pi * 15.0)
     assert forward.kind + rest.kind == "F_"
     assert f"{1.0 / cycle.forward_ratio:.6f}" == "0.685165"

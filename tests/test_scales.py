@@ -15,7 +15,6 @@ from scenes import (
     assert_same,
     at_load,
     contact_groups,
-    deterministic,
     random_scenes,
     replaced,
     scene_with,
@@ -40,7 +39,6 @@ def test_similarity_is_exact_for_powers_of_two() -> None:
             )
 
 
-@deterministic
 @given(contact_groups(), st.floats(0.01, 100.0))
 def test_similarity(one: Groups, scale: float) -> None:
     scene = at_load(*one)

@@ -12,10 +12,10 @@ from stress import NAMES, against_reference, broken_invariants
 import vibro
 from vibro.accuracy.reference import exact_cycle
 
-SCENES = 10_000
-REFERENCE_SCENES = 1_000
+SCENES = 4_000
+REFERENCE_SCENES = 400
 
-# [eps (condition |d| + S)] what a displacement may be wrong by, of rounding alone
+# [eps (condition |d| + S)] error of a displacement that rounding alone may cause
 TOLERANCE = 16.0
 
 
@@ -32,7 +32,7 @@ def test_the_scenes_are_extreme() -> None:
     with np.errstate(all="ignore"):
         cycle = vibro.solve(vibro.Scene(**fields))
     near = np.abs(cycle.throw_number - 1.0) < 1e-14
-    assert near.sum() > 200
+    assert near.sum() > 0.02 * SCENES
     assert set(np.unique(cycle.pattern)) >= {"_", "F_", "B_", "FB", "FB_", "F_B_"}
 
 
@@ -66,10 +66,10 @@ def test_kinetic_friction_below_the_rounding_of_1_still_ends_slides() -> None:
         # The forward slide ends within rounding of the back window's end.
         (0.000520263248049116, 312633.9028504501, 0.0, 3.1276025474526037, 3.1601756857674495e-13,
          3.1601756857674455e-13, 9.81),
-        # The trough is all but as steep as static friction holds.
+        # The trough is almost as steep as static friction can hold.
         (4.612268256911697e-13, 0.132502858647908, 3.693444354268408e-06, 0.3355745424441268,
          0.3355745424441265, -0.3237662845625886, 9.81),
-        # Half the length of the forward slide in the never-at-rest cycle is a right angle, but for rounding.
+        # Half the length of the forward slide in the never-at-rest cycle is a right angle up to rounding.
         (1.3205146024910965e-23, 64405082989.93417, 1.5526651535927725, 0.00141791454401135,
          0.0011394278749446362, -0.0011394273818401792, 9.81),
     ],
@@ -98,7 +98,7 @@ def test_friction_that_vanishes_beside_the_load_is_not_no_friction() -> None:
 
 
 def test_the_reference_says_what_it_cannot_decide() -> None:
-    """Friction of 1e-20 of the load: the digits do not tell it from none."""
+    """The digits cannot distinguish friction of 1e-20 of the load from none."""
     exact = exact_cycle((1.0, 1e12, 0.0, 1e-3, 1e-3, 0.0, 9.81))
     assert exact.pattern == ""
     assert math.isnan(exact.displacement)

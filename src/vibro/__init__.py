@@ -11,10 +11,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from vibro.core.codes import Regime, Status
     from vibro.errors import SceneError, VibroError
+    from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
-    from vibro.motion.histories import History, simulate
+    from vibro.motion.histories import simulate
+    from vibro.results.history import History
+    from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
-    from vibro.steady import SteadyCycle, solve
+    from vibro.steady import solve
+    from vibro.sweeps.whole import read_scene, sweep
 
 __all__ = [
     "History",
@@ -25,22 +29,30 @@ __all__ = [
     "SteadyCycle",
     "VibroError",
     "arrival_time",
+    "critical_loads",
+    "read_scene",
     "simulate",
     "solve",
+    "sweep",
+    "transitions",
 ]
 __version__ = "0.1.0"
 
 _HOMES = {
-    "History": "vibro.motion.histories",
+    "History": "vibro.results.history",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
     "SceneError": "vibro.errors",
     "Status": "vibro.core.codes",
-    "SteadyCycle": "vibro.steady",
+    "SteadyCycle": "vibro.results.steady",
     "VibroError": "vibro.errors",
     "arrival_time": "vibro.motion.arrivals",
+    "critical_loads": "vibro.limits",
+    "read_scene": "vibro.sweeps.whole",
     "simulate": "vibro.motion.histories",
     "solve": "vibro.steady",
+    "sweep": "vibro.sweeps.whole",
+    "transitions": "vibro.limits",
 }
 
 

@@ -15,15 +15,17 @@ from vibro.errors import InputError
 from vibro.quantities import QUANTITIES, Quantity, exact_number
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-__all__ = ["MAX_VALUES", "Axis", "AxisSpec", "default_count", "parse_axis"]
+__all__ = ["MAX_VALUES", "Axis", "AxisSpec", "axis_of", "default_count", "parse_axis"]
 
 # An axis longer than the largest sweep that is written to one table is a slip of the keyboard.
 MAX_VALUES: Final = 10_000_000
 
-_COUNT: Final = Quantity("count", "count", "", "", "", {})
-_STEP: Final = Quantity("step", "step of a logarithmic range", "", "", "", {})
+_COUNT: Final = Quantity("count")
+_STEP: Final = Quantity("step of a logarithmic range")
 _BARE = re.compile(r"[^a-zA-Z\u00b0\u00b5\u03bc]*")
 _DECIMAL_COMMA = re.compile(r"\s*([+-]?0),(\d+[^,:\d.]*)")
 
@@ -163,6 +165,43 @@ def default_count(varying: int) -> int:
     return {1: 200, 2: 100}.get(varying, 20)
 
 
+def axis_of(value: object, quantity: Quantity) -> AxisSpec:
+    """Read an axis from what a program or a scene file gives.
+
+    Parameters
+    ----------
+    value : float, sequence of float or str
+        One value, ascending values, or the syntax of ``parse_axis``; in the quantity's unit outside.
+    quantity : Quantity
+        What the axis is of.
+
+    Returns
+    -------
+    AxisSpec
+        Numbers stand for their shortest decimal form, as they would be typed.
+
+    Raises
+    ------
+    InputError
+        If it is none of these.
+    """
+    if isinstance(value, str):
+        return parse_axis(value, quantity)
+    values = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    if _is_number(values):
+        return AxisSpec(quantity, (exact_number(repr(values), quantity),))
+    if isinstance(values, list | tuple) and values and all(map(_is_number, values)):
+        return _listed(quantity, ",".join(map(repr, values)), tuple(map(repr, values)))
+    raise InputError(
+        f"{quantity.column} = {value!r}: must be a number or an axis",
+        hint='write it like 1.5, "0.1:3:200" or [10, 20, 30]',
+    )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
     """Read an axis: a value, a list ``a,b,c``, or a range.
 
@@ -202,6 +241,10 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
         raise InputError(
             f"{quantity.label} = {text!r}: a list with an empty item", hint="write a list like 15,20,25"
         )
+    return _listed(quantity, text, items)
+
+
+def _listed(quantity: Quantity, text: str, items: Sequence[str]) -> AxisSpec:
     values = tuple(exact_number(item, quantity) for item in items)
     ascending = sorted(set(values))
     if list(values) != ascending:
@@ -306,7 +349,9 @@ def _order_hint(parts: list[str], quantity: Quantity) -> str:
         return f"write {parts[0]}:{parts[1]}:step={parts[2]}"
     if first == second:
         return f"write {parts[0]} for one value"
+    if first < second:
+        return f"write {parts[0]}:{parts[1]}:3 for 3 values, or {parts[0]}:{parts[1]}:step=d for a step of d"
     bare = [bool(_BARE.fullmatch(part)) for part in parts[:2]]
-    if quantity.units and bare[0] != bare[1]:
+    if quantity.unit and bare[0] != bare[1]:
         return f"a number without a unit is in {quantity.unit}: give both ends their unit"
     return f"write {parts[1]}:{parts[0]}, or {parts[1]}:{parts[0]}:step=d for a step of d"

@@ -1,4 +1,4 @@
-"""Quantities, their units outside and inside: the only place that converts.
+"""Every quantity that users give: its names, units and range, and the only place that converts.
 
 Outside (options, scene files, tables) a quantity has the unit of its column; inside (``Scene``) it is in SI
 units and radians.
@@ -11,6 +11,7 @@ import re
 import sys
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import InputError
@@ -19,21 +20,63 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
+    "DEFAULTS",
     "DURATION",
+    "LENGTH",
     "MASS",
+    "PURE",
     "QUANTITIES",
     "SIGNAL_UNITS",
+    "SPEED",
+    "STANDARD_GRAVITY",
+    "STANDS_FOR",
     "START_PHASE",
     "START_VELOCITY",
     "SWEPT",
+    "TIME",
+    "Kind",
     "Quantity",
     "exact_number",
-    "from_si",
+    "find_quantity",
+    "kinetic_friction",
+    "scene_fields",
     "signal_unit",
-    "to_si",
 ]
 
-_LENGTHS: Final[Mapping[str, Fraction]] = {  # [mm]
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity, by its units.
+
+    Attributes
+    ----------
+    unit, si_unit : str
+        Outside and inside; empty for pure numbers.
+    suffix : str
+        What a column's name ends with.
+    sizes : mapping of str to Fraction
+        Every unit that a number may carry, in the unit outside.
+    per_si, si : float
+        Size of the SI unit in the unit outside, and the other way round: 1 where the other is the round one.
+    """
+
+    unit: str
+    si_unit: str
+    suffix: str
+    sizes: Mapping[str, Fraction]
+    per_si: float = 1.0
+    si: float = 1.0
+
+    def to_si(self, values: Any) -> Any:
+        """Convert from the unit outside to SI units and radians."""
+        return values * self.si if self.si != 1.0 else values / self.per_si if self.per_si != 1.0 else values
+
+    def from_si(self, values: Any) -> Any:
+        """Convert from SI units and radians to the unit outside."""
+        return values * self.per_si if self.per_si != 1.0 else values
+
+
+_MILLIMETRES: Final[Mapping[str, Fraction]] = {
     "mm": Fraction(1),
     "um": Fraction(1, 1000),
     "\u00b5m": Fraction(1, 1000),  # the micro sign; the Greek mu folds to the same
@@ -41,167 +84,217 @@ _LENGTHS: Final[Mapping[str, Fraction]] = {  # [mm]
     "m": Fraction(1000),
     "in": Fraction("25.4"),
 }
-_FREQUENCIES: Final[Mapping[str, Fraction]] = {  # [Hz]
-    "Hz": Fraction(1),
-    "kHz": Fraction(1000),
-    "rpm": Fraction(1, 60),
-}
-_DEGREES_PER_RADIAN: Final = Fraction(180) / Fraction(math.pi)
-_ANGLES: Final[Mapping[str, Fraction]] = {  # [deg]
-    "deg": Fraction(1),
-    "\u00b0": Fraction(1),
-    "rad": _DEGREES_PER_RADIAN,
-}
-_ACCELERATIONS: Final[Mapping[str, Fraction]] = {  # [m/s^2]
-    "m/s^2": Fraction(1),
-    "m/s2": Fraction(1),
-    "m/s\u00b2": Fraction(1),
-}
+# fmt: off
+PURE: Final = Kind("", "", "", {})
+LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
+SPEED: Final = Kind("mm/s", "m/s", "_mm_s", {f"{unit}/s": size for unit, size in _MILLIMETRES.items()},
+                     per_si=1000.0)
+_FREQUENCY: Final = Kind("Hz", "Hz", "_hz",
+                         {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60)})
+_ANGLE: Final = Kind("deg", "rad", "_deg",
+                     {"deg": Fraction(1), "\u00b0": Fraction(1), "rad": Fraction(180) / Fraction(math.pi)},
+                     per_si=180 / math.pi, si=math.pi / 180)
+_ACCELERATION: Final = Kind("m/s^2", "m/s^2", "_m_s2",
+                            dict.fromkeys(("m/s^2", "m/s2", "m/s\u00b2"), Fraction(1)))
+_MASS: Final = Kind("kg", "kg", "_kg",
+                    {"kg": Fraction(1), "g": Fraction(1, 1000), "lb": Fraction("0.45359237")})
+TIME: Final = Kind("s", "s", "_s",
+                    {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60), "h": Fraction(3600)})
+# fmt: on
 
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_].*|\u00b0)?")
-_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
+
+@dataclass(frozen=True)
+class Range:
+    """Which finite values a quantity may have, in the unit outside; each end belongs to it or not."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    with_low: bool = True
+    with_high: bool = False
+
+    def text(self, unit: str) -> str:
+        """Say it: ``finite and > 0 mm``, ``in [0, 90) deg``."""
+        left, right = "[" if self.with_low else "(", "]" if self.with_high else ")"
+        ends = f"in {left}{self.low:g}, {self.high:g}{right}"
+        above = f"finite and {'>=' if self.with_low else '>'} {self.low:g}"
+        return f"{above if math.isinf(self.high) else ends} {unit}".rstrip()
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity that users give: how it is called and in which units it may come.
+    """A quantity that users give.
 
     Attributes
     ----------
     name : str
-        Name of the field of ``Scene``, where there is one.
-    label : str
-        Name in words, for messages and pictures.
-    unit : str
-        Default unit, that of tables; empty for pure numbers.
-    column : str
-        Name with unit, as tables and scene files spell it.
-    option : str
-        The command line's option.
-    units : mapping of str to Fraction
-        Every unit it may carry, and its size in the default unit.
+        Of the field of ``Scene``, where there is one.
+    kind : Kind
+        Its units.
+    letter, symbol : str
+        Short name as people type it, and as TeX for pictures.
+    options : tuple of str
+        The command line's, the shortest first.
+    allowed : Range
+        What it may be.
+    meaning : str
+        What it is, for people.
+    default : float or None
+        Its value where it is not given, in the unit outside; None where it must be given.
     """
 
     name: str
-    label: str
-    unit: str
-    column: str
-    option: str
-    units: Mapping[str, Fraction]
+    kind: Kind = PURE
+    letter: str = ""
+    symbol: str = ""
+    options: tuple[str, ...] = ()
+    allowed: Range = Range()
+    meaning: str = ""
+    default: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Name in words, for messages and pictures."""
+        return self.name.replace("_", " ")
+
+    @property
+    def unit(self) -> str:
+        """Unit outside: of options, files and tables; empty for pure numbers."""
+        return self.kind.unit
+
+    @property
+    def column(self) -> str:
+        """Name with unit, as tables and scene files spell it."""
+        return self.name + self.kind.suffix
 
     def text(self, value: float | Fraction) -> str:
         """Write a value with its unit, as messages do."""
         return f"{float(value):.15g} {self.unit}".rstrip()
 
+    def to_si(self, values: Any) -> Any:
+        """Convert from the unit outside to SI units and radians."""
+        return self.kind.to_si(values)
 
-QUANTITIES: Final[Mapping[str, Quantity]] = {
-    q.name: q
-    for q in (
-        Quantity("amplitude", "amplitude", "mm", "amplitude_mm", "-A", _LENGTHS),
-        Quantity("stroke", "stroke", "mm", "stroke_mm", "--stroke", _LENGTHS),
-        Quantity("frequency", "frequency", "Hz", "frequency_hz", "-f", _FREQUENCIES),
-        Quantity("drive_angle", "drive angle", "deg", "drive_angle_deg", "-a", _ANGLES),
-        Quantity("static_friction", "static friction", "", "static_friction", "--mu-s", {}),
-        Quantity("kinetic_friction", "kinetic friction", "", "kinetic_friction", "--mu-d", {}),
-        Quantity("friction_ratio", "friction ratio", "", "friction_ratio", "--mu-ratio", {}),
-        Quantity("trough_angle", "trough angle", "deg", "trough_angle_deg", "--trough-angle", _ANGLES),
-        Quantity("trough_length", "trough length", "mm", "trough_length_mm", "-L", _LENGTHS),
-        Quantity("gravity", "gravity", "m/s^2", "gravity_m_s2", "--gravity", _ACCELERATIONS),
-        Quantity("restitution", "restitution", "", "restitution", "--restitution", {}),
-    )
-}
+    def from_si(self, values: Any) -> Any:
+        """Convert from SI units and radians to the unit outside."""
+        return self.kind.from_si(values)
+
+    @cached_property
+    def _si_ends(self) -> tuple[float, float]:
+        return self.to_si(self.allowed.low), self.to_si(self.allowed.high)
+
+    def allows(self, values: Any) -> Any:
+        """Tell whether finite values in SI units lie in the range."""
+        low, high = self._si_ends
+        above = values >= low if self.allowed.with_low else values > low
+        return above & (values <= high if self.allowed.with_high else values < high)
+
+
+_POSITIVE: Final = Range(0.0, with_low=False)
+_FRICTION: Final = Range(0.0)
+
+STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
+
+# fmt: off
+_ALL: Final = (
+    Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _POSITIVE,
+             "amplitude of the trough's motion, half of its stroke"),
+    Quantity("stroke", LENGTH, "stroke", "2A", ("--stroke",), _POSITIVE,
+             "stroke of the trough from peak to peak, twice the amplitude"),
+    Quantity("frequency", _FREQUENCY, "f", "f", ("-f", "--frequency"), _POSITIVE, "frequency of the drive"),
+    Quantity("drive_angle", _ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle", "--alpha"),
+             Range(0.0, 90.0), "angle of the drive's line above the trough's surface"),
+    Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _FRICTION,
+             "coefficient of friction at rest"),
+    Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
+             Range(0.0, 1.0, with_high=True), "kinetic over static friction, in place of the kinetic one"),
+    Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _FRICTION,
+             "coefficient of friction while sliding, at most the static one"),
+    Quantity("trough_angle", _ANGLE, "beta", r"\beta", ("--trough-angle",),
+             Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),
+    Quantity("gravity", _ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
+             STANDARD_GRAVITY),
+    Quantity("restitution", PURE, "e", "e", ("--restitution",), Range(0.0, 1.0),
+             "normal coefficient of restitution of an impact on the trough", 0.0),
+    Quantity("trough_length", LENGTH, "L", "L", ("-L", "--length"), _POSITIVE, "length of the trough"),
+)
+# fmt: on
+#: Every quantity of a scene by its name, in the order of a table's columns.
+QUANTITIES: Final[Mapping[str, Quantity]] = {q.name: q for q in _ALL}
+
+#: The quantities that can be axes of a sweep, in the same order.
+SWEPT: Final = (
+    "amplitude", "frequency", "drive_angle", "static_friction", "friction_ratio", "kinetic_friction",
+    "trough_angle",
+)  # fmt: skip
+#: Two ways to give the same thing: the first fills the place of the second.
+STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
+#: What is taken where nothing is given, in the units outside.
+DEFAULTS: Final[Mapping[str, float]] = {q.name: q.default for q in _ALL if q.default is not None}
 
 # Quantities of a run or of a record, not of a scene.
-MASS: Final = Quantity(
-    "mass",
-    "mass",
-    "kg",
-    "mass_kg",
-    "--mass",
-    {"kg": Fraction(1), "g": Fraction(1, 1000), "lb": Fraction("0.45359237")},
-)
-DURATION: Final = Quantity(
-    "duration",
-    "duration",
-    "s",
-    "duration_s",
-    "--duration",
-    {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60), "h": Fraction(3600)},
-)
-START_PHASE: Final = Quantity(
-    "start_phase", "start phase", "deg", "start_phase_deg", "--start-phase", _ANGLES
-)
-START_VELOCITY: Final = Quantity(
-    "start_velocity",
-    "start velocity",
-    "mm/s",
-    "start_velocity_mm_s",
-    "--start-velocity",
-    {f"{unit}/s": size for unit, size in _LENGTHS.items()},
-)
+MASS: Final = Quantity("mass", _MASS)
+DURATION: Final = Quantity("duration", TIME)
+START_PHASE: Final = Quantity("start_phase", _ANGLE)
+START_VELOCITY: Final = Quantity("start_velocity", SPEED)
 
-# The quantities that can be axes of a sweep, in the order of a table's columns.
-SWEPT: Final = (
-    "amplitude",
-    "frequency",
-    "drive_angle",
-    "static_friction",
-    "kinetic_friction",
-    "friction_ratio",
-    "trough_angle",
-)
-
-_MILLIMETRE: Final = 1000.0  # [1/m]
+_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\W\d_].*|\u00b0)?")
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
+_SPELLED_DIGITS: Final = 15  # every double has them, and people write no more
 
 
-def to_si(name: str, values: Any) -> Any:
-    """Convert values of a quantity from its default unit to SI units and radians.
+def find_quantity(text: str) -> Quantity | None:
+    """Find a quantity of a scene by whatever people call it: name, column, letter or option."""
+    called = text.strip()
+    spelled = called.removeprefix("--").replace("-", "_").casefold()
+    names = ((q, (q.name, q.column, q.letter.casefold())) for q in _ALL)
+    return next((q for q, known in names if called in q.options or spelled in known), None)
+
+
+def kinetic_friction(ratio: Any, static_friction: Any) -> Any:
+    """Kinetic friction by its ratio to static friction, spelled as a person would: 0.8 of 0.2 is 0.16.
 
     Parameters
     ----------
-    name : str
-        A key of ``QUANTITIES``.
-    values : float or array
-        In the quantity's default unit.
+    ratio, static_friction : float or array
+        Broadcastable.
 
     Returns
     -------
     float or array
-        In [m], [Hz], [rad], [m/s^2] or [1].
+        The product to 15 digits, where that is as good a rounding of it as the nearest double, which for 0.8
+        of 0.2 is 0.16000000000000003. For a ratio of at most 1 it is at most static friction.
     """
-    units = QUANTITIES[name].units
-    if units is _LENGTHS:
-        return values / _MILLIMETRE
-    if units is _ANGLES:
-        return values * (math.pi / 180)
-    return values
+    import numpy as np
+
+    product = np.asarray(np.multiply(ratio, static_friction), np.float64)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        digits = np.clip(_SPELLED_DIGITS - 1.0 - np.floor(np.log10(product)), 0.0, 22.0)
+        scale = np.power(10.0, digits)  # exact up to 1e22, so that the quotient is correctly rounded
+        spelled = np.rint(product * scale) / scale
+        close = np.abs(spelled - product) <= np.spacing(product)
+    result = np.where(close, spelled, product)
+    result = np.where(np.less(ratio, 1.0), np.minimum(result, static_friction), result)
+    return np.where(np.equal(ratio, 1.0), static_friction, result)[()]
 
 
-def from_si(name: str, values: Any) -> Any:
-    """Convert values of a quantity from SI units and radians to its default unit.
+def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Turn quantities in the units outside into the fields of ``Scene``, in SI units and radians.
 
     Parameters
     ----------
-    name : str
-        A key of ``QUANTITIES``.
-    values : float or array
-        In [m], [Hz], [rad], [m/s^2] or [1].
-
-    Returns
-    -------
-    float or array
-        In the quantity's default unit.
+    values : mapping of str to float or array
+        By name; ``friction_ratio`` may stand for the kinetic friction. A trough length is left out.
     """
-    units = QUANTITIES[name].units
-    if units is _LENGTHS:
-        return values * _MILLIMETRE
-    if units is _ANGLES:
-        return values * (180 / math.pi)
-    return values
+    given = {name: value for name, value in values.items() if name != "trough_length"}
+    if "friction_ratio" in given:
+        ratio = given.pop("friction_ratio")
+        if "kinetic_friction" not in given:
+            given["kinetic_friction"] = kinetic_friction(ratio, given["static_friction"])
+    return {name: QUANTITIES[name].to_si(value) for name, value in given.items()}
 
 
 def _per_time(suffix: str) -> dict[str, float]:
-    return {f"{unit}{suffix}": float(size / 1000) for unit, size in _LENGTHS.items()}
+    return {f"{unit}{suffix}": float(size / 1000) for unit, size in _MILLIMETRES.items()}
 
 
 # What a measured signal may be given in, and its size in SI units; the first one is the one of tables.
@@ -291,18 +384,17 @@ def exact_number(text: str, quantity: Quantity) -> Fraction:
 
 def _unit_size(unit: str, text: str, quantity: Quantity) -> Fraction:
     # Users type hz and MM, and keyboards have two micro signs; no two units of a quantity fold to the same.
-    sizes = {name.casefold(): size for name, size in quantity.units.items()}
+    sizes = {name.casefold(): size for name, size in quantity.kind.sizes.items()}
     if unit.casefold() in sizes:
         return sizes[unit.casefold()]
     problem = f"{quantity.label} = {text!r}: {unit!r} is no unit of {quantity.label}"
     if not sizes:
         raise InputError(problem, hint="it is a pure number")
-    raise InputError(problem, hint=f"its units are {', '.join(quantity.units)}")
+    raise InputError(problem, hint=f"its units are {', '.join(quantity.kind.sizes)}")
 
 
 def _number_hint(text: str, quantity: Quantity) -> str:
     comma = re.fullmatch(r"([+-]?\d+),(\d+)\s*(\D*)", text)
     if comma:
         return f"write a decimal point: {comma[1]}.{comma[2]}{comma[3]}"
-    unit = next(iter(quantity.units), "")
-    return f"write it like 1.5{unit}" if unit else "write it like 0.5"
+    return f"write it like 1.5{quantity.unit}" if quantity.unit else "write it like 0.5"

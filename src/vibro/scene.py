@@ -3,43 +3,56 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.groups import Loads, angle_excess, friction_excess, loads
 from vibro.errors import Problem, SceneError
+from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import ArrayLike, NDArray
 
     Floats = NDArray[np.float64]
 
-__all__ = ["STANDARD_GRAVITY", "Scene"]
-
-STANDARD_GRAVITY = 9.81  # [m/s^2], the value of the paper and of all published figures here
-
-# field, in declared order -> (unit for messages, allowed range in words, test of each finite value)
-_RULES: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
-    "amplitude": ("m", "finite and > 0 m", lambda x: x > 0),
-    "frequency": ("Hz", "finite and > 0 Hz", lambda x: x > 0),
-    "drive_angle": ("rad", "in [0, 90) deg", lambda x: (x >= 0) & (x < math.pi / 2)),
-    "static_friction": ("", "finite and >= 0", lambda x: x >= 0),
-    "kinetic_friction": ("", "finite and >= 0", lambda x: x >= 0),
-    "trough_angle": ("rad", "in (-90, 90) deg", lambda x: (x > -math.pi / 2) & (x < math.pi / 2)),
-    "gravity": ("m/s^2", "finite and > 0 m/s^2", lambda x: x > 0),
-    "restitution": ("", "in [0, 1)", lambda x: (x >= 0) & (x < 1)),
-}
+__all__ = ["Fields", "Scene"]
 
 
-def _text(value: float, unit: str) -> str:
+class Fields(NamedTuple):
+    """The fields of a scene, in their declared order, [m, Hz, rad, 1, 1, rad, m/s^2, 1]."""
+
+    amplitude: Floats
+    frequency: Floats
+    drive_angle: Floats
+    static_friction: Floats
+    kinetic_friction: Floats
+    trough_angle: Floats
+    gravity: Floats
+    restitution: Floats
+
+    def loads(self) -> Loads:
+        """Form the dimensionless groups, all but the restitution."""
+        return loads(*self[:-1])
+
+
+_NAMES: Final = Fields._fields
+
+
+def _text(name: str, value: float) -> str:
     """Write a value with its unit; angles in degrees too."""
-    number = f"{value:.15g}"
-    if unit == "rad":
-        return f"{number} rad ({math.degrees(value):.6g} deg)"
-    return f"{number} {unit}".rstrip()
+    quantity = QUANTITIES[name]
+    number = f"{value:.15g} {quantity.kind.si_unit}".rstrip()
+    if quantity.kind.si_unit == "rad":
+        return f"{number} ({math.degrees(value):.6g} deg)"
+    return number
+
+
+def _allowed(name: str) -> str:
+    """Say what a field may be, angles in degrees."""
+    kind = QUANTITIES[name].kind
+    return QUANTITIES[name].allowed.text("deg" if kind.si_unit == "rad" else kind.si_unit)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -126,7 +139,7 @@ class Scene:
             If a field alone is out of its range, or the shapes do not broadcast.
         """
         scene = cls.__new__(cls)
-        scene._set({"trough_angle": 0.0, "gravity": STANDARD_GRAVITY, "restitution": 0.0, **values})
+        scene._set({**_SI_DEFAULTS, **values})
         if problems := scene._field_problems():
             raise SceneError(tuple(problems))
         return scene
@@ -136,41 +149,58 @@ class Scene:
         """Common shape of the fields."""
         return np.broadcast(*self.arrays()).shape
 
-    def arrays(self) -> tuple[Floats, ...]:
+    @property
+    def load(self) -> Floats:
+        """Peak acceleration of the drive over gravity, G = A w^2 / g [1]."""
+        w = 2.0 * np.pi * self.frequency
+        return np.asarray(self.amplitude * w**2 / self.gravity)
+
+    def arrays(self) -> Fields:
         """Return the fields in their declared order."""
-        return tuple(getattr(self, name) for name in _RULES)
+        return Fields(*(getattr(self, name) for name in _NAMES))
+
+    def flat(self) -> Fields:
+        """Return the fields as 1-D arrays over all scenes, in the order of their cells."""
+        shape = self.shape
+        return Fields(*(np.broadcast_to(x, shape).reshape(-1) for x in self.arrays()))
+
+    @property
+    def infeasible(self) -> NDArray[np.bool_]:
+        """Whether each combination cannot be: mu_d > mu_s, or drive + trough angle of 90 deg or more."""
+        friction = friction_excess(self.static_friction, self.kinetic_friction) > 0.0
+        angles = angle_excess(self.drive_angle, self.trough_angle) >= 0.0
+        return np.broadcast_to(friction | angles, self.shape)
 
     def _set(self, values: dict[str, Any]) -> None:
         problems = []
-        for f in fields(self):
+        for name in _NAMES:
             try:
-                x = np.array(values[f.name], dtype=np.float64)
+                x = np.array(values[name], dtype=np.float64)
             except (TypeError, ValueError):
-                problems.append(Problem(f.name, repr(values[f.name]), "a number or an array of numbers"))
+                problems.append(Problem(name, repr(values[name]), "a number or an array of numbers"))
                 continue
             x.flags.writeable = False
-            object.__setattr__(self, f.name, x)
+            object.__setattr__(self, name, x)
         if problems:
             raise SceneError(tuple(problems))
         try:
             _ = self.shape
         except ValueError:
-            shapes = ", ".join(f"{f.name} {getattr(self, f.name).shape}" for f in fields(self))
+            shapes = ", ".join(f"{name} {getattr(self, name).shape}" for name in _NAMES)
             problem = Problem("shapes", shapes, "broadcastable against each other, like a ufunc's arguments")
             raise SceneError((problem,)) from None
 
     def _field_problems(self) -> list[Problem]:
         problems = []
-        for name, (unit, allowed, rule) in _RULES.items():
-            x = getattr(self, name)
-            good = np.isfinite(x) & rule(x)
+        for name, x in zip(_NAMES, self.arrays(), strict=True):
+            good = np.isfinite(x) & QUANTITIES[name].allows(x)
             if np.count_nonzero(good) < x.size:
-                problems.append(Problem(name, _text(float(x[~good].flat[0]), unit), allowed))
+                problems.append(Problem(name, _text(name, float(x[~good].flat[0])), _allowed(name)))
         return problems
 
     def _combination_problems(self) -> list[Problem]:
         problems = []
-        bad = self.kinetic_friction > self.static_friction
+        bad = friction_excess(self.static_friction, self.kinetic_friction) > 0.0
         if np.count_nonzero(bad):
             mu_d, mu_s = (
                 np.broadcast_to(x, bad.shape) for x in (self.kinetic_friction, self.static_friction)
@@ -178,12 +208,16 @@ class Scene:
             limit = f"<= static_friction = {mu_s[bad].flat[0]:.15g}"
             problems.append(Problem("kinetic_friction", f"{mu_d[bad].flat[0]:.15g}", limit))
         with np.errstate(over="ignore", invalid="ignore"):  # of angles that are no angles
-            bad = self.drive_angle + self.trough_angle >= math.pi / 2
-        if np.count_nonzero(bad):
+            bad = angle_excess(self.drive_angle, self.trough_angle) >= 0.0
+        if np.count_nonzero(bad):  # what is wrong with either alone has been said
             drive, trough = (np.broadcast_to(x, bad.shape) for x in (self.drive_angle, self.trough_angle))
-            valid = (drive >= 0) & (drive < math.pi / 2) & (np.abs(trough) < math.pi / 2)  # each alone
-            bad &= valid
+            bad &= QUANTITIES["drive_angle"].allows(drive) & QUANTITIES["trough_angle"].allows(trough)
         if np.count_nonzero(bad):
-            limit = f"less than 90 deg together with trough_angle = {_text(trough[bad].flat[0], 'rad')}"
-            problems.append(Problem("drive_angle", _text(drive[bad].flat[0], "rad"), limit))
+            limit = (
+                f"less than 90 deg together with trough_angle = {_text('trough_angle', trough[bad].flat[0])}"
+            )
+            problems.append(Problem("drive_angle", _text("drive_angle", drive[bad].flat[0]), limit))
         return problems
+
+
+_SI_DEFAULTS: Final = {name: QUANTITIES[name].to_si(value) for name, value in DEFAULTS.items()}

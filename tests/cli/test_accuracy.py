@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def rows(run: Run) -> dict[tuple[str, str], dict[str, str]]:
-    result = run("accuracy", "--scenes", "40", "-o", "trade")
+    result = run("accuracy", "--scenes", "12", "-o", "trade")
     assert result.exit_code == 0, result.stderr
     assert "Use vibro (exact" in result.stdout
     assert Path("trade.png").stat().st_size > 10_000

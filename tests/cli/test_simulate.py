@@ -11,6 +11,8 @@ from commands import NUT, Run, rows_of
 from made_records import EXAMPLES
 
 SCENE = EXAMPLES / "safety_nut.toml"
+# The cheapest picture, for tests that do not look at it.
+PLAIN = ("--panels", "velocity")
 
 
 def table_of(name: str) -> list[dict[str, str]]:
@@ -30,7 +32,7 @@ def test_the_phase_table_is_printed(run: Run) -> None:
 
 
 def test_the_files(run: Run) -> None:
-    assert run("simulate", SCENE, "-o", "nut", "--format", "svg", "-q").exit_code == 0
+    assert run("simulate", SCENE, *PLAIN, "-o", "nut", "--format", "svg", "-q").exit_code == 0
     rows = table_of("nut.csv")
     assert len(rows) == 3 * 200 + 1 + 6
     phases = table_of("nut-phases.csv")
@@ -45,14 +47,14 @@ def test_the_files(run: Run) -> None:
 
 
 def test_the_default_name_is_that_of_the_scene(run: Run) -> None:
-    run("simulate", SCENE, "--cycles", "1")
+    run("simulate", SCENE, *PLAIN, "--cycles", "1")
     assert Path("safety_nut-history.csv").exists()
-    run("simulate", *NUT, "--cycles", "1")
+    run("simulate", *NUT, *PLAIN, "--cycles", "1")
     assert Path("vibro-history.csv").exists()
 
 
 def test_json_holds_every_phase(run: Run) -> None:
-    result = run("simulate", SCENE, "--cycles", "30", "--json", "--panels", "velocity")
+    result = run("simulate", SCENE, *PLAIN, "--cycles", "30", "--json")
     answer = json.loads(result.stdout)
     assert len(answer["phases"]) == 61
     assert answer["phases"][1]["end_position_mm"] == pytest.approx(1.0842304, rel=1e-7)
@@ -60,7 +62,7 @@ def test_json_holds_every_phase(run: Run) -> None:
 
 
 def test_long_runs_print_the_first_phases(run: Run) -> None:
-    result = run("simulate", SCENE, "--cycles", "1000", "--samples-per-cycle", "0")
+    result = run("simulate", SCENE, "--cycles", "1000", "--samples-per-cycle", "0", *PLAIN)
     assert "... 1977 more phases" in result.stdout
     assert "1084.23 mm along the trough" in result.stdout
     rows = table_of("safety_nut-history.csv")
@@ -78,6 +80,7 @@ def test_a_duration_and_another_start(run: Run) -> None:
         "--start-velocity",
         "0.02m/s",
         "--json",
+        *PLAIN,
     )
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
@@ -90,7 +93,7 @@ def test_a_duration_and_another_start(run: Run) -> None:
 
 
 def test_a_resting_body(run: Run) -> None:
-    result = run("simulate", SCENE, "-A", "0.5")
+    result = run("simulate", SCENE, *PLAIN, "-A", "0.5")
     assert result.exit_code == 0
     assert result.stdout.endswith("the body rests\n")
 
@@ -104,7 +107,7 @@ def test_the_motion_goes_to_stdout(run: Run) -> None:
 
 
 def test_its_table_can_be_compared_with_the_scene(run: Run) -> None:
-    assert run("simulate", SCENE, "--cycles", "8", "-o", "own", "-q").exit_code == 0
+    assert run("simulate", SCENE, *PLAIN, "--cycles", "8", "-o", "own", "-q").exit_code == 0
     result = run("compare", SCENE, "own.csv", "--json")
     assert result.exit_code == 0, result.stderr
     answer = json.loads(result.stdout)
@@ -145,18 +148,18 @@ def test_wrong_input_ends_with_code_2(run: Run, args: tuple[str, ...], said: str
 
 
 def test_existing_files_are_kept(run: Run) -> None:
-    assert run("simulate", SCENE, "-o", "a").exit_code == 0
+    assert run("simulate", SCENE, *PLAIN, "-o", "a").exit_code == 0
     before = Path("a.csv").read_bytes()
     result = run("simulate", SCENE, "-A", "2", "-o", "a")
     assert result.exit_code == 1
     assert "--force" in result.stderr
     assert Path("a.csv").read_bytes() == before
-    assert run("simulate", SCENE, "-A", "2", "-o", "a", "--force").exit_code == 0
+    assert run("simulate", SCENE, *PLAIN, "-A", "2", "-o", "a", "--force").exit_code == 0
     assert Path("a.csv").read_bytes() != before
 
 
 def test_numbers_read_back_as_the_same_doubles(run: Run) -> None:
-    run("simulate", SCENE, "--cycles", "1", "-o", "a", "--decimal-comma", "--excel")
+    run("simulate", SCENE, *PLAIN, "--cycles", "1", "-o", "a", "--decimal-comma", "--excel")
     text = Path("a.csv").read_text(encoding="utf-8")
     assert text.startswith("\ufefftime_s;trough_phase_deg;phase;")
     import vibro

@@ -1,39 +1,20 @@
-"""Scene files, and output files that appear whole or not at all."""
+"""Output files appear whole or not at all."""
 
 from __future__ import annotations
 
 import errno
 import os
+import signal
 import subprocess
 import sys
 import textwrap
 from pathlib import Path
+from types import FrameType
 
 import pytest
 
-from vibro.errors import FileError, InputError
-from vibro.files.outputs import OutputSet, output_stem, read_scene_file, suffixed
-
-SCENE = """
-[scene]
-amplitude_mm = 3.97
-frequency_hz = 15
-drive_angle_deg = 20.0
-static_friction = 0.74
-friction_ratio = 0.77
-trough_length_mm = 600
-
-[map]
-amplitude_mm = "0.1:3:30"
-frequency_hz = [10, 20.5]
-static_friction = 0.5
-"""
-
-
-def written(folder: Path, text: str | bytes, name: str = "nut.toml") -> Path:
-    path = folder / name
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return path
+from vibro.errors import FileError
+from vibro.files.outputs import OutputSet, output_stem, suffixed
 
 
 def put(target: Path, text: str = "new", *, force: bool = False, error: BaseException | None = None) -> None:
@@ -42,108 +23,6 @@ def put(target: Path, text: str = "new", *, force: bool = False, error: BaseExce
         output[target].write_text(text, encoding="utf-8")
         if error:
             raise error
-
-
-def test_a_scene_file_is_read_exactly(tmp_path: Path) -> None:
-    file = read_scene_file(written(tmp_path, SCENE))
-    assert file.name == "nut"
-    assert {name: spec.value for name, spec in file.scene.items()} == {
-        "amplitude": 3.97,
-        "frequency": 15.0,
-        "drive_angle": 20.0,
-        "static_friction": 0.74,
-        "friction_ratio": 0.77,
-        "trough_length": 600.0,
-    }
-    assert list(file.sweep["amplitude"].axis(7).values) == [i / 10 for i in range(1, 31)]
-    assert list(file.sweep["frequency"].axis(7).values) == [10.0, 20.5]
-    assert file.sweep["static_friction"].value == 0.5
-
-
-def test_a_list_of_two_in_a_scene_file_is_no_decimal_comma(tmp_path: Path) -> None:
-    file = read_scene_file(written(tmp_path, "[map]\ndrive_angle_deg = [0, 20]\n"))
-    assert list(file.sweep["drive_angle"].axis(7).values) == [0.0, 20.0]
-
-
-@pytest.mark.parametrize(
-    "text", [b"\xef\xbb\xbf[scene]\r\namplitude_mm = 1\r\n", b"[scene]\namplitude_mm = 1 # \xc2\xb5"]
-)
-def test_files_from_windows_are_read(tmp_path: Path, text: bytes) -> None:
-    assert read_scene_file(written(tmp_path, text)).scene["amplitude"].value == 1
-
-
-@pytest.mark.parametrize(
-    ("text", "problem", "hint"),
-    [
-        ("[scene]\namplitude = 1", "[scene] unknown key 'amplitude'; did you mean 'amplitude_mm'?", ""),
-        ("[scene]\nxyzzy = 1", "[scene] unknown key 'xyzzy'; known are amplitude_mm, stroke_mm, ", ""),
-        ("[scenes]\namplitude_mm = 1", "unknown table 'scenes'; did you mean 'scene'?", ""),
-        ("amplitude_mm = 1", "unknown key 'amplitude_mm'", "keys belong in the table [scene] or [map]"),
-        ("scene = 1", "scene must be a table, written [scene]", ""),
-        (
-            '[scene]\namplitude_mm = "1"',
-            "[scene] amplitude_mm = '1': must be a number, without quotes",
-            "write amplitude_mm = 1.5",
-        ),
-        (
-            '[scene]\namplitude_mm = "1:2"',
-            "must be a number, without quotes",
-            "axes belong in the table [map]",
-        ),
-        ("[scene]\namplitude_mm = true", "must be a number", "write amplitude_mm = 1.5"),
-        ("[scene]\namplitude_mm = [1, 2]", "must be a number", "write amplitude_mm = 1.5"),
-        ("[scene]\namplitude_mm = nan", "[scene] amplitude = nan: must be a finite number", ""),
-        ("[map]\namplitude_mm = {a = 1}", "must be an axis", 'write it like "0.1:3:200" or [10, 20, 30]'),
-        ("[map]\namplitude_mm = []", "must be an axis", 'write it like "0.1:3:200"'),
-        ("[map]\namplitude_mm = [1, true]", "must be an axis", 'write it like "0.1:3:200"'),
-        ('[map]\namplitude_mm = "3:1"', "does not ascend", "write 1:3"),
-        (
-            '[map]\ntrough_length_mm = "1:3"',
-            "trough length cannot be an axis",
-            "give trough_length_mm one value",
-        ),
-        (
-            "[scene]\nstatic_friction = 0,74",
-            "not valid TOML",
-            "write a decimal point: static_friction = 0.74",
-        ),
-        ("[scene\n", "not valid TOML", ""),
-        ("[scene]\na = 1\na = 2", "not valid TOML", ""),
-        ("a = " + 5000 * "[", "not valid TOML", ""),
-    ],
-)
-def test_what_is_wrong_in_a_scene_file_is_named(tmp_path: Path, text: str, problem: str, hint: str) -> None:
-    path = written(tmp_path, text)
-    with pytest.raises(InputError) as caught:
-        read_scene_file(path)
-    assert str(caught.value).startswith(f"{path}: ")
-    assert problem in str(caught.value)
-    assert caught.value.hint.startswith(hint)
-    assert bool(caught.value.hint) == bool(hint)
-
-
-def test_everything_wrong_in_a_scene_file_is_named_at_once(tmp_path: Path) -> None:
-    path = written(tmp_path, '[scene]\namplitude = 1\nfrequency_hz = "x"\n[map]\ndrive_angle_deg = "9:1"\n')
-    with pytest.raises(InputError) as caught:
-        read_scene_file(path)
-    assert len(caught.value.problems) == 3
-
-
-def test_a_scene_file_that_is_not_text(tmp_path: Path) -> None:
-    path = written(tmp_path, "[scene]".encode("utf-16"))
-    with pytest.raises(InputError, match="not a text file in UTF-8"):
-        read_scene_file(path)
-
-
-def test_a_scene_file_that_is_not_there(tmp_path: Path) -> None:
-    written(tmp_path, SCENE, "safety_nut.toml")
-    with pytest.raises(FileError, match="cannot read") as caught:
-        read_scene_file(tmp_path / "safty_nut.toml")
-    assert caught.value.hint == f"did you mean {tmp_path / 'safety_nut.toml'}?"
-    with pytest.raises(FileError, match="cannot read"):
-        read_scene_file(tmp_path)
-    with pytest.raises(FileError, match="cannot read"):
-        read_scene_file(tmp_path / "no folder" / "nut.toml")
 
 
 def test_suffixes_are_appended_whatever_dots_the_stem_has(tmp_path: Path) -> None:
@@ -181,6 +60,39 @@ def test_a_run_that_ends_early_keeps_what_was_there(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
+class SignalledError(Exception):
+    """What this test's handler makes of a signal."""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+def test_a_signal_between_two_renames_does_not_leave_half_a_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    def stop(_: int, __: FrameType | None) -> None:
+        raise SignalledError
+
+    replace, renamed = Path.replace, list[str]()
+
+    def replace_and_signal(path: Path, target: Path) -> Path:
+        result = replace(path, target)
+        renamed.append(target.name)
+        signal.raise_signal(number)
+        return result
+
+    monkeypatch.setattr(Path, "replace", replace_and_signal)
+    targets = [tmp_path / name for name in ("x.csv", "x.png", "x.json")]
+    before = signal.signal(number, stop)
+    try:
+        with OutputSet(targets, force=False) as output:
+            for target in targets:
+                output[target].write_text("new", encoding="utf-8")
+        assert signal.getsignal(number) is stop
+    finally:
+        signal.signal(number, before)
+    assert renamed == ["x.csv", "x.png", "x.json"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(renamed)
+
+
 def test_existing_files_are_replaced_only_by_force(tmp_path: Path) -> None:
     target = tmp_path / "x.csv"
     target.write_text("old", encoding="utf-8")
@@ -202,7 +114,7 @@ def test_a_folder_in_the_way_of_a_file(tmp_path: Path) -> None:
 
 
 def test_a_file_in_the_way_of_a_folder(tmp_path: Path) -> None:
-    written(tmp_path, "", "out")
+    (tmp_path / "out").write_text("", encoding="utf-8")
     for folder in (tmp_path / "out", tmp_path / "out" / "deeper"):
         with pytest.raises(FileError, match="cannot use the folder") as caught:
             put(folder / "x.csv")

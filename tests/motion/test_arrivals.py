@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import Groups, at_load, contact_groups, deterministic, random_scenes, replaced, scene_with
+from scenes import Groups, at_load, contact_groups, random_scenes, replaced, scene_with
 
 import vibro
 from vibro import SceneError, Status
@@ -68,7 +68,6 @@ def test_the_length_broadcasts_against_the_scene() -> None:
     assert vibro.arrival_time(scene_with(amplitude=np.ones((0, 3))), 0.1).shape == (0, 3)
 
 
-@deterministic
 @given(contact_groups(), st.floats(0.01, 30.0))
 def test_a_body_is_there_on_arrival_and_never_was_before(groups: Groups, reach: float) -> None:
     scene = at_load(*groups)
@@ -84,7 +83,7 @@ def test_a_body_is_there_on_arrival_and_never_was_before(groups: Groups, reach: 
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6])
-@pytest.mark.parametrize("reach", [0.05, 3.0, 7.77, 40.0])
+@pytest.mark.parametrize("reach", [0.05, 3.0, 17.77])
 def test_hopping_bodies_too(restitution: float, reach: float) -> None:
     throws = np.array([1.05, 1.4, 1.9, 2.4, 2.9])
     scene = replaced(
@@ -142,7 +141,8 @@ def test_the_steady_figure_is_the_limit_for_long_troughs() -> None:
     forward = cycle.displacement_per_cycle > 1e-3 * scene.amplitude
     length = np.where(forward, 1e5 * cycle.displacement_per_cycle, 1.0)
     exact = np.where(forward, vibro.arrival_time(scene, length), 0.0)
-    # what the start brings or costs does not grow with the length; with a slow advance it may be many cycles
+    # the start gains or loses a distance that does not grow with the length; at a slow advance it takes many
+    # cycles
     ahead = cycle.mean_velocity[forward] * (cycle.traverse_time(length) - exact)[forward]
     assert (np.abs(ahead) < 200.0 * scene.amplitude[forward]).all()
 

@@ -1,4 +1,4 @@
-"""Exact histories beside motion that SciPy integrates, from rest and from a push, in contact and hopping."""
+"""Exact histories compared with motion integrated by SciPy: from rest, pushed, in contact and hopping."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from integrated import LEAST_BOUNCE, TURN, Body
-from scenes import Groups, at_load, contact_groups, deterministic, replaced
+from scenes import Groups, at_load, contact_groups, replaced
 
 import vibro
 
@@ -45,7 +45,7 @@ def test_positions_and_velocities_are_those_of_the_integrated_motion(
     a, w = _units(scene)
     history = vibro.simulate(scene, cycles=6, start_phase=phase, start_velocity=velocity * a * w)
     body = Body(groups, restitution, phase=phase, velocity=velocity)
-    # what a bounce left out by the integration would have flown shifts all that follows
+    # the integration leaves out the smallest bounces, whose flights would shift everything after them
     tolerance = 1e-9 if restitution == 0.0 else 100.0 * LEAST_BOUNCE
     for since in np.arange(0.37, 6.0 * TURN, 0.81):
         body.until(phase + since)
@@ -59,14 +59,14 @@ def test_positions_and_velocities_are_those_of_the_integrated_motion(
 def _late(
     groups: Groups, restitution: float = 0.0
 ) -> tuple[vibro.History, list[vibro.motion.histories.Phase]]:
-    """Return a history and the last phases that it holds whole."""
+    """Return a history and its last complete phases."""
     scene = _scene(groups, restitution)
     history = vibro.simulate(scene, cycles=12)
     last = [p for p in history.phases if p.start >= history.end - 2.0 / float(scene.frequency)]
     return history, last[:-1]
 
 
-@settings(deterministic, max_examples=40)
+@settings(max_examples=40)
 @given(contact_groups())
 def test_friction_keeps_inside_its_cone_and_takes_what_the_drive_gives(groups: Groups) -> None:
     history, phases = _late(groups)
@@ -97,7 +97,7 @@ def test_friction_keeps_inside_its_cone_and_takes_what_the_drive_gives(groups: G
 def test_impacts_and_friction_take_what_the_drive_gives(load: float, restitution: float) -> None:
     history, phases = _late(Groups(load, 30.0, 0.5, 0.4), restitution)
     nodes, weights = np.polynomial.legendre.leggauss(24)
-    for phase, behind in pairwise(phases):
+    for phase, following in pairwise(phases):
         half = 0.5 * (phase.end - phase.start)
         at = history.sample(phase.start + half * (1.0 + nodes))
         work = half * (weights * (at.inertial + at.friction) * at.velocity).sum()
@@ -106,14 +106,14 @@ def test_impacts_and_friction_take_what_the_drive_gives(load: float, restitution
         if phase.kind == "H":
             assert (at.friction == 0.0).all()
             assert (at.gap >= 0.0).all()
-            # friction under the impact brakes by mu_d times its normal impulse, and never turns the body
-            change = behind.start_velocity - phase.end_velocity
+            # friction under the impact brakes by mu_d times its normal impulse, and never reverses the body
+            change = following.start_velocity - phase.end_velocity
             most = 0.4 * (1.0 + restitution) * phase.impact_velocity
             assert abs(change) <= most * (1.0 + 1e-6) + 1e-9
             assert change * phase.end_velocity <= 0.0
-            assert behind.start_velocity * phase.end_velocity >= 0.0
+            assert following.start_velocity * phase.end_velocity >= 0.0
         else:
-            assert behind.start_velocity == pytest.approx(phase.end_velocity, abs=1e-12)
+            assert following.start_velocity == pytest.approx(phase.end_velocity, abs=1e-12)
 
 
 def test_of_two_coexisting_cycles_a_push_reaches_the_other() -> None:
@@ -121,7 +121,7 @@ def test_of_two_coexisting_cycles_a_push_reaches_the_other() -> None:
     groups = Groups(1.49149, math.degrees(0.7034), 0.457783, 0.0429106)
     scene = at_load(*groups)
     a, w = _units(scene)
-    assert vibro.solve(scene).coexists
+    assert vibro.solve(scene).coexists == 1
     rates = []
     for velocity in (0.0, -0.3, 0.3, 1.0):
         history = vibro.simulate(scene, cycles=3000, start_velocity=velocity * a * w)
@@ -139,11 +139,11 @@ def test_of_two_coexisting_hopping_cycles_a_push_reaches_the_other() -> None:
     )
     scenes = at_load(throw / np.sin(np.radians(drive)), drive, mu_s, 0.05 * mu_s)
     cycles = vibro.solve(scenes)
-    i = int(np.flatnonzero(cycles.coexists)[0])
+    i = int(np.flatnonzero(cycles.coexists == 1)[0])
     scene = at_load(throw[i] / math.sin(math.radians(drive[i])), drive[i], mu_s[i], 0.05 * mu_s[i])
     a, w = _units(scene)
-    pushes = np.linspace(-1.5, 1.5, 13) * a * w
-    rates = [vibro.simulate(scene, cycles=3000, start_velocity=v).cycle_displacement for v in pushes]
+    pushes = np.linspace(-1.5, 1.5, 7) * a * w
+    rates = [vibro.simulate(scene, cycles=1000, start_velocity=v).cycle_displacement for v in pushes]
     from_rest = cycles.displacement_per_cycle[i]
     apart = np.abs(np.array(rates) - from_rest) / a
     assert apart.min() < 1e-9

@@ -9,7 +9,8 @@ import pytest
 from made_records import FREQUENCY, PERIOD, nut
 
 import vibro
-from vibro.motion.trace import PHASE_NAMES, motion_table, phase_table, trace
+from vibro.core.codes import PHASE_NAMES
+from vibro.motion.trace import motion_table, phase_table, trace
 
 
 @pytest.fixture
@@ -34,7 +35,7 @@ def test_events_alone(history: vibro.History) -> None:
     assert rows.time.tolist() == [*(p.start for p in history.phases), history.end]
 
 
-def test_a_row_at_an_event_is_the_one_behind_it(history: vibro.History) -> None:
+def test_a_row_at_an_event_is_the_one_after_it(history: vibro.History) -> None:
     slide = history.phases[1]
     rows = trace(history, until=PERIOD, samples_per_cycle=40)
     (at,) = np.flatnonzero(rows.time == slide.start)
@@ -43,13 +44,13 @@ def test_a_row_at_an_event_is_the_one_behind_it(history: vibro.History) -> None:
     assert rows.acceleration[at] == 0.0
 
 
-def test_both_sides_of_an_event_stand_behind_each_other(history: vibro.History) -> None:
+def test_both_sides_of_an_event_follow_each_other(history: vibro.History) -> None:
     rows = trace(history, until=history.end, samples_per_cycle=40, both_sides=True)
     assert (np.diff(rows.time) >= 0.0).all()
     slide = history.phases[1]
-    before, behind = np.flatnonzero(rows.time == slide.start)
-    assert behind == before + 1
-    assert rows.acceleration[before] == 0.0 < rows.acceleration[behind]
+    before, after = np.flatnonzero(rows.time == slide.start)
+    assert after == before + 1
+    assert rows.acceleration[before] == 0.0 < rows.acceleration[after]
     assert abs(rows.friction[before]) == pytest.approx(rows.static_limit[before], rel=1e-12)
     np.testing.assert_allclose(rows.acceleration, rows.inertial + rows.friction, atol=1e-12)
 

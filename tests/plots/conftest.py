@@ -8,7 +8,7 @@ import pytest
 from drawn import OWN, sweep
 
 from vibro.plots import map_figures
-from vibro.sweeps.run import SweepResult
+from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -36,7 +36,7 @@ def test_every_map_has_its_own_curves(facets: dict[str, Figure]) -> None:
 
 
 def test_one_colour_scale_and_one_legend(facets: dict[str, Figure]) -> None:
-    scales = {(m.norm.vmin, m.norm.vmax) for a in maps_of(facets["speed"]) for m in a.collections}
+    scales = {(i.norm.vmin, i.norm.vmax) for a in maps_of(facets["speed"]) for i in a.images}
     assert len(scales) == 1
     assert {style.label for style in CURVES.values()} <= set(legend(facets["speed"]))
     assert {regime.label for regime in REGIME_COLOURS} <= set(legend(facets["regime"]))

@@ -9,7 +9,7 @@ import pytest
 from drawn import OWN, curve, legend, only_map, said, sweep
 
 from vibro.plots import map_figures
-from vibro.sweeps.run import SweepResult
+from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

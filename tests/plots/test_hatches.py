@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgba
 from vibro import Status
 from vibro.plots import map_figures
 from vibro.plots.style import AVERAGED_LABEL, NO_ANSWER_HATCH
-from vibro.sweeps.run import SweepResult
+from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -74,13 +74,13 @@ def test_every_status_without_an_answer_has_a_hatch() -> None:
 
 def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
     result = sweep(amplitude="0.1:3", drive_angle="5:60", static_friction=0.4, kinetic_friction=0.02)
-    assert result.cycle.coexists.any()
+    assert (result.cycle.coexists == 1).any()
     for figure in map_figures(result).values():
         found = patch(only_map(figure), "two steady cycles")
         assert found is not None
         assert found.get_hatch() == "..."
         assert to_rgba(found.get_facecolor())[3] == 0
-        columns, rows = np.nonzero(result.cycle.coexists)
+        columns, rows = np.nonzero(result.cycle.coexists == 1)
         amplitude, angle = (axis.values for axis in result.axes.values())
         points = np.column_stack([amplitude[columns], angle[rows]])
         assert found.get_path().contains_points(points).mean() > 0.98  # those on its edge are cut in half
@@ -102,6 +102,6 @@ def test_means_of_irregular_motion_are_marked_where_they_can_be_seen(nut: SweepR
 
 
 def test_no_hatch_without_a_reason(climb_pictures: dict[str, Figure], climb: SweepResult) -> None:
-    assert not climb.cycle.coexists.any()
+    assert not (climb.cycle.coexists == 1).any()
     axes = only_map(climb_pictures["regime"])
     assert [p for p in axes.patches if p.get_hatch()] == []

@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgb
 
 from vibro.plots import map_figures
 from vibro.plots.style import REGIME_COLOURS
-from vibro.sweeps.run import SweepResult
+from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

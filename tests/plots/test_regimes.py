@@ -25,12 +25,12 @@ from drawn import (
 from matplotlib.colors import to_rgb
 from matplotlib.path import Path as Outline
 
-from vibro import Regime, Scene, Status, solve
-from vibro.core.contact.limits import critical_loads
+from vibro import Regime, Scene, Status, critical_loads, solve
+from vibro.core.codes import is_answered
 from vibro.plots import choose_view, map_figures
 from vibro.plots.style import CURVES, REGIME_COLOURS
-from vibro.quantities import to_si
-from vibro.sweeps.run import SweepResult
+from vibro.quantities import scene_fields
+from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -108,18 +108,13 @@ def test_colours_agree_with_the_solver_anywhere(changes: dict[str, Any]) -> None
     view = choose_view(result.axes)
     assert view.y is not None
     values: dict[str, Any] = {**result.fixed, view.x.name: x, view.y.name: y}
-    if "friction_ratio" in values:
-        values["kinetic_friction"] = values.pop("friction_ratio") * values["static_friction"]
-    limits = critical_loads(*(
-        to_si(name, values[name])
-        for name in ("drive_angle", "static_friction", "kinetic_friction", "trough_angle")
-    ))  # fmt: skip
-    cycle = solve(Scene(**{name: to_si(name, value) for name, value in values.items()}))
+    scene = Scene(**scene_fields(values))
+    limits, cycle = critical_loads(scene), solve(scene)
     load = values["amplitude"] * 1e-3 * (2 * math.pi * values["frequency"]) ** 2 / GRAVITY
     near = np.zeros(x.shape, bool)  # linear interpolation between the grid's points may be this far off
     for name in ("forward_onset", "back_slip", "hop"):
         near |= np.abs(load / getattr(limits, name) - 1) < 2e-3
-    answered = cycle.status <= Status.BOUNDARY
+    answered = is_answered(cycle.status)
     checked = ~near & (answered | (cycle.status == Status.FLIGHT_NOT_MODELLED))
     assert checked.mean() > 0.6
     np.testing.assert_array_equal(drawn_regime(axes, x, y)[checked], cycle.regime[checked])
@@ -135,7 +130,16 @@ def test_regions_too_small_for_words_are_in_the_legend() -> None:
 def test_curves_end_where_another_class_rules(climb_pictures: dict[str, Figure]) -> None:
     axes = only_map(climb_pictures["regime"])
     amplitude, angle = curve(axes, "forward_onset").T
-    limits = critical_loads(math.radians(20), 0.74, 0.57, np.radians(angle))
+    limits = critical_loads(
+        Scene(
+            amplitude=1e-3,
+            frequency=15,
+            drive_angle=math.radians(20),
+            static_friction=0.74,
+            kinetic_friction=0.57,
+            trough_angle=np.radians(angle),
+        )
+    )
     load = amplitude * 1e-3 * (2 * math.pi * 15) ** 2 / GRAVITY
     np.testing.assert_allclose(load, limits.forward_onset, rtol=1e-3)
     assert (load <= limits.back_slip * 1.001).all()

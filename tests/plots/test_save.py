@@ -62,7 +62,8 @@ def test_no_window_is_asked_for() -> None:
     code = (
         "import sys, numpy as np\n"
         "from vibro.axes import Axis\n"
-        "from vibro.sweeps.run import Grid, sweep_picture\n"
+        "from vibro.sweeps.grid import Grid\n"
+        "from vibro.sweeps.run import sweep_picture\n"
         "from vibro.plots import map_figures\n"
         "axes = {'amplitude': Axis('amplitude', np.linspace(.1, 3, 5), 'linear')}\n"
         "fixed = dict(frequency=15., drive_angle=20., static_friction=.74, kinetic_friction=.57,\n"

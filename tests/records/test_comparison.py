@@ -1,4 +1,4 @@
-"""Records of other solvers beside the exact motion: alignment, figures, misfits and warnings."""
+"""Records made by other solvers, compared with the exact motion: alignment, figures, misfits and warnings."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_the_settled_motion_is_that_of_another_solver(amplitude: float) -> None:
 
 
 def test_a_settled_flight_repeats_itself_over_trough_time() -> None:
-    """At K = 1.24 the nut hops once a cycle; each cycle of the model starts with the flight."""
+    """At K = 1.24 the nut hops once per cycle; each cycle of the model starts with the flight."""
     motion, cycle = settled_motion(nut(4.0)), vibro.solve(nut(4.0))
     assert motion.pattern == "HFB"
     assert [phase.kind for phase in motion.phases] == list("HFB")
@@ -92,7 +92,7 @@ def test_a_settled_flight_repeats_itself_over_trough_time() -> None:
 
 
 def test_flights_can_be_compared_too() -> None:
-    """With data of the model itself: signals, alignment and figures fit each other, nothing more."""
+    """With data of the model itself, which only shows that signals, alignment and figures agree."""
     motion = settled_motion(nut(4.0))
     time = np.arange(401) / 600.0
     sample = motion.sample(time + 0.02)
@@ -197,6 +197,15 @@ def test_the_trigger_time_of_smoothed_data_is_found_within_its_error(signals: tu
     assert alignment.error < 2e-3
 
 
+@pytest.mark.parametrize("signal", ["acceleration", "friction"])
+def test_jumps_alone_are_placed_no_better_than_a_sample(signal: str) -> None:
+    """A jump lies anywhere between two samples: its standard error is that of an even distribution."""
+    observation = Walked(nut()).observe(signal, noise=0.01, trigger=0.02)
+    anywhere = np.linspace(0.0, observation.sample_time, 10_001)
+    alignment = align(observation, settled_motion(nut()))
+    assert alignment.error == pytest.approx(float(np.std(anywhere)), rel=0.01)
+
+
 def test_searches_use_the_middle_of_a_long_record() -> None:
     observation = Walked(nut()).observe("velocity", cycles=250, trigger=0.02)
     part = observation.middle
@@ -206,7 +215,7 @@ def test_searches_use_the_middle_of_a_long_record() -> None:
     assert align(observation, settled_motion(nut())).shift == pytest.approx(0.02, abs=5e-5)
     short = Walked(nut()).observe("velocity")
     assert short.middle is short
-    # A quick sensor: rows of at least four cycles.
+    # A fast sensor: the part covers at least four cycles.
     time = np.arange(100_000) / 50_000.0
     quick = Observation(time, {"velocity": Walked(nut()).velocity(time)}, FREQUENCY)
     assert float(np.ptp(quick.middle.time)) == pytest.approx(4 * PERIOD, rel=1e-3)
@@ -236,7 +245,7 @@ def test_measured_figures_of_exact_data_are_the_computed_ones(amplitude: float) 
     found = rows(comparison)
     for key in ("stroke_advance", "mean_speed", "drift"):
         assert abs(found[key].measured.value - found[key].computed) < 4.0 * found[key].measured.error
-    # Folded speeds round their corners: 18 harmonics of 600 samples a second.
+    # 18 harmonics, from 600 samples per second, round the corners of the speed.
     assert found["peak_speed"].measured.value == pytest.approx(found["peak_speed"].computed, rel=0.01)
     slips = [row for key, row in found.items() if "_slip_" in key]
     assert len(slips) == 2 * len(comparison.motion.slides)
@@ -260,7 +269,7 @@ def test_figures_of_the_smoothed_study() -> None:
     assert found["forward_slip_end"].measured.value < found["forward_slip_end"].computed
     assert abs(found["rest_speed"].measured.value) < 3.0 * found["rest_speed"].measured.error
     assert found["rms_velocity"].measured.value == pytest.approx(2.9e-3, rel=0.05)
-    # Without the trend, whose 12 % are told above, little is left.
+    # Most of the difference is in the trend: the 12 % above.
     assert (
         found["rms_displacement_without_trend"].measured.value
         < 0.05 * found["rms_displacement"].measured.value
@@ -310,7 +319,27 @@ def test_signals_and_curves_are_on_one_clock() -> None:
     assert comparison.computed["displacement"].mean() == pytest.approx(measured.mean())
 
 
+def test_errors_of_starts_and_ends_are_those_of_repeated_noise() -> None:
+    """A noisy speed passes the level early or late by its error over its slope."""
+    walked = Walked(nut())
+    comparisons = [compare(nut(), walked.observe("velocity", cycles=4, seed=seed)) for seed in range(10)]
+    for key in ("forward_slip_start", "forward_slip_end"):
+        found = [rows(comparison)[key].measured for comparison in comparisons]
+        scatter = float(np.std([estimate.value for estimate in found], ddof=1))
+        told = float(np.median([estimate.error for estimate in found]))
+        assert 0.5 * scatter < told < 2.0 * scatter, key
+
+
 # --- warnings --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("off", "noticed"), [(-0.1, True), (-0.02, False), (0.02, False), (0.1, True)])
+def test_a_frequency_is_wrong_when_drive_and_data_part_within_the_record(off: float, noticed: bool) -> None:
+    """Over 20 cycles, 0.1 Hz are an eighth of a cycle, and 0.02 Hz a fortieth."""
+    observation = Walked(nut()).observe("velocity")
+    other = Observation(observation.time, observation.signals, FREQUENCY + off)
+    warnings = compare(nut(frequency=FREQUENCY + off), other).warnings
+    assert any("the data repeat at" in text for text in warnings) == noticed
 
 
 def test_data_of_another_frequency_are_noticed() -> None:

@@ -83,7 +83,13 @@ def test_encodings(tmp_path: Path, encoding: str, note: str | None) -> None:
         ("s", "time", 1.0),
         ("sec", "time", 1.0),
         ("ms", "time", 1e-3),
+        ("us", "time", 1e-6),
         ("\u00b5s", "time", 1e-6),
+        ("min", "time", 60.0),
+        ("m", "displacement", 1.0),
+        ("cm", "displacement", 1e-2),
+        ("mm", "displacement", 1e-3),
+        ("um", "displacement", 1e-6),
         ("\u03bcm", "displacement", 1e-6),
         ("MM", "displacement", 1e-3),
         ("in", "displacement", 0.0254),
@@ -95,7 +101,9 @@ def test_encodings(tmp_path: Path, encoding: str, note: str | None) -> None:
         ("m_s2", "acceleration", 1.0),
         ("g", "acceleration", 9.80665),
         ("newton", "force", 1.0),
+        ("N", "force", 1.0),
         ("mN", "force", 1e-3),
+        ("kN", "force", 1e3),
     ],
 )
 def test_spellings_of_units(text: str, kind: str, size: float) -> None:
@@ -120,6 +128,11 @@ def test_the_unit_may_come_from_the_option(tmp_path: Path) -> None:
     record = read(tmp_path, content, time="t [ms]", velocity="v [mm/s]")
     np.testing.assert_allclose(record.time, [0.0, 0.01, 0.02])
     np.testing.assert_allclose(record.signals["velocity"], [1e-3, 2e-3, 3e-3])
+
+
+def test_a_long_record_may_count_minutes(tmp_path: Path) -> None:
+    record = read(tmp_path, ["t [min],x [mm]", "0,1", "0.5,2", "1,3"])
+    np.testing.assert_array_equal(record.time, [0.0, 30.0, 60.0])
 
 
 def test_preamble_and_row_of_units(tmp_path: Path) -> None:
@@ -235,7 +248,7 @@ def test_repeated_and_unsorted_times(tmp_path: Path, order: list[int], said: str
 def test_a_gap_is_named(tmp_path: Path) -> None:
     times = [0.0, 1.0, 2.0, 6.0, 7.0, 8.0, 12.0]
     error = refusal(tmp_path, ["t [s],X [mm]", *(f"{t},0" for t in times)])
-    assert "row 5, column 't [s]': time leaps to 6 s after 2 s, usual steps are 1 s; 1 more such rows" in str(
+    assert "row 5, column 't [s]': time jumps to 6 s after 2 s, usual steps are 1 s; 1 more such rows" in str(
         error
     )
 

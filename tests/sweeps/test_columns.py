@@ -7,6 +7,7 @@ import io
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,15 +15,20 @@ from hypothesis import strategies as st
 import vibro
 from vibro.axes import parse_axis
 from vibro.core.codes import Status
+from vibro.files import tables
+from vibro.files.tables import CsvFormat
 from vibro.quantities import QUANTITIES
-from vibro.sweeps import columns as tables
-from vibro.sweeps.columns import COLUMNS, STROKES, CsvFormat, columns_with, record, to_frame
-from vibro.sweeps.run import Block, Grid, sweep_blocks
+from vibro.results.sweep import Block
+from vibro.sweeps.columns import WITH_STROKES, columns_of, record, to_frame
+from vibro.sweeps.grid import Grid
+from vibro.sweeps.run import sweep_blocks
+
+COLUMNS = columns_of()
 
 HEADER = (
     "amplitude_mm,frequency_hz,drive_angle_deg,static_friction,kinetic_friction,trough_angle_deg,regime,pattern,"
     "mean_velocity_mm_s,displacement_per_cycle_mm,peak_velocity_mm_s,traverse_time_s,throw_number,forward_ratio,"
-    "back_ratio,flight_fraction,impact_speed_mm_s,period_cycles,model,status"
+    "back_ratio,flight_fraction,impact_speed_mm_s,period_cycles,mean_velocity_error_mm_s,coexists,model,status"
 )
 
 
@@ -60,7 +66,7 @@ def floats(texts: list[str]) -> list[float]:
 
 def test_the_columns_are_the_documented_ones() -> None:
     assert CsvFormat().header(COLUMNS) == HEADER + "\n"
-    names = [column.name for column in columns_with(STROKES)]
+    names = [column.name for column in columns_of((), WITH_STROKES)]
     assert names[-3:] == ["strokes", "model", "status"]
 
 
@@ -139,9 +145,9 @@ def test_large_tables_are_written_faster_but_not_otherwise(
     block = one_block(600.0, **texts)
     plain = form.rows(COLUMNS, block)
     assert tables._arrow() is not None
-    monkeypatch.setattr("vibro.sweeps.columns._WORTH_ARROW", 1)
+    monkeypatch.setattr("vibro.files.tables._WORTH_ARROW", 1)
     assert form.rows(COLUMNS, block) == plain
-    monkeypatch.setattr("vibro.sweeps.columns._arrow", lambda: None)
+    monkeypatch.setattr("vibro.files.tables._arrow", lambda: None)
     assert form.rows(COLUMNS, block) == plain
 
 
@@ -173,7 +179,7 @@ def test_record_frame_and_csv_agree(length: float | None) -> None:
     for i in range(len(frame)):
         for name, value in record(COLUMNS, block, i).items():
             if value is None:
-                assert math.isnan(frame[name].iloc[i])
+                assert pd.isna(frame[name].iloc[i])
                 assert table[name][i] == ""
             else:
                 assert frame[name].iloc[i] == value

@@ -1,1 +1,1 @@
-"""Speed against accuracy, measured: other ways to solve the same scenes, and a reference beside them."""
+"""Speed against accuracy, measured: other methods on the same scenes, and a reference."""

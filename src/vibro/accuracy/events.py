@@ -1,4 +1,4 @@
-"""Event-driven simulation: an ODE solver for each slide, an event where it ends."""
+"""Event-driven simulation: an ODE solver integrates each slide, and an event ends it."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 __all__ = ["simulate_by_events"]
 
 _TURN: Final = 2.0 * math.pi
-_LONGEST_SLIDE: Final = 2.0 * _TURN  # [rad] a steady cycle has none that lasts longer than a turn
+_LONGEST_SLIDE: Final = 2.0 * _TURN  # [rad] no slide of a steady cycle lasts longer than one turn
 _MOST_SLIDES: Final = 2000
-_SETTLED: Final = 10.0  # [rtol] change of a slide's start from cycle to cycle that counts as none
+_SETTLED: Final = 10.0  # [rtol] smaller changes of a slide's start from cycle to cycle count as none
 
 
 def simulate_by_events(
@@ -28,8 +28,8 @@ def simulate_by_events(
     """Simulate from rest until the motion repeats.
 
     The body starts from rest where the load reaches static friction, known in closed form; ``solve_ivp``
-    integrates the slide and stops at the event that its speed falls to zero. Then it rests, or the load
-    drives it the other way at once.
+    integrates the slide and stops when the speed falls to zero. Then the body rests, or the load drives it
+    the other way at once.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def simulate_by_events(
     Returns
     -------
     Found
-        NaN if the motion does not repeat, or a slide does not end.
+        NaN if the motion does not repeat or a slide does not end.
     """
     onsets = dict(zip("FB", motion.onsets(), strict=True))
     phase, place = 0.0, 0.0

@@ -1,4 +1,4 @@
-"""The methods that are compared, each as it is really run."""
+"""The methods that are compared, each run as a user would run it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vibro.accuracy.motion import Found, motion_arrays, motions
 from vibro.accuracy.sample import take_scenes
 from vibro.accuracy.smoothed import simulate_smoothed
 from vibro.accuracy.stepping import simulate_by_steps
-from vibro.core.codes import Regime
+from vibro.core.codes import Level, Regime
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
 
     from vibro.accuracy.motion import Motion
     from vibro.scene import Scene
-    from vibro.steady import Accuracy
 
     Floats = NDArray[np.float64]
     Tick = Callable[[], None]
 
 __all__ = ["METHODS", "Answers", "Method", "answers_of", "converged_answers"]
 
-# Of the solver, whose one run is over in milliseconds, and what it is run on at least.
+# One run of the solver takes milliseconds, too short to be timed: take the best of several, on at least this
+# many scenes.
 _REPEATS: Final = 5
 _BATCH: Final = 8192  # [scenes]
 
 
 class Answers(NamedTuple):
-    """What a method says about scenes.
+    """What a method finds for several scenes.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Answers(NamedTuple):
     regime : int array
         Codes of ``Regime``; UNDEFINED where the method gave up.
     seconds : float
-        Time that it took.
+        Time taken.
     """
 
     displacement: Floats
@@ -61,11 +61,12 @@ class Method(NamedTuple):
     Attributes
     ----------
     name, setting : str
-        What it is, and what trades its speed for accuracy.
+        What it is, and the value of the parameter that trades speed for accuracy.
     share : float
-        Of the sample that it is run on: slow methods on its beginning only.
+        Fraction of the sample that it is run on; slow methods are run on the beginning only.
     answer : callable
-        ``answer(scene, tick)`` solves flat scenes; calls ``tick()`` after each scene, or never.
+        ``answer(scene, tick)`` solves scenes of a 1-D shape. It calls ``tick()`` after each of them, or
+        never.
     """
 
     name: str
@@ -75,7 +76,7 @@ class Method(NamedTuple):
 
 
 def answers_of(found: Sequence[tuple[float, str]], seconds: float) -> Answers:
-    """Collect displacements, NaN where a method gave up, and the directions of the slides."""
+    """Collect displacements, NaN where a method gave up, and regimes from the directions of the slides."""
     regimes = [
         Regime.UNDEFINED
         if math.isnan(displacement)
@@ -94,7 +95,7 @@ def _one_by_one(simulate: Callable[[Motion], Found], scene: Scene, tick: Tick) -
     found = []
     start = time.perf_counter()
     with warnings.catch_warnings():
-        # A solver that complains also fails, and that is counted.
+        # A solver that warns also fails, and failures are counted.
         warnings.simplefilter("ignore")
         for body in bodies:
             found.append(simulate(body))
@@ -109,18 +110,18 @@ def _by_steps(steps: int, scene: Scene, tick: Tick) -> Answers:
     return answers_of(found, time.perf_counter() - start)
 
 
-def _by_vibro(accuracy: Accuracy, scene: Scene, tick: Tick) -> Answers:
-    """Solve the scenes as one batch, over and over if they are few: the solver is made for many."""
+def _by_vibro(level: Level, scene: Scene, tick: Tick) -> Answers:
+    """Solve the scenes as one batch; a few are repeated to fill it, because the solver is made for many."""
     n = scene.shape[0]
     batch = take_scenes(scene, np.arange(max(n, _BATCH)) % n)
     seconds = []
     for _ in range(_REPEATS):
         start = time.perf_counter()
-        cycle = solve(batch, accuracy=accuracy)
+        cycle = solve(batch, accuracy=level)
         seconds.append(time.perf_counter() - start)
     displacement = cycle.displacement_per_cycle[:n] / scene.amplitude
-    if accuracy == "regimes":
-        displacement[:] = np.nan  # rest is known, but it is no speed that was computed
+    if level is Level.REGIMES:
+        displacement[:] = np.nan  # the zeros of bodies at rest are known, but no speed was computed
     return Answers(displacement, cycle.regime[:n], min(seconds) * n / batch.shape[0])
 
 
@@ -145,8 +146,8 @@ def _steps(steps: int, share: float) -> Method:
 
 
 METHODS: Final = (
-    Method("vibro", "exact", 1.0, partial(_by_vibro, "exact")),
-    Method("vibro", "regimes alone", 1.0, partial(_by_vibro, "regimes")),
+    Method("vibro", "exact", 1.0, partial(_by_vibro, Level.EXACT)),
+    Method("vibro", "regimes alone", 1.0, partial(_by_vibro, Level.REGIMES)),
     _events("RK45", 1e-3, 0.1),
     _events("RK45", 1e-6, 0.04),
     _events("RK45", 1e-9, 0.01),
@@ -161,7 +162,7 @@ METHODS: Final = (
     _smoothed(1e-3, 0.02),
     _smoothed(1e-4, 0.02),
     _steps(20, 1.0),
-    _steps(40, 1.0),  # the frames a cycle of the paper's CAD simulation
+    _steps(40, 1.0),  # as the frames per cycle of the paper's CAD simulation
     _steps(400, 0.2),
     _steps(4000, 0.02),
 )

@@ -1,7 +1,7 @@
-"""Equations of motion as a simulation starts from, and what a simulation finds.
+"""The equations of motion that a simulation needs, and what it finds.
 
-Independent of ``vibro.core`` on purpose: what is compared must not share its formulas. Lengths in A,
-speeds in A w, loads in m A w^2, phases p = w t in radians.
+Methods must not share formulas with the solver that they are compared with, so nothing here comes from
+``vibro.core``. Lengths are in A, speeds in A w, loads in m A w^2, phases p = w t in radians.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Motion(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What a method says about one scene.
+    """What a method finds for one scene.
 
     Attributes
     ----------

@@ -1,8 +1,8 @@
 """Steady cycles in arbitrary precision: a walk from event to event, independent of the solver.
 
-Nothing is assumed about the order of slides and rests, and nothing is taken from ``vibro.core``: the body is
-followed from rest until its motion repeats, with closed-form speeds and 60 digits. Needs mpmath (the extra
-``accuracy``).
+It assumes nothing about the order of slides and rests, and uses nothing of ``vibro.core``: the body is
+followed from rest until its motion repeats, with closed-form speeds and 60 digits. It needs mpmath (the
+extra ``accuracy``).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ DIGITS: Final = 60
 _CONTEXT: Final = mpmath.mp.clone()
 _CONTEXT.dps = DIGITS
 _TURN: Final = 2 * _CONTEXT.pi
-_CLOSED: Final = _CONTEXT.mpf(10) ** (16 - DIGITS)  # [1] of a slide's start or length, that counts as none
+_CLOSED: Final = _CONTEXT.mpf(10) ** (16 - DIGITS)  # [1] smaller differences count as none
 _NEARLY: Final = _CONTEXT.mpf(10) ** (4 - DIGITS // 2)
 _SHORT: Final = 1e-3  # [rad]
 _STEP: Final = _CONTEXT.mpf(10) ** -20  # [1] relative change of an input, for derivatives
@@ -43,7 +43,7 @@ class Exact(NamedTuple):
         Per drive cycle [A]; NaN where the body hops, runs away or has no memory of rest.
     pattern : str
         As ``SteadyCycle.pattern``; or ``hopping``, ``runaway``, ``indeterminate``; or empty if the walk was
-        given up, because too little changes from cycle to cycle.
+        given up, because too little changes from one cycle to the next.
     """
 
     displacement: Any
@@ -51,7 +51,7 @@ class Exact(NamedTuple):
 
 
 class _UndecidedError(Exception):
-    """The digits do not decide what happens next."""
+    """The digits do not suffice to decide what happens next."""
 
 
 class _Body(NamedTuple):
@@ -62,9 +62,10 @@ class _Body(NamedTuple):
     normal: Any
     tangential: Any
     static_friction: Any
-    # Where a body at rest starts to slide that way, in the direction's own phase; None if it never does.
+    # Phase at which a body at rest starts to slide that way, in the direction's own phase; None if it never
+    # does.
     onsets: tuple[Any, Any]
-    # Load amplitude while it slides that way, and resistance over it.
+    # Load amplitude while it slides that way, and the resistance divided by it.
     loads: tuple[Any, Any]
     resistances: tuple[Any, Any]
 
@@ -90,7 +91,7 @@ def exact_cycle(values: Sequence[Any]) -> Exact:
     if body.static_friction == 0:
         return Exact(_CONTEXT.nan, "indeterminate")
     if abs(body.tangential) > body.static_friction * body.normal:
-        # The mean load along the trough is that of the weight; in a cycle that repeats, friction balances it.
+        # The mean load along the trough is that of the weight, and here it exceeds what friction can balance.
         return Exact(_CONTEXT.nan, "runaway")
     try:
         return _Walk(body).run()
@@ -137,7 +138,7 @@ def _pair(items: Sequence[Any]) -> tuple[Any, Any]:
 
 
 class _Visit(NamedTuple):
-    """Where and when a slide began: its phase since the walk's start, place, and number in the walk."""
+    """Where and when a slide began: its phase since the start of the walk, its place, and its number."""
 
     phase: Any
     place: Any
@@ -145,7 +146,7 @@ class _Visit(NamedTuple):
 
 
 class _Walk:
-    """One body, from rest at phase 0. Way 0 is forward, 1 back; each has its own phase."""
+    """One body, from rest at phase 0. Way 0 is forward, way 1 back; each has a zero of phase of its own."""
 
     def __init__(self, body: _Body) -> None:
         self.body = body
@@ -182,12 +183,12 @@ class _Walk:
         raise _UndecidedError
 
     def _own_phase(self, way: int) -> Any:
-        """Phase in [-pi/2, 3 pi/2) since the way's load was zero and rising."""
+        """Phase in [-pi/2, 3 pi/2) since the load in this direction was zero and rising."""
         quarter = _TURN / 4
         return (self.phase - way * _CONTEXT.pi + quarter) % _TURN - quarter
 
     def _way_of_load(self) -> int | None:
-        """Which way the load beats static friction now; equality is rest where it is exact."""
+        """Direction in which the load exceeds static friction now; None where it is equal or less."""
         body = self.body
         sine = _CONTEXT.sin(self.phase)
         load = body.along * sine - body.tangential
@@ -222,11 +223,12 @@ class _Walk:
         return slide.slope
 
     def _limit_of_chain(self) -> Any:
-        """Displacement of the never-at-rest cycle that the walk tends to; None if there is none that way.
+        """Displacement of the never-at-rest cycle that the walk tends to; None if it does not tend to one.
 
-        Newton's method on the map from one forward start to the next: plain walking needs hundreds of
-        cycles at low friction. The map rises with a slope below 1, so it has one fixed point, and if the
-        walk is a chain both here and there it is one all the way. Without friction every start is one.
+        Plain walking takes hundreds of cycles at low friction, so Newton's method is used on the map from
+        one forward start to the next. The map rises with a slope below 1 and therefore has a single fixed
+        point; if the walk is a chain both here and there, it is a chain in between. Without friction every
+        start is a fixed point.
         """
         frictionless = not any(self.body.resistances)
         start = self._own_phase(0)
@@ -274,7 +276,7 @@ def _as_printed(kinds: str) -> str:
 
 
 class _Slide(NamedTuple):
-    """Length in phase, distance [A], and how much the end moves per change of the start."""
+    """Length in phase, distance [A], and the change of the end per change of the start."""
 
     length: Any
     distance: Any
@@ -298,7 +300,7 @@ def _slide(load: Any, resistance: Any, start: Any) -> _Slide | None:
 
     if resistance <= 0 and speed(high)[0] > 0:
         return None
-    if low < _SHORT:  # a symmetrical end is near enough, and never before the true one
+    if low < _SHORT:  # a slide symmetrical about its peak ends close to the true end, and never before it
         high = min(high, low + low * 1.01)
     x = _estimate(float(start), float(resistance), low, high)
     for _ in range(_MOST_STEPS):
@@ -309,7 +311,7 @@ def _slide(load: Any, resistance: Any, start: Any) -> _Slide | None:
             high = x
         step = -v / slope if slope else high - low
         x += step
-        if step * step <= _CLOSED * x * abs(slope):  # what is left is shorter than that
+        if step * step <= _CLOSED * x * abs(slope):  # the remaining error is smaller than that
             break
         if not low <= x <= high:
             x = (low + high) / 2
@@ -319,7 +321,7 @@ def _slide(load: Any, resistance: Any, start: Any) -> _Slide | None:
 
 
 def _estimate(start: float, resistance: float, low: Any, high: Any) -> Any:
-    """Find the end of a slide in double precision, somewhere within its bracket at least."""
+    """Find the end of a slide in double precision, or at least a point within its bracket."""
 
     def speed(length: float) -> float:
         half = 0.5 * length

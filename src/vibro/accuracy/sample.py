@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibro.quantities import to_si
+from vibro.quantities import scene_fields
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.sweeps.run import Grid
+    from vibro.sweeps.grid import Grid
 
 __all__ = ["draw_scenes", "take_scenes"]
 
@@ -25,20 +25,20 @@ def draw_scenes(grid: Grid, start: int, count: int) -> Scene:
     grid : Grid
         What to draw from.
     start, count : int
-        Which scenes of an endless sequence, whose every beginning covers the grid evenly: the additive
-        recurrence i / phi^j mod 1 with phi^(d+1) = phi + 1, for d axes. A grid of at most ``count`` cells is
-        returned whole, and has nothing beyond.
+        Which scenes of an endless sequence. Its first n scenes cover the grid evenly for any n: it is the
+        additive recurrence i / phi^j mod 1 with phi^(d+1) = phi + 1, for d axes. A grid of at most ``count``
+        cells is returned whole at ``start`` 0, and is empty afterwards.
 
     Returns
     -------
     Scene
-        Flat; infeasible combinations are left out.
+        Of a 1-D shape; infeasible combinations are left out.
     """
     if grid.size <= count:
         cells = np.unravel_index(np.arange(grid.size if start == 0 else 0), grid.shape)
     else:
         phi = 2.0
-        for _ in range(60):  # converges by a factor of at least 2 a step
+        for _ in range(60):  # each step reduces the error by a factor of at least 2
             phi = (1.0 + phi) ** (1.0 / (len(grid.shape) + 1))
         numbers = np.arange(start + 1, start + count + 1)
         cells = tuple(
@@ -46,16 +46,12 @@ def draw_scenes(grid: Grid, start: int, count: int) -> Scene:
         )
     values: dict[str, Any] = dict(grid.fixed)
     values |= {axis.name: axis.values[i] for axis, i in zip(grid.axes.values(), cells, strict=True)}
-    if "friction_ratio" in values:
-        values["kinetic_friction"] = values.pop("friction_ratio") * values["static_friction"]
-    si = {name: np.broadcast_to(to_si(name, value), cells[0].shape) for name, value in values.items()}
-    feasible = (si["kinetic_friction"] <= si["static_friction"]) & (
-        si["drive_angle"] + si["trough_angle"] < 0.5 * np.pi
+    drawn = Scene.allowing_infeasible(
+        **{name: np.broadcast_to(value, cells[0].shape) for name, value in scene_fields(values).items()}
     )
-    return Scene(**{name: value[feasible] for name, value in si.items()})
+    return take_scenes(drawn, ~drawn.infeasible)
 
 
 def take_scenes(scene: Scene, cells: NDArray[Any] | slice) -> Scene:
-    """Select scenes of a flat collection."""
-    names = Scene.__dataclass_fields__
-    return Scene(**{name: np.broadcast_to(getattr(scene, name), scene.shape)[cells] for name in names})
+    """Select some of the scenes of a 1-D shape."""
+    return Scene(**{name: field[cells] for name, field in scene.flat()._asdict().items()})

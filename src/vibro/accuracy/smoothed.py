@@ -1,4 +1,4 @@
-"""Smoothed friction: no rest and no events, one ordinary differential equation throughout."""
+"""Smoothed friction: no rest and no events, only one ordinary differential equation."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ _RTOL: Final = 1e-6
 _PLACE_ATOL: Final = 1e-9  # [A]
 _SPEED_ATOL: Final = 1e-4  # [width]
 
-# The coefficient rises to mu_s within this many widths, and has fallen to mu_d after as many again.
+# The coefficient rises to mu_s within this many widths, and falls to mu_d within about twice as many.
 _PEAK: Final = 5.0  # [width]
 
-_SETTLED: Final = 1e-3  # [width] change of the displacement from cycle to cycle that counts as none
+_SETTLED: Final = 1e-3  # [width] smaller changes of the displacement from cycle to cycle count as none
 _MOST_TURNS: Final = 200
 
 
 def simulate_smoothed(motion: Motion, width: float) -> Found:
-    """Simulate from rest with a friction law without a jump until the displacement repeats.
+    """Simulate from rest, with a friction law that has no jump, until the displacement repeats.
 
-    ``tanh(v/w) (mu_d + (mu_s - mu_d) exp(-(max(abs(v)/w - 5, 0)/5)^2))`` for the coefficient: a smoothed
-    Coulomb law whose static value is reached, so that it tends to Coulomb's law with stiction as w -> 0.
-    At rest the body creeps with a speed of up to a few w.
+    The coefficient is ``tanh(v/w) (mu_d + (mu_s - mu_d) exp(-(max(abs(v)/w - 5, 0)/5)^2))``. This smoothed
+    law reaches the static value, so it tends to Coulomb's law with stiction as w -> 0. Where a body should
+    rest, it creeps at up to a few w.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ __all__ = ["simulate_by_steps"]
 
 _TURN: Final = 2.0 * math.pi
 _SETTLED: Final = (
-    1e-3  # [A per rad of a step] change of the displacement from cycle to cycle that counts as none
+    1e-3  # [A per rad of a step] smaller changes of the displacement from cycle to cycle count as none
 )
 _MOST_TURNS: Final = 300
 
@@ -24,20 +24,20 @@ _MOST_TURNS: Final = 300
 def simulate_by_steps(motion: Motion, steps: int) -> list[Found]:
     """Simulate scenes from rest with equal time steps until the displacement repeats.
 
-    Moreau's rule: the load of the step's end acts for a step, then friction takes away its impulse or all
-    of the speed, whichever is less; static friction where the body was at rest.
+    Moreau's rule: the load at the end of a step acts during the whole step; then friction reduces the speed
+    by its impulse, but at most to zero. Static friction applies if the body was at rest.
 
     Parameters
     ----------
     motion : Motion
         Scenes in contact, as flat arrays.
     steps : int
-        Steps a drive cycle.
+        Steps per drive cycle.
 
     Returns
     -------
     list of Found
-        One a scene; NaN where the motion does not settle.
+        One for each scene; NaN where the motion does not settle.
     """
     n = motion.along.size
     displacement, forward, back = np.full(n, np.nan), np.zeros(n, np.bool_), np.zeros(n, np.bool_)

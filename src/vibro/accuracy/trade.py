@@ -1,4 +1,4 @@
-"""Methods run on the same scenes, and how far each is from the reference."""
+"""Methods run on the same scenes, and the error of each against the reference."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.accuracy.methods import Method, Tick
-    from vibro.sweeps.run import Grid
+    from vibro.sweeps.grid import Grid
 
-__all__ = ["Comparison", "Row", "advice", "best_reference", "compare", "runs"]
+__all__ = ["Row", "Trade", "advice", "best_reference", "run_methods", "runs"]
 
-_FEWEST: Final = 20  # scenes that any method is run on
-_DRAWS: Final = 20  # times the sample that is drawn at most, to find enough scenes in contact
+_FEWEST: Final = 20  # scenes that every method is run on at least
+_DRAWS: Final = 20  # most times that a sample is drawn to find enough scenes in contact
 
-# [1] of the true speed, and more: an error that nobody would call one of accuracy
+# [1] An error of this fraction of the true speed, or more, is a failure and no lack of accuracy.
 _FAILURE: Final = 0.5
 
 
@@ -39,9 +39,9 @@ class Reference(NamedTuple):
     name : str
         In words.
     answer : callable
-        As that of a method; NaN where there is no steady cycle in contact, or none was found.
+        Like that of a method; NaN where there is no steady cycle in contact, or none was found.
     most : int
-        Scenes that it can be run on in reasonable time.
+        Number of scenes that it solves in reasonable time.
     """
 
     name: str
@@ -51,30 +51,31 @@ class Reference(NamedTuple):
 
 @dataclass(frozen=True)
 class Row:
-    """One method beside the reference; errors of the mean speed in A f.
+    """One method compared with the reference; errors are of the mean speed, in A f.
 
     Attributes
     ----------
     method, setting : str
         What was run.
     scenes : int
-        How many scenes.
+        Number of scenes.
     time_us : float
-        Time a scene [us].
+        Time per scene [us].
     error_max, error_999 : float
-        Largest error, and the one that 99.9 % of the answers do not exceed; NaN if the method tells no speed.
+        Largest error, and the one that 99.9 % of the answers do not exceed; NaN if the method gives no speed.
     error_median : float
-        Of the answers for scenes that truly slip: where others rest most methods are exact.
+        Over the scenes in which the body slips; where it rests most methods are exact.
     beyond_tolerance : int
-        Answers whose error exceeds the tolerance.
+        Number of answers whose error exceeds the tolerance.
     wrong_regime_share : float
-        Answers of a wrong regime, as a share of all answers.
+        Answers with a wrong regime, as a share of all answers.
     silent_failures : int
-        Answers that miss half of the true speed or more, and do not say so.
+        Number of answers whose error is half of the true speed or more, although the method reports no
+        failure.
     gave_up : int
-        Scenes without an answer.
+        Number of scenes without an answer.
     drift_at_rest : float
-        Largest speed where the body is truly at rest [A f].
+        Largest speed where the body is really at rest [A f].
     """
 
     method: str
@@ -92,19 +93,19 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Methods beside each other.
+class Trade:
+    """Methods compared with one reference: what each trades of speed for accuracy.
 
     Attributes
     ----------
     rows : tuple of Row
-        One a method, in their order.
+        One for each method, in their order.
     reference : str
         What errors are measured against.
     scenes, drawn : int
-        Scenes in contact, and how many were drawn to find them.
+        Number of scenes in contact, and of those drawn to find them.
     tolerance : float
-        Error that counts as none [A f].
+        Errors up to this count as none [A f].
     """
 
     rows: tuple[Row, ...]
@@ -124,7 +125,7 @@ def best_reference() -> Reference:
     def answer(scene: Scene, tick: Tick) -> Answers:
         cycles = []
         start = time.perf_counter()
-        for values in zip(*(field.tolist() for field in scene.arrays()[:7]), strict=True):
+        for values in zip(*(field.tolist() for field in scene.flat()[:-1]), strict=True):
             cycles.append(exact_cycle(values))
             tick()
         seconds = time.perf_counter() - start
@@ -134,10 +135,9 @@ def best_reference() -> Reference:
 
 
 def _converged(scene: Scene, tick: Tick) -> Answers:
-    """Solve what stays in contact and can rest, by event-driven simulation."""
-    load = scene.amplitude * (2.0 * np.pi * scene.frequency) ** 2 / scene.gravity
+    """Solve the scenes that stay in contact and can rest, by event-driven simulation."""
     hold = scene.static_friction * np.cos(scene.trough_angle)
-    contact = load * np.sin(scene.drive_angle) <= np.cos(scene.trough_angle)
+    contact = scene.load * np.sin(scene.drive_angle) <= np.cos(scene.trough_angle)
     cells = np.flatnonzero(contact & (np.abs(np.sin(scene.trough_angle)) < hold))
     found = converged_answers(take_scenes(scene, cells), tick)
     displacement, regime = np.full(scene.shape, np.nan), np.zeros(scene.shape, np.int8)
@@ -150,7 +150,7 @@ def runs(methods: Sequence[Method], scenes: int) -> list[int]:
     return [min(scenes, max(_FEWEST, round(method.share * scenes))) for method in methods]
 
 
-def compare(
+def run_methods(
     grid: Grid,
     scenes: int,
     *,
@@ -158,7 +158,7 @@ def compare(
     reference: Reference,
     methods: Sequence[Method] = METHODS,
     report: Callable[[int], None] = lambda done: None,
-) -> Comparison:
+) -> Trade:
     """Run methods on scenes drawn from a grid.
 
     Parameters
@@ -166,9 +166,9 @@ def compare(
     grid : Grid
         What to draw from. Scenes that hop, run away or have no steady cycle are left out.
     scenes : int
-        How many to draw; each method is run on the first of them, as many as its share says.
+        How many to draw; each method is run on the first of them, according to its share.
     tolerance : float
-        Error in mean speed that counts as none [A f].
+        Errors in mean speed up to this count as none [A f].
     reference : Reference
         What errors are measured against.
     methods : sequence of Method, optional
@@ -178,8 +178,8 @@ def compare(
 
     Returns
     -------
-    Comparison
-        With fewer scenes than asked for where the grid has not more.
+    Trade
+        With fewer scenes than asked for if the grid does not contain enough.
     """
     done = 0
 
@@ -196,7 +196,7 @@ def compare(
         answers = method.answer(take_scenes(sample, slice(n)), tick)
         tick(n - (done - before))
         rows.append(_row(method, answers, Answers(truth.displacement[:n], truth.regime[:n], 0.0), tolerance))
-    return Comparison(tuple(rows), reference.name, found, drawn, tolerance)
+    return Trade(tuple(rows), reference.name, found, drawn, tolerance)
 
 
 def _sample(grid: Grid, scenes: int, reference: Reference, tick: Tick) -> tuple[Scene, Answers, int]:
@@ -254,17 +254,17 @@ def _quantile(values: NDArray[np.float64], share: float) -> float:
     return float(np.quantile(values, share, method="higher")) if values.size else np.nan
 
 
-def advice(comparison: Comparison) -> str:
-    """Say in one line what to use."""
+def advice(trade: Trade) -> str:
+    """Recommend a method in one line."""
     right = [
         row
-        for row in comparison.rows
+        for row in trade.rows
         if math.isfinite(row.error_max)
         and row.beyond_tolerance == row.wrong_regime_share == row.silent_failures == row.gave_up == 0
     ]
-    limit = f"within {comparison.tolerance:g} A f in every scene"
+    limit = f"within {trade.tolerance:g} A f in every scene"
     if not right:
-        closest = min((r for r in comparison.rows if math.isfinite(r.error_max)), key=lambda r: r.error_max)
+        closest = min((r for r in trade.rows if math.isfinite(r.error_max)), key=lambda r: r.error_max)
         reached = f"{closest.method} ({closest.setting}), within {closest.error_max:.2g}"
         return f"No method stays {limit}; the closest is {reached}."
     best = min(right, key=lambda row: row.time_us)

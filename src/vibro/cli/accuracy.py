@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from dataclasses import asdict, fields, replace
@@ -15,19 +14,17 @@ from vibro.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
-    from vibro.accuracy.trade import Comparison, Row
+    from vibro.accuracy.trade import Row, Trade
     from vibro.cli.console import Console
-    from vibro.cli.request import Request
-    from vibro.files.outputs import OutputSet
-    from vibro.sweeps.columns import TableColumns
-    from vibro.sweeps.run import Grid
+    from vibro.files.tables import TableColumns
+    from vibro.sweeps.grid import Grid
+    from vibro.sweeps.request import Request
 
 __all__ = ["accuracy_command"]
 
 # The paper's ranges where nothing is given: its drive angles are below 45 deg, its scenes within these.
-_SAMPLE: Final[dict[str, Any]] = {
+_SAMPLE: Final = {
     "amplitude": "0.1:3:log",
     "frequency": "5:60:log",
     "drive_angle": "2:45",
@@ -65,7 +62,9 @@ def accuracy_command(
     """
     from vibro.cli.console import Console
     from vibro.cli.output import count
-    from vibro.files.outputs import OutputSet, output_stem, suffixed
+    from vibro.files.outputs import output_stem
+    from vibro.files.publication import Publication, json_text
+    from vibro.files.tables import CsvFormat
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -80,54 +79,56 @@ def accuracy_command(
         stream = table_stream(json=options.json)
     request = _request(options, context.obj)
     grid = _grid(request, console)
+    form = CsvFormat(options.excel, options.decimal_comma)
     if stream:
-        from vibro.sweeps.columns import CsvFormat
-
-        comparison = _compare(grid, scenes, tolerance, console)
-        stream.write(CsvFormat(options.excel, options.decimal_comma).table(_columns(comparison.rows)))
+        trade = _run(grid, scenes, tolerance, console)
+        stream.write(form.table(_columns(trade.rows)))
         return 0
     stem = output_stem(options.output, f"{request.name or 'vibro'}-accuracy")
-    pictures = {suffixed(stem, f".{form}"): form for form in wanted}
-    targets = [suffixed(stem, ".csv"), *pictures, suffixed(stem, ".json")]
-    with OutputSet(targets, force=options.force) as files:
-        comparison = _compare(grid, scenes, tolerance, console)
-        content = _content(comparison, grid, context.obj, targets)
-        _write(files, comparison, content, options, pictures, targets)
+    with Publication(stem, context.obj, force=options.force, pictures=("",), formats=wanted) as files:
+        trade = _run(grid, scenes, tolerance, console)
+        from vibro.plots import save
+        from vibro.plots.trade import trade_figure
+
+        with files.table() as table:
+            table.write(form.table(_columns(trade.rows)))
+        figure = trade_figure(trade)
+        content = files.finish(
+            _content(trade, grid), lambda _, path, form_, metadata: save(figure, path, form_, metadata)
+        )
     if options.json:
-        print(json.dumps(content, indent=2, allow_nan=False))
+        print(json_text(content))
     else:
-        _print_table(comparison)
-    if comparison.scenes < scenes:
-        console.warn(f"only {count(comparison.scenes)} of {count(comparison.drawn)} scenes stay in contact")
+        _print_table(trade)
+    if trade.scenes < scenes:
+        console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
     if console.is_terminal:
-        for target in targets:
+        for target in files.targets:
             console.echo(f"wrote {target}")
     return 0
 
 
 def _request(options: Options, argv: Sequence[str]) -> Request:
     """Merge options, scene file and what is sampled where nothing is given."""
-    from vibro.cli.request import gather
-    from vibro.quantities import QUANTITIES
+    from vibro.cli.request import request_of
 
-    if options.scene is None and all(getattr(options, name) is None for name in QUANTITIES):
-        options = replace(options, **_SAMPLE)
-    return gather(options, argv, reads_map=True, takes_axes=True, ranges=_AROUND_A_SCENE)
+    if options.scene is None and not options.given:
+        options = replace(options, given=_SAMPLE)
+    return request_of(options, argv, reads_map=True, takes_axes=True, ranges=_AROUND_A_SCENE)
 
 
 def _grid(request: Request, console: Console) -> Grid:
-    from vibro.sweeps.run import Grid
+    from vibro.sweeps.grid import Grid
 
-    specs = {name: spec for name, spec in request.specs.items() if name != "trough_length"}
-    axes = {name: spec.axis(_VALUES) for name, spec in specs.items() if spec.varies}
+    axes = request.axes(_VALUES)
     for axis in axes.values():
         console.echo(str(axis))
-    return Grid(axes, {name: spec.value for name, spec in specs.items() if not spec.varies}, None)
+    return Grid(axes, request.fixed, None)
 
 
-def _compare(grid: Grid, scenes: int, tolerance: float, console: Console) -> Comparison:
+def _run(grid: Grid, scenes: int, tolerance: float, console: Console) -> Trade:
     from vibro.accuracy.methods import METHODS
-    from vibro.accuracy.trade import best_reference, compare, runs
+    from vibro.accuracy.trade import best_reference, run_methods, runs
     from vibro.cli.output import count
 
     reference = best_reference()
@@ -135,39 +136,12 @@ def _compare(grid: Grid, scenes: int, tolerance: float, console: Console) -> Com
     if number < scenes:
         console.warn(f"{count(number)} scenes: mpmath is not installed, and the {reference.name} is slow")
     with console.progress("scenes", 2 * number + sum(runs(METHODS, number))) as report:
-        comparison = compare(grid, number, tolerance=tolerance, reference=reference, report=report)
-    if not comparison.scenes:
+        trade = run_methods(grid, number, tolerance=tolerance, reference=reference, report=report)
+    if not trade.scenes:
         raise InputError(
             "no scene stays in contact", hint="lower the amplitude, the frequency or the drive angle"
         )
-    return comparison
-
-
-def _write(
-    files: OutputSet,
-    comparison: Comparison,
-    content: dict[str, Any],
-    options: Options,
-    pictures: dict[Path, str],
-    targets: Sequence[Path],
-) -> None:
-    """Write table, pictures and sidecar under their temporary names."""
-    from vibro.files.outputs import write_json
-    from vibro.plots import save
-    from vibro.plots.trade import trade_figure
-    from vibro.sweeps.columns import CsvFormat
-
-    table = CsvFormat(options.excel, options.decimal_comma).table(_columns(comparison.rows))
-    files[targets[0]].write_text(table, encoding="utf-8", newline="")
-    figure = trade_figure(comparison)
-    metadata = {
-        "Title": targets[0].name,
-        "Software": f"vibro {content['version']}",
-        "Description": json.dumps(content, allow_nan=False),
-    }
-    for path, form in pictures.items():
-        save(figure, files[path], form, metadata)
-    write_json(files[targets[-1]], content)
+    return trade
 
 
 def _columns(rows: Sequence[Row]) -> TableColumns:
@@ -185,27 +159,18 @@ def _columns(rows: Sequence[Row]) -> TableColumns:
     return columns
 
 
-def _content(
-    comparison: Comparison, grid: Grid, argv: Sequence[str], targets: Sequence[Path]
-) -> dict[str, Any]:
+def _content(trade: Trade, grid: Grid) -> dict[str, Any]:
     """Return what the sidecar says."""
-    from vibro import __version__
-    from vibro.cli.output import describe_grid
-
     rows = [
-        {key: None if value != value else value for key, value in asdict(row).items()}
-        for row in comparison.rows
+        {key: None if value != value else value for key, value in asdict(row).items()} for row in trade.rows
     ]
     return {
-        "version": __version__,
-        "argv": ["vibro", *argv],
-        **describe_grid(grid),
-        "scenes_drawn": comparison.drawn,
-        "scenes_in_contact": comparison.scenes,
-        "reference": comparison.reference,
-        "tolerance_af": comparison.tolerance,
+        **grid.describe(),
+        "scenes_drawn": trade.drawn,
+        "scenes_in_contact": trade.scenes,
+        "reference": trade.reference,
+        "tolerance_af": trade.tolerance,
         "methods": rows,
-        "files": [target.name for target in targets],
     }
 
 
@@ -216,14 +181,14 @@ _HEADINGS: Final = (
 _WIDE: Final = 120  # [characters] that the table takes
 
 
-def _print_table(comparison: Comparison) -> None:
+def _print_table(trade: Trade) -> None:
     """Print the table and the advice: with rich for a person, as aligned text otherwise."""
     from vibro.accuracy.trade import advice
 
-    cells = [_cells(row) for row in comparison.rows]
+    cells = [_cells(row) for row in trade.rows]
     legend = (
-        f"{comparison.scenes} scenes in contact; errors of the mean speed in A f against "
-        f"{comparison.reference}; beyond: the tolerance, {comparison.tolerance:g}; silent: misses half the "
+        f"{trade.scenes} scenes in contact; errors of the mean speed in A f against "
+        f"{trade.reference}; beyond: the tolerance, {trade.tolerance:g}; silent: misses half the "
         "speed or more without a word"
     )
     if sys.stdout.isatty():
@@ -244,7 +209,7 @@ def _print_table(comparison: Comparison) -> None:
 
         print(aligned([_HEADINGS, *cells]))
         print(f"\n{legend}")
-    print(advice(comparison))
+    print(advice(trade))
 
 
 def _cells(row: Row) -> tuple[str, ...]:

@@ -12,31 +12,17 @@ from typer.core import TyperCommand
 from vibro.cli.console import Console
 from vibro.cli.options import Options, picture_formats
 from vibro.errors import InputError
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from vibro.records.comparison import Comparison, Row
-    from vibro.records.fitting import Fit
-    from vibro.records.reading import Record
-    from vibro.sweeps.columns import TableColumns
+    from vibro.records.comparison import Row
+    from vibro.records.tables import ComparisonTables
+    from vibro.scene import Scene
 
 __all__ = ["CompareCommand", "compare_command"]
 
 # What follows the flag --force without being a header.
 _FILES: Final = (".toml", ".csv", ".txt")
-_FITTED: Final = {
-    "mu_s": "static_friction",
-    "mu_d": "kinetic_friction",
-    "A": "amplitude",
-    "alpha": "drive_angle",
-}
-# kind of a quantity -> unit in tables, its size in SI units; friction is per unit mass without a mass.
-_UNITS: Final = {
-    "displacement": ("mm", 1e-3),
-    "velocity": ("mm/s", 1e-3),
-    "time": ("ms", 1e-3),
-    "acceleration": ("m/s^2", 1.0),
-    "friction": ("m/s^2", 1.0),
-}
 
 
 class CompareCommand(TyperCommand):
@@ -102,18 +88,19 @@ def compare_command(
     trigger time is found. Measured and computed figures are printed; with -o they go to STEM.csv (signals),
     STEM-summary.csv, STEM.json and a picture.
     """
-    from vibro.cli.request import gather
-    from vibro.cli.series import scene_of, scene_record, write_series
+    from vibro.cli.request import request_of
+    from vibro.cli.series import scene_record, write_series
     from vibro.quantities import MASS, exact_number
     from vibro.records.alignment import Observation
     from vibro.records.comparison import compare
     from vibro.records.reading import read_record
+    from vibro.records.tables import ComparisonTables
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     names = _fitted_names(fitted)
     options, data = _arguments(options, data)
-    request = gather(options, context.obj)
+    request = request_of(options, context.obj)
     body = float(exact_number(mass, MASS)) if mass is not None else None
     if body is not None and body <= 0.0:
         raise InputError(f"mass = {mass}: must be finite and > 0 kg")
@@ -131,7 +118,7 @@ def compare_command(
         console.echo(note)
     if "force" in record.signals and body is None:
         console.warn(f"column {record.headers['force']!r} is left out: a force needs --mass")
-    scene = scene_of(request)
+    scene = request.scene()
     observation = Observation.of(record, float(scene.frequency), mass=body, reverse=reverse)
     comparison = compare(scene, observation)
     if observation.middle is not observation:
@@ -147,8 +134,8 @@ def compare_command(
 
         fit = fit_scene(scene, observation, names)
 
-    report = _Report(comparison, record, data, body, fit, scene)
-    content = {"scene": scene_record(request), "data": str(data), **report.content()}
+    tables = ComparisonTables(comparison, record, body, fit)
+    content = {"scene": scene_record(request), "data": str(data), **tables.content()}
     if options.output is not None:
         title = f"{data.name} – {request.name or 'scene'}, computed pattern {comparison.motion.pattern}"
 
@@ -157,10 +144,9 @@ def compare_command(
 
             return comparison_figure(comparison, title, compare(fit.scene, observation) if fit else None)
 
-        tables = {"": report.signals(), "-summary": report.summary()}
         write_series(
             f"{data.stem}-compare",
-            tables,
+            {"": tables.signals(), "summary": tables.summary()},
             draw,
             content,
             formats=wanted,
@@ -171,11 +157,11 @@ def compare_command(
         if options.output == "-":
             return 0
     if options.json:
-        import json
+        from vibro.files.publication import json_text
 
-        print(json.dumps(content, indent=2, allow_nan=False))
+        print(json_text(content))
     else:
-        print(report.text())
+        print(_Report(tables, data, scene).text())
     return 0
 
 
@@ -191,39 +177,28 @@ def _arguments(options: Options, data: Path | None) -> tuple[Options, Path]:
 
 
 def _fitted_names(text: str | None) -> list[str]:
-    if text is None:
-        return []
-    names = []
-    for part in text.split(","):
-        symbol = part.strip()
-        name = next((n for s, n in _FITTED.items() if symbol.casefold() in (s.casefold(), n)), None)
-        if name is None or name in names:
-            wrong = "is given twice" if name else "cannot be estimated"
-            raise InputError(f"--fit {text}: {symbol!r} {wrong}", hint=f"choose from {', '.join(_FITTED)}")
-        names.append(name)
+    from vibro.quantities import find_quantity
+    from vibro.records.fitting import FITTABLE
+
+    names: list[str] = []
+    for part in text.split(",") if text is not None else ():
+        quantity = find_quantity(part)
+        if quantity is None or quantity.name not in FITTABLE or quantity.name in names:
+            wrong = "is given twice" if quantity and quantity.name in names else "cannot be estimated"
+            known = ", ".join(QUANTITIES[name].letter for name in FITTABLE)
+            raise InputError(f"--fit {text}: {part.strip()!r} {wrong}", hint=f"choose from {known}")
+        names.append(quantity.name)
     return names
 
 
 class _Report:
-    """The comparison in words, tables and JSON."""
+    """The comparison in words."""
 
-    def __init__(
-        self,
-        comparison: Comparison,
-        record: Record,
-        data: Path,
-        mass: float | None,
-        fit: Fit | None,
-        scene: Any,
-    ) -> None:
-        self.comparison = comparison
-        self.record = record
+    def __init__(self, tables: ComparisonTables, data: Path, scene: Scene) -> None:
+        self.tables = tables
+        self.comparison, self.fit, self.units = tables.comparison, tables.fit, tables.units
         self.data = data
-        self.fit = fit
         self.scene = scene
-        self.units = dict(_UNITS)
-        if mass is not None:
-            self.units["friction"] = ("N", 1.0 / mass)
 
     def text(self) -> str:
         """Return what is printed."""
@@ -234,10 +209,10 @@ class _Report:
         parts.append(aligned([head, *map(self._row, self.comparison.rows)]))
         if self.fit is not None:
             rows = []
-            for p, (unit, size) in self._parameters():
+            for p, (unit, size) in self.tables.parameters():
                 interval = f"{p.low / size:.4g} ... {p.high / size:.4g}" if p.identified else "not identified"
                 own = float(getattr(self.scene, p.name)) / size
-                label = f"{_symbol(p.name)} {f'[{unit}]' if unit else ''}".strip()
+                label = f"{QUANTITIES[p.name].letter} {f'[{unit}]' if unit else ''}".strip()
                 rows.append((label, f"{p.value / size:.4g}" if p.identified else "-", interval, f"{own:.6g}"))
             parts.append(aligned([("fitted", "estimate", "95 % interval", "scene"), *rows]))
             parts += ["\n".join(self.fit.statements)] if self.fit.statements else []
@@ -277,84 +252,6 @@ class _Report:
             relative = row.kind != "time" and row.computed != 0.0
             difference = f"{100.0 * off / (row.computed / size):+.1f} %" if relative else f"{off:+.3g}"
         return f"{row.label} [{unit}]", text, computed, difference
-
-    def _parameters(self) -> list[tuple[Any, tuple[str, float]]]:
-        units = {"amplitude": ("mm", 1e-3), "drive_angle": ("deg", math.pi / 180.0)}
-        return [(p, units.get(p.name, ("", 1.0))) for p in (self.fit.parameters if self.fit else ())]
-
-    def signals(self) -> TableColumns:
-        """Return measured and computed signals over time."""
-        comparison = self.comparison
-        period = comparison.motion.period
-        columns: dict[str, Any] = {
-            "time_s": comparison.observation.time,
-            "trough_time_s": comparison.trough_time % period,
-        }
-        for name, values in comparison.observation.signals.items():
-            unit, size = self.units[name]
-            suffix = unit.replace("/", "_").replace("^", "")
-            columns[f"{name}_measured_{suffix}"] = values / size
-            columns[f"{name}_computed_{suffix}"] = comparison.computed[name] / size
-        return columns
-
-    def summary(self) -> TableColumns:
-        """Return the figures, and from which columns of the data they come."""
-        import numpy as np
-
-        rows = self.comparison.rows
-        sizes = [self.units[row.kind][1] for row in rows]
-        columns = "; ".join(text for role, text in self.record.headers.items())
-        return {
-            "quantity": [row.key for row in rows],
-            "unit": [self.units[row.kind][0] for row in rows],
-            "measured": np.array([row.measured.value / size for row, size in zip(rows, sizes, strict=True)]),
-            "standard_error": np.array(
-                [row.measured.error / size for row, size in zip(rows, sizes, strict=True)]
-            ),
-            "computed": np.array([row.computed / size for row, size in zip(rows, sizes, strict=True)]),
-            "data_columns": [columns] * len(rows),
-        }
-
-    def content(self) -> dict[str, Any]:
-        """Return everything, for JSON."""
-        comparison = self.comparison
-        alignment = comparison.alignment
-        content: dict[str, Any] = {
-            "columns": dict(self.record.headers),
-            "pattern": comparison.motion.pattern,
-            "trough_time_at_zero_s": _number(alignment.shift),
-            "trough_time_error_s": _number(alignment.error),
-            "warnings": list(comparison.warnings),
-            "figures": {
-                row.key: {
-                    "unit": self.units[row.kind][0],
-                    "measured": _number(row.measured.value / self.units[row.kind][1]),
-                    "standard_error": _number(row.measured.error / self.units[row.kind][1]),
-                    "computed": _number(row.computed / self.units[row.kind][1]),
-                }
-                for row in comparison.rows
-            },
-        }
-        if self.fit is not None:
-            content["fit"] = {
-                p.name: {
-                    "unit": unit,
-                    "estimate": _number(p.value / size if p.identified else math.nan),
-                    "low": _number(p.low / size),
-                    "high": _number(p.high / size),
-                }
-                for p, (unit, size) in self._parameters()
-            }
-            content["fit_statements"] = list(self.fit.statements)
-        return content
-
-
-def _symbol(name: str) -> str:
-    return next(symbol for symbol, field in _FITTED.items() if field == name)
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def _uncertain(value: float, error: float) -> str:

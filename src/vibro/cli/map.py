@@ -7,27 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from vibro.cli.console import Console
-from vibro.cli.options import Accuracy, AccuracyOption, Flight, FlightOption, Options, picture_formats
+from vibro.cli.options import Flight, FlightOption, LevelOption, Options, picture_formats
+from vibro.core.codes import Level
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibro.cli.request import Request
+    from vibro.sweeps.request import Request
 
 __all__ = ["map_command"]
 
-# Swept where they are not given. Friction and drive angle are never invented.
-_RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
 _SHOWN: Final = ("impact", "flight")  # pictures on request
-_SHORT_NAMES: Final = {
-    "a": "amplitude",
-    "f": "frequency",
-    "alpha": "drive_angle",
-    "mu_s": "static_friction",
-    "mu_d": "kinetic_friction",
-    "mu_ratio": "friction_ratio",
-}
 
 
 def map_command(
@@ -61,7 +52,7 @@ def map_command(
         str, typer.Option("--format", metavar="png,svg,pdf", help="The pictures' formats.")
     ] = "png",
     flight: FlightOption = Flight.ON,
-    accuracy: AccuracyOption = Accuracy.EXACT,
+    accuracy: LevelOption = Level.EXACT,
 ) -> int:
     """Map the regimes, speeds and traverse times of a scene over any of its quantities.
 
@@ -70,40 +61,39 @@ def map_command(
     and 5:60 Hz. The results go to STEM.csv, STEM.json and pictures.
     """
     from vibro.cli.output import Pictures, make_grid, write_sweep
-    from vibro.cli.request import gather
+    from vibro.cli.request import request_of
     from vibro.plots.view import choose_view
-    from vibro.sweeps.columns import COLUMNS
+    from vibro.sweeps.columns import columns_of
+    from vibro.sweeps.request import RANGES
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     shown = _shown(show or [])
-    if shown and (flight is Flight.OFF or accuracy is Accuracy.REGIMES):
+    if shown and (flight is Flight.OFF or accuracy is Level.REGIMES):
         raise InputError(
             f"--show {','.join(shown)}: no flight is modelled with --flight off or --accuracy regimes",
             hint="leave one of them out",
         )
-    request = gather(options, context.obj, reads_map=True, takes_axes=True, ranges=_RANGES)
-    grid = make_grid(request, console, accuracy=accuracy, flight=flight)
+    request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
+    grid = make_grid(request, console, level=accuracy, flight=flight)
+    columns = columns_of(grid.axes)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
     name = request.name or "vibro-map"
     if options.output == "-":
-        return write_sweep(grid, COLUMNS, options, context.obj, console, name)
+        return write_sweep(grid, columns, options, context.obj, console, name)
 
     def draw() -> dict[str, Figure]:
         from vibro.plots import map_figures
         from vibro.sweeps.run import sweep_picture
 
-        drawn: dict[str, tuple[int, ...]] = {held: (i,) for held, i in view.held.items()}
-        if view.facet:
-            drawn[view.facet.name] = view.facet_indices
-        result = sweep_picture(grid, drawn, request.own, request.name or "")
+        result = sweep_picture(grid, view.drawn, request.own, request.name or "")
         return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None)
 
     names = ["regime"] if view.y else []
-    if grid.accuracy == "exact":
+    if grid.level is Level.EXACT:
         names += ["speed", *(["traverse"] if grid.length is not None else []), *shown]
     pictures = Pictures(names, wanted, draw) if names else None
-    return write_sweep(grid, COLUMNS, options, context.obj, console, name, pictures)
+    return write_sweep(grid, columns, options, context.obj, console, name, pictures)
 
 
 def _shown(texts: list[str]) -> list[str]:
@@ -119,24 +109,21 @@ def _shown(texts: list[str]) -> list[str]:
 
 def _axis_name(text: str) -> str:
     """Return the name of the quantity that a user calls an axis."""
-    from vibro.quantities import QUANTITIES
+    from vibro.quantities import find_quantity
 
-    name = text.strip().removeprefix("--").replace("-", "_")
-    for quantity in QUANTITIES.values():
-        if name in (quantity.name, quantity.column):
-            return quantity.name
-    return _SHORT_NAMES.get(name.casefold(), text)
+    quantity = find_quantity(text)
+    return quantity.name if quantity else text
 
 
 def _held(texts: list[str], request: Request) -> dict[str, float]:
-    from vibro.quantities import QUANTITIES, exact_number
+    from vibro.quantities import exact_number, find_quantity
 
     held = {}
     for text in (part for given in texts for part in given.split(",")):
         name, equals, value = text.partition("=")
         if not equals:
             raise InputError(f"--at {text}: not of the form AXIS=VALUE", hint="write it like --at mu_s=0.6")
-        quantity = QUANTITIES.get(_axis_name(name))
+        quantity = find_quantity(name)
         if quantity is None:
             raise InputError(
                 f"--at {text}: {name!r} is no axis", hint=f"the axes are {', '.join(request.varying)}"

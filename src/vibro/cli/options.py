@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import functools
 import inspect
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
 import typer
 
+from vibro.core.codes import Level
 from vibro.errors import InputError
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from vibro.quantities import Quantity
+
 __all__ = [
-    "Accuracy",
-    "AccuracyOption",
     "Flight",
     "FlightOption",
+    "LevelOption",
     "Options",
     "picture_formats",
     "print_version",
@@ -37,19 +41,10 @@ class Flight(StrEnum):
     OFF = "off"
 
 
-class Accuracy(StrEnum):
-    """Whether cells are solved, or their regimes and ratios alone are found."""
-
-    EXACT = "exact"
-    REGIMES = "regimes"
-
-
 FlightOption = Annotated[
     Flight, typer.Option("--flight", help="Without flight, cells that hop have a regime but no numbers.")
 ]
-AccuracyOption = Annotated[
-    Accuracy, typer.Option("--accuracy", help="With regimes alone no speeds are computed.")
-]
+LevelOption = Annotated[Level, typer.Option("--accuracy", help="With regimes alone no speeds are computed.")]
 
 
 def print_version(wanted: bool) -> None:
@@ -73,46 +68,15 @@ def picture_formats(text: str) -> list[str]:
     return names
 
 
-def _quantity(*names: str, text: str, metavar: str = "VALUE") -> Any:
-    return typer.Option(*names, metavar=metavar, help=text, show_default=False)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What the shared options say, as typed."""
+    """What the shared options say, as typed; ``given`` are the quantities by their names."""
 
     scene: Annotated[
         Path | None,
         typer.Argument(metavar="SCENE.toml", help="A scene file; options override it.", show_default=False),
     ] = None
-    amplitude: Annotated[str | None, _quantity("-A", "--amplitude", text="Amplitude of the drive [mm].")] = (
-        None
-    )
-    stroke: Annotated[str | None, _quantity("--stroke", text="Peak to peak, twice the amplitude [mm].")] = (
-        None
-    )
-    frequency: Annotated[str | None, _quantity("-f", "--frequency", text="Drive frequency [Hz].")] = None
-    drive_angle: Annotated[
-        str | None,
-        _quantity(
-            "-a", "--drive-angle", "--alpha", text="Angle of the drive above the trough's surface [deg]."
-        ),
-    ] = None
-    static_friction: Annotated[str | None, _quantity("--mu-s", text="Static friction.")] = None
-    kinetic_friction: Annotated[str | None, _quantity("--mu-d", text="Kinetic friction, at most static.")] = (
-        None
-    )
-    friction_ratio: Annotated[
-        str | None, _quantity("--mu-ratio", text="Kinetic over static friction, instead of --mu-d.")
-    ] = None
-    trough_angle: Annotated[
-        str | None, _quantity("--trough-angle", text="Climb of the trough in the conveying direction [deg].")
-    ] = None
-    gravity: Annotated[str | None, _quantity("--gravity", text="Acceleration of gravity [m/s^2].")] = None
-    restitution: Annotated[str | None, _quantity("--restitution", text="Of an impact on the trough.")] = None
-    trough_length: Annotated[str | None, _quantity("-L", "--length", text="Length of the trough [mm].")] = (
-        None
-    )
+    given: Mapping[str, str] = field(default_factory=dict)
     output: Annotated[
         str | None,
         typer.Option(
@@ -137,6 +101,18 @@ class Options:
     ] = False
 
 
+def _parameter(name: str, default: Any, annotation: Any) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+
+
+def _quantity_parameter(quantity: Quantity) -> inspect.Parameter:
+    """Make the option of a quantity."""
+    unit = f" [{quantity.unit}]" if quantity.unit else ""
+    text = f"{quantity.meaning[:1].upper()}{quantity.meaning[1:]}{unit}."
+    option = typer.Option(*quantity.options, metavar="VALUE", help=text, show_default=False)
+    return _parameter(quantity.name, None, Annotated[str | None, option])
+
+
 def shares_options(run: Callable[..., int]) -> Callable[..., int]:
     """Give a command the shared options.
 
@@ -151,17 +127,19 @@ def shares_options(run: Callable[..., int]) -> Callable[..., int]:
         Whose signature has a parameter for every shared option, as typer needs it.
     """
     annotations = get_type_hints(Options, include_extras=True)
-    shared = [
-        inspect.Parameter(
-            f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=annotations[f.name]
-        )
-        for f in fields(Options)
-    ]
+    shared = []
+    for f in fields(Options):
+        if f.name == "given":
+            shared += [_quantity_parameter(quantity) for quantity in QUANTITIES.values()]
+        else:
+            shared.append(_parameter(f.name, f.default, annotations[f.name]))
     context, _, *own = inspect.signature(run, eval_str=True).parameters.values()
 
     @functools.wraps(run)
     def command(**values: Any) -> int:
-        options = Options(**{p.name: values.pop(p.name) for p in shared})
+        typed = {p.name: values.pop(p.name) for p in shared}
+        texts = {name: typed.pop(name) for name in QUANTITIES}
+        options = Options(**typed, given={name: text for name, text in texts.items() if text is not None})
         return run(values.pop(context.name), options, **values)
 
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (context, *shared, *own)]

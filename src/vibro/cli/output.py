@@ -1,26 +1,22 @@
-"""From a checked request to its files: what the commands that write tables share."""
+"""From a checked request to its answer: what the commands that write tables share."""
 
 from __future__ import annotations
 
-import json
 import sys
-from collections import Counter
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
-from vibro import __version__
-from vibro.axes import default_count
 from vibro.cli.console import Console
-from vibro.cli.options import Accuracy, Flight
+from vibro.cli.options import Flight
 from vibro.cli.report import OneScene
-from vibro.core.codes import Regime, Status
+from vibro.core.codes import Level, Regime, Status
 from vibro.errors import InputError
-from vibro.files.outputs import OutputSet, output_stem, suffixed, write_json
-from vibro.quantities import QUANTITIES
-from vibro.sweeps.columns import CsvFormat, record
-from vibro.sweeps.run import Grid, sweep_blocks
+from vibro.files.outputs import output_stem
+from vibro.files.publication import Publication, json_text
+from vibro.files.tables import CsvFormat
+from vibro.sweeps.columns import record
+from vibro.sweeps.csv_sink import Tally, provenance, write_rows
+from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -28,19 +24,16 @@ if TYPE_CHECKING:
     from typing import TextIO
 
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from vibro.cli.options import Options
-    from vibro.cli.request import Request
-    from vibro.sweeps.columns import Column
-    from vibro.sweeps.run import Block
+    from vibro.results.sweep import Column
+    from vibro.sweeps.grid import Grid
+    from vibro.sweeps.request import Request
 
-__all__ = ["Pictures", "answer_one", "count", "describe_grid", "make_grid", "table_stream", "write_sweep"]
-
-_Code = TypeVar("_Code", Status, Regime)
+__all__ = ["Pictures", "answer_one", "count", "make_grid", "table_stream", "write_sweep"]
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
-_BYTES_PER_ROW: Final = 210  # [B] what a row of all columns comes to, rounded up
+_BYTES_PER_ROW: Final = 220  # [B] what a row of all columns comes to, rounded up
 _UNRESOLVED: Final = 3  # exit code
 
 
@@ -62,6 +55,13 @@ class Pictures:
     formats: Sequence[str]
     draw: Callable[[], Mapping[str, Figure]]
 
+    def saver(self) -> Callable[[str, Path, str, Mapping[str, str]], None]:
+        """Draw, and return what writes the figures by name."""
+        from vibro.plots import save
+
+        figures = self.draw()
+        return lambda name, path, form, metadata: save(figures[name], path, form, metadata)
+
 
 def count(number: int) -> str:
     """Write a whole number for people, its thousands apart."""
@@ -72,30 +72,16 @@ def make_grid(
     request: Request,
     console: Console | None = None,
     *,
-    accuracy: Accuracy = Accuracy.EXACT,
+    level: Level = Level.EXACT,
     flight: Flight = Flight.ON,
     arrivals: bool = False,
 ) -> Grid:
     """Spell out the axes of a request, and echo them."""
-    open_count = default_count(len(request.varying))
-    axes = {name: request.specs[name].axis(open_count) for name in request.varying}
     if console is not None:
-        for axis in axes.values():
+        for axis in request.axes().values():
             console.echo(str(axis))
-    fixed = {
-        name: spec.value
-        for name, spec in request.specs.items()
-        if not spec.varies and name != "trough_length"
-    }
-    exact = accuracy is Accuracy.EXACT
-    return Grid(
-        axes,
-        fixed,
-        request.length,
-        "exact" if exact else "regimes",
-        flight=exact and flight is Flight.ON,
-        arrivals=arrivals,
-    )
+    exact = level is Level.EXACT
+    return request.grid(level, flight=exact and flight is Flight.ON, arrivals=arrivals)
 
 
 def write_sweep(
@@ -140,28 +126,22 @@ def write_sweep(
     if grid.size > _ROWS_OF_A_SHEET:
         console.warn(f"{count(grid.size)} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet")
     if options.output == "-":
-        tally = _write_table(grid, columns, form, table_stream(json=options.json), console)
+        stream = table_stream(json=options.json)
+        with console.progress("solving", grid.size) as report:
+            tally = write_rows(grid, columns, form, stream, report)
         return _conclude(tally, grid.size, console, [])
 
+    names = pictures.names if pictures else ()
+    formats = pictures.formats if pictures else ()
     stem = output_stem(options.output, name)
-    table, sidecar = suffixed(stem, ".csv"), suffixed(stem, ".json")
-    drawn = {
-        (picture, form_): suffixed(stem, f"-{picture}.{form_}")
-        for picture in (pictures.names if pictures else ())
-        for form_ in (pictures.formats if pictures else ())
-    }
-    targets = [table, *drawn.values(), sidecar]
-    with OutputSet(targets, force=options.force) as files:
+    with Publication(stem, argv, force=options.force, pictures=names, formats=formats) as files:
         _check_size(grid, files)
-        with files[table].open("w", encoding="utf-8", newline="") as stream:
-            tally = _write_table(grid, columns, form, stream, console)
-        content = _provenance(grid, columns, argv, tally, targets)
-        if pictures:
-            _write_pictures(pictures, {key: files[path] for key, path in drawn.items()}, content)
-        write_json(files[sidecar], content)
+        with files.table() as stream, console.progress("solving", grid.size) as report:
+            tally = write_rows(grid, columns, form, stream, report)
+        content = files.finish(provenance(grid, columns, tally), pictures.saver() if pictures else None)
     if options.json:
-        print(json.dumps(content, indent=2, allow_nan=False))
-    return _conclude(tally, grid.size, console, targets)
+        print(json_text(content))
+    return _conclude(tally, grid.size, console, files.targets)
 
 
 def answer_one(
@@ -207,7 +187,7 @@ def answer_one(
             return code
     (block,) = sweep_blocks(grid)
     if options.json:
-        print(json.dumps(record(columns, block), indent=2, allow_nan=False))
+        print(json_text(record(columns, block)))
     else:
         print(report(OneScene(block)))
     return _UNRESOLVED if block.cycle.status == Status.UNRESOLVED else 0
@@ -221,24 +201,7 @@ def table_stream(*, json: bool) -> TextIO:
     return sys.stdout
 
 
-@dataclass
-class _Tally:
-    """Cells by status and by regime."""
-
-    status: Counter[Status]
-    regime: Counter[Regime]
-
-    def add(self, block: Block) -> None:
-        self.status.update(_counted(block.cycle.status, Status))
-        self.regime.update(_counted(block.cycle.regime, Regime))
-
-
-def _counted(codes: NDArray[np.int8], kind: Callable[[int], _Code]) -> dict[_Code, int]:
-    values, numbers = np.unique(codes, return_counts=True)
-    return {kind(code): number for code, number in zip(values.tolist(), numbers.tolist(), strict=True)}
-
-
-def _check_size(grid: Grid, files: OutputSet) -> None:
+def _check_size(grid: Grid, files: Publication) -> None:
     needed, free = grid.size * _BYTES_PER_ROW, files.free_space()
     if needed > free:
         sizes = f"about {_bytes(needed)}, but only {_bytes(free)} are free"
@@ -256,73 +219,7 @@ def _bytes(number: float) -> str:
     return f"{number:.3g} PB"
 
 
-def _write_table(
-    grid: Grid, columns: Sequence[Column], form: CsvFormat, stream: TextIO, console: Console
-) -> _Tally:
-    tally = _Tally(Counter(), Counter())
-    stream.write(form.header(columns))
-    done = 0
-    with console.progress("solving", grid.size) as report:
-        for block in sweep_blocks(grid):
-            stream.write(form.rows(columns, block))
-            tally.add(block)
-            done += block.cycle.status.size
-            report(done)
-    return tally
-
-
-def _write_pictures(
-    pictures: Pictures, paths: Mapping[tuple[str, str], Path], content: Mapping[str, Any]
-) -> None:
-    from vibro.plots import save
-
-    figures = pictures.draw()
-    metadata = {
-        "Software": f"vibro {__version__}",
-        "Description": json.dumps(content, allow_nan=False),
-    }
-    for (name, form), path in paths.items():
-        heading = figures[name].get_suptitle().partition("\n")[0]
-        save(figures[name], path, form, {"Title": heading, **metadata})
-
-
-def describe_grid(grid: Grid) -> dict[str, Any]:
-    """Return what a sidecar says of a grid: its fixed quantities and its axes, by their columns."""
-    axes = {
-        axis.column: {
-            "count": len(axis),
-            "first": float(axis.values[0]),
-            "last": float(axis.values[-1]),
-            "spacing": axis.spacing,
-            **({"values": axis.values.tolist()} if axis.spacing == "list" else {}),
-        }
-        for axis in grid.axes.values()
-    }
-    scene = {QUANTITIES[name].column: value for name, value in grid.fixed.items()}
-    if grid.length is not None:
-        scene[QUANTITIES["trough_length"].column] = grid.length
-    return {"scene": scene, "axes": axes}
-
-
-def _provenance(
-    grid: Grid, columns: Sequence[Column], argv: Sequence[str], tally: _Tally, targets: Sequence[Path]
-) -> dict[str, Any]:
-    """Return what a sidecar says: enough to run the sweep again."""
-    return {
-        "version": __version__,
-        "argv": ["vibro", *argv],
-        **describe_grid(grid),
-        "accuracy": grid.accuracy,
-        "flight": grid.flight,
-        "cells": grid.size,
-        "status": {status.label: tally.status[status] for status in Status if tally.status[status]},
-        "regime": {regime.label or "none": tally.regime[regime] for regime in Regime if tally.regime[regime]},
-        "columns": {column.name: column.unit for column in columns},
-        "files": [target.name for target in targets],
-    }
-
-
-def _conclude(tally: _Tally, size: int, console: Console, targets: Sequence[Path]) -> int:
+def _conclude(tally: Tally, size: int, console: Console, targets: Sequence[Path]) -> int:
     """Tell how it went, and return the exit code."""
     for status in Status:
         if status is not Status.OK and tally.status[status]:

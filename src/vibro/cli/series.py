@@ -1,16 +1,14 @@
-"""What the commands about motion in time share: one scene from a request, and their files."""
+"""What the commands about motion in time share: their files."""
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
-from vibro import __version__
 from vibro.cli.output import table_stream
-from vibro.files.outputs import OutputSet, output_stem, suffixed, write_json
-from vibro.quantities import QUANTITIES, to_si
-from vibro.scene import Scene
-from vibro.sweeps.columns import CsvFormat
+from vibro.files.outputs import output_stem
+from vibro.files.publication import Publication
+from vibro.files.tables import CsvFormat
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -19,19 +17,10 @@ if TYPE_CHECKING:
 
     from vibro.cli.console import Console
     from vibro.cli.options import Options
-    from vibro.cli.request import Request
-    from vibro.sweeps.columns import TableColumns
+    from vibro.files.tables import TableColumns
+    from vibro.sweeps.request import Request
 
-__all__ = ["scene_of", "scene_record", "write_series"]
-
-
-def scene_of(request: Request) -> Scene:
-    """Make the scene of a request without axes."""
-    given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
-    values = {name: to_si(name, value) for name, value in given.items()}
-    if "friction_ratio" in values:
-        values["kinetic_friction"] = values.pop("friction_ratio") * values["static_friction"]
-    return Scene(**values)
+__all__ = ["scene_record", "write_series"]
 
 
 def scene_record(request: Request) -> dict[str, float]:
@@ -57,7 +46,7 @@ def write_series(
     name : str
         The files' name where the options name none.
     tables : mapping of str to mapping
-        Columns by their header, by what is appended to the stem before ``.csv``.
+        Columns by their header, by the name that is appended to the stem.
     draw : callable
         Makes the picture.
     content : mapping
@@ -81,31 +70,16 @@ def write_series(
         table_stream(json=options.json).write(form.table(next(iter(tables.values()))))
         return
     stem = output_stem(options.output, name)
-    sheets = {suffixed(stem, f"{suffix}.csv"): columns for suffix, columns in tables.items()}
-    pictures = {suffixed(stem, f".{form_}"): form_ for form_ in formats}
-    sidecar = suffixed(stem, ".json")
-    targets = [*sheets, *pictures, sidecar]
-    with OutputSet(targets, force=options.force) as files:
-        whole = {
-            "version": __version__,
-            "argv": ["vibro", *argv],
-            **content,
-            "files": [target.name for target in targets],
-        }
-        for path, columns in sheets.items():
-            files[path].write_text(form.table(columns), encoding="utf-8", newline="")
-        if pictures:
-            from vibro.plots import save
+    with Publication(
+        stem, argv, force=options.force, tables=list(tables), pictures=("",), formats=formats
+    ) as files:
+        for table, columns in tables.items():
+            with files.table(table) as stream:
+                stream.write(form.table(columns))
+        from vibro.plots import save
 
-            figure = draw()
-            metadata = {
-                "Title": targets[0].name,
-                "Software": f"vibro {__version__}",
-                "Description": json.dumps(whole, allow_nan=False),
-            }
-            for path, form_ in pictures.items():
-                save(figure, files[path], form_, metadata)
-        write_json(files[sidecar], whole)
+        figure = draw()
+        files.finish(content, lambda _, path, form_, metadata: save(figure, path, form_, metadata))
     if console.is_terminal:
-        for target in targets:
+        for target in files.targets:
             console.echo(f"wrote {target}")

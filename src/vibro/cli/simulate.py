@@ -15,7 +15,7 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibro.motion.histories import History
+    from vibro.results.history import History
 
 __all__ = ["simulate_command"]
 
@@ -72,8 +72,8 @@ def simulate_command(
     The phases are printed, and go to STEM-phases.csv; the sampled motion goes to STEM.csv, forces per
     unit mass; the picture to STEM.png.
     """
-    from vibro.cli.request import gather
-    from vibro.cli.series import scene_of, scene_record, write_series
+    from vibro.cli.request import request_of
+    from vibro.cli.series import scene_record, write_series
     from vibro.motion.histories import simulate
     from vibro.motion.trace import motion_table, phase_table, trace
     from vibro.plots.history import choose_panels
@@ -82,8 +82,8 @@ def simulate_command(
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     choose_panels(panels, flies=True)
-    request = gather(options, context.obj)
-    scene = scene_of(request)
+    request = request_of(options, context.obj)
+    scene = request.scene()
     frequency = float(scene.frequency)
     time = None if duration is None else float(exact_number(duration, DURATION))
     lasting = _cycles(cycles, time, frequency)
@@ -118,7 +118,7 @@ def simulate_command(
         f"{name}-history",
         {
             "": motion_table(history, trace(history, until=history.end, samples_per_cycle=samples)),
-            "-phases": phase_table(history, history.phases),
+            "phases": phase_table(history, history.phases),
         },
         draw,
         content,

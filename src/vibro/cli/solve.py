@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import typer  # typer reads the annotations
 
-from vibro.cli.options import Accuracy, AccuracyOption, Flight, FlightOption, Options
+from vibro.cli.options import Flight, FlightOption, LevelOption, Options
+from vibro.core.codes import Level
 
 if TYPE_CHECKING:
     from vibro.cli.report import OneScene
@@ -18,33 +19,39 @@ def solve_command(
     context: typer.Context,
     options: Options,
     flight: FlightOption = Flight.ON,
-    accuracy: AccuracyOption = Accuracy.EXACT,
+    accuracy: LevelOption = Level.EXACT,
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
     With -o the row of a map's table is written to STEM.csv too.
     """
     from vibro.cli.output import answer_one, make_grid
-    from vibro.cli.request import gather
-    from vibro.sweeps.columns import COLUMNS
+    from vibro.cli.request import request_of
+    from vibro.sweeps.columns import columns_of
 
-    request = gather(options, context.obj)
-    grid = make_grid(request, accuracy=accuracy, flight=flight)
-    return answer_one(grid, COLUMNS, options, context.obj, request.name or "vibro-solve", _report)
+    request = request_of(options, context.obj)
+    grid = make_grid(request, level=accuracy, flight=flight)
+    return answer_one(grid, columns_of(), options, context.obj, request.name or "vibro-solve", _report)
 
 
-def _report(scene: OneScene) -> str:
+def _report(one: OneScene) -> str:
     from vibro.cli.report import aligned, number
+    from vibro.core.codes import PHASE_NAMES
 
     facts = [
-        *scene.facts(),
-        *scene.numbers(),
-        ("acceleration", f"{number(scene.load)} g along the drive"),
+        *one.facts(),
+        *one.numbers(),
+        ("acceleration", f"{number(float(one.scene.load))} g along the drive"),
     ]
     heads = [("begins", "load now / then", "amplitude [mm]", "frequency [Hz]")]
-    begins = [(t.name, *(number(value) for value in t[1:])) for t in scene.transitions()]
+    begins = [
+        (t.name, number(t.ratio), number(1e3 * t.amplitude), number(t.frequency)) for t in one.transitions()
+    ]
     parts = [aligned(facts, right=False), aligned([*heads, *begins])]
-    phases = [(p[0], *(f"{value:.5f}" for value in p[1:])) for p in scene.phases()]
+    phases = [
+        (PHASE_NAMES[p.kind], *(f"{1e3 * value:.5f}" for value in (p.start, p.end, p.displacement)))
+        for p in one.phases()
+    ]
     if phases:
         parts.append(aligned([("phase", "start [ms]", "end [ms]", "displacement [mm]"), *phases]))
     return "\n\n".join(parts)

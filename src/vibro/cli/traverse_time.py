@@ -37,15 +37,16 @@ def traverse_time_command(
     """
     from vibro.cli.console import Console
     from vibro.cli.output import answer_one, make_grid, write_sweep
-    from vibro.cli.request import gather
-    from vibro.sweeps.columns import ARRIVAL, STROKES, columns_with
+    from vibro.cli.request import request_of
+    from vibro.sweeps.columns import WITH_ARRIVAL, WITH_STROKES, columns_of
 
-    request = gather(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
+    request = request_of(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
     if sweep and not request.varying:
         raise InputError("nothing varies", hint="give an axis, for example -A 0.1:3:200")
     follows = exact or not request.varying
-    columns = columns_with(ARRIVAL, STROKES) if follows else columns_with(STROKES)
+    extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
+    columns = columns_of(request.varying, *extra)
     if not request.varying:
         grid = make_grid(request, flight=flight, arrivals=True)
         return answer_one(grid, columns, options, context.obj, name, _report)

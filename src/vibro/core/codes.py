@@ -1,11 +1,38 @@
-"""Small integer codes of the results: regime, status, pattern and model of each cell."""
+"""Small integer codes of the results: regime, status, pattern and model of each cell, and their texts."""
 
 from __future__ import annotations
 
-from enum import IntEnum
-from typing import Final
+from enum import IntEnum, StrEnum
+from typing import TYPE_CHECKING, Final
 
-__all__ = ["MODELS", "PATTERNS", "Model", "Pattern", "Regime", "Status"]
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = [
+    "HOPPING_PATTERNS",
+    "LETTERS",
+    "MODELS",
+    "MOST_LETTERS",
+    "PATTERNS",
+    "PHASE_NAMES",
+    "Level",
+    "Mode",
+    "Model",
+    "Pattern",
+    "Regime",
+    "Status",
+    "hopping_text",
+    "is_answered",
+    "pattern_texts",
+]
+
+
+class Level(StrEnum):
+    """How much is found of every cell: all of it, or its regime, ratios and status alone."""
+
+    EXACT = "exact"
+    REGIMES = "regimes"
 
 
 class Regime(IntEnum):
@@ -45,6 +72,11 @@ class Status(IntEnum):
         """One sentence that tells a user what the status means."""
         return _STATUS_MESSAGES[self]
 
+    @property
+    def answered(self) -> bool:
+        """Whether a cell with this status has numbers."""
+        return self in (Status.OK, Status.BOUNDARY, Status.AVERAGED)
+
 
 _STATUS_MESSAGES: Final = {
     Status.OK: "solved to rounding",
@@ -58,8 +90,15 @@ _STATUS_MESSAGES: Final = {
 }
 
 
+def is_answered(status: NDArray[np.int8]) -> NDArray[np.bool_]:
+    """Whether cells have numbers, by the codes of their statuses."""
+    import numpy as np  # late: the enums are needed where loading NumPy would take too long
+
+    return np.array([code.answered for code in Status])[status]
+
+
 class Pattern(IntEnum):
-    """Phases of one steady cycle: F forward slide, B back slide, R rest (written ``_``)."""
+    """Legs of one steady cycle: F forward slide, B back slide, R rest (written ``_``)."""
 
     NONE = 0
     R = 1
@@ -72,6 +111,58 @@ class Pattern(IntEnum):
 
 
 PATTERNS: Final = ("", "_", "F_", "B_", "F_B_", "FB_", "F_B", "FB")
+
+
+class Mode(IntEnum):
+    """What a body does during one leg; the values are the digits of a hopping pattern's code."""
+
+    FLIGHT = 1
+    FORWARD = 2
+    BACK = 3
+    REST = 4
+
+
+LETTERS: Final = " HFB_"  # by Mode
+
+#: What the letters stand for; ``"h"`` stands for several very short flights, one after the other.
+PHASE_NAMES: Final = {
+    "H": "flight",
+    "h": "short flights",
+    "F": "forward slide",
+    "B": "back slide",
+    "_": "rest",
+}
+
+#: Legs of a hopping pattern that an int64 has room for, as digits to base 5; longer ones are cut.
+MOST_LETTERS: Final = 27
+
+#: [code] Patterns of contact cycles have the codes of ``Pattern``; from here on up, and below 0, are those of
+#: hopping cycles.
+HOPPING_PATTERNS: Final = 8
+
+
+def hopping_text(code: int) -> str:
+    """Legs of a hopping cycle from the digits of its code: H flight, F forward slide, B back slide, _ rest.
+
+    A pattern of more than ``MOST_LETTERS`` legs has a negative code; its text is cut and ends in ``...``.
+    """
+    letters, left = "", abs(code)
+    while left:
+        left, digit = divmod(left, 5)
+        letters = LETTERS[digit] + letters
+    return letters + "..." * (code < 0)
+
+
+def pattern_texts(codes: NDArray[np.int64]) -> NDArray[np.str_]:
+    """Legs of steady cycles as text, from the codes of contact and hopping patterns."""
+    import numpy as np  # late, as above
+
+    different, which = np.unique(codes.ravel(), return_inverse=True)
+    texts = [
+        PATTERNS[code] if 0 <= code < HOPPING_PATTERNS else hopping_text(code - HOPPING_PATTERNS * (code > 0))
+        for code in different.tolist()
+    ]
+    return np.array(texts, dtype=np.str_)[which].reshape(codes.shape)
 
 
 class Model(IntEnum):

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Loads", "cosine_of_sum", "loads", "put", "take"]
+__all__ = ["Loads", "angle_excess", "cosine_of_sum", "friction_excess", "loads", "put", "take"]
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
 _LEAST_GRAVITY: Final = 1e-307
@@ -40,6 +40,22 @@ class Loads(NamedTuple):
     contrast: Floats
     static_friction: Floats
     kinetic_friction: Floats
+
+    @property
+    def infeasible(self) -> NDArray[np.bool_]:
+        """Whether a combination cannot be: mu_d > mu_s, or drive + trough angle of 90 deg or more."""
+        friction = friction_excess(self.static_friction, self.kinetic_friction) > 0.0
+        return np.asarray(friction | (self.contrast <= 0.0))
+
+
+def friction_excess(static_friction: Floats, kinetic_friction: Floats) -> Floats:
+    """Kinetic over static friction: a combination with more than 0 cannot be."""
+    return kinetic_friction - static_friction
+
+
+def angle_excess(drive_angle: Floats, trough_angle: Floats) -> Floats:
+    """Drive + trough angle over 90 deg: a combination with 0 or more cannot be [rad]."""
+    return drive_angle + trough_angle - 0.5 * np.pi
 
 
 def loads(
@@ -75,16 +91,19 @@ def loads(
 
 def cosine_of_sum(drive_angle: Floats, trough_angle: Floats) -> Floats:
     """cos(alpha + beta); 0 from 90 deg on, where the double next to it still has a positive cosine."""
-    total = drive_angle + trough_angle
-    return np.where(total < 0.5 * np.pi, np.cos(total), 0.0)
+    excess = angle_excess(drive_angle, trough_angle)
+    return np.where(excess < 0.0, np.cos(drive_angle + trough_angle), 0.0)
 
 
 def take(group: Any, cells: NDArray[np.intp]) -> Any:
     """Select cells of a nested (named) tuple of arrays by index; 0-d members serve every cell."""
-    if isinstance(group, tuple):
-        members = [take(member, cells) for member in group]
-        return group._make(members) if hasattr(group, "_make") else tuple(members)
-    return group.take(cells) if group.ndim else group
+    if not isinstance(group, tuple):
+        return group.take(cells) if group.ndim else group
+    members = [
+        take(member, cells) if isinstance(member, tuple) else member.take(cells) if member.ndim else member
+        for member in group
+    ]
+    return group._make(members) if hasattr(group, "_make") else tuple(members)
 
 
 def put(group: tuple[Any, ...], cells: NDArray[np.intp], values: tuple[Any, ...]) -> None:

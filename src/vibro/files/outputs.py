@@ -1,11 +1,9 @@
-"""Scene files, and sets of output files that appear whole or not at all."""
+"""Sets of output files that appear whole or not at all."""
 
 from __future__ import annotations
 
 import contextlib
-import difflib
 import errno
-import json
 import os
 import re
 import shutil
@@ -13,152 +11,22 @@ import signal
 import sys
 import threading
 import time
-import tomllib
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Final, Self
 
-from vibro.axes import AxisSpec, parse_axis
-from vibro.errors import FileError, InputError
-from vibro.quantities import QUANTITIES, SWEPT
+from vibro.errors import FileError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
     from types import TracebackType
 
-__all__ = ["OutputSet", "SceneFile", "output_stem", "read_scene_file", "suffixed", "write_json"]
-
-_BY_COLUMN: Final = {q.column: q for q in QUANTITIES.values()}
-_TABLES: Final = ("scene", "map")
+__all__ = ["OutputSet", "output_stem", "suffixed"]
 
 # A spreadsheet holds a file for as long as it is open, a virus scanner for a moment: outlast the scanner.
 _RENAME_ATTEMPTS: Final = 10
 _RENAME_PAUSE: Final = 0.2  # [s]
 
 _TEMPORARY: Final = re.compile(r"\.vibro-(\d+)-\d+\.tmp")
-
-
-@dataclass(frozen=True)
-class SceneFile:
-    """What a scene file says.
-
-    Attributes
-    ----------
-    name : str
-        The file's name without its suffix.
-    scene : mapping of str to AxisSpec
-        The table ``[scene]``: one value each, by the quantity's name.
-    sweep : mapping of str to AxisSpec
-        The table ``[map]``: values and axes, by the quantity's name.
-    """
-
-    name: str
-    scene: Mapping[str, AxisSpec]
-    sweep: Mapping[str, AxisSpec]
-
-
-def read_scene_file(path: Path) -> SceneFile:
-    """Read a scene file.
-
-    Parameters
-    ----------
-    path : Path
-        TOML with a table ``[scene]`` and, optionally, ``[map]``; the keys are names with units.
-
-    Returns
-    -------
-    SceneFile
-        Values are not checked against their physical ranges.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read.
-    InputError
-        If it is no TOML, or has keys or values that it may not have; all of them are named.
-    """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as exc:
-        raise FileError(f"cannot read {path}: {_reason(exc)}", hint=_nearby(path)) from exc
-    except UnicodeDecodeError as exc:
-        raise InputError(f"{path}: not a text file in UTF-8", hint="save it as UTF-8") from exc
-    try:
-        content = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as exc:
-        comma = re.search(r"^\s*(\w+)\s*=\s*([+-]?\d+),(\d+)\s*(#.*)?$", text, re.MULTILINE)
-        hint = f"write a decimal point: {comma[1]} = {comma[2]}.{comma[3]}" if comma else ""
-        raise InputError(f"{path}: not valid TOML: {exc}", hint=hint) from exc
-
-    problems: list[str] = []
-    hints: list[str] = []
-    tables: dict[str, dict[str, AxisSpec]] = {name: {} for name in _TABLES}
-    for name, table in content.items():
-        if name not in tables:
-            known = isinstance(table, dict)
-            problems.append(
-                f"{path}: unknown {'table' if known else 'key'} {name!r}{_suggestion(name, _TABLES)}"
-            )
-            if not known:
-                hints.append("keys belong in the table [scene] or [map]")
-        elif not isinstance(table, dict):
-            problems.append(f"{path}: {name} must be a table, written [{name}]")
-        else:
-            for key, value in table.items():
-                try:
-                    spec = _entry(name, key, value)
-                    tables[name][spec.quantity.name] = spec
-                except InputError as exc:
-                    problems += [f"{path}: [{name}] {problem}" for problem in exc.problems]
-                    hints += [exc.hint] if exc.hint else []
-    if problems:
-        raise InputError(*problems, hint="\n".join(dict.fromkeys(hints)))
-    return SceneFile(path.stem, tables["scene"], tables["map"])
-
-
-def _entry(table: str, key: str, value: object) -> AxisSpec:
-    quantity = _BY_COLUMN.get(key)
-    if quantity is None:
-        raise InputError(f"unknown key {key!r}{_suggestion(key, _BY_COLUMN)}")
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return parse_axis(repr(value), quantity)
-    if table == "map":
-        if isinstance(value, str):
-            spec = parse_axis(value, quantity)
-        elif isinstance(value, list) and value and all(type(item) in (int, float) for item in value):
-            # A list of two must not be taken for a decimal comma.
-            spec = parse_axis(",".join(map(repr, map(float, value))), quantity)
-        else:
-            raise InputError(
-                f"{key} = {value!r}: must be an axis", hint='write it like "0.1:3:200" or [10, 20, 30]'
-            )
-        if spec.varies and quantity.name not in (*SWEPT, "stroke"):
-            raise InputError(
-                f"{key} = {value!r}: {quantity.label} cannot be an axis", hint=f"give {key} one value"
-            )
-        return spec
-    hint = (
-        "axes belong in the table [map]" if isinstance(value, str) and ":" in value else f"write {key} = 1.5"
-    )
-    raise InputError(f"{key} = {value!r}: must be a number, without quotes", hint=hint)
-
-
-def _suggestion(word: str, words: Any) -> str:
-    close = difflib.get_close_matches(word.casefold(), list(words), n=1, cutoff=0.5)
-    return f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(words)}"
-
-
-def _nearby(path: Path) -> str:
-    try:
-        names = [p.name for p in path.parent.iterdir() if p.suffix == ".toml"]
-    except OSError:
-        return ""
-    close = difflib.get_close_matches(path.name, names, n=1)
-    return f"did you mean {path.with_name(close[0])}?" if close else ""
-
-
-def _reason(exc: OSError) -> str:
-    return exc.strerror or str(exc)
 
 
 def output_stem(output: str | None, name: str) -> Path:
@@ -187,11 +55,6 @@ def output_stem(output: str | None, name: str) -> Path:
 def suffixed(stem: Path, suffix: str) -> Path:
     """Append a suffix to a stem, whatever dots the stem has: ``run1.5`` becomes ``run1.5.csv``."""
     return stem.with_name(stem.name + suffix)
-
-
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write a sidecar: UTF-8 JSON, readable by people."""
-    path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 class OutputSet:
@@ -352,3 +215,7 @@ def _is_running(pid: int) -> bool:
     except (PermissionError, OverflowError):
         return True
     return True
+
+
+def _reason(exc: OSError) -> str:
+    return exc.strerror or str(exc)

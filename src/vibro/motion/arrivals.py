@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.flight.cycles import MOST_THROW
-from vibro.core.groups import loads, take
+from vibro.core.groups import take
 from vibro.core.walk.arrival import arrival_cycles
 from vibro.core.walk.steps import course_of
 from vibro.errors import Problem, SceneError
+from vibro.scene import Fields
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -79,22 +80,23 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
 
 def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Floats:
     """Arrival times from any start, of the shape of ``length``; velocity in m/s."""
-    steady = solve(scene).displacement_per_cycle / scene.amplitude
-    fields = [np.broadcast_to(x, length.shape).reshape(-1) for x in (*scene.arrays(), steady, length)]
-    groups = loads(*fields[:7])
+    advance = solve(scene).displacement_per_cycle / scene.amplitude
+    fields = Fields(*(np.broadcast_to(x, length.shape).reshape(-1) for x in scene.arrays()))
+    advance, reach = (np.broadcast_to(x, length.shape).reshape(-1) for x in (advance, length))
+    groups = fields.loads()
     out = np.full(length.size, np.nan)
     followed = np.flatnonzero(~unfollowed(groups))
     for i in range(0, followed.size, _BLOCK):
         cells = followed[i : i + _BLOCK]
-        amplitude, frequency, *_, restitution, advance, reach = (x[cells] for x in fields)
-        course = course_of(take(groups, cells), restitution)
-        start = velocity / (amplitude * _TURN * frequency)
-        cycles = arrival_cycles(course, reach / amplitude, np.full(cells.size, phase), start, advance)
-        out[cells] = cycles / frequency
+        part = take(fields, cells)
+        course = course_of(take(groups, cells), part.restitution)
+        start = velocity / (part.amplitude * _TURN * part.frequency)
+        target = reach[cells] / part.amplitude
+        cycles = arrival_cycles(course, target, np.full(cells.size, phase), start, advance[cells])
+        out[cells] = cycles / part.frequency
     return out.reshape(length.shape)
 
 
 def unfollowed(scene: Loads) -> NDArray[np.bool_]:
     """Whether scenes are infeasible, or thrown so high that the phase of a landing is lost."""
-    infeasible = (scene.kinetic_friction > scene.static_friction) | (scene.contrast <= 0.0)
-    return np.asarray(infeasible | (scene.across > MOST_THROW * scene.normal))
+    return np.asarray(scene.infeasible | (scene.across > MOST_THROW * scene.normal))

@@ -8,25 +8,91 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.core.codes import Status
-from vibro.core.contact.phases import steady_phases
-from vibro.core.groups import loads
+from vibro.core.codes import LETTERS, Mode, Regime, Status
+from vibro.core.contact.cycle_legs import CycleLeg, cycle_legs
+from vibro.core.walk.histories import follow
+from vibro.core.walk.steps import course_of
 from vibro.errors import VibroError
-from vibro.motion.histories import History, Sample, simulate
+from vibro.motion.arrivals import unfollowed
+from vibro.motion.histories import simulate
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.motion.histories import Phase
+    from vibro.core.walk.steps import Course
+    from vibro.results.history import History, Phase, Sample
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
-__all__ = ["SettledMotion", "settled_motion"]
+__all__ = ["CyclePhase", "SettledMotion", "cycle_phases", "settled_motion"]
 
 _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
 _PERIODIC: Final = 1e-6  # relative change from one cycle to the next, above which it takes more to repeat
+_LONGEST_RUN: Final = 1000.0  # [drive cycles] from rest in which phases with flights must begin to repeat
+_SHORT: Final = 1e-2  # [rad] flights below this are told together
+
+
+@dataclass(frozen=True)
+class CyclePhase:
+    """One phase of a steady cycle.
+
+    Attributes
+    ----------
+    kind : str
+        ``"F"`` forward slide, ``"B"`` back slide, ``"_"`` rest, ``"H"`` flight; ``"h"`` several flights of
+        less than 0.01 rad each, one after the other.
+    start, end : float
+        Time since the trough passed its middle upwards [s].
+    displacement : float
+        Displacement relative to the trough during the phase [m].
+    """
+
+    kind: str
+    start: float
+    end: float
+    displacement: float
+
+
+def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
+    """Phases of the steady cycle that a body at rest settles into.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of shape ().
+
+    Returns
+    -------
+    tuple of CyclePhase
+        In the order of the pattern; empty where there is no steady cycle, or one with flights that does not
+        begin to repeat within 1000 drive cycles.
+    """
+    fields = scene.flat()
+    groups = fields.loads()
+    cycle = solve(scene, flight=False)
+    legs = cycle_legs(groups, int(cycle.pattern_code))
+    if cycle.regime == Regime.HOPPING and not unfollowed(groups).any():
+        legs = _legs_with_flights(course_of(groups, fields.restitution))
+    w, amplitude = 2.0 * math.pi * float(scene.frequency), float(scene.amplitude)
+    return tuple(
+        CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * amplitude) for leg in legs
+    )
+
+
+def _legs_with_flights(course: Course) -> list[CycleLeg]:
+    """Legs of the steady cycle of a body that hops; none if they do not repeat soon."""
+    steady = follow(course, 0.0, 0.0, _LONGEST_RUN).steady
+    starts = 2.0 * math.pi * (steady.cycle - steady.cycle[:1]) + steady.phase
+    columns = (steady.mode, starts, starts + steady.length, steady.displacement)
+    legs: list[CycleLeg] = []
+    for mode, start, end, displacement in zip(*(column.tolist() for column in columns), strict=True):
+        kind = "h" if mode == Mode.FLIGHT and end - start < _SHORT else LETTERS[mode]
+        if legs and legs[-1].kind == kind == "h":
+            start, displacement = legs[-1].start, legs.pop().displacement + displacement
+        legs.append(CycleLeg(kind, start, end, displacement))
+    return legs
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +154,11 @@ def settled_motion(scene: Scene) -> SettledMotion:
     """
     cycle = solve(scene)
     status = Status(int(cycle.status))
-    if status > Status.BOUNDARY:
+    if status is Status.AVERAGED or not status.answered:
         raise VibroError(f"no steady motion to compare with: {status.message}")
     frequency = float(scene.frequency)
-    groups = loads(*(np.atleast_1d(a) for a in scene.arrays()[:7]))
-    contact = steady_phases(groups, int(cycle.pattern_code))
+    groups = scene.flat().loads()
+    contact = cycle_legs(groups, int(cycle.pattern_code))
     if contact:
         # A slide of the cycle begins at a known phase: there is no need to wait for it.
         history = simulate(scene, cycles=1.0, start_phase=contact[0].start)

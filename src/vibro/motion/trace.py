@@ -8,24 +8,23 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.motion.histories import Sample
-from vibro.quantities import from_si
+from vibro.core.codes import PHASE_NAMES
+from vibro.quantities import LENGTH
+from vibro.results.history import Sample
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from vibro.motion.histories import History, Phase
-    from vibro.sweeps.columns import TableColumns
+    from vibro.files.tables import TableColumns
+    from vibro.results.history import History, Phase
 
     Floats = NDArray[np.float64]
 
-__all__ = ["PHASE_NAMES", "motion_table", "phase_table", "trace"]
+__all__ = ["motion_table", "phase_table", "trace"]
 
 _ROUNDING: Final = 1e-9  # of the number of steps
-
-PHASE_NAMES: Final = {"F": "forward slide", "B": "back slide", "_": "rest", "H": "flight"}
 
 
 def trace(history: History, *, until: float, samples_per_cycle: int, both_sides: bool = False) -> Sample:
@@ -40,8 +39,8 @@ def trace(history: History, *, until: float, samples_per_cycle: int, both_sides:
     samples_per_cycle : int
         Even steps in a drive cycle; 0 for the events alone.
     both_sides : bool
-        Whether there are two rows at an event, before and behind it, as a picture needs them; else there
-        is one, behind it.
+        Whether there are two rows at an event, before and after it, as a picture needs them; else there is
+        one, after it.
 
     Returns
     -------
@@ -53,14 +52,14 @@ def trace(history: History, *, until: float, samples_per_cycle: int, both_sides:
     # The last step, if it is the end but for its rounding, is left to the end.
     even = np.arange(math.ceil(rate * until * (1.0 - _ROUNDING))) / rate if rate else np.array([])
     times = np.unique(np.concatenate([even, events, [until]]))
-    behind = history.sample(times)
+    after = history.sample(times)
     if not both_sides:
-        return behind
+        return after
     before = history.sample(events[1:], side="left")
     # Stable: the row before an event stands first.
-    order = np.argsort(np.concatenate([before.time, behind.time]), kind="stable")
+    order = np.argsort(np.concatenate([before.time, after.time]), kind="stable")
     return Sample(
-        *(np.concatenate([getattr(before, f.name), getattr(behind, f.name)])[order] for f in fields(Sample))
+        *(np.concatenate([getattr(before, f.name), getattr(after, f.name)])[order] for f in fields(Sample))
     )
 
 
@@ -100,7 +99,7 @@ def phase_table(history: History, phases: Sequence[Phase]) -> TableColumns:
 
 
 def _mm(values: Floats) -> Floats:
-    return np.asarray(from_si("amplitude", values)) + 0.0  # not -0.0
+    return np.asarray(LENGTH.from_si(values)) + 0.0  # not -0.0
 
 
 def _degrees(history: History, time: Floats) -> Floats:

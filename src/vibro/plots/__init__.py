@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 from vibro.plots.fields import Fields
 from vibro.plots.lines import flight_line, impact_line, speed_lines, traverse_line
@@ -19,9 +19,22 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from vibro.sweeps.run import SweepResult
+    from vibro.results.sweep import SweepResult
 
-__all__ = ["View", "choose_view", "map_figures", "save"]
+__all__ = ["View", "choose_view", "map_figures", "picture_names", "save"]
+
+
+_COMPRESSION: Final = 3  # of PNG: against the usual 6, files 10 % larger in half the time
+
+
+def picture_names(axes: int, *, has_length: bool, on_request: bool = True) -> list[str]:
+    """Name the pictures that there are of a sweep over so many axes, with or without a trough length.
+
+    Those of flights are drawn on request alone.
+    """
+    names = ["regime"] if axes > 1 else []
+    names += ["speed", *(["traverse"] if has_length else [])]
+    return [*names, "impact", "flight"] if on_request else names
 
 
 def map_figures(
@@ -78,9 +91,7 @@ def map_figures(
             "flight": lambda: flight_map(result, fields),
         }
     if names is None:
-        names = [n for n in ("regime", "speed", "traverse") if n in draw]
-        if result.length is None:
-            names.remove("traverse")
+        names = picture_names(len(result.axes), has_length=result.length is not None, on_request=False)
     with mpl.rc_context(RC):
         return {name: draw[name]() for name in names}
 
@@ -97,13 +108,16 @@ def save(figure: Figure, path: Path, picture_format: str, metadata: Mapping[str,
     picture_format : str
         ``png``, ``svg`` or ``pdf``.
     metadata : mapping of str to str
-        Carried by the file: every entry of its own in PNG, and as one text where a format has fixed keys.
-        ``Title`` keeps its place in all of them.
+        Carried by the file: every entry of its own in PNG, and as one text where a format has fixed keys. A
+        title is added, the first line of the figure's own.
     """
     import matplotlib as mpl
 
+    more: dict[str, Any] = {"pil_kwargs": {"compress_level": _COMPRESSION}} if picture_format == "png" else {}
     with mpl.rc_context(RC):
-        figure.savefig(path, format=picture_format, metadata=_metadata(picture_format, metadata))
+        title = {"Title": figure.get_suptitle().partition("\n")[0]}
+        described = _metadata(picture_format, {**title, **metadata})
+        figure.savefig(path, format=picture_format, metadata=described, **more)
 
 
 def _metadata(picture_format: str, metadata: Mapping[str, str]) -> dict[str, str | None]:

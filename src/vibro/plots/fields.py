@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.quantities import to_si
+from vibro.core.groups import angle_excess, friction_excess
+from vibro.plots.neighbours import dilate, erode, fill_unknown
+from vibro.quantities import QUANTITIES, kinetic_friction
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Fields", "clip_line", "fill_unknown", "zero_lines", "zero_points", "zero_region"]
+__all__ = ["Fields", "clip_line", "without_hidden", "zero_lines", "zero_points", "zero_region"]
 
 # [points of the grid] Widths across which the motion must repeat with the drive for numbers to be smooth, and
 # of its neighbourhood; and how many points side by side without a short period are to be seen.
@@ -77,9 +79,11 @@ class Fields:
     @cached_property
     def infeasible(self) -> Floats:
         """Positive where the combination cannot be: mu_d > mu_s, or drive + trough angle above 90 deg."""
-        friction = self._kinetic_friction - self._quantity("static_friction")
-        angles = self._quantity("drive_angle") + self._quantity("trough_angle") - 90.0
-        return np.asarray(np.maximum(friction, angles / 90.0) + self._zeros)
+        friction = friction_excess(self._quantity("static_friction"), self._kinetic_friction)
+        angles = angle_excess(
+            *(QUANTITIES[name].to_si(self._quantity(name)) for name in ("drive_angle", "trough_angle"))
+        )
+        return np.asarray(np.maximum(friction, angles) + self._zeros)
 
     @cached_property
     def rest(self) -> Floats:
@@ -107,28 +111,21 @@ class Fields:
     @cached_property
     def smooth(self) -> Floats:
         """Positive where the motion repeats with the drive, all around; elsewhere contours would be noise."""
-        from scipy.ndimage import binary_dilation, binary_erosion
-
         answered = np.isfinite(self.panel.cycle["mean_velocity"])
         longer = answered & (self.panel.cycle["period_cycles"] != 1.0)
-        grown = np.ones([min(n, _SMOOTH_ACROSS) for n in longer.shape], np.bool_)
-        shrunk = np.ones([min(n, _SMOOTH_ACROSS - _SMOOTH_AROUND + 1) for n in longer.shape], np.bool_)
-        rough = binary_erosion(binary_dilation(longer, grown), shrunk, border_value=1)
+        rough = erode(dilate(longer, _SMOOTH_ACROSS), _SMOOTH_ACROSS - _SMOOTH_AROUND + 1, beyond=True)
         return np.where(rough, -0.5, 0.5)
 
     @cached_property
     def averaged(self) -> Floats:
         """Positive where numbers are means over many cycles, in regions that are large enough to be seen."""
-        from scipy.ndimage import binary_opening
-
         cells = self.panel.cycle["status"] == Status.AVERAGED
-        size = [min(n, _SEEN) for n in cells.shape]
-        return np.where(binary_opening(cells, np.ones(size)), 0.5, -0.5)
+        return np.where(dilate(erode(cells, _SEEN, beyond=False), _SEEN), 0.5, -0.5)
 
     @cached_property
     def coexists(self) -> Floats:
         """Positive where there are two steady cycles."""
-        return np.where(self.panel.cycle["coexists"], 0.5, -0.5)
+        return np.where(self.panel.cycle["coexists"] > 0, 0.5, -0.5)
 
     @cached_property
     def statuses(self) -> set[Status]:
@@ -167,7 +164,7 @@ class Fields:
     @property
     def _load(self) -> Floats:
         """G = A w^2 / g."""
-        amplitude = to_si("amplitude", self._quantity("amplitude"))
+        amplitude = QUANTITIES["amplitude"].to_si(self._quantity("amplitude"))
         w = 2.0 * math.pi * self._quantity("frequency")
         return np.asarray(amplitude * w**2 / self._quantity("gravity") + self._zeros)
 
@@ -176,7 +173,7 @@ class Fields:
         panel = self.panel
         drawn = {panel.x.name, panel.y.name if panel.y else ""}
         if "friction_ratio" in panel.values or "friction_ratio" in drawn:
-            return self._quantity("friction_ratio") * self._quantity("static_friction")
+            return kinetic_friction(self._quantity("friction_ratio"), self._quantity("static_friction"))
         return self._quantity("kinetic_friction")
 
     def _quantity(self, name: str) -> Any:
@@ -195,18 +192,6 @@ def _straightened(axis: Axis, values: Floats) -> Floats:
 
 def _unstraightened(axis: Axis, values: Floats) -> Floats:
     return np.exp(values) if axis.name in ("amplitude", "frequency") else values
-
-
-def fill_unknown(values: Floats, known: NDArray[np.bool_]) -> Floats:
-    """Give unknown cells the value of the nearest known one; all zero where none is known."""
-    if known.all():
-        return values
-    if not known.any():
-        return np.zeros(values.shape)
-    from scipy.ndimage import distance_transform_edt
-
-    nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    return np.asarray(values[tuple(nearest)])
 
 
 def zero_region(fields: Fields, field: Floats) -> Path | None:
@@ -229,6 +214,15 @@ def zero_lines(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) 
     for hiding in hidden_by:
         lines = [part for line in lines for part in clip_line(line, _sample(fields, hiding, line))]
     return [fields.on_paper(line) for line in lines]
+
+
+def without_hidden(field: Floats, hidden_by: Sequence[Floats]) -> Floats:
+    """Put NaN where nothing of a field is to be seen, so that no line is traced there only to be clipped."""
+    hidden = np.zeros(field.shape, np.bool_)
+    for hiding in hidden_by:
+        # A point is needed as long as a neighbour is seen: lines end between the two.
+        hidden |= erode(hiding > 0.0, 3, beyond=True)
+    return np.where(hidden, np.nan, field)
 
 
 def zero_points(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) -> Floats:

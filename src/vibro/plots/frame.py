@@ -18,13 +18,14 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.plots.view import Panel
-    from vibro.sweeps.run import SweepResult
+    from vibro.results.sweep import SweepResult
 
 __all__ = [
     "make_logarithmic",
     "map_frame",
     "mark_operating_point",
     "operating_points",
+    "renderer_of",
     "scale_axis",
     "set_heading",
     "settle",
@@ -46,6 +47,19 @@ _MARKER: Final[dict[str, Any]] = {
     "markeredgewidth": 2.0,
     "linestyle": "none",
 }
+
+
+def renderer_of(figure: Figure) -> Any:
+    """Return the renderer with which a figure is laid out, its words are placed, and its PNG is drawn.
+
+    One for all of them: each renderer has to set every formula anew.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas: Any = figure.canvas
+    if not isinstance(canvas, FigureCanvasAgg):
+        canvas = FigureCanvasAgg(figure)  # becomes the figure's own
+    return canvas.get_renderer()
 
 
 def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[Figure, list[Axes]]:
@@ -148,15 +162,15 @@ def settle(figure: Figure, legend: Mapping[str, dict[str, Any]]) -> None:
     legend : mapping of str to dict
         What is not named on the axes: text, and the style of its patch or line.
     """
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
     for old in list(figure.legends):
         old.remove()
     if legend:
         _add_legend(figure, legend)
-    figure.set_layout_engine("constrained", w_pad=0.08, h_pad=0.04)
-    engine = figure.get_layout_engine()
-    assert engine is not None
-    engine.execute(figure)
-    figure.set_layout_engine("none")
+    renderer_of(figure)  # which the layout asks the canvas for
+    # A figure that kept its layout engine would run it, or a blank one, in a second drawing when it is saved.
+    ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.04).execute(figure)
 
 
 def _add_legend(figure: Figure, styles: Mapping[str, dict[str, Any]]) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
-    from vibro.motion.histories import Phase, Sample
+    from vibro.results.history import Phase, Sample
 
     Floats = NDArray[np.float64]
 

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.plots.frame import renderer_of
+from vibro.plots.neighbours import room
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -19,7 +22,11 @@ __all__ = ["Labeller", "outline"]
 
 _MARGIN: Final = 2.0  # [px] belongs to a label on every side
 _GRAIN: Final = 4.0  # [px] between the points that stand for lines and rectangles
+_MESH: Final = 12.0  # [px] between the points that stand for regions: no word slips through
 _LEAST_CLEARANCE: Final = 3.0  # [px] between such points: anything less could cross
+_STEP: Final = 2.0  # [px] between the points of a line under a label
+_LEAST_LENGTH: Final = 1.3  # of a line that carries a label, over the label's
+_LEAST_REACH: Final = 0.9  # of the line under a label from end to end, over the label's length
 _CANDIDATES: Final = 50  # places tried along a line
 _MOST_BEND: Final = 0.6  # a line under its label may leave the chord by this share of the text's height
 _CORNER: Final = 0.72  # distance of a rectangle's corner from its middle, in its own sides, with a little air
@@ -42,11 +49,9 @@ class Labeller:
     """
 
     def __init__(self, axes: Axes) -> None:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-
         figure: Any = axes.figure
         self._axes = axes
-        self._renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+        self._renderer = renderer_of(figure)
         self._box = axes.get_window_extent(self._renderer)
         self._pixels_per_point = figure.dpi / 72.0
         self._taken: list[Floats] = []  # points in pixels
@@ -68,6 +73,14 @@ class Labeller:
         if len(line) > 1:
             self._taken.append(_evenly(self._pixels(line), _GRAIN)[0])
 
+    def avoid_region(self, member: NDArray[np.bool_]) -> None:
+        """Keep labels out of a region, given like that of ``in_region``."""
+        box = self._box
+        rows, columns = (max(2, round(side / _MESH)) for side in (box.height, box.width))
+        row, column = np.nonzero(_resampled(member, rows, columns))
+        x, y = box.x0 + column / (columns - 1) * box.width, box.y0 + row / (rows - 1) * box.height
+        self._taken.append(np.column_stack([x, y]))
+
     def in_region(self, text: str, member: NDArray[np.bool_], halo: Any = None, **style: Any) -> bool:
         """Write a region's name where it has most room.
 
@@ -87,11 +100,10 @@ class Labeller:
         bool
             False if it fits nowhere; nothing is written then.
         """
-        from scipy.ndimage import distance_transform_edt
-
-        rows, columns = member.shape
-        step_x, step_y = self._box.width / (columns - 1), self._box.height / (rows - 1)
-        free = np.pad(member & ~self._taken_cells(member.shape), 1)
+        box = self._box
+        rows, columns = (max(2, round(side / _GRAIN)) for side in (box.height, box.width))
+        step_x, step_y = box.width / (columns - 1), box.height / (rows - 1)
+        free = _resampled(member, rows, columns) & ~self._taken_cells((rows, columns))
         if not free.any():
             return False
         for words in dict.fromkeys((text, _broken(text))):
@@ -100,17 +112,15 @@ class Labeller:
             )
             extent = artist.get_window_extent(self._renderer)
             width, height = extent.width + 2 * _MARGIN, extent.height + 2 * _MARGIN
-            room = distance_transform_edt(free, sampling=(step_y / height, step_x / width))
-            best = np.argwhere(room > _AS_GOOD * room.max())
+            space = room(free, step_y / height, step_x / width)
+            best = np.argwhere(space > _AS_GOOD * space.max())
             row, column = best[np.argmin(np.hypot(*(best - best.mean(axis=0)).T))]
-            if room[row, column] > _CORNER:
-                place = ((column - 1) / (columns - 1), (row - 1) / (rows - 1))
+            if space[row, column] > _CORNER:
+                place = (column / (columns - 1), row / (rows - 1))
                 artist.set_position(place)
                 outline(artist, halo)
                 self.words.append(artist)
-                centre = np.array(
-                    [self._box.x0 + place[0] * self._box.width, self._box.y0 + place[1] * self._box.height]
-                )
+                centre = np.array([box.x0 + place[0] * box.width, box.y0 + place[1] * box.height])
                 self._taken.append(_rectangle(centre, 0.0, width, height))
                 return True
             artist.remove()
@@ -162,55 +172,51 @@ class Labeller:
         self, line: Floats, width: float, height: float, beside: bool
     ) -> list[tuple[float, Floats, float]]:
         """Places for a label along a line in pixels: (merit, centre, angle)."""
-        from scipy.spatial import cKDTree
-
-        points, length = _evenly(line, 2.0)
-        if length < 1.3 * width:
+        points, length = _evenly(line, _STEP)
+        if length < _LEAST_LENGTH * width:
             return []
-        half = 0.5 * width
-        arc = np.linspace(0.0, length, len(points))
-        taken = cKDTree(np.vstack(self._taken)) if self._taken else None
+        # The stretch of the line under each candidate, as many points in all of them.
+        under = max(2, round(width / length * (len(points) - 1)))
+        first = np.round(np.linspace(0, len(points) - 1 - under, _CANDIDATES)).astype(int)
+        start, chord = points[first], points[first + under] - points[first]
+        reach = np.hypot(*chord.T)
+        straight = reach >= _LEAST_REACH * width
+        first, start, chord, reach = (part[straight] for part in (first, start, chord, reach))
+        normal = np.column_stack([-chord[:, 1], chord[:, 0]]) / reach[:, np.newaxis]
+        stretch = points[first[:, np.newaxis] + np.arange(under + 1)] - start[:, np.newaxis]
+        offsets = np.einsum("ijk,ik->ij", stretch, normal)
+        low, high = offsets.min(axis=1), offsets.max(axis=1)
+        angle = np.arctan2(chord[:, 1], chord[:, 0])
+        angle -= math.pi * np.round(angle / math.pi)  # never upside down
+        off_middle = np.abs(2.0 * (first + 0.5 * under) / (len(points) - 1) - 1.0)
+        merit = -2.0 * (high - low) / height - 0.6 * (off_middle + np.abs(angle))
+        away = 0.5 * height + _LEAST_CLEARANCE + 0.5
+        middle = offsets.mean(axis=1)
+        # Beside a bend the outer side is better: there the line runs away from both ends of the word.
+        sides = [(low - away, high - middle), (high + away, middle - low)]
+        if not beside:
+            sides = [(0.5 * (low + high), np.zeros(len(low)))]
+        x, y = np.vstack([np.empty((0, 2)), *self._taken]).T
         found = []
-        for s in np.linspace(half, length - half, _CANDIDATES):
-            under = points[(arc >= s - half) & (arc <= s + half)]
-            chord = under[-1] - under[0]
-            reach = math.hypot(*chord)
-            if reach < 0.9 * width:
-                continue
-            normal = np.array([-chord[1], chord[0]]) / reach
-            offsets = (under - under[0]) @ normal
-            low, high = float(offsets.min()), float(offsets.max())
-            if high - low > _MOST_BEND * height:
-                continue
-            angle = math.atan2(chord[1], chord[0])
-            angle -= math.pi * round(angle / math.pi)  # never upside down
-            middle = 0.5 * (under[0] + under[-1])
-            away = 0.5 * height + _LEAST_CLEARANCE + 0.5
-            for offset in (low - away, high + away) if beside else (0.5 * (low + high),):
-                centre = middle + offset * normal
-                rectangle = _rectangle(centre, angle, width, height)
-                clear = float(np.min(taken.query(rectangle)[0])) if taken else math.inf
-                if clear >= _LEAST_CLEARANCE and self._contains(rectangle):
-                    off_middle = abs(2.0 * s / length - 1.0)
-                    merit = (
-                        min(clear / height, 4.0)
-                        - 2.0 * (high - low) / height
-                        - 0.6 * (off_middle + abs(angle))
-                    )
-                    found.append((merit, centre, angle))
+        for offset, air in sides:
+            centre = start + 0.5 * chord + offset[:, np.newaxis] * normal
+            possible = (high - low <= _MOST_BEND * height) & self._contains(centre, angle, width, height)
+            for i in np.flatnonzero(possible):
+                clear = _clearance(x - centre[i, 0], y - centre[i, 1], angle[i], width, height)
+                if clear >= _LEAST_CLEARANCE:
+                    found.append((merit[i] + min((clear + air[i]) / height, 4.0), centre[i], angle[i]))
         return found
 
     def _pixels(self, points: Floats) -> Floats:
         return np.asarray(self._axes.transData.transform(points), np.float64)
 
-    def _contains(self, points: Floats) -> bool:
+    def _contains(self, centre: Floats, angle: Floats, width: float, height: float) -> NDArray[np.bool_]:
+        """Whether each of many rotated rectangles in pixels lies on the map."""
         box = self._box
-        return bool(
-            (points[:, 0] > box.x0 + _MARGIN).all()
-            and (points[:, 0] < box.x1 - _MARGIN).all()
-            and (points[:, 1] > box.y0 + _MARGIN).all()
-            and (points[:, 1] < box.y1 - _MARGIN).all()
-        )
+        cos, sin = np.abs(np.cos(angle)), np.abs(np.sin(angle))
+        reach = 0.5 * np.column_stack([width * cos + height * sin, width * sin + height * cos]) + _MARGIN
+        inside = (centre - reach > [box.x0, box.y0]) & (centre + reach < [box.x1, box.y1])
+        return np.asarray(inside.all(axis=1))
 
     def _taken_cells(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
         cells = np.zeros(shape, np.bool_)
@@ -221,6 +227,15 @@ class Labeller:
             inside = (column >= 0) & (column < shape[1]) & (row >= 0) & (row < shape[0])
             cells[row[inside].astype(int), column[inside].astype(int)] = True
         return cells
+
+
+def _resampled(member: NDArray[np.bool_], rows: int, columns: int) -> NDArray[np.bool_]:
+    """Nearest points of a grid at those of another that is spread evenly over it."""
+    nearest = [
+        np.round(np.linspace(0, n - 1, count)).astype(int)
+        for n, count in zip(member.shape, (rows, columns), strict=True)
+    ]
+    return np.asarray(member[np.ix_(*nearest)])
 
 
 def outline(artist: Any, halo: Any) -> None:
@@ -242,6 +257,14 @@ def _evenly(line: Floats, spacing: float) -> tuple[Floats, float]:
     length = float(arc[-1])
     at = np.linspace(0.0, length, max(2, int(length / spacing)))
     return np.column_stack([np.interp(at, arc, line[:, 0]), np.interp(at, arc, line[:, 1])]), length
+
+
+def _clearance(x: Floats, y: Floats, angle: float, width: float, height: float) -> float:
+    """Distance of a rotated rectangle about the origin to the nearest of many points; inf without any."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    beside = np.maximum(np.abs(cos * x + sin * y) - 0.5 * width, 0.0)
+    above = np.maximum(np.abs(cos * y - sin * x) - 0.5 * height, 0.0)
+    return math.sqrt(np.min(beside**2 + above**2, initial=np.inf))
 
 
 def _rectangle(centre: Floats, angle: float, width: float, height: float) -> Floats:

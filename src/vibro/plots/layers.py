@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.fields import zero_lines, zero_region
+from vibro.plots.fields import without_hidden, zero_lines, zero_region
 from vibro.plots.labels import Labeller
 from vibro.plots.style import (
     AVERAGED_HATCH,
@@ -186,13 +186,24 @@ class MapLayers:
         fields = self.fields
         self._has_numbers = True
         self.axes.set_facecolor(NO_ANSWER_FACE)
-        self.axes.pcolormesh(
-            fields.x, fields.y, values, norm=norm, cmap=colours, shading="nearest", rasterized=True, zorder=0
-        )
+        # A mesh of so many cells draws slowly, and so do numbers that become colours pixel by pixel. But the
+        # grid is even on the paper, whatever the axes' scales: an image of colours is the same picture.
         heights = np.asarray(norm(values))
+        right, up = (0.5 / (n - 1) for n in values.shape[::-1])
+        image = self.axes.imshow(
+            colours(heights, bytes=True),
+            origin="lower",
+            extent=(-right, 1.0 + right, -up, 1.0 + up),
+            transform=self.axes.transAxes,
+            aspect="auto",
+            interpolation="nearest",
+            zorder=0,
+        )
+        image.set(norm=norm, cmap=colours)  # not applied again, but the image can tell its scale
+        hidden = [*self._covers, -fields.smooth]
+        heights = without_hidden(np.nan_to_num(heights), hidden)
         for level in levels:
-            hidden = [*self._covers, -fields.smooth]
-            pieces = zero_lines(fields, np.nan_to_num(heights - norm(level)), hidden)
+            pieces = zero_lines(fields, heights - norm(level), hidden)
             pieces = [piece for piece in pieces if self._is_long(piece)]
             if pieces:
                 ground = colours(norm(level))
@@ -243,8 +254,7 @@ class MapLayers:
     def _write_curves(self, labeller: Labeller) -> None:
         if not self._has_numbers:
             # Where regimes are filled, words in ink are read on all of them but the darkest.
-            rows, columns = np.nonzero(self._regime[::5, ::5] == Regime.HOPPING)
-            labeller.avoid(np.column_stack([self.fields.x[::5][columns], self.fields.y[::5][rows]]))
+            labeller.avoid_region(self._regime == Regime.HOPPING)
         halo = "#FFFFFF" if self._has_numbers else None
         for name, pieces in self._curves.items():
             style = CURVES[name]

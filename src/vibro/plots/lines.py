@@ -15,6 +15,7 @@ from vibro.plots.frame import (
     make_logarithmic,
     mark_operating_point,
     operating_points,
+    renderer_of,
     scale_axis,
     set_heading,
     settle,
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.plots.fields import Fields
-    from vibro.sweeps.run import SweepResult
+    from vibro.results.sweep import SweepResult
 
     Floats = NDArray[np.float64]
 
@@ -198,11 +199,9 @@ def _line(axes: Axes, fields: Fields, values: Floats) -> None:
 
 def _name_bands(figure: Figure, strip: Axes, bands: list[_Band]) -> dict[str, dict[str, Any]]:
     """Write the regimes' names over the bands; return the styles of those that found no room."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
     strip.set_yticks([])
     strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
-    renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    renderer = renderer_of(figure)
     to_pixels = strip.transData
     unnamed: dict[str, dict[str, Any]] = {}
     for name, group in groupby(bands, key=lambda band: band.name):

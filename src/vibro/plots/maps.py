@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.plots.fields import Fields
-    from vibro.sweeps.run import SweepResult
+    from vibro.results.sweep import SweepResult
 
     Floats = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from vibro.core.codes import Regime
+from vibro.core.codes import PHASE_NAMES, Regime
 from vibro.plots.style import REGIME_COLOURS
 
 if TYPE_CHECKING:
@@ -27,10 +27,13 @@ class PhaseStyle(NamedTuple):
 
 # Keys are the letters of a pattern. Colours are those of the regime that each brings.
 PHASE_STYLES: Final[Mapping[str, PhaseStyle]] = {
-    "F": PhaseStyle("forward slide", REGIME_COLOURS[Regime.FORWARD_SLIP]),
-    "B": PhaseStyle("back slide", REGIME_COLOURS[Regime.BACK_SLIP]),
-    "H": PhaseStyle("flight", REGIME_COLOURS[Regime.HOPPING]),
-    "_": PhaseStyle("rest", REGIME_COLOURS[Regime.NO_SLIP]),
+    kind: PhaseStyle(PHASE_NAMES[kind], REGIME_COLOURS[regime])
+    for kind, regime in (
+        ("F", Regime.FORWARD_SLIP),
+        ("B", Regime.BACK_SLIP),
+        ("H", Regime.HOPPING),
+        ("_", Regime.NO_SLIP),
+    )
 }
 
 

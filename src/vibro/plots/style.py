@@ -93,29 +93,14 @@ RC: Final[Any] = {
     "savefig.dpi": 150,
 }
 
-_SYMBOLS: Final = {
-    "amplitude": "A",
-    "frequency": "f",
-    "drive_angle": r"\alpha",
-    "static_friction": r"\mu_s",
-    "kinetic_friction": r"\mu_d",
-    "friction_ratio": r"\mu_d/\mu_s",
-    "trough_angle": r"\beta",
-    "gravity": "g",
-    "restitution": "e",
-    "trough_length": "L",
-    "stroke": "2A",
-}
 _UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
 _EVEN_LUMINANCE: Final = 0.2  # relative luminance on which INK and white have about the same contrast
-# What a caption leaves out, because it goes without saying.
-_USUAL: Final = {"trough_angle": 0.0, "gravity": 9.81, "restitution": 0.0}
 
 
 def axis_label(axis: Axis) -> str:
     """Name, symbol and unit of an axis: ``frequency f [Hz]``."""
     unit = f" [{_UNIT_SIGNS.get(axis.unit, axis.unit)}]" if axis.unit else ""
-    return f"{axis.label} ${_SYMBOLS[axis.name]}${unit}"
+    return f"{axis.label} ${QUANTITIES[axis.name].symbol}${unit}"
 
 
 def number_text(value: float) -> str:
@@ -136,9 +121,9 @@ def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> st
     Those that have their usual value are left out unless all are asked for.
     """
     parts = []
-    for name in QUANTITIES:
-        if name in values and (all_of_them or _USUAL.get(name) != values[name]):
-            parts.append(f"${_SYMBOLS[name]}$ = {value_text(name, values[name])}")
+    for name, quantity in QUANTITIES.items():
+        if name in values and (all_of_them or quantity.default != values[name]):
+            parts.append(f"${quantity.symbol}$ = {value_text(name, values[name])}")
     return ", ".join(parts)
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.transforms import Bbox
 
-    from vibro.accuracy.trade import Comparison, Row
+    from vibro.accuracy.trade import Row, Trade
 
 __all__ = ["trade_figure"]
 
@@ -48,12 +48,12 @@ _HORIZONTAL: Final = {1: "left", 0: "center", -1: "right"}
 _VERTICAL: Final = {1: "bottom", 0: "center", -1: "top"}
 
 
-def trade_figure(comparison: Comparison) -> Figure:
+def trade_figure(trade: Trade) -> Figure:
     """Draw time a scene against the largest error in mean speed, both logarithmic.
 
     Parameters
     ----------
-    comparison : Comparison
+    trade : Trade
         Methods with several settings are joined by a line; a thin line reaches down to the median error.
 
     Returns
@@ -69,26 +69,26 @@ def trade_figure(comparison: Comparison) -> Figure:
         axes = figure.subplots()
         axes.set_xscale("log")
         axes.set_yscale("log")
-        rows = [row for row in comparison.rows if row.error_max == row.error_max]
+        rows = [row for row in trade.rows if row.error_max == row.error_max]
         names = list(dict.fromkeys(row.method for row in rows))
         looks = {name: _LOOKS[i % len(_LOOKS)] for i, name in enumerate(names)}
         for name in names:
             _draw_method(axes, [row for row in rows if row.method == name], *looks[name])
-        line = axes.axhline(comparison.tolerance, color=INK, linewidth=0.8, linestyle=(0, (5, 3)))
+        line = axes.axhline(trade.tolerance, color=INK, linewidth=0.8, linestyle=(0, (5, 3)))
         axes.set_xlabel("time per scene [µs]")
         axes.set_ylabel("largest error in mean speed [A f]; tick: median where it slips")
         axes.grid(which="major", color="#DDDDDD", linewidth=0.6)
         axes.set_axisbelow(True)
         axes.margins(0.1, 0.08)
         _draw_front(axes, rows)
-        scenes = f"{comparison.scenes} scenes in contact; errors against {comparison.reference}"
+        scenes = f"{trade.scenes} scenes in contact; errors against {trade.reference}"
         figure.suptitle(f"Speed against accuracy\n{scenes}", fontsize=10.5, linespacing=1.5)
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
         figure.draw_without_rendering()
-        note = f"tolerance {comparison.tolerance:g} A f"
+        note = f"tolerance {trade.tolerance:g} A f"
         text = axes.annotate(
             note,
-            (0.005, comparison.tolerance),
+            (0.005, trade.tolerance),
             (0, 2),
             ("axes fraction", "data"),
             "offset points",

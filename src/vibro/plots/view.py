@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.sweeps.run import SweepResult
+    from vibro.results.sweep import SweepResult
 
 __all__ = ["MAX_FACETS", "Panel", "View", "choose_view", "panels"]
 
@@ -66,7 +66,7 @@ class Panel:
     facet : str or None
         Name of the quantity that differs from panel to panel.
     cycle : mapping of str to array
-        The attributes of ``SteadyCycle`` that pictures need.
+        The attributes of ``SteadyCycle``.
     critical : mapping of str to array
         Critical loads G, by the field of ``CriticalLoads``; of length 1 where they do not vary.
     """
@@ -178,23 +178,13 @@ def _panel(result: SweepResult, view: View, facet_index: int) -> Panel:
             return part[np.newaxis, :]
         return part.T if drawn[0] == view.x.name else part
 
-    cycle = result.cycle
     values = {**result.fixed, **{name: float(result.axes[name].values[i]) for name, i in held.items()}}
     return Panel(
         view.x,
         view.y,
         values,
         view.facet.name if view.facet else None,
-        {
-            "regime": cut(cycle.regime),
-            "status": cut(cycle.status),
-            "coexists": cut(cycle.coexists),
-            "mean_velocity": cut(cycle.mean_velocity),
-            "displacement_per_cycle": cut(cycle.displacement_per_cycle),
-            "flight_fraction": cut(cycle.flight_fraction),
-            "impact_velocity": cut(cycle.impact_velocity),
-            "period_cycles": cut(cycle.period_cycles),
-        },
+        {name: cut(field) for name, field in vars(result.cycle).items()},
         {
             name: cut(getattr(result.limits, name))
             for name in ("hop", "forward_onset", "back_slip", "rest_vanishes")

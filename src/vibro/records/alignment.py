@@ -1,4 +1,4 @@
-"""Where a record stands in the drive's cycle: the one unknown between a measurement and the model."""
+"""The position of a record in the drive cycle, which no measurement gives, found from the model."""
 
 from __future__ import annotations
 
@@ -26,18 +26,21 @@ if TYPE_CHECKING:
 __all__ = ["Alignment", "Observation", "align", "computed", "data_frequency"]
 
 _GRID: Final = 512  # shifts that the search starts from
-# A misfit of zero would outweigh every other signal: none is taken below this part of the signal itself.
+# A signal that fits exactly would outweigh all others: its misfit counts as at least this fraction of the
+# signal.
 _LEAST_MISFIT: Final = 1e-9
-# A computed motion that fits no place in the cycle better than this is the same everywhere: the body rests.
+# The computed body rests where all positions in the cycle fit equally well: their log-likelihoods per sample
+# differ by less than this.
 _FLAT: Final = 1e-3
-# Enough for errors far below a sample's step; a part of at least so many cycles.
+# Long records are searched in part: this many rows give errors far below the sample time, and at least this
+# many cycles.
 _SEARCHED_ROWS: Final = 6000
 _SEARCHED_CYCLES: Final = 4.0
-# The fine search covers this part of the cycle to each side of the rough one, in so many steps.
+# The fine search covers this fraction of the cycle on each side of the rough result, with this many points.
 _SEARCHED: Final = 0.05
 _STEPS: Final = 41
-_CLEAR: Final = 0.02  # of the power: a wave that the data clearly hold
-_SIGMAS: Final = 3.0  # within which a second place in the cycle fits as well
+_CLEAR: Final = 0.02  # share of the power above which the data clearly contain a wave
+_SIGMAS: Final = 3.0  # within which a second position in the cycle counts as fitting equally well
 _TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
 
 
@@ -52,7 +55,7 @@ class Alignment(NamedTuple):
     error : float
         Its standard error, for noise [s].
     rivals : tuple of float
-        Other shifts that fit nearly as well [s].
+        Other shifts that fit almost as well [s].
     """
 
     shift: float
@@ -92,7 +95,7 @@ class Observation:
         frequency : float
             Of the drive [Hz].
         mass : float, optional
-            Of the body, without which forces cannot be compared [kg].
+            Of the body [kg]; without it forces cannot be compared.
         reverse : bool
             Whether the record's axis points against the conveying direction.
         """
@@ -113,7 +116,7 @@ class Observation:
 
     @cached_property
     def sample_time(self) -> float:
-        """Usual step of the time [s]."""
+        """Median time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
     @cached_property
@@ -148,9 +151,10 @@ class Observation:
         shift : float
             Trough time at the clock's zero [s].
         trend : bool
-            Whether the growth of the displacement counts. Its zero never does: sensors have their own.
+            Whether the growth of the displacement counts. Its zero never does, because it is that of the
+            sensor.
         window : float
-            Part of a sample over which the model's accelerations and friction are averaged.
+            Time over which the model's accelerations and friction are averaged, in sample times.
         """
         result = {}
         model = computed(motion, self.signals, self.time + shift, window * self.sample_time)
@@ -165,9 +169,9 @@ class Observation:
         return result
 
     def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
-        """Return the best shift on a grid over the cycle, and half the log-likelihood loss at all of them.
+        """Return the best shift on a grid over the cycle, and the negative log-likelihood of every shift.
 
-        All shifts cost one correlation of the folded signals. The trend does not count.
+        One correlation of the folded signals gives all of them. The trend does not count.
         """
         grid = np.arange(_GRID) * self.period / _GRID
         loss = np.zeros(_GRID)
@@ -189,8 +193,8 @@ class Observation:
 def computed(motion: SettledMotion, names: Iterable[str], time: Floats, window: float) -> dict[str, Floats]:
     """Return signals of the model at trough times.
 
-    Accelerations and friction jump where a slide starts or ends. They are averaged, exactly, over a window:
-    no record resolves its own step, and a search can follow the jumps.
+    Accelerations and friction jump where a slide starts or ends, which no record resolves and no search can
+    follow. They are therefore averaged, exactly, over a window.
 
     Parameters
     ----------
@@ -219,10 +223,11 @@ def computed(motion: SettledMotion, names: Iterable[str], time: Floats, window: 
 def align(observation: Observation, motion: SettledMotion) -> Alignment:
     """Find the trough time of a record's clock.
 
-    One-dimensional search for the least mean absolute misfit, every signal weighing by its own; the growth of
-    the displacement does not count. Absolute, not squared, because friction that a solver or an elastic
-    body smooths misses the model most in the few samples where a slide begins or ends. The error is
-    where the (Laplace) likelihood has fallen by that of one sigma.
+    One-dimensional search for the least mean absolute misfit, each signal weighted by the inverse of its
+    own; the growth of the displacement does not count. Friction that is smoothed, by a solver or an elastic
+    body, differs most from the model in the few samples where a slide starts or ends. Squares would give
+    these samples too much weight, so absolute values are used. The error is the shift at which the (Laplace)
+    log-likelihood has fallen by 1/2, as at one sigma.
 
     Parameters
     ----------
@@ -246,7 +251,7 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
     least = {name: _LEAST_MISFIT * float(np.abs(s).mean()) for name, s in observation.signals.items()}
     if float(np.ptp(losses)) < _FLAT * observation.time.size:
         return Alignment(math.nan, math.nan, ())
-    # The rough search took every sample for independent.
+    # The rough search took all samples as independent: reduce its likelihoods to the effective number.
     losses = losses * max(counts.values()) / observation.time.size
 
     def loss(shift: float) -> float:
@@ -265,7 +270,8 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
     shift, least_loss = float(best.x), float(best.fun)
     error = 0.5 * sum(_reach(loss, shift, least_loss, way * period) for way in (1, -1))
     if not {"displacement", "velocity"} & observation.signals.keys():
-        # Jumps alone are seen between two samples, nobody knows where: the spread of an even distribution.
+        # Accelerations and friction show only jumps, and each of these lies anywhere between two samples: add
+        # the standard deviation of an even distribution over one sample time.
         error = math.hypot(error, observation.sample_time / math.sqrt(12.0))
     low = (losses <= np.roll(losses, 1)) & (losses <= np.roll(losses, -1))
     rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * _SIGMAS**2)) * period / _GRID
@@ -274,7 +280,7 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
 
 
 def _reach(loss: Callable[[float], float], shift: float, least: float, period: float) -> float:
-    """Distance to the side of the sign of ``period`` at which the log-likelihood has fallen by 1/2."""
+    """Distance at which the log-likelihood has fallen by 1/2; forward for ``period`` > 0, else backward."""
     near, far = 0.0, 1e-7 * period
     while loss(shift + far) - least < 0.5:
         near, far = far, 2.0 * far
@@ -289,7 +295,7 @@ def _reach(loss: Callable[[float], float], shift: float, least: float, period: f
 def data_frequency(observation: Observation) -> float:
     """Frequency at which the data repeat, near that of the drive [Hz].
 
-    That of the largest wave within half to twice of the drive's; NaN where it is no larger than noise.
+    The frequency of the largest wave between half and twice that of the drive; NaN if noise hides it.
     """
     names = ("velocity", "acceleration", "friction", "displacement")
     name = next(name for name in names if name in observation.signals)

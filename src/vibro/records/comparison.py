@@ -1,4 +1,4 @@
-"""A measured record beside the exact steady motion: what was measured, what is computed."""
+"""A measured record compared with the exact steady motion."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.motion.histories import Phase
     from vibro.records.folding import Folded
+    from vibro.results.history import Phase
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
 __all__ = ["Comparison", "Row", "compare"]
 
-_THRESHOLD: Final = 0.1  # of a slide's computed peak speed: where its start and end are told
-_FINE: Final = 4096  # points a cycle at which folded signals are searched
+_THRESHOLD: Final = 0.1  # of a slide's computed peak speed: the level that marks its start and end
+_FINE: Final = 4096  # points per cycle at which folded signals are searched
 _CURVE: Final = 1001  # points of a smooth curve
-_FOREIGN: Final = 0.05  # cycles by which drive and data may slip over the record
+_FOREIGN: Final = 0.05  # cycles by which drive and data may drift apart over the record
 _WAYS: Final = {"F": 1, "B": -1}
 _NAN: Final = Estimate(math.nan, math.nan)
 
@@ -45,7 +45,7 @@ class Row(NamedTuple):
     kind : str
         ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``: values are in SI units.
     measured : Estimate
-        With its standard error; NaN where the record does not tell.
+        With its standard error; NaN where the record does not show it.
     computed : float
         The model's value; NaN where there is none.
     """
@@ -70,16 +70,16 @@ class Comparison:
     alignment : Alignment
         Trough time of the record's clock.
     rows : tuple of Row
-        What was measured and what is computed.
+        Measured and computed quantities.
     trough_time : array
         Trough time of each sample; the trough passes its middle upwards at whole periods [s].
     computed : mapping of str to array
-        The model's signals at the record's times, by the names of the measured ones; displacements share
-        their mean.
+        The model's signals at the record's times, by the names of the measured ones; measured and computed
+        displacements have the same mean.
     curve_time, curves : array, mapping of str to array
-        The same, as smooth curves over one cycle of trough time; displacements begin at 0.
+        The same as smooth curves over one cycle of trough time; displacements begin at 0.
     warnings : tuple of str
-        What casts doubt on the comparison.
+        Reasons to doubt the comparison.
     """
 
     observation: Observation
@@ -106,7 +106,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     Returns
     -------
     Comparison
-        With the record's place in the cycle, unknown beforehand.
+        With the record's position in the drive cycle, which the data do not contain.
 
     Raises
     ------
@@ -121,10 +121,10 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     cycles are not needed. Peaks, starts and ends of slides come from its velocity. Errors are one
     standard error of the noise, correlation allowed for.
     """
-    _ = observation.folded  # before all else: a record that is too short is refused
+    _ = observation.folded  # first of all, because it refuses a record that is too short
     motion = settled_motion(scene)
     alignment = align(observation, motion)
-    # Any time of a body at rest is as good as any other.
+    # A body at rest fits any shift: take none.
     shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
     trough_time = observation.time + shift
     step = observation.sample_time
@@ -154,7 +154,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
 
 
 def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
-    """Advance, mean speed and its drift, from the best signal that tells them."""
+    """Advance, mean speed and its drift, from the displacement if there is one, else from the velocity."""
     folded = observation.folded
     if "displacement" in folded:
         mean = folded["displacement"].trend(1)
@@ -223,7 +223,7 @@ def _speeds(velocity: _Velocity, motion: SettledMotion, alignment: Alignment) ->
     if rest is not None:
         creep = Estimate(float(velocity.at(np.array([rest]))[0]), velocity.error(rest))
         rows.append(Row("rest_speed", "speed in the middle of the rest", "velocity", creep, 0.0))
-    if "H" not in motion.pattern:  # slides beside flights start and end with any speed
+    if "H" not in motion.pattern:  # next to a flight a slide may start or end at any speed
         for phase in motion.phases:
             if phase.kind in _WAYS:
                 rows += _slip(velocity, motion, phase, alignment)
@@ -231,7 +231,7 @@ def _speeds(velocity: _Velocity, motion: SettledMotion, alignment: Alignment) ->
 
 
 def _slip(velocity: _Velocity, motion: SettledMotion, phase: Phase, alignment: Alignment) -> list[Row]:
-    """Start and end of a slide: where its speed passes a level, the same one measured and computed."""
+    """Start and end of a slide: where its speed passes a level, the same for measured and computed speed."""
     way = _WAYS[phase.kind]
     name = "forward" if way > 0 else "back"
     inside = phase.start + (phase.end - phase.start) * np.linspace(0.0, 1.0, _FINE)
@@ -291,9 +291,11 @@ def _warnings(
 ) -> tuple[str, ...]:
     warnings = []
     if math.isnan(alignment.shift):
-        warnings.append("the computed body rests: the data's place in the cycle cannot be found")
+        warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
     for rival in alignment.rivals:
-        warnings.append(f"the data fit nearly as well {1e3 * rival:.4g} ms after the trough's middle")
+        warnings.append(
+            f"the data fit almost as well if they begin {1e3 * rival:.4g} ms after the trough's middle"
+        )
     found = data_frequency(observation)
     span = float(np.ptp(observation.middle.time))
     if abs(found - observation.frequency) * span > _FOREIGN:
@@ -302,7 +304,7 @@ def _warnings(
         )
     advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
     if advance * motion.advance < 0.0:
-        warnings.append("the data run against the computed direction: --reverse turns their axis round")
+        warnings.append("the data run against the computed direction: --reverse reverses their axis")
     if (
         "friction" in model
         and float(np.corrcoef(model["friction"], observation.signals["friction"])[0, 1]) < 0.0

@@ -1,4 +1,4 @@
-"""Estimates of a scene's friction, amplitude and drive angle from a record, and what it cannot tell."""
+"""Estimates of a scene's friction, amplitude and drive angle from a record, and what cannot be estimated."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 
 from vibro.errors import InputError, SceneError, VibroError
 from vibro.motion.settled import settled_motion
+from vibro.quantities import QUANTITIES
 from vibro.records.folding import independent_samples
 from vibro.scene import Scene
 
@@ -29,31 +30,31 @@ __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
 FITTABLE: Final = ("static_friction", "kinetic_friction", "amplitude", "drive_angle")
 
-# Where each may lie, in SI units; an amplitude relative to the scene's.
+# Allowed ranges in SI units; that of the amplitude is relative to the scene's.
 _BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
     "static_friction": (1e-3, 3.0),
     "kinetic_friction": (1e-3, 3.0),
     "amplitude": (0.2, 5.0),
     "drive_angle": (math.radians(0.5), math.radians(80.0)),
 }
-# Starts of the search, besides the scene's own values; kinetic friction over static.
+# Values at which the search starts, in addition to the scene's own; kinetic friction relative to static.
 _STARTS: Final[Mapping[str, tuple[float, ...]]] = {
     "static_friction": (0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0),
     "kinetic_friction": (0.25, 0.5, 0.65, 0.75, 0.85, 0.95),
     "amplitude": (0.7, 1.0, 1.4),
     "drive_angle": tuple(math.radians(a) for a in (10.0, 20.0, 35.0)),
 }
-_TRIED: Final = 3  # of the starts, the best
-_ROUNDS: Final = 4  # of weighing the signals by their misfit
-_STEP: Final = 1e-6  # relative, of the derivatives: the model's noise is 1e-15, its curvature of order 1
+_TRIED: Final = 3  # number of starts that are refined, the best ones
+_ROUNDS: Final = 4  # of weighting the signals by their misfit
+_STEP: Final = 1e-6  # relative step of the derivatives: the model's noise is 1e-15, its curvature of order 1
 _CONFIDENCE: Final = 1.96  # sigma, for 95 %
-# A combination known worse than this, one relative sigma, is not known.
+# A combination whose relative standard error exceeds this counts as unknown.
 _UNKNOWN: Final = 0.3
-_SHARE: Final = 0.05  # of an unknown combination, which a parameter must have to be part of it
+_SHARE: Final = 0.05  # of an unknown combination: a parameter with a smaller share is not part of it
 # Signals that jump where a slide starts or ends.
 _JUMPING: Final = ("acceleration", "friction")
-_WINDOW: Final = 0.25  # of a sample, over which the model's jumps are averaged so that derivatives exist
-_LEAST_VARIANCE: Final = 1e-18  # of a misfit, over that of the signal: data may be exact
+_WINDOW: Final = 0.25  # sample times over which the model's jumps are averaged, so that derivatives exist
+_LEAST_VARIANCE: Final = 1e-18  # of a misfit, relative to that of the signal, because data may be exact
 _AT_LIMIT: Final = 1e-4  # relative distance
 _HALVINGS: Final = 20
 
@@ -80,13 +81,13 @@ class Parameter:
 
     @property
     def identified(self) -> bool:
-        """Whether the data tell it."""
+        """Whether the data determine it."""
         return not math.isnan(self.low)
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Estimates and what is to be known about them.
+    """Estimates, and how far they can be trusted.
 
     Attributes
     ----------
@@ -95,7 +96,7 @@ class Fit:
     parameters : tuple of Parameter
         In the order asked for.
     statements : tuple of str
-        What each parameter is read from, and which ones the data cannot identify, and why.
+        In words: what each estimate comes from, which parameters the data cannot identify, and why.
     """
 
     scene: Scene
@@ -123,7 +124,8 @@ class _Problem:
         if "drive_angle" in bounds:
             upright = 0.5 * math.pi - self.fixed["trough_angle"]
             bounds["drive_angle"][1] = min(bounds["drive_angle"][1], upright - _BOUNDS["drive_angle"][0])
-        # Kinetic friction never exceeds static: beside it, the excess of static friction is what is free.
+        # Kinetic friction never exceeds static friction, which bounds of each alone cannot express. Where
+        # both are free, the excess of static over kinetic friction is the variable.
         self.excess = {"static_friction", "kinetic_friction"} <= bounds.keys()
         self.equality = ("kinetic_friction", "highest")
         if "static_friction" in bounds:
@@ -153,7 +155,7 @@ class _Problem:
 
     def residuals(self, coded: Floats) -> dict[str, Floats]:
         motion = self.motion(self.decode(coded[:-1]))
-        if motion is None:  # no steady motion there: as bad as no motion at all, and more
+        if motion is None:  # no steady motion there: worse than a body at rest
             return {name: 2.0 * values for name, values in self.observation.signals.items()}
         shift = float(coded[-1]) * self.observation.period
         return self.observation.residuals(motion, shift, window=_WINDOW)
@@ -168,7 +170,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     Parameters
     ----------
     scene : Scene
-        Of shape (); it gives what is not estimated, and one start of the search.
+        Of shape (); it gives the quantities that are not estimated, and one start of the search.
     observation : Observation
         The record.
     names : sequence of str
@@ -177,8 +179,8 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     Returns
     -------
     Fit
-        By least squares over all signals, each weighing by its own misfit, and over the unknown trigger time;
-        of long records over their middle.
+        By least squares over all signals, each weighted by the inverse of its own misfit; the unknown trigger
+        time is fitted too. Of long records the middle is used.
 
     Raises
     ------
@@ -187,8 +189,8 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
 
     Notes
     -----
-    Identifiability: singular values of the sensitivities relative to each parameter, after the trigger time
-    has taken its part. A combination of parameters that the data leave free by more than 30 % is named.
+    Identifiability comes from the singular values of the relative sensitivities, from which the effect of the
+    trigger time has been removed. A combination of parameters with a standard error above 30 % is named.
     """
     for name in names:
         if name not in FITTABLE or list(names).count(name) > 1:
@@ -233,7 +235,7 @@ def _starts(problem: _Problem) -> list[Floats]:
         return [np.append(np.clip(problem.encode(problem.fixed), *problem.bounds), 0.0)]
     scenes_own = found[0][1]
     found.sort(key=lambda pair: pair[0])
-    return [scenes_own, *(start for _, start in found[:_TRIED])]
+    return [scenes_own, *(start for _, start in found[:_TRIED] if start is not scenes_own)]
 
 
 def _refine(problem: _Problem, start: Floats) -> tuple[float, Floats]:
@@ -255,7 +257,7 @@ def _refine(problem: _Problem, start: Floats) -> tuple[float, Floats]:
 
 
 def _weigh(problem: _Problem, coded: Floats) -> None:
-    """Let every signal weigh by its misfit and its number of independent samples."""
+    """Weight every signal by its misfit and its number of independent samples."""
     observation = problem.observation
     motion = problem.motion(problem.decode(coded[:-1]))
     for name, residual in problem.residuals(coded).items():
@@ -270,7 +272,7 @@ def _weigh(problem: _Problem, coded: Floats) -> None:
 
 
 def _beside_a_jump(motion: SettledMotion, observation: Observation, shift: float) -> NDArray[np.bool_]:
-    """Tell which samples lie next to a jump, of which nobody knows what a sensor makes."""
+    """Return which samples lie next to a jump, where it is unknown what a sensor shows."""
     beside = np.zeros(observation.time.size, np.bool_)
     for phase in motion.phases if len(motion.phases) > 1 else ():
         since = (observation.time + shift - phase.start) / motion.period
@@ -301,7 +303,7 @@ def _judge(problem: _Problem, best: Floats) -> Fit:
         tuple(name for name, share in zip(problem.names, direction, strict=True) if abs(share) > _SHARE)
         for direction in directions[unknown]
     ]
-    # What the data leave free is still within a factor of about two.
+    # Even a combination that the data do not determine is known to a factor of about two.
     spreads = 1.0 / np.maximum(singular, 1.0)
     relative = np.sqrt(((directions * spreads[:, None]) ** 2).sum(axis=0))
     lost = {name for name, error in zip(problem.names, relative, strict=True) if error > _UNKNOWN}
@@ -315,22 +317,14 @@ def _judge(problem: _Problem, best: Floats) -> Fit:
     return Fit(Scene(**values), tuple(parameters), tuple(statements))
 
 
-_SYMBOLS: Final = {
-    "static_friction": "mu_s",
-    "kinetic_friction": "mu_d",
-    "amplitude": "A",
-    "drive_angle": "alpha",
-}
-
-
 def _statements(
     problem: _Problem, best: Floats, pattern: str, groups: Sequence[tuple[str, ...]], lost: set[str]
 ) -> list[str]:
-    """Say what is read from where, what cannot be, and what ended at a bound."""
+    """Say what the estimates come from, what cannot be identified, and what ended at a bound."""
     values = problem.decode(best[:-1])
     names = problem.names
     if "F" not in pattern and "B" not in pattern:
-        said = ", ".join(_SYMBOLS[name] for name in names if name in lost)
+        said = ", ".join(QUANTITIES[name].letter for name in names if name in lost)
         return [f"the fitted body rests: beyond that, the data cannot identify {said}"] if said else []
     statements = []
     rests = "_" in pattern
@@ -341,7 +335,7 @@ def _statements(
             effects["kinetic_friction"] = "mu_d sets the end of a slide"
         statements.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
     for group in groups:
-        *first, last = (_SYMBOLS[name] for name in group)
+        *first, last = (QUANTITIES[name].letter for name in group)
         symbols = f"{', '.join(first)} and {last}" if first else last
         if group == ("static_friction",) and not rests:
             highest = _highest_static_friction(problem, values, pattern)
@@ -350,7 +344,7 @@ def _statements(
                 f" effect at all, from mu_d up to {highest:.4g}"
             )
         elif len(group) == 1:
-            statements.append(f"the data cannot identify {symbols}: its effect drowns in the misfit")
+            statements.append(f"the data cannot identify {symbols}: its effect is smaller than the misfit")
         else:
             statements.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")
     for name, value, low, high in zip(names, best[:-1], *problem.bounds, strict=True):
@@ -358,12 +352,12 @@ def _statements(
             if name not in lost and distance < _AT_LIMIT * (high - low):
                 equal = (name, limit) == problem.equality
                 which = "mu_d = mu_s" if equal else f"the {limit} value that is tried"
-                statements.append(f"{_SYMBOLS[name]} is at its limit, {which}")
+                statements.append(f"{QUANTITIES[name].letter} is at its limit, {which}")
     return statements
 
 
 def _highest_static_friction(problem: _Problem, values: Mapping[str, float], pattern: str) -> float:
-    """Largest static friction at which the fitted pattern stays, by bisection."""
+    """Largest static friction that gives the fitted pattern, by bisection."""
     low, high = values["static_friction"], 2.0 * _BOUNDS["static_friction"][1]
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

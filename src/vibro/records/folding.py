@@ -1,4 +1,4 @@
-"""What a noisy record repeats in every drive cycle: a harmonic regression, with standard errors."""
+"""What repeats in every drive cycle of a noisy record: a harmonic regression with standard errors."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Estimate", "Folded", "fold", "independent_samples"]
 
-# More resolve no slide better: its velocity has kinks, whose harmonics fall off quadratically.
+# The velocity of a slide has kinks, whose harmonics fall off quadratically: more of them add nothing.
 _MOST_HARMONICS: Final = 24
-# Samples at equal times do not tell the harmonic at half their rate.
+# Evenly spaced samples cannot resolve a harmonic at half their rate: stay below it.
 _OF_NYQUIST: Final = 0.9
-_SIGNIFICANT: Final = 8.0  # times the power that noise alone leaves in a harmonic, 3 in 10 000 by chance
+# Times the power that noise alone leaves in a harmonic; noise exceeds that in 3 of 10 000 harmonics.
+_SIGNIFICANT: Final = 8.0
 _LEAST_CYCLES: Final = 2.0
-_LEAST_SAMPLES: Final = 8  # a cycle
+_LEAST_SAMPLES: Final = 8  # per cycle
 
 
 @dataclass(frozen=True)
@@ -43,12 +44,12 @@ class Folded:
     frequency : float
         Of the drive [Hz].
     trends : int
-        Number of coefficients of the trend: powers of the time from the record's middle, over its half.
+        Number of coefficients of the trend: powers of (time - middle) / half.
     middle, half : float
         Middle and half of the record's duration [s].
     coefficients, covariance : array
-        Trend, then cosine and sine of each harmonic; their covariance, widened for noise that lasts longer
-        than a sample.
+        Trend, then the cosines and the sines of the harmonics; their covariance, increased for noise that
+        lasts longer than one sample.
     """
 
     frequency: float
@@ -130,7 +131,8 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     middle, half = float(time[0]) + 0.5 * span, 0.5 * span
     powers = np.vander((time - middle) / half, trends, increasing=True)
     basis = np.hstack([powers, _harmonics(time, frequency, count)])
-    # Harmonics are nearly orthogonal: the normal equations lose little, and one refinement regains that.
+    # Normal equations lose digits. Harmonics are nearly orthogonal, so they lose few, and one step of
+    # refinement restores them.
     inverse = np.linalg.pinv(basis.T @ basis)
     coefficients = inverse @ (basis.T @ signal)
     coefficients += inverse @ (basis.T @ (signal - basis @ coefficients))
@@ -143,8 +145,9 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
 def independent_samples(time: Floats, misfit: Floats, frequency: float) -> float:
     """Effective number of independent samples of a misfit.
 
-    Neighbours that resemble each other count less. What repeats in every cycle, because the model misses it,
-    counts as often as it has strong harmonics, however many cycles there are: they do not average it out.
+    Correlated neighbours count less. A misfit that repeats in every cycle, because the model does not
+    contain it, is not averaged out by more cycles: it counts as two samples for each of its strong
+    harmonics, however many cycles there are.
 
     Parameters
     ----------
@@ -165,7 +168,8 @@ def independent_samples(time: Floats, misfit: Floats, frequency: float) -> float
         return float(time.size)
     spread = noise / (time.size * _independent_share(rest))
     if total > 0.0:
-        spread += float(powers @ powers) / (2.0 * total)  # total over twice the number of strong harmonics
+        # the total over twice the effective number of strong harmonics
+        spread += float(powers @ powers) / (2.0 * total)
     return (total + noise) / spread
 
 

@@ -1,4 +1,4 @@
-"""Measured records: engineers' CSV files with any column names, units, separators and decimals."""
+"""Measured records: CSV files with any column names, units, separators and decimals."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.errors import FileError, InputError
+from vibro.files.nearby import suggestion
 from vibro.quantities import SIGNAL_UNITS, signal_unit
 
 if TYPE_CHECKING:
@@ -25,11 +26,11 @@ if TYPE_CHECKING:
 
 __all__ = ["SIGNALS", "Record", "read_record"]
 
-# Signals that a record may hold beside its time, each with the kind of its unit.
+# Signals that a record may hold in addition to its time; each name is also the kind of its unit.
 SIGNALS: Final = ("displacement", "velocity", "acceleration", "force")
 _ROLES: Final = ("time", *SIGNALS)
 
-# Words of the header that decide between columns of the same kind of unit.
+# Words in a header that decide between columns with the same kind of unit.
 _WORDS: Final[Mapping[str, str]] = {
     "time": r"time|zeit|t",
     "displacement": r"displacement|position|weg|relative.*|x|xi|s",
@@ -40,9 +41,9 @@ _WORDS: Final[Mapping[str, str]] = {
 _BRACKETS: Final = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*")
 _NUMBER: Final = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
 _SEPARATORS: Final = {";": "semicolon", "\t": "tab", ",": "comma"}
-_LOOKED_AT: Final = 300  # rows that decide about separator and header
-_GAP: Final = 3.0  # a longer step than so many usual ones is a gap
-_TOLD: Final = 5  # problems of one kind that a message lists
+_LOOKED_AT: Final = 300  # rows from which separator and header are found
+_GAP: Final = 3.0  # a step longer than this many usual steps is a gap
+_TOLD: Final = 5  # number of bad cells of a column that a message lists
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +60,7 @@ class Record:
     headers : mapping of str to str
         The columns' headers in the file, by the same names and ``"time"``.
     notes : tuple of str
-        How the file was read, for people.
+        How the file was read, to be shown to the user.
     """
 
     time: Floats
@@ -74,7 +75,7 @@ class Record:
 
 
 class _Header(NamedTuple):
-    """A column: where it is, its header, the name and the brackets in it, its unit's kind and size."""
+    """A column: its index, its header, the name and the brackets in it, and its unit's kind and size."""
 
     place: int
     text: str
@@ -84,7 +85,7 @@ class _Header(NamedTuple):
 
 
 class _Table(NamedTuple):
-    """A file taken apart: headers, and the rows of data, each with its number in the file."""
+    """A parsed file: headers, and the rows of data, each with its number in the file."""
 
     headers: list[_Header]
     rows: list[tuple[int, list[str]]]
@@ -101,9 +102,9 @@ def read_record(path: Path, columns: Mapping[str, str] | None = None) -> Record:
         CSV with a header row; separated by commas, semicolons or tabs, with decimal points or commas,
         in UTF-8 (with or without a byte order mark), UTF-16 or a Windows code page.
     columns : mapping of str to str, optional
-        Headers by ``"time"`` and the names of ``SIGNALS``. The unit in the header, in brackets, may be
-        left out; where the file has none, the one given here counts. Without any, every column
-        that is unambiguous by its unit is read.
+        Headers by ``"time"`` and the names of ``SIGNALS``. The unit of the header, in brackets, may be left
+        out; if the file has none, the one given here is used. If no header is given, every column whose unit
+        is unambiguous is read.
 
     Returns
     -------
@@ -142,7 +143,9 @@ def _decode(path: Path) -> tuple[str, list[str]]:
     try:
         data = path.read_bytes()
     except OSError as exc:
-        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=_nearby(path)) from exc
+        raise FileError(
+            f"cannot read {path}: {exc.strerror or exc}", hint=suggestion(path, (".csv", ".txt"))
+        ) from exc
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         try:
             return data.decode("utf-16"), [f"{path.name}: UTF-16"]
@@ -153,17 +156,9 @@ def _decode(path: Path) -> tuple[str, list[str]]:
     try:
         return data.decode("utf-8-sig"), []
     except UnicodeDecodeError:
-        # Micro and degree signs of older spreadsheets; a byte that this page lacks is no sign of a unit.
+        # Older spreadsheets write micro and degree signs in this code page. A byte that it does not define
+        # cannot be part of a unit, so any character may replace it.
         return data.decode("cp1252", errors="replace"), [f"{path.name}: not UTF-8, read as Windows-1252"]
-
-
-def _nearby(path: Path) -> str:
-    try:
-        names = [p.name for p in path.parent.iterdir() if p.suffix.casefold() in (".csv", ".txt")]
-    except OSError:
-        return ""
-    close = difflib.get_close_matches(path.name, names, n=1)
-    return f"did you mean {path.with_name(close[0])}?" if close else ""
 
 
 def _rows(text: str, separator: str) -> Iterable[tuple[int, list[str]]]:
@@ -176,7 +171,7 @@ def _rows(text: str, separator: str) -> Iterable[tuple[int, list[str]]]:
 
 
 def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
-    """Index of the first row with as many numbers as most rows have."""
+    """Index of the first row with at least as many numbers as most rows have."""
     counts = [sum(_NUMBER.fullmatch(cell) is not None for cell in cells) for _, cells in rows[:_LOOKED_AT]]
     usual = Counter(count for count in counts if count > 1).most_common(1)
     return next((i for i, count in enumerate(counts) if count >= usual[0][0]), None) if usual else None
@@ -199,7 +194,7 @@ def _take_apart(path: Path, text: str) -> _Table:
         )
     if first == 0:
         raise InputError(
-            f"{path}: row {rows[0][0]} holds numbers, but no header row stands above it",
+            f"{path}: row {rows[0][0]} holds numbers, but there is no header row above it",
             hint="name the columns in a first row, with units: Time [s],X [mm]",
         )
     above = [cells for _, cells in rows[:first]]
@@ -250,7 +245,7 @@ def _choose(
     problems: list[str] = []
     hints: list[str] = []
     chosen: dict[str, tuple[_Header, float]] = {}
-    # Who names one signal has chosen; the time is needed anyway.
+    # A user who names one signal wants only the named ones; the time is needed in any case.
     roles = [r for r in _ROLES if r in wanted or r == "time" or not any(s in wanted for s in SIGNALS)]
     for role in roles:
         try:
@@ -348,13 +343,13 @@ def _numbers(path: Path, table: _Table, header: _Header) -> Floats:
 
 
 def _check_time(path: Path, table: _Table, header: _Header, time: Floats, unit: float) -> None:
-    """Refuse a time that repeats, goes back or leaps."""
+    """Refuse a time that repeats, goes back or jumps."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0
     for bad, what, hint in (
         (steps < 0.0, "goes back to", "sort the rows by time, or keep one of the runs"),
         (steps == 0.0, "repeats", "keep one row for each time, or export more digits"),
-        (steps > _GAP * usual, "leaps to", "fill the gap, or keep the part before or after it"),
+        (steps > _GAP * usual, "jumps to", "fill the gap, or keep the part before or after it"),
     ):
         places = np.flatnonzero(bad)
         if places.size:

@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from vibro.core.contact.coast import Pull, coast, coasted, pull_of
+from vibro.core.contact.coast import Pull, coast, pull_of
 from vibro.core.groups import Loads, take
 
 if TYPE_CHECKING:
@@ -115,17 +115,6 @@ def test_the_end_has_all_digits_unless_the_speed_only_grazes_zero() -> None:
             slope = abs(pull * mpmath.sin(p0 + exact) - drag)
             scale = (v0 + pull + abs(drag) * exact) / slope + exact + TURN
             assert abs(end.length[i] - exact) < 8 * 2.0**-52 * scale
-
-
-def test_the_path_is_the_integral_of_the_speed() -> None:
-    at, phase, speed = _pulls(50, 8)
-    end = coast(at, phase, speed, np.full(50, 5.0))
-    s = np.linspace(0.0, 1.0, 4001)[:, None] * end.length
-    speeds = coasted(at, phase, speed, s)[0]
-    weights = np.ones(4001)
-    weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
-    simpson = (weights[:, None] * speeds).sum(axis=0) * end.length / 12_000.0
-    assert coasted(at, phase, speed, end.length)[1] == pytest.approx(simpson, rel=1e-9, abs=1e-11)
 
 
 def test_an_onset_a_rounding_before_the_minimum_starts_a_slide() -> None:

@@ -13,13 +13,13 @@ from scenes import GRAVITY, Groups
 
 import vibro
 from vibro import Regime, Status
+from vibro.core.codes import Level
 from vibro.core.contact.limits import critical_loads
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.limits import CriticalLoads
-    from vibro.steady import Accuracy
 
     Floats = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class Drives:
     def limits(self) -> CriticalLoads:
         return critical_loads(self.drive, self.mu_s, self.mu_d, self.trough)
 
-    def solve(self, load: Floats, accuracy: Accuracy = "exact") -> vibro.SteadyCycle:
+    def solve(self, load: Floats, accuracy: Level = Level.EXACT) -> vibro.SteadyCycle:
         """Solve at loads of shape (..., count); drives that no load is given for (inf, NaN) at 1."""
         usable = np.where(np.isfinite(load) & (load > 0.0), load, 1.0)
         return vibro.solve(
@@ -71,8 +71,8 @@ def _sides(drives: Drives, critical: Floats) -> tuple[Any, vibro.SteadyCycle, vi
 
 def test_the_body_hops_above_its_critical_load(drives: Drives) -> None:
     hop = drives.limits().hop
-    assert (drives.solve(hop * (1.0 + NEAR), "regimes").regime == Regime.HOPPING).all()
-    assert (drives.solve(hop * (1.0 - NEAR), "regimes").regime != Regime.HOPPING).all()
+    assert (drives.solve(hop * (1.0 + NEAR), Level.REGIMES).regime == Regime.HOPPING).all()
+    assert (drives.solve(hop * (1.0 - NEAR), Level.REGIMES).regime != Regime.HOPPING).all()
 
 
 def test_slip_begins_at_the_onsets(drives: Drives) -> None:
@@ -107,7 +107,7 @@ def test_rest_vanishes_at_its_critical_load(drives: Drives) -> None:
 def test_the_limits_classify_any_load_as_the_solver_does(drives: Drives) -> None:
     limits = drives.limits()
     load = np.exp(np.random.default_rng(7).uniform(np.log(0.02), np.log(8.0), (8, drives.mu_s.size)))
-    classes = drives.solve(load, "regimes")
+    classes = drives.solve(load, Level.REGIMES)
     slips = np.minimum(limits.forward_onset, limits.back_onset)
     expected = np.select(
         [load > limits.hop, load > limits.back_slip, load > slips],
@@ -134,7 +134,7 @@ def test_classes_follow_each_other_in_one_order_as_the_load_grows(
     limits = drives.limits()
     first = 0.5 * np.minimum(limits.forward_onset, limits.back_onset)
     share = np.linspace(0.0, 1.0, 50)[:, None]
-    regime = drives.solve(first ** (1.0 - share) * (1.01 * limits.hop) ** share, "regimes").regime
+    regime = drives.solve(first ** (1.0 - share) * (1.01 * limits.hop) ** share, Level.REGIMES).regime
     assert set(regime.flat) == {Regime.NO_SLIP, Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING}
     assert np.count_nonzero(np.diff(regime.astype(int), axis=0) < 0) == 0
     never_rests = drives.solve(first ** (1.0 - share) * (0.999 * limits.hop) ** share).pattern == "FB"
@@ -142,7 +142,7 @@ def test_classes_follow_each_other_in_one_order_as_the_load_grows(
 
 
 def _rest_vanishes(groups: Groups) -> float:
-    """Bisect, with 40 digits, for the load at which both slides of the restless cycle start beyond rest."""
+    """Bisect, with 40 digits, for the load from which both slides of FB start beyond static friction."""
     with mpmath.mp.workdps(40):
         alpha, beta = mpmath.radians(mpf(groups.drive_deg)), mpmath.radians(mpf(groups.trough_deg))
         mu_s, mu_d = mpf(groups.mu_s), mpf(groups.mu_d)

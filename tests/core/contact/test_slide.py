@@ -1,4 +1,4 @@
-"""One slide: its coefficients, the start of its refinement, its end, path and peak against mpmath."""
+"""One slide: the start of its refinement, its end, path and peak against mpmath."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from vibro.core.contact import slide as module
 from vibro.core.contact.slide import Onset, slide, start_inside
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
@@ -65,25 +65,6 @@ def solved(onset: Onset) -> tuple[float, float, float]:
     end = slide(onset)
     assert end.settled.all()
     return end.x.item(), end.reach.item(), end.peak.item()
-
-
-@pytest.mark.parametrize(
-    ("coefficients", "function"),
-    [
-        (module._Q, lambda x: (x - mpmath.sin(x)) / x**3),
-        (module._R, lambda x: (mpmath.sin(x) - x * mpmath.cos(x)) / x**3),
-    ],
-    ids=["Q", "R"],
-)
-def test_the_series_are_exact_up_to_the_rounding_of_their_coefficients(
-    coefficients: tuple[float, ...], function: Callable[[mpf], mpf]
-) -> None:
-    powers = range(len(coefficients) - 1, -1, -1)
-    for i in range(1, 201):
-        x = mpmath.pi * i / 200
-        terms = [mpf(a) * x ** (2 * n) for a, n in zip(coefficients, powers, strict=True)]
-        rounding = EPS / 2 * sum(abs(term) for term in terms)
-        assert abs(sum(terms) - function(x)) < 6e-18 * function(x) + rounding
 
 
 def test_a_slide_from_rest_to_rounding() -> None:

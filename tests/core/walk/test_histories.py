@@ -1,4 +1,4 @@
-"""Phases of motion: their hand-over, their closed forms, and the cycle that stands for its repeats."""
+"""Legs: their hand-over, their closed forms, and the cycle that stands for its repeats."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scenes import Groups, at_load, contact_groups, deterministic, loads_of
-from scipy.integrate import quad
 
-from vibro.core.contact.legs import Mode
-from vibro.core.walk.histories import Motion, Stages, follow
-from vibro.core.walk.steps import accelerated, course_of, starting, step
+from vibro.core.codes import Mode
+from vibro.core.walk.histories import Legs, Motion, follow
+from vibro.core.walk.steps import course_of, starting, step
 
 TURN = 2.0 * math.pi
 LETTERS = " HFB_"
@@ -26,72 +25,55 @@ def followed(groups: Groups, cycles: float, *, velocity: float = 0.0, restitutio
     return follow(course, 0.0, velocity, cycles)
 
 
-def walked(groups: Groups, cycles: int, restitution: float) -> Stages:
+def walked(groups: Groups, cycles: int, restitution: float) -> Legs:
     """Walk without looking for a cycle."""
     course = course_of(loads_of(at_load(*groups)), np.array([restitution]))
     at = starting(course, np.zeros(1), np.zeros(1))
     rows = []
     while at.cycle[0] < cycles:
-        passage = step(course, at)
-        if passage.length[0] > 0.0:
+        leg = step(course, at)
+        if leg.length[0] > 0.0:
             rows.append(
                 (
-                    *(x[0] for x in (at.mode, at.cycle, at.phase, passage.length, at.position, at.velocity)),
-                    *(x[0] for x in (passage.displacement, passage.velocity, at.rate, passage.impact)),
+                    *(x[0] for x in (at.mode, at.cycle, at.phase, leg.length, at.position, at.velocity)),
+                    *(x[0] for x in (leg.displacement, leg.velocity, at.rate, leg.impact)),
                 )
             )
-        at = passage.after
-    return Stages._make(np.array(column) for column in zip(*rows, strict=True))
+        at = leg.after
+    return Legs._make(np.array(column) for column in zip(*rows, strict=True))
 
 
-def pattern_of(stages: Stages) -> str:
-    return "".join(LETTERS[mode] for mode in stages.mode)
-
-
-@pytest.mark.parametrize(
-    ("pull", "drag", "phase", "velocity"), [(1.2, 0.3, 0.4, 0.0), (0.7, -0.2, 5.1, -1.3)]
-)
-@pytest.mark.parametrize("s", [1e-4, 0.3, 2.9, 3.5, 9.0])
-def test_path_and_velocity_are_the_integrals_of_the_acceleration(
-    pull: float, drag: float, phase: float, velocity: float, s: float
-) -> None:
-    def acceleration(u: float) -> float:
-        return pull * math.sin(phase + u) - drag
-
-    path, speed = accelerated(*(np.array([x]) for x in (pull, drag, phase, velocity, s)))
-    gained = quad(acceleration, 0.0, s, epsabs=1e-13, epsrel=1e-12)[0]
-    moved = quad(lambda u: (s - u) * acceleration(u), 0.0, s, epsabs=1e-13, epsrel=1e-12)[0]
-    assert speed[0] == pytest.approx(velocity + gained, rel=1e-12, abs=1e-15)
-    assert path[0] == pytest.approx(velocity * s + moved, rel=1e-12, abs=1e-15)
+def pattern_of(legs: Legs) -> str:
+    return "".join(LETTERS[mode] for mode in legs.mode)
 
 
 def assert_joined(motion: Motion) -> None:
     """Each phase starts where and when the one before ends, the first of the cycle behind its last too."""
     pairs: Any = zip(motion.transient, motion.steady, strict=True)
-    stages = Stages._make(np.concatenate(pair) for pair in pairs)
-    last = stages.mode.size - 1
+    legs = Legs._make(np.concatenate(pair) for pair in pairs)
+    last = legs.mode.size - 1
     follower = np.arange(1, last + 2)
     if motion.period:
         follower[last] = motion.transient.mode.size
     else:
         follower = follower[:last]
     first = slice(0, follower.size)
-    turns = (stages.phase[first] + stages.length[first] - stages.phase[follower]) / TURN
+    turns = (legs.phase[first] + legs.length[first] - legs.phase[follower]) / TURN
     assert np.abs(turns - np.rint(turns)).max(initial=0.0) < 1e-9  # the noise of the noisiest converged cycle
-    assert (stages.length > 0.0).all()
-    assert ((stages.phase >= 0.0) & (stages.phase < TURN)).all()
+    assert (legs.length > 0.0).all()
+    assert ((legs.phase >= 0.0) & (legs.phase < TURN)).all()
     inner = slice(0, last)
-    ends = stages.position[inner] + stages.displacement[inner]
-    np.testing.assert_array_equal(ends, stages.position[1:])
-    slides = stages.impact[inner] == 0.0  # only an impact changes the velocity at once
+    ends = legs.position[inner] + legs.displacement[inner]
+    np.testing.assert_array_equal(ends, legs.position[1:])
+    slides = legs.impact[inner] == 0.0  # only an impact changes the velocity at once
     np.testing.assert_array_equal(
-        stages.end_velocity[inner][slides & (stages.mode[inner] != Mode.FLIGHT)],
-        stages.velocity[1:][slides & (stages.mode[inner] != Mode.FLIGHT)],
+        legs.end_velocity[inner][slides & (legs.mode[inner] != Mode.FLIGHT)],
+        legs.velocity[1:][slides & (legs.mode[inner] != Mode.FLIGHT)],
     )
-    forward, back = stages.mode == Mode.FORWARD, stages.mode == Mode.BACK
-    finite = np.isfinite(stages.length)
-    assert (stages.displacement[forward & finite] >= -8 * EPS).all()
-    assert (stages.displacement[back & finite] <= 8 * EPS).all()
+    forward, back = legs.mode == Mode.FORWARD, legs.mode == Mode.BACK
+    finite = np.isfinite(legs.length)
+    assert (legs.displacement[forward & finite] >= -8 * EPS).all()
+    assert (legs.displacement[back & finite] <= 8 * EPS).all()
 
 
 @deterministic

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.groups import take
+from vibro.core.roots import bisect
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
     Bools = NDArray[np.bool_]
 
-__all__ = ["Coast", "Pull", "coast", "coasted", "pull_of"]
+__all__ = ["Coast", "Pull", "coast", "pull_of"]
 
 _TURN: Final = 2.0 * np.pi
 
@@ -34,7 +35,6 @@ _AT_MINIMUM: Final = 1e-9
 _HALLEY_STEPS: Final = 4
 # [1] A last step below this fraction of the way from the maximum leaves rounding errors only.
 _SETTLED: Final = 1e-5
-_BISECTIONS: Final = 56  # from an interval of one turn down to an ulp
 
 
 class Pull(NamedTuple):
@@ -116,17 +116,6 @@ def _loss(d: Floats, at: Pull) -> Floats:
     """Speed lost a phase d behind the maximum, Eq. (25); negative phases are before it."""
     sine, versine = _turned(d)
     return at.bend * versine + at.drag * (d - sine) + at.excess * sine
-
-
-def coasted(at: Pull, phase: Floats, speed: Floats, length: Floats) -> tuple[Floats, Floats, Floats]:
-    """Speed, path and the integral of sin p of slides, a phase ``length`` behind their starts."""
-    start = phase + at.shift
-    sine, cosine = np.sin(start), np.cos(start)
-    rise, versine = np.sin(length), 1.0 - np.cos(length)
-    swing = cosine * versine + sine * rise
-    now = speed + at.pull * swing - at.drag * length
-    path = speed * length + at.pull * (sine * versine + cosine * (length - rise))
-    return now, path - 0.5 * at.drag * length * length, np.where(at.shift > 0.0, -swing, swing)
 
 
 def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:
@@ -224,14 +213,6 @@ def _fall(at: Pull, top: Floats, low: Floats, high: Floats) -> tuple[Floats, Boo
     settled = np.abs(step) <= _SETTLED * d
     rest = np.flatnonzero(~settled)
     if rest.size:
-        d[rest] = _bisect(take(at, rest), top[rest], low[rest], high[rest])
+        pull, most = take(at, rest), top[rest]
+        d[rest] = bisect(lambda d: most - _loss(d, pull), low[rest], high[rest])
     return d, np.isfinite(d)
-
-
-def _bisect(at: Pull, top: Floats, low: Floats, high: Floats) -> Floats:
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        moving = _loss(middle, at) < top
-        low = np.where(moving, middle, low)
-        high = np.where(moving, high, middle)
-    return high

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Cycles",
+    "NeverAtRest",
     "never_at_rest",
     "one_way_cycles",
     "resting_start",
@@ -32,7 +33,7 @@ __all__ = [
     "two_way_cycles",
 ]
 
-# [1] Relative rounding noise of a slide's speed, and of a load, where the next phase is decided.
+# [1] Relative rounding noise of a slide's speed, and of a load, where the next leg is decided.
 _NOISE: Final = 16 * 2.0**-52
 
 
@@ -156,7 +157,7 @@ def slides_forward_only(scene: Loads, at: Margins) -> tuple[Bools, Bools]:
     return outlasts.positive | outlasts.edge, outlasts.edge
 
 
-class _Restless(NamedTuple):
+class NeverAtRest(NamedTuple):
     """The never-at-rest cycle, Eqs. (18)-(19): y = x - pi/2 and m; NaN where there is none."""
 
     y: Floats
@@ -166,7 +167,7 @@ class _Restless(NamedTuple):
     cos_m: Floats  # of pi - m: positive
 
 
-def never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[_Restless, _Verdict]:
+def never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[NeverAtRest, _Verdict]:
     """Phases of the never-at-rest cycle, and whether both its slides start beyond static friction."""
     mu_d = scene.kinetic_friction
     possible = (forward.onset.k > 0.0) & (back.onset.k > 0.0)
@@ -186,11 +187,11 @@ def never_at_rest(scene: Loads, forward: _Start, back: _Start) -> tuple[_Restles
     ahead = _verdict(rise - fall - forward.onset.cos, scale)
     behind = _verdict(rise + fall - back.onset.cos, scale)
     valid = (ahead.positive | ahead.edge) & (behind.positive | behind.edge)
-    return _Restless(y, sin_y, cos_y, sin_m, cos_m), _Verdict(valid, valid & (ahead.edge | behind.edge))
+    return NeverAtRest(y, sin_y, cos_y, sin_m, cos_m), _Verdict(valid, valid & (ahead.edge | behind.edge))
 
 
 def _never_at_rest_motion(
-    lift: Floats, along: Floats, slides: tuple[tuple[Floats, Floats], ...], cycle: _Restless
+    lift: Floats, along: Floats, slides: tuple[tuple[Floats, Floats], ...], cycle: NeverAtRest
 ) -> tuple[Floats, Floats]:
     """Displacement, Eq. (20), and peak speed of the never-at-rest cycle.
 
@@ -239,7 +240,7 @@ def _blank(n: int) -> Cycles:
     return Cycles(np.zeros(n, np.int8), np.zeros(n), np.zeros(n), flags[0], flags[1], np.ones(n, np.bool_))
 
 
-class _Legs(NamedTuple):
+class _Slides(NamedTuple):
     """Slides of selected cells, in arrays for all: start c, half-length x, path, top speed, settled."""
 
     c: Floats
@@ -249,24 +250,24 @@ class _Legs(NamedTuple):
     settled: Bools
 
 
-def _legs(which: Bools, start: _Start, after: tuple[Onset, _Legs] | None = None) -> _Legs:
+def _slides(which: Bools, start: _Start, after: tuple[Onset, _Slides] | None = None) -> _Slides:
     """Slide the selected cells from rest, or from where an opposite slide ends.
 
     Phases count from the slide's own zero: p0 - pi of the slide before it. Cells not selected have NaN
     for an end, and neither path nor speed.
     """
     n = which.size
-    out = _Legs(np.full(n, np.nan), np.full(n, np.nan), np.zeros(n), np.zeros(n), np.ones(n, np.bool_))
+    out = _Slides(np.full(n, np.nan), np.full(n, np.nan), np.zeros(n), np.zeros(n), np.ones(n, np.bool_))
     cells = which.nonzero()[0]
     if cells.size:
         load = take(start.load, cells)
         if after is None:
             onset = take(start.onset, cells)
         else:
-            before, legs = after
+            before, slides = after
             # Inside the window, whatever the rounding of an end where the speed has nearly a double root.
             edge, k = start.onset.c[cells], start.onset.k[cells]
-            onset = start_inside(np.clip(np.pi + before.c[cells] - 2.0 * legs.x[cells], -edge, edge), k)
+            onset = start_inside(np.clip(np.pi + before.c[cells] - 2.0 * slides.x[cells], -edge, edge), k)
         end = slide(onset)
         put(out, cells, (onset.c, end.x, load * end.reach, load * end.peak, end.settled))
     return out
@@ -294,26 +295,26 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
     lead = _lead(scene, at, forward.onset, back.onset)
     reaches = _reaches(forward.onset, back.onset)
     outlasts = _outlasts(forward.onset, back.onset, lead, 1)
-    phases, restless = never_at_rest(scene, forward, back)
+    motion, valid = never_at_rest(scene, forward, back)
 
     # Equality belongs to rest: a slide that stops just where the opposite window closes stays at rest.
     f_only = outlasts.positive | outlasts.edge
     meets = reaches.positive & ~f_only  # ends inside the back window
-    never = meets & restless.positive
+    never = meets & valid.positive
     out = _blank(never.size)
     cells = never.nonzero()[0]
     if cells.size:
         slides = ((forward.onset.k, forward.load), (back.onset.k, back.load))
-        parts = (scene.kinetic_friction * scene.across, scene.along, slides, phases)
+        parts = (scene.kinetic_friction * scene.across, scene.along, slides, motion)
         out.pattern[cells] = Pattern.FB
         out.displacement[cells], out.peak[cells] = _never_at_rest_motion(*take(parts, cells))
-        edge = outlasts.edge | reaches.edge | restless.edge
+        edge = outlasts.edge | reaches.edge | valid.edge
         out.edge[cells] = edge[cells]
         if np.count_nonzero(scene.tangential):  # on a level trough no back slide outlasts the forward window
             out.coexists[cells] = _outlasts(back.onset, forward.onset, lead, -1).positive[cells]
     cells = (~never).nonzero()[0]
     if cells.size:
-        pair = _Pair(forward, back, lead, reaches.edge, outlasts.edge, f_only, meets, restless)
+        pair = _Pair(forward, back, lead, reaches.edge, outlasts.edge, f_only, meets, valid)
         put(out, cells, _cycles_with_rest(take(pair, cells)))
     return out
 
@@ -328,7 +329,7 @@ class _Pair(NamedTuple):
     outlasts_edge: Bools
     f_only: Bools  # the forward slide outlasts the back window
     meets: Bools  # it ends inside that window
-    restless: _Verdict
+    never_at_rest: _Verdict
 
 
 def _cycles_with_rest(pair: _Pair) -> Cycles:
@@ -337,8 +338,8 @@ def _cycles_with_rest(pair: _Pair) -> Cycles:
     b_reaches = _reaches(back.onset, forward.onset)
     b_outlasts = _outlasts(back.onset, forward.onset, lead, -1)
     b_lasts = b_outlasts.positive | b_outlasts.edge
-    f = _legs(np.ones(f_only.size, np.bool_), forward)
-    b_next = _legs(chained, back, after=(forward.onset, f))
+    f = _slides(np.ones(f_only.size, np.bool_), forward)
+    b_next = _slides(chained, back, after=(forward.onset, f))
     # phase from the end of that back slide to p_f + 2 pi
     f_then_b = chained & (np.pi - forward.onset.c + b_next.c - 2.0 * b_next.x >= 0.0)
 
@@ -347,9 +348,9 @@ def _cycles_with_rest(pair: _Pair) -> Cycles:
     b_then_f = apart & b_reaches.positive & ~b_only
     f_and_b = apart & ~b_only & ~b_then_f
     # Without kinetic friction other cycles are a neutral family: none attracts.
-    probe = f_only & ~pair.restless.positive & b_reaches.positive & (forward.onset.k > 0.0) & ~b_lasts
-    b = _legs(apart | probe, back)
-    f_next = _legs(b_then_f | probe, forward, after=(back.onset, b))
+    probe = f_only & ~pair.never_at_rest.positive & b_reaches.positive & (forward.onset.k > 0.0) & ~b_lasts
+    b = _slides(apart | probe, back)
+    f_next = _slides(b_then_f | probe, forward, after=(back.onset, b))
 
     out = _blank(f_only.size)
     for which, code, way, retour in (
@@ -362,15 +363,15 @@ def _cycles_with_rest(pair: _Pair) -> Cycles:
         cells = which.nonzero()[0]
         if cells.size:
             out.pattern[cells] = code
-            for legs, sign in ((way, 1.0), (retour, -1.0)):
-                if legs is not None:
-                    out.displacement[cells] += sign * legs.path[cells]
-                    out.peak[cells] = np.maximum(out.peak[cells], legs.top[cells])
-                    out.settled[cells] &= legs.settled[cells]
+            for slides, sign in ((way, 1.0), (retour, -1.0)):
+                if slides is not None:
+                    out.displacement[cells] += sign * slides.path[cells]
+                    out.peak[cells] = np.maximum(out.peak[cells], slides.top[cells])
+                    out.settled[cells] &= slides.settled[cells]
 
     # A disturbed body can settle elsewhere: F_ beside FB or F_B, and the mirrored pairs.
     probe &= 2.0 * f_next.x - f_next.c + back.onset.c < np.pi  # its forward slide ends before p_b
-    out.coexists[:] = (f_only & (pair.restless.positive | probe)) | (f_then_b & b_outlasts.positive)
-    out.edge[:] = pair.outlasts_edge | (~f_only & pair.reaches_edge) | (chained & pair.restless.edge)
+    out.coexists[:] = (f_only & (pair.never_at_rest.positive | probe)) | (f_then_b & b_outlasts.positive)
+    out.edge[:] = pair.outlasts_edge | (~f_only & pair.reaches_edge) | (chained & pair.never_at_rest.edge)
     out.edge[:] |= apart & (b_reaches.edge | b_outlasts.edge)
     return out

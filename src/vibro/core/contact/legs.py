@@ -6,12 +6,13 @@ was itself computed. Lengths in A, speeds in A w, phases in radians.
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.contact.coast import Coast, Pull, coast, coasted, pull_of
+from vibro.core.codes import Mode
+from vibro.core.contact.coast import Coast, Pull, coast, pull_of
+from vibro.core.free import free_motion
 from vibro.core.groups import put, take
 
 if TYPE_CHECKING:
@@ -23,9 +24,10 @@ if TYPE_CHECKING:
     Bools = NDArray[np.bool_]
     Modes = NDArray[np.int8]
 
-__all__ = ["Leg", "Mode", "Track", "after_slide", "contact_leg", "mode_of", "track_of", "until"]
+__all__ = ["Leg", "Track", "after_slide", "contact_leg", "mode_of", "track_of", "until"]
 
 _TURN: Final = 2.0 * np.pi
+_ZERO: Final = np.zeros(())
 
 # [rad] A state this close behind the phase of an event is at the event: both phases are known to a few ulp.
 _AT_EVENT: Final = 1e-9
@@ -34,15 +36,6 @@ _AT_EVENT: Final = 1e-9
 def until(event: Floats, phase: Floats) -> Floats:
     """Phase from ``phase`` to the next passage of an event phase, 0 where it is there [rad]."""
     return np.maximum(np.mod(event - phase + _AT_EVENT, _TURN) - _AT_EVENT, 0.0)
-
-
-class Mode(IntEnum):
-    """What a body does; the values are the digits of a pattern's code."""
-
-    FLIGHT = 1
-    FORWARD = 2
-    BACK = 3
-    REST = 4
 
 
 class Track(NamedTuple):
@@ -100,7 +93,7 @@ def mode_of(scene: Loads, phase: Floats, velocity: Floats) -> Modes:
 
 
 class Leg(NamedTuple):
-    """One phase of motion in contact.
+    """One leg in contact.
 
     Attributes
     ----------
@@ -133,7 +126,7 @@ class Leg(NamedTuple):
 
 
 def contact_leg(track: Track, mode: Modes, phase: Floats, velocity: Floats, limit: Floats) -> Leg:
-    """Follow the bodies through one phase of motion in contact.
+    """Follow the bodies through one leg in contact.
 
     Parameters
     ----------
@@ -160,12 +153,12 @@ def contact_leg(track: Track, mode: Modes, phase: Floats, velocity: Floats, limi
         np.zeros(n),
         np.ones(n, np.bool_),
     )
-    for kind, follow in ((Mode.REST, _rest), (Mode.FORWARD, _forward), (Mode.BACK, _back)):
+    for kind, motion in ((Mode.REST, _rest), (Mode.FORWARD, _forward), (Mode.BACK, _back)):
         cells = np.flatnonzero(mode == kind)
         if cells.size == n:
-            return follow(track, phase, velocity, limit)
+            return motion(track, phase, velocity, limit)
         if cells.size:
-            leg = follow(take(track, cells), phase[cells], velocity[cells], limit[cells])
+            leg = motion(take(track, cells), phase[cells], velocity[cells], limit[cells])
             put(out, cells, leg)
     return out
 
@@ -195,9 +188,12 @@ def _slide(track: Track, at: Pull, direction: float, phase: Floats, velocity: Fl
     speed = np.abs(velocity)
     end = coast(at, phase, speed, limit)
     with np.errstate(invalid="ignore"):  # endless slides
-        _, path, swing = coasted(at, phase, speed, end.length)
-        impulse = track.scene.normal * end.length - track.scene.across * swing
-    return after_slide(track.scene, direction, phase, end, path, impulse)
+        sine, cosine = np.sin(phase), np.cos(phase)
+        way = np.where(at.shift > 0.0, -1.0, 1.0)
+        path, _ = free_motion(at.pull, at.drag, way * sine, way * cosine, speed, end.length)
+        # the impulse of the trough takes the normal speed that the body would have in flight
+        _, rate = free_motion(track.scene.across, track.scene.normal, sine, cosine, _ZERO, end.length)
+    return after_slide(track.scene, direction, phase, end, path, -rate)
 
 
 def after_slide(

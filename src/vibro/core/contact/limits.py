@@ -76,7 +76,7 @@ def critical_loads(
     unit = Loads(
         np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta), cosine_of_sum(alpha, beta), mu_s, mu_d
     )
-    feasible = (mu_d <= mu_s) & (mu_s > 0.0) & (unit.contrast > 0.0)
+    feasible = ~unit.infeasible & (mu_s > 0.0)
     out = CriticalLoads(*(np.full(alpha.size, np.nan) for _ in CriticalLoads._fields))
     cells = np.flatnonzero(feasible)
     if cells.size:

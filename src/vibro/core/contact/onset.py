@@ -50,8 +50,8 @@ class Thresholds(NamedTuple):
         Whether slip begins that way, by more than rounding.
     hops : bool array
         Whether the throw number exceeds 1, by more than rounding.
-    restless : bool array
-        Whether the trough is so steep that nothing ever rests on it.
+    unheld : bool array
+        Whether the trough is so steep that static friction cannot hold a body.
     edge : bool array
         Whether rounding decides one of the above.
     """
@@ -60,7 +60,7 @@ class Thresholds(NamedTuple):
     forward: Bools
     back: Bools
     hops: Bools
-    restless: Bools
+    unheld: Bools
     edge: Bools
 
 
@@ -85,6 +85,6 @@ def thresholds(scene: Loads) -> Thresholds:
         forward=forward_margin > noise,
         back=can_slip_back & (back_margin > noise),
         hops=throw > throw_noise,
-        restless=np.abs(scene.tangential) >= hold,
+        unheld=np.abs(scene.tangential) >= hold,
         edge=edge,
     )

@@ -7,39 +7,28 @@ problem; the caller turns the sign.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.groups import put, take
+from vibro.core.roots import bisect
+from vibro.core.series import Q, R, polynomial
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Onset", "Slide", "sine_gap", "slide", "start_inside"]
+__all__ = ["Onset", "Slide", "slide", "start_inside"]
 
-# 1 - sin(x)/x = x^2 Q(x^2) and sin x - x cos x = x^3 R(x^2) on 0 <= x <= pi, highest power first:
-# Chebyshev economisations computed with 60 digits, error below 6e-18 of the value (test_slide.py),
-# since both differences cancel for short slides.
-_Q: Final = (
-    -1.77516651900580094e-20, 8.18304374281322528e-18, -2.81102438733084008e-15, 7.64713352785736226e-13,
-    -1.60590425313094057e-10, 2.50521083511001472e-8, -2.75573192234679305e-6, 0.00019841269841265893,
-    -0.00833333333333332184, 0.166666666666666666,
-)  # fmt: skip
-_R: Final = (
-    7.7088580917279416e-22, -3.89610970345939686e-19, 1.47947161254262735e-16, -4.49831175269064113e-14,
-    1.07060281802820307e-11, -1.92708525689134348e-9, 2.5052108384699699e-7, -0.0000220458553791796289,
-    0.00119047619047618481, -0.033333333333333332, 0.333333333333333333,
-)  # fmt: skip
 # Q to 1e-7 (1 - x^2 / pi^2), as far as the first step of the refinement needs it: exact where sin x vanishes.
 _ROUGH_Q: Final = tuple(map(np.array, (
     2.07021594934088201e-8, -2.710588200256295715e-6, 0.0001982099143356336995,
     -0.008332991690635963418, 0.1666665646386242498,
 )))  # fmt: skip
 # Q, R, R and Q as the rows of one polynomial, to be evaluated at once.
-_ROWS: Final = tuple(np.array([[q], [r], [r], [q]]) for q, r in zip((0.0, *_Q), _R, strict=True))
+_ROWS: Final = tuple(np.array([[q], [r], [r], [q]]) for q, r in zip((0.0, *Q), R, strict=True))
 
 # Start of the refinement, Eq. (13): coefficients of rho theta^2, theta^2, rho and 1, with rho = c / theta.
 _START: Final = (-0.07074, 0.001219, 0.11467, -0.314847)
@@ -47,7 +36,6 @@ _START: Final = (-0.07074, 0.001219, 0.11467, -0.314847)
 _TINY: Final = 1e-300  # [1] keeps the step of a slide of no length from being 0 / 0
 # [rad] Rounding of p0 = pi/2 - c, which may even turn its sign; added where k -> 0 and p0 -> 0 divide 0 by 0.
 _PHASE_NOISE: Final = 1e-15
-_BISECTIONS: Final = 55  # from an interval below pi down to an ulp
 
 # A second step above this fraction of x would leave more than rounding errors behind.
 _SETTLED: Final = 1e-4
@@ -82,22 +70,6 @@ def start_inside(c: Floats, k: Floats) -> Onset:
     vers = 2.0 * half * half
     cos = 1.0 - vers
     return Onset(c, cos, np.sin(c), vers, np.maximum(cos - k, 0.0), k)
-
-
-def _polynomial(y: Floats, coefficients: tuple[Any, ...]) -> Floats:
-    """Horner's rule, in place; coefficients that are columns serve a row of ``y`` each."""
-    value: Floats = coefficients[0] * y
-    for a in coefficients[1:-1]:
-        value += a
-        value *= y
-    value += coefficients[-1]
-    return value
-
-
-def sine_gap(x: Floats) -> Floats:
-    """Compute x - sin x, 0 <= x <= pi, to rounding."""
-    y = x * x
-    return x * y * _polynomial(y, _Q)
 
 
 def _theta(onset: Onset) -> tuple[Floats, Floats]:
@@ -181,23 +153,23 @@ def slide(onset: Onset) -> Slide:
     """
     downhill = onset.k < 0.0
     if not np.count_nonzero(downhill):
-        return _slide(onset)
+        return _slide_uphill(onset)
     x, reach, peak = np.empty((3, onset.c.size))
     whole = Slide(x, reach, peak, np.empty(onset.c.shape, np.bool_))
-    for part, solver in ((~downhill, _slide), (downhill, _slide_downhill)):
+    for part, solver in ((~downhill, _slide_uphill), (downhill, _slide_downhill)):
         cells = part.nonzero()[0]
         put(whole, cells, solver(take(onset, cells)))
     return whole
 
 
-def _slide(onset: Onset) -> Slide:
+def _slide_uphill(onset: Onset) -> Slide:
     kappa, theta = _theta(onset)
     x = _start(onset, theta)
     y = x * x
-    x += _evaluate(x, y * _polynomial(y, _ROUGH_Q), onset).step
+    x += _evaluate(x, y * polynomial(y, _ROUGH_Q), onset).step
     y = x * x
     squares = np.array((y, y, theta * theta, onset.c * onset.c))
-    gap, bulge, bulge_top, gap_start = squares * _polynomial(squares, _ROWS)
+    gap, bulge, bulge_top, gap_start = squares * polynomial(squares, _ROWS)
     step, sin_x, cos_x, sin_u, cos_u = _evaluate(x, gap, onset)
     bulge *= x  # sin x - x cos x
     slope = x * sin_x  # its derivative
@@ -227,13 +199,9 @@ def _slide_downhill(onset: Onset) -> Slide:
     cosines = np.abs(onset.sin) + np.sqrt(np.maximum((1.0 - k) * (1.0 + k), 0.0)) + _PHASE_NOISE
     gain = k * (least - (0.5 * np.pi - c)) - onset.excess * (onset.excess - 2.0 * k) / cosines
     ends = np.where(onset.sin > 0.0, gain, speed(high)) <= 0.0
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        moving = speed(middle) > 0.0
-        low = np.where(moving, middle, low)
-        high = np.where(moving, high, middle)
-    x = 0.5 * (high - (0.5 * np.pi - c))
-    reach = 2.0 * np.sin(x - c) * (x * x * x * _polynomial(x * x, _R))
+    end = bisect(speed, low, high)
+    x = 0.5 * (end - (0.5 * np.pi - c))
+    reach = 2.0 * np.sin(x - c) * (x * x * x * polynomial(x * x, R))
     kappa, theta = _theta(onset)
-    peak = theta**3 * _polynomial(theta * theta, _R) + c * (kappa - c * c * _polynomial(c * c, _Q))
+    peak = theta**3 * polynomial(theta * theta, R) + c * (kappa - c * c * polynomial(c * c, Q))
     return Slide(np.where(ends, x, np.inf), np.where(ends, reach, np.nan), peak, np.ones(c.shape, np.bool_))

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import PATTERNS, Model, Pattern, Regime, Status
+from vibro.core.codes import Model, Pattern, Regime, Status
 from vibro.core.contact.cycle import one_way_cycles, slides_forward_only, two_way_cycles
 from vibro.core.contact.onset import Thresholds, thresholds
-from vibro.core.flight.cycles import pattern_text
 from vibro.core.groups import put, take
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     Codes = NDArray[np.int8]
     Bools = NDArray[np.bool_]
 
-__all__ = ["HOPPING_PATTERNS", "SteadyState", "pattern_texts", "steady_state"]
+__all__ = ["SteadyState", "steady_state"]
 
 _REGIME_OF_PATTERN: Final = np.array(
     [
@@ -47,13 +46,12 @@ _MODEL_OF_PATTERN: Final = np.array(
 )
 
 
-# [code] Patterns of contact cycles have the codes of ``Pattern``; from here on up, and below 0, stand the
-# words of hopping cycles.
-HOPPING_PATTERNS: Final = 8
-
-
 class SteadyState(NamedTuple):
-    """Steady cycles of scenes, 1-D: codes, lengths in A, speeds in A w, ratios."""
+    """Steady cycles of scenes, 1-D: codes, lengths in A, speeds in A w, ratios.
+
+    ``coexists`` is 1 where a disturbed body can settle into another cycle, 0 where it cannot, and -1 where
+    there is no cycle to compare with.
+    """
 
     regime: Codes
     status: Codes
@@ -64,7 +62,7 @@ class SteadyState(NamedTuple):
     throw_number: Floats
     forward_ratio: Floats
     back_ratio: Floats
-    coexists: Bools
+    coexists: Codes
 
 
 def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False) -> None:
@@ -97,9 +95,8 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
     for array in (out.displacement, out.peak, out.coexists):
         array.fill(0)
 
-    # mu_s = 0 is restless too
-    infeasible = (scene.kinetic_friction > scene.static_friction) | (scene.contrast <= 0.0)
-    exceptional = at.hops | at.restless | infeasible
+    # where mu_s = 0 nothing is held either
+    exceptional = at.hops | at.unheld | scene.infeasible
     exceptions = exceptional.nonzero()[0]
     if exceptions.size:
         at = at._replace(forward=at.forward & ~exceptional, back=at.back & ~exceptional)
@@ -146,7 +143,7 @@ def _withdraw(out: SteadyState, which: Bools) -> None:
     if cells.size:
         out.pattern[cells] = Pattern.NONE
         out.model[cells] = Model.NONE
-        out.coexists[cells] = False
+        out.coexists[cells] = -1
         for numbers in (out.displacement, out.peak):
             numbers[cells] = np.nan
 
@@ -155,8 +152,8 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
     """Give scenes without a steady contact cycle the status that says why."""
     hold = scene.static_friction * scene.normal
     lean = scene.tangential
-    infeasible = (scene.kinetic_friction > scene.static_friction) | (scene.contrast <= 0.0)
-    kinds = [infeasible, hops, scene.static_friction == 0.0]  # the rest is restless
+    infeasible = np.broadcast_to(scene.infeasible, cells.shape)
+    kinds = [infeasible, hops, scene.static_friction == 0.0]  # the rest is unheld
     status = np.select(
         kinds, [Status.INFEASIBLE, Status.FLIGHT_NOT_MODELLED, Status.INDETERMINATE], Status.RUNAWAY
     )
@@ -165,6 +162,7 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
     out.regime[cells] = np.select(kinds, [Regime.UNDEFINED, Regime.HOPPING, Regime.UNDEFINED], downhill)
     out.pattern[cells] = Pattern.NONE
     out.model[cells] = Model.NONE
+    out.coexists[cells] = -1
     for numbers in (out.displacement, out.peak):
         numbers[cells] = np.nan
     # Where nothing rests, any load makes it slip.
@@ -186,13 +184,3 @@ def _write(out: SteadyState, cells: NDArray[np.intp], cycles: Cycles) -> None:
         out.status[cells[~cycles.settled]] = Status.UNRESOLVED
         cycles.displacement[~cycles.settled] = np.nan
     put((out.pattern, out.displacement, out.peak), cells, (cycles.pattern, cycles.displacement, cycles.peak))
-
-
-def pattern_texts(codes: NDArray[np.int64]) -> NDArray[np.str_]:
-    """Phases of steady cycles as text, from their codes in ``SteadyState``."""
-    different, which = np.unique(codes.ravel(), return_inverse=True)
-    texts = [
-        PATTERNS[code] if 0 <= code < HOPPING_PATTERNS else pattern_text(code - HOPPING_PATTERNS * (code > 0))
-        for code in different.tolist()
-    ]
-    return np.array(texts, dtype=np.str_)[which].reshape(codes.shape)

@@ -14,6 +14,7 @@ import numpy as np
 from vibro.core.contact.legs import until
 from vibro.core.flight.trajectory import ONE_CYCLE, Flight, flight, lift_off_flight
 from vibro.core.groups import put, take
+from vibro.core.roots import OpenCells
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,7 +53,7 @@ class Impact(NamedTuple):
 
     Attributes
     ----------
-    speed : array
+    take_off : array
         Normal speed of the next take-off [A w n].
     length : array
         Phase until then [rad]: 0, or that of all bounces still to come where they accumulate.
@@ -62,7 +63,7 @@ class Impact(NamedTuple):
         Whether the body stays on the trough.
     """
 
-    speed: Floats
+    take_off: Floats
     length: Floats
     impulse: Floats
     contact: Bools
@@ -158,12 +159,12 @@ def bounces(throw: Floats, restitution: Floats) -> Bounces:
     closing = [_once_a_turn(throw, restitution)]
     lag[closing[0].owner] = cycles[closing[0].owner] = 1
     owner = np.flatnonzero(lag == 0)
-    before, phase, speed = np.zeros(owner.shape), lift_off[owner], np.zeros(owner.shape)
-    while owner.size and len(records) < MOST_FLIGHTS:
-        k, e = throw[owner], restitution[owner]
+    zero = np.zeros(owner.shape)
+    group = throw[owner], restitution[owner], zero, lift_off[owner], zero
+    aloft = OpenCells(owner, group, MOST_FLIGHTS)
+    for owner, (k, e, before, phase, speed) in aloft:
         step = flight(k, phase, speed) if records else _first_flight(k)
-        start = owner, before, phase, speed
-        flights, end, after = _landed(start, k, e, step)
+        flights, end, after = _landed((owner, before, phase, speed), k, e, step)
         records.append(flights)
         turns = np.floor(end / _TURN)
         cycles[owner] += turns.astype(np.intp)
@@ -178,9 +179,7 @@ def bounces(throw: Floats, restitution: Floats) -> Bounces:
                 lag[found] = len(part)
                 cycles[found] = period
             bouncing &= lag[owner] == 0
-        before += flights.length
-        owner, before = owner[bouncing], before[bouncing]
-        phase, speed = end[bouncing], after.speed[bouncing]
+        aloft.keep(bouncing, (k, e, before + flights.length, end, after.take_off))
     rest = np.where(contact, until(lift_off, landing), 0.0)
     cycles += contact & (landing + rest > lift_off + np.pi)
     # of a motion without a cycle the first quarter is left to the transient
@@ -270,10 +269,9 @@ def _close(
     """
     for lag in np.unique(guess[guess > 0]).tolist():
         last = take(records[-1], np.flatnonzero(guess == lag))
-        owner, phase, speed = last.owner, last.phase.copy(), last.speed.copy()
-        least = np.full(phase.shape, _FIRST_STEP)
-        for _ in range(_NEWTON_STEPS):
-            k, e = throw[owner], restitution[owner]
+        group = throw[last.owner], restitution[last.owner], last.phase, last.speed
+        unclosed = OpenCells(last.owner, (*group, np.full(last.owner.shape, _FIRST_STEP)), _NEWTON_STEPS)
+        for owner, (k, e, phase, speed, least) in unclosed:
             flights, end, slope, valid = _around(owner, k, e, phase, speed, lag)
             turn = np.mod(end[0] - phase + np.pi, _TURN) - np.pi
             residual = np.stack((turn, end[1] - speed))
@@ -282,22 +280,16 @@ def _close(
             with np.errstate(divide="ignore", invalid="ignore"):
                 step_phase = (matrix[1, 1] * residual[0] - matrix[0, 1] * residual[1]) / determinant
                 step_speed = (matrix[0, 0] * residual[1] - matrix[1, 0] * residual[0]) / determinant
-            scale = 1.0 + throw[owner]
-            step = np.abs(step_phase) + np.abs(step_speed)
-            closed = step <= _CLOSED * scale
+                step = np.abs(step_phase) + np.abs(step_speed)
+                onward = np.mod(phase + step_phase, _TURN), np.maximum(speed + step_speed, 0.0)
+            closed = step <= _CLOSED * (1.0 + k)
             trace = slope[0, 0] + slope[1, 1]
             product = slope[0, 0] * slope[1, 1] - slope[0, 1] * slope[1, 0]
             stable = (np.abs(trace) < 1.0 + product) & (np.abs(product) < 1.0)
             done = np.flatnonzero(closed & valid & stable)
             if done.size:
                 yield from _shortest(take(tuple(flights), done), phase[done], end[0][done], lag)
-            on = valid & ~closed & (step < least)
-            least = _SHRINKS * step[on]
-            owner = owner[on]
-            if not owner.size:
-                break
-            phase = np.mod(phase[on] + step_phase[on], _TURN)
-            speed = np.maximum(speed[on] + step_speed[on], 0.0)
+            unclosed.keep(valid & ~closed & (step < least), (k, e, *onward, _SHRINKS * step))
 
 
 def _around(
@@ -324,7 +316,7 @@ def _around(
         slope = np.stack((d_end, -restitution * d_rate))
         flights.append(record)
         total = total + step.length
-        phase, speed = np.mod(end, _TURN), after.speed
+        phase, speed = np.mod(end, _TURN), after.take_off
     return flights, (total, speed), slope, valid
 
 

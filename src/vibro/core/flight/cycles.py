@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Status
-from vibro.core.contact.legs import Mode, track_of
+from vibro.core.codes import Mode, Status, is_answered
+from vibro.core.contact.legs import track_of
 from vibro.core.flight.bounces import bounces
 from vibro.core.flight.orbits import from_rest
-from vibro.core.flight.returns import Cells, Hops, follow, hops_of, pattern_text
+from vibro.core.flight.returns import Cells, Hops, hops_of, return_map
 from vibro.core.groups import put, take
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     Codes = NDArray[np.int8]
     Words = NDArray[np.int64]
 
-__all__ = ["HoppingCycles", "hopping_cycles", "pattern_text"]
+__all__ = ["MOST_THROW", "HoppingCycles", "hopping_cycles"]
 
 _TURN: Final = 2.0 * np.pi
 
@@ -48,7 +48,7 @@ class HoppingCycles(NamedTuple):
         exists and the numbers are means over many cycles; ``RUNAWAY``, ``INDETERMINATE`` or ``UNRESOLVED``,
         with NaN for numbers.
     pattern : int64 array
-        Phases of the cycle, for ``pattern_text``; 0 where there is no cycle.
+        Legs of the cycle, for ``hopping_text``; 0 where there is no cycle.
     displacement : array
         Mean displacement per drive cycle [A].
     deviation : array
@@ -61,8 +61,9 @@ class HoppingCycles(NamedTuple):
         Largest normal speed of a landing [A w].
     peak : array
         Largest relative speed along the trough, either way [A w].
-    coexists : bool array
-        Whether a disturbed body can settle elsewhere; looked at where mu_d < 0.75 mu_s.
+    coexists : int8 array
+        1 where a disturbed body can settle elsewhere, 0 where it cannot, -1 where that was not looked at:
+        mu_d is not below 0.75 mu_s, or there is no cycle.
     """
 
     status: Codes
@@ -73,7 +74,7 @@ class HoppingCycles(NamedTuple):
     flight_fraction: Floats
     impact: Floats
     peak: Floats
-    coexists: Bools
+    coexists: Codes
 
 
 def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
@@ -102,7 +103,7 @@ def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
     throw = np.broadcast_to(scene.across / scene.normal, n)
     numbers = np.full((6, n), np.nan)
     out = HoppingCycles._make(
-        (np.full(n, Status.OK, np.int8), np.zeros(n, np.int64), *numbers, np.zeros(n, np.bool_))
+        (np.full(n, Status.OK, np.int8), np.zeros(n, np.int64), *numbers, np.full(n, -1, np.int8))
     )
     mu_s = scene.static_friction
     out.status[throw > MOST_THROW] = Status.UNRESOLVED
@@ -122,7 +123,7 @@ def _solve(scene: Loads, throw: Floats, restitution: Floats) -> HoppingCycles:
     cells = Cells(track_of(scene), flights.first, flights.number, flights.landing, flights.rest)
     end, coexists = from_rest(cells, hops, flights)
     cycle, status = end.cycle, end.status
-    answered = status <= Status.BOUNDARY
+    known = is_answered(status)
 
     time_aloft = np.bincount(flights.owner, flights.length)
     time = np.where(flights.repeats, _TURN * flights.cycles, time_aloft)
@@ -131,7 +132,7 @@ def _solve(scene: Loads, throw: Floats, restitution: Floats) -> HoppingCycles:
     displacement = cycle.displacement / (time / _TURN)
     deviation = np.zeros(throw.size)
     pattern = cycle.pattern.copy()
-    sampled = np.flatnonzero(~flights.repeats & answered)
+    sampled = np.flatnonzero(~flights.repeats & known)
     if sampled.size:
         deviation[sampled] = _deviation(take(cells, sampled), hops, end.velocity[sampled])
         status[sampled], pattern[sampled] = Status.AVERAGED, -np.int64(Mode.FLIGHT)
@@ -143,9 +144,9 @@ def _solve(scene: Loads, throw: Floats, restitution: Floats) -> HoppingCycles:
         scene.normal * landings,
         cycle.peak,
     )
-    known = [np.where(answered, x, np.nan) for x in numbers]
-    coexists &= answered & flights.repeats
-    return HoppingCycles._make((status, np.where(answered, pattern, 0), *known, coexists))
+    given = [np.where(known, x, np.nan) for x in numbers]
+    coexists[~(known & flights.repeats)] = -1
+    return HoppingCycles._make((status, np.where(known, pattern, 0), *given, coexists))
 
 
 def _deviation(cells: Cells, hops: Hops, velocity: Floats) -> Floats:
@@ -158,7 +159,7 @@ def _deviation(cells: Cells, hops: Hops, velocity: Floats) -> Floats:
     paths, times, gains, slopes = np.empty((4, _BATCHES, velocity.size))
     for i in range(_BATCHES):
         part = cells._replace(first=cells.first + i * batch, number=batch)
-        leg = follow(part, hops, velocity)
+        leg = return_map(part, hops, velocity)
         velocity, paths[i] = leg.velocity, leg.displacement
         times[i] = [hops.length[a : a + m].sum() for a, m in zip(part.first, batch, strict=True)]
         gains[i], slopes[i] = leg.friction - cells.track.scene.tangential * times[i], leg.slope

@@ -20,14 +20,15 @@ if TYPE_CHECKING:
 
     Bools = NDArray[np.bool_]
 
-__all__ = ["FLOOR", "Drift", "Span", "drift", "has_stop", "size_of", "span_of"]
+__all__ = ["CLOSED", "FLOOR", "Drift", "Span", "drift", "has_stop", "size_of", "span_of"]
 
 _TURN: Final = 2.0 * np.pi
 
 #: [1] Rounding of one evaluation of the return map, relative to the velocities in it.
 FLOOR: Final = 16 * 2.0**-52
 
-_CLOSED: Final = 1e-13  # [1] distance from the fixed point at which the cycle is closed, over the velocities
+#: [1] Distance from the fixed point at which a cycle is closed, over the velocities in it.
+CLOSED: Final = 1e-13
 _EDGE: Final = 4 * 2.0**-52  # [1] relative distance of two loads that rounding decides
 
 
@@ -112,5 +113,5 @@ def drift(here: Floats, now: Return, span: Span) -> Drift:
     with np.errstate(divide="ignore", invalid="ignore"):
         newton = walk / (1.0 - now.slope)
     floor = FLOOR * np.where(slides, span.forces, size_of(span, here))
-    closed = (walk <= floor) | (newton <= _CLOSED * (span.drive + np.abs(here)))
+    closed = (walk <= floor) | (newton <= CLOSED * (span.drive + np.abs(here)))
     return Drift(change > 0.0, newton, closed)

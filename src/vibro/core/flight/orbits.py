@@ -19,9 +19,10 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Status
-from vibro.core.flight.drift import FLOOR, Span, drift, has_stop, size_of, span_of
-from vibro.core.flight.returns import Cells, Hops, Return, after_stops, follow, velocity_from_rest
+from vibro.core.flight.drift import CLOSED, FLOOR, Span, drift, has_stop, size_of, span_of
+from vibro.core.flight.returns import Cells, Hops, Return, after_stops, return_map, velocity_from_rest
 from vibro.core.groups import put, take
+from vibro.core.roots import OpenCells
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -40,6 +41,7 @@ _NEAR: Final = 1e-6  # [1] some roots of an ulp: error of a velocity behind an o
 
 # [1] Coexisting cycles need mu_d well below mu_s; none was found above (benchmarks/hopping.py).
 _MOST_COEXISTENCE: Final = 0.75
+_BESIDE: Final = 4.0 * CLOSED  # [1] distance of another body from a cycle, over the velocities in it
 _APART: Final = 1e-9  # [A w] fixed points closer than this are one
 
 
@@ -61,7 +63,7 @@ class Orbits(NamedTuple):
     status: Codes
 
 
-def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Bools]:
+def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Codes]:
     """Find the fixed points that bodies from rest reach, and whether they are not the only ones.
 
     Parameters
@@ -75,8 +77,9 @@ def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Bools
     -------
     Orbits
         One entry a scene.
-    coexists : bool array
-        Looked at where kinetic friction holds gravity and is well below static friction.
+    coexists : int8 array
+        1 or 0 where kinetic friction holds gravity and is well below static friction, -1 where it was not
+        looked at.
     """
     span = span_of(cells, flights)
     start = np.broadcast_to(velocity_from_rest(cells.track), span.bound.shape)
@@ -84,13 +87,13 @@ def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Bools
         # a sample begins amid the motion, and there the body moves over the ground as at its lift-off
         swing = np.cos(cells.track.lift_off) - np.cos(flights.phase[flights.first])
         start = np.where(flights.repeats, start, start + cells.track.scene.along * swing)
-    coexists = np.zeros(start.shape, np.bool_)
+    coexists = np.full(start.shape, -1, np.int8)
     free = np.flatnonzero(~span.bounded)
     if free.size == start.size:
         return _until_stopped(cells, hops, start, span), coexists
     if not free.size:
         return _settled(cells, hops, start, span, flights.repeats)
-    end = _begin(cells, hops, start)
+    end = _unsolved(start.size)
     held = np.flatnonzero(span.bounded)
     part = take(cells, held), hops, start[held], take(span, held)
     found, coexists[held] = _settled(*part, flights.repeats[held])
@@ -99,10 +102,10 @@ def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Bools
     return end, coexists
 
 
-def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, cyclic: Bools) -> tuple[Orbits, Bools]:
+def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, cyclic: Bools) -> tuple[Orbits, Codes]:
     """Follow orbits where friction holds gravity, so that they stay bounded."""
-    end = _bracketed(cells, hops, start, span, (-span.bound, span.bound.copy()))
-    coexists = np.zeros(start.shape, np.bool_)
+    end = _bracketed(cells, hops, start, span, (-span.bound, span.bound))
+    coexists = np.full(start.shape, -1, np.int8)
     scene = cells.track.scene
     low = scene.kinetic_friction < _MOST_COEXISTENCE * scene.static_friction
     doubtful = np.flatnonzero(low & cyclic & (end.status == Status.OK))
@@ -111,15 +114,26 @@ def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, cyclic: Bools)
         part = take(cells, doubtful), hops, start[doubtful], take(span, doubtful)
         coexists[doubtful] = _several(*part, home)
         _put(end, doubtful, home)
-    apart = np.abs(end.cycle.velocity - end.velocity)
-    repeats = has_stop(end.cycle) & (apart <= FLOOR * size_of(span, end.velocity))
-    end.status[(end.status == Status.OK) & span.edge & ~repeats] = Status.BOUNDARY
+    edge = np.flatnonzero((end.status == Status.OK) & span.edge)
+    if edge.size:
+        # Where friction just holds gravity, rounding decides unless all bodies nearby stop in the cycle too.
+        velocity, part = end.velocity[edge], take(cells, edge)
+        downhill = -np.sign(np.broadcast_to(scene.tangential, start.shape))[edge]
+        near = velocity + downhill * _BESIDE * size_of(take(span, edge), velocity)
+        end.status[edge[~has_stop(return_map(part, hops, near))]] = Status.BOUNDARY
     return end, coexists
 
 
+def _unsolved(count: int) -> Orbits:
+    numbers = np.empty((5, count))
+    cycle = Return._make((*numbers, np.zeros(count, np.int64), np.zeros(count, np.bool_)))
+    return Orbits(np.empty(count), cycle, np.full(count, Status.UNRESOLVED, np.int8))
+
+
 def _begin(cells: Cells, hops: Hops, velocity: Floats) -> Orbits:
-    status = np.full(velocity.size, Status.UNRESOLVED, np.int8)
-    return Orbits(velocity.copy(), follow(cells, hops, velocity), status)
+    return _unsolved(velocity.size)._replace(
+        velocity=velocity.copy(), cycle=return_map(cells, hops, velocity)
+    )
 
 
 def _taken(end: Orbits, cells: Indices) -> Orbits:
@@ -149,31 +163,22 @@ def _bracketed(
     Where kinetic friction just holds gravity, all velocities at which the body slides downhill alone are
     fixed points; the orbit ends at the first of them.
     """
-    end = _begin(cells, hops, velocity)
-    low, high = bracket
-    active = np.arange(velocity.size)
-    for _ in range(_MOST_EVALUATIONS):
-        here = end.velocity[active]
-        now = end.cycle if active.size == velocity.size else take(end.cycle, active)
+    end = _unsolved(velocity.size)
+    group = cells, span, velocity, *bracket, velocity
+    unclosed = OpenCells(np.arange(velocity.size), group, _MOST_EVALUATIONS)
+    for at, (cells, span, start, low, high, here) in unclosed:
+        now = return_map(cells, hops, here)
+        _move(end, at, here, now)
         steps = drift(here, now, span)
-        past = steps.closed & span.edge & (now.slope == 1.0) & (here != velocity[active])
-        if past.any():
-            steps.rises[past] = (here < velocity[active])[past]
-            steps.closed[past] = False
-        low[active[steps.rises]] = here[steps.rises]
-        high[active[~steps.rises]] = here[~steps.rises]
-        room = high[active] - low[active]
-        closed = steps.closed | (room <= FLOOR * (span.drive + np.abs(here)))
-        end.status[active[closed]] = Status.OK
-        going = np.flatnonzero(~closed)
-        if not going.size:
-            break
-        if going.size < active.size:
-            active, cells, span = active[going], take(cells, going), take(span, going)
-            here, steps, room = here[going], take(steps, going), room[going]
+        past = steps.closed & span.edge & (now.slope == 1.0) & (here != start)
+        rises = np.where(past, here < start, steps.rises)
+        low, high = np.where(rises, here, low), np.where(rises, high, here)
+        room = high - low
+        closed = (steps.closed & ~past) | (room <= FLOOR * (span.drive + np.abs(here)))
+        end.status[at[closed]] = Status.OK
         step = np.where(steps.newton < room, steps.newton, 0.5 * room)
-        here = here + np.where(steps.rises, step, -step)
-        _move(end, active, here, follow(cells, hops, here))
+        onward = here + np.where(rises, step, -step)
+        unclosed.keep(~closed, (cells, span, start, low, high, onward))
     return _checked(end)
 
 
@@ -218,7 +223,7 @@ def _stopping(
     if way is not None:
         ahead = np.flatnonzero(way[owner] * (velocity - start[owner]) >= 0.0)
         owner, velocity = owner[ahead], velocity[ahead]
-    cycle = _joined(begin, follow(take(cells, owner), hops, velocity))
+    cycle = _joined(begin, return_map(take(cells, owner), hops, velocity))
     owner = np.concatenate((np.arange(start.size), owner))
     velocity = np.concatenate((start, velocity))
     size = size_of(take(span, owner), velocity)
@@ -226,7 +231,7 @@ def _stopping(
     near = np.flatnonzero(has_stop(cycle) & (apart > FLOOR * size) & (apart <= _NEAR * size))
     if near.size:
         velocity[near] = cycle.velocity[near]
-        put(cycle, near, follow(take(cells, owner[near]), hops, velocity[near]))
+        put(cycle, near, return_map(take(cells, owner[near]), hops, velocity[near]))
         apart[near] = np.abs(cycle.velocity[near] - velocity[near])
     again = np.where(has_stop(cycle), apart <= FLOOR * size, span.neutral[owner])
     repeats = np.flatnonzero(cycle.settled & again)
@@ -250,7 +255,7 @@ def _several(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) 
     the outermost fixed points with a stop, and between those and the start.
     """
     n = start.size
-    now = follow(cells, hops, start)
+    now = return_map(cells, hops, start)
     fixed = _joined(_stopping(cells, hops, start, span, now), _Fixed(np.arange(n), home.velocity, home.cycle))
     steps = drift(start, now, span)
     way = np.where(steps.closed, 0.0, np.where(steps.rises, 1.0, -1.0))
@@ -312,28 +317,26 @@ def _between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: S
         active, rest, sizes = active[going], take(rest, going), take(sizes, going)
         here, onward, room, newton = here[going], onward[going], room[going], steps.newton[going]
         trial = here + onward * np.fmin(newton, 0.5 * room)
-        found = follow(rest, hops, trial)
+        found = return_map(rest, hops, trial)
         steps, stops = drift(trial, found, sizes), has_stop(found)
         leads_back = ~steps.closed & (steps.rises != (onward > 0.0))
         arrives = stops & (steps.closed | (onward * (found.velocity - far[active]) >= 0.0))
         blocked = leads_back | arrives
         # A stop leads on, as the map never decreases: by others to a cycle without one, or to the target.
         through = np.flatnonzero(stops & ~blocked)
-        position = found.velocity[through]
-        for _ in range(_MOST_EVALUATIONS):
-            if not through.size:
-                break
-            behind = follow(take(rest, through), hops, position)
+        group = take(rest, through), take(sizes, through), onward[through], far[active[through]]
+        led_on = OpenCells(through, (*group, found.velocity[through]), _MOST_EVALUATIONS)
+        for through, (part, size, ahead, limit, position) in led_on:
+            behind = return_map(part, hops, position)
             again = has_stop(behind)
             free = np.flatnonzero(~again)
             trial[through[free]] = position[free]
             put(found, through[free], take(behind, free))
-            path = onward[through] * (behind.velocity - position)
-            left = onward[through] * (far[active[through]] - behind.velocity)
-            on = again & (left > 0.0) & (path > FLOOR * size_of(take(sizes, through), position))
+            path, left = ahead * (behind.velocity - position), ahead * (limit - behind.velocity)
+            on = again & (left > 0.0) & (path > FLOOR * size_of(size, position))
             blocked[through[again & ~on]] = True
-            through, position = through[on], behind.velocity[on]
-        blocked[through] = True
+            led_on.keep(on, (part, size, ahead, limit, behind.velocity))
+        blocked[led_on.cells] = True
         far[active[blocked]] = trial[blocked]
         crossed[active] = leads_back
         moved = np.flatnonzero(~blocked)

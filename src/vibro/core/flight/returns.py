@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.contact.legs import Mode, Track, contact_leg, mode_of, until
+from vibro.core.codes import MOST_LETTERS, Mode
+from vibro.core.contact.legs import Track, contact_leg, mode_of, until
+from vibro.core.free import free_motion
 from vibro.core.groups import take
+from vibro.core.roots import OpenCells
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,28 +33,15 @@ __all__ = [
     "Hops",
     "Return",
     "after_stops",
-    "follow",
     "hops_of",
-    "pattern_text",
+    "return_map",
     "velocity_from_rest",
 ]
 
 _TURN: Final = 2.0 * np.pi
-
-_LETTERS: Final = " HFB_"  # by Mode
-_MOST_LETTERS: Final = 27  # digits to base 5 in an int64; longer patterns are cut
+_ZERO: Final = np.zeros(())
 
 _MOST_LEGS: Final = 64
-
-
-def pattern_text(code: int) -> str:
-    """Phases of a cycle from their code: H flight, F forward slide, B back slide, _ rest.
-
-    A pattern of more than 27 phases is cut, and ends in ``...``.
-    """
-    if code < 0:
-        return pattern_text(-code) + "..."
-    return "" if code == 0 else pattern_text(code // 5) + _LETTERS[code % 5]
 
 
 class Hops(NamedTuple):
@@ -89,7 +79,7 @@ class Return(NamedTuple):
     displacement, peak : array
         Displacement, and largest speed.
     pattern : int64 array
-        Phases of the cycle.
+        Legs of the cycle.
     settled : bool array
         Whether every slide was solved.
     """
@@ -111,9 +101,7 @@ def hops_of(scene: Loads, flights: Bounces) -> Hops:
     )
     s, p = flights.length, flights.phase
     sine, cosine = np.sin(p), np.cos(p)
-    sine_s, versine_s = np.sin(s), 1.0 - np.cos(s)
-    gain = along * (cosine * versine_s + sine * sine_s) - tangential * s
-    shift = along * (cosine * (s - sine_s) + sine * versine_s) - 0.5 * tangential * s * s
+    shift, gain = free_motion(along, tangential, sine, cosine, _ZERO, s)
     high, low = np.maximum(gain, 0.0), np.minimum(gain, 0.0)
     # extremes inside the flight: where the tangential load changes sign
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -122,14 +110,14 @@ def hops_of(scene: Loads, flights: Bounces) -> Hops:
         nearest = np.mod(extreme - p, _TURN)
         last = nearest + _TURN * np.floor((s - nearest) / _TURN)
         for at in (nearest, last):
-            v = along * (cosine - np.cos(p + at)) - tangential * at
+            _, v = free_motion(along, tangential, sine, cosine, _ZERO, at)
             inside = at <= s
             high = np.where(inside, np.maximum(high, v), high)
             low = np.where(inside, np.minimum(low, v), low)
     return Hops(gain, s, shift, mu_d * normal * flights.impulse, high, low)
 
 
-def follow(cells: Cells, hops: Hops, velocity: Floats) -> Return:
+def return_map(cells: Cells, hops: Hops, velocity: Floats) -> Return:
     """Follow the bodies through one cycle of their normal motion."""
     n = velocity.size
     out = Return(
@@ -161,28 +149,24 @@ def follow(cells: Cells, hops: Hops, velocity: Floats) -> Return:
     return out
 
 
-def _contact(cells: Cells, out: Return, active: NDArray[np.intp]) -> None:
+def _contact(cells: Cells, out: Return, on_trough: NDArray[np.intp]) -> None:
     """Slide and rest from the last landing to the lift-off."""
-    track = take(cells.track, active)
-    phase, left = cells.landing[active], cells.rest[active]
-    velocity = out.velocity[active]
-    mode = mode_of(track.scene, phase, velocity)
-    for _ in range(_MOST_LEGS):
+    track, landing, rest = take((cells.track, cells.landing, cells.rest), on_trough)
+    velocity = out.velocity[on_trough]
+    mode = mode_of(track.scene, landing, velocity)
+    going = OpenCells(on_trough, (track, landing, rest, velocity, mode), _MOST_LEGS)
+    for at, (track, phase, left, velocity, mode) in going:
         leg = contact_leg(track, mode, phase, velocity, left)
-        out.pattern[active] = _append(out.pattern[active], mode.astype(np.int64))
-        out.displacement[active] += leg.displacement
-        out.peak[active] = np.maximum(out.peak[active], leg.top)
-        out.slope[active] *= leg.gain
-        out.friction[active] -= track.scene.kinetic_friction * leg.impulse
-        out.settled[active] &= leg.settled
-        out.velocity[active] = leg.velocity
-        going = np.flatnonzero(leg.length < left)
-        if not going.size:
-            return
-        active, track = active[going], take(track, going)
-        phase, left = phase[going] + leg.length[going], left[going] - leg.length[going]
-        velocity, mode = leg.velocity[going], leg.next_mode[going]
-    out.settled[active] = False
+        out.pattern[at] = _append(out.pattern[at], mode.astype(np.int64))
+        out.displacement[at] += leg.displacement
+        out.peak[at] = np.maximum(out.peak[at], leg.top)
+        out.slope[at] *= leg.gain
+        out.friction[at] -= track.scene.kinetic_friction * leg.impulse
+        out.settled[at] &= leg.settled
+        out.velocity[at] = leg.velocity
+        state = phase + leg.length, left - leg.length, leg.velocity, leg.next_mode
+        going.keep(leg.length < left, (track, *state))
+    out.settled[going.cells] = False
 
 
 def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
@@ -208,7 +192,7 @@ def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
     impact = 1 + np.arange(owner.size) - np.repeat(np.cumsum(number) - number, number)
     behind = take(cells, owner)
     behind = behind._replace(first=behind.first + impact, number=behind.number - impact)
-    stopped = follow(behind, hops, np.zeros(owner.size))
+    stopped = return_map(behind, hops, np.zeros(owner.size))
     last = np.flatnonzero(stopped.slope > 0.0)
 
     onset = np.mod(np.broadcast_to(cells.track.back_onset, number.shape), _TURN)
@@ -217,13 +201,13 @@ def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
     behind = take(cells, rests)
     left = until(behind.track.lift_off, onset[rests])
     behind = behind._replace(number=np.zeros(rests.size, np.intp), landing=onset[rests], rest=left)
-    rested = follow(behind, hops, np.zeros(rests.size))
+    rested = return_map(behind, hops, np.zeros(rests.size))
     return np.concatenate((owner[last], rests)), np.concatenate((stopped.velocity[last], rested.velocity))
 
 
 def _append(pattern: Words, digit: Words | np.int64) -> Words:
-    """Append a phase to a pattern; beyond what fits it turns negative and stays as it is."""
-    full = np.abs(pattern) >= 5 ** (_MOST_LETTERS - 1)
+    """Append a leg to a pattern; beyond what fits it turns negative and stays as it is."""
+    full = np.abs(pattern) >= 5 ** (MOST_LETTERS - 1)
     return np.where(full, -np.abs(pattern), 5 * pattern + digit)
 
 

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.contact.slide import sine_gap
+from vibro.core.free import free_motion
+from vibro.core.groups import take
+from vibro.core.roots import OpenCells
+from vibro.core.series import sine_gap
 
 if TYPE_CHECKING:
     from vibro.core.contact.slide import Floats
@@ -23,6 +26,8 @@ _TURN: Final = 2.0 * np.pi
 
 #: [1] sqrt(K^2 - 1) up to which a flight from rest on the trough lasts at most one drive cycle.
 ONE_CYCLE: Final = np.pi
+
+_WEIGHT: Final = np.ones(())  # on the trough [n]
 
 _TABLE: Final = 2048  # nodes of the first estimate; leaves 1e-6 relative to one Halley step
 _NEWTON_STEPS: Final = 60  # monotone, quadratic but for grazing landings; few cells need more than 8
@@ -97,12 +102,8 @@ class _Path(NamedTuple):
 
 
 def _height(s: Floats, at: _Path) -> tuple[Floats, Floats]:
-    """Height over n and its rate, a phase s behind take-off, Eq. (30)."""
-    t = np.tan(0.5 * s)
-    sine = 2.0 * t / (1.0 + t * t)
-    versine = sine * t
-    height = at.speed * s + at.throw * (at.sine * versine + at.cosine * (s - sine)) - 0.5 * s * s
-    return height, at.speed + at.throw * (at.cosine * versine + at.sine * sine) - s
+    """Height over n and its rate, a phase s after take-off, Eq. (30)."""
+    return free_motion(at.throw, _WEIGHT, at.sine, at.cosine, at.speed, s)
 
 
 def flight(throw: Floats, phase: Floats, speed: Floats) -> Flight:
@@ -137,11 +138,11 @@ def flight(throw: Floats, phase: Floats, speed: Floats) -> Flight:
     length = np.full(phase.shape, np.nan)
     first = np.flatnonzero(~sure)
     if first.size:
-        part = _Path(*(x[first] for x in at))
+        part = take(at, first)
         length[first] = _landing(part, np.zeros(first.size), crest[first])
     later = np.flatnonzero(np.isnan(length))
     if later.size:
-        part = _Path(*(x[later] for x in at))
+        part = take(at, later)
         start = np.maximum(np.where(cleared[later], down[later], crest[later]), crest[later])
         end = start + np.mod(0.5 * np.pi - phase[later] - start, _TURN)
         found = _landing(part, start, end)
@@ -155,40 +156,37 @@ def _landing(at: _Path, start: Floats, crest: Floats) -> Floats:
     second = np.maximum(start, crest - 0.5 * np.pi + lift_off)
     first = np.maximum(start, crest - 1.5 * np.pi - lift_off)
     found = np.full(start.shape, np.nan)
-    height, rate = _height(first, at)
-    # where the height at the first piece's end is positive and still falling, there is no zero before
-    cells = np.flatnonzero((first > start) & (start > 0.0) & ((height < 0.0) | (rate > 0.0)))
+    cells = np.flatnonzero((start > 0.0) & (first > start))
     if cells.size:
-        found[cells] = _newton(_Path(*(x[cells] for x in at)), start[cells], first[cells])
+        # where the height at the first piece's end is positive and still falling, there is no zero before
+        height, rate = _height(first[cells], take(at, cells))
+        cells = cells[(height < 0.0) | (rate > 0.0)]
+    if cells.size:
+        found[cells] = _newton(take(at, cells), start[cells], first[cells])
     height, _ = _height(second, at)
     sinks = height < 0.0
     cells = np.flatnonzero(sinks & (at.speed > 0.0) & (first == 0.0))
     if cells.size:
-        part = _Path(*(x[cells] for x in at))
+        part = take(at, cells)
         with np.errstate(divide="ignore"):
             near = _SHORT_BOUNCE * part.speed / np.maximum(1.0 - part.throw * part.sine, 0.0)
         near = np.minimum(near, second[cells])
         second[cells] = np.where(_height(near, part)[0] < 0.0, near, second[cells])
     cells = np.flatnonzero(np.isnan(found))
-    found[cells] = _newton(
-        _Path(*(x[cells] for x in at)), second[cells], np.where(sinks[cells], np.inf, crest[cells])
-    )
+    found[cells] = _newton(take(at, cells), second[cells], np.where(sinks[cells], np.inf, crest[cells]))
     return found
 
 
 def _newton(at: _Path, start: Floats, end: Floats) -> Floats:
     """Zero of the height by Newton's iteration; NaN where it turns round or passes ``end`` first."""
-    s = start.copy()
-    active = np.arange(s.size)
-    for _ in range(_NEWTON_STEPS):
-        part = _Path(*(x[active] for x in at))
-        height, rate = _height(s[active], part)
-        with np.errstate(divide="ignore", invalid="ignore"):
+    zero = np.empty(start.shape)
+    open_cells = OpenCells(np.arange(start.size), (at, start, end), _NEWTON_STEPS)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for cells, (path, s, last) in open_cells:
+            height, rate = _height(s, path)
             step = np.where(height == 0.0, 0.0, -height / rate)
-        moved = s[active] + step
-        lost = (rate >= 0.0) | (moved > end[active])
-        s[active] = np.where(lost, np.nan, moved)
-        active = active[~lost & (np.abs(step) > _SETTLED * moved)]
-        if not active.size:
-            break
-    return s
+            moved = s + step
+            lost = (rate >= 0.0) | (moved > last)
+            zero[cells] = np.where(lost, np.nan, moved)
+            open_cells.keep(~lost & (np.abs(step) > _SETTLED * moved), (path, moved, last))
+    return zero

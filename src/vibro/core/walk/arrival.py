@@ -9,29 +9,28 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.contact.legs import Mode
+from vibro.core.codes import Mode
+from vibro.core.free import free_motion
 from vibro.core.groups import put, take
+from vibro.core.roots import OpenCells, bisect
 from vibro.core.walk.histories import is_section, sections_of
-from vibro.core.walk.steps import accelerated, starting, step, tangential_motion
+from vibro.core.walk.steps import starting, step, tangential_motion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Floats
     from vibro.core.walk.histories import Sections
-    from vibro.core.walk.steps import Course, Passage, State
+    from vibro.core.walk.steps import Course, State, Step
 
     Bools = NDArray[np.bool_]
 
 __all__ = ["arrival_cycles"]
 
 _TURN: Final = 2.0 * np.pi
-_BISECTIONS: Final = 60  # from several turns down to an ulp
 
-#: [1] Phases of motion after which the search gives up; a transient that long needs mu_d below 1e-5 mu_s.
-_MOST_PHASES: Final = 2_000_000
+#: [1] Legs after which the search gives up; a transient that long needs mu_d below 1e-5 mu_s.
+_MOST_LEGS: Final = 2_000_000
 
 _SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
 # [rad, A w] Distance from the steady cycle below which changes shrink geometrically, to its square.
@@ -64,7 +63,6 @@ class _Memory(NamedTuple):
 class _Walk(NamedTuple):
     """Bodies still under way; ``blur`` is the error of phase and rate where the motion has no period."""
 
-    cells: NDArray[np.intp]
     course: Course
     sections: Sections
     length: Floats
@@ -110,28 +108,24 @@ def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floa
         np.zeros(n, np.intp), np.ones(n), zero.copy(),
     )  # fmt: skip
     blur = zero.copy(), zero.copy()
-    walk = _Walk(np.arange(n), course, sections_of(course), length, steady, at, memory, blur)
-    for _ in range(_MOST_PHASES):
+    walk = _Walk(course, sections_of(course), length, steady, at, memory, blur)
+    under_way = OpenCells(np.arange(n), walk, _MOST_LEGS)
+    for cells, walk in under_way:
         never = _move_on(walk)
-        out[walk.cells[never]] = np.inf
-        passage = step(walk.course, walk.at)
-        reach = _reach(walk, passage)
+        out[cells[never]] = np.inf
+        leg = step(walk.course, walk.at)
+        reach = _reach(walk, leg)
         there = np.isfinite(reach)
         now = walk.at
-        out[walk.cells[there]] = (
-            now.cycle[there] + (now.phase[there] - origin[walk.cells[there]] + reach[there]) / _TURN
+        out[cells[there]] = (
+            now.cycle[there] + (now.phase[there] - origin[cells[there]] + reach[there]) / _TURN
         )
-        ended = ~there & ~np.isfinite(passage.length)
-        out[walk.cells[ended]] = np.inf
-        lost = _blur(walk, passage)
-        walk.memory.gain[:] *= passage.gain
-        walk.memory.top[:] = np.maximum(walk.memory.top, _bound(walk, passage))
-        walk = walk._replace(at=passage.after)
-        going = np.flatnonzero(~(never | there | ended | lost))
-        if not going.size:
-            break
-        if going.size < walk.cells.size:
-            walk = take(walk, going)
+        ended = ~there & ~np.isfinite(leg.length)
+        out[cells[ended]] = np.inf
+        lost = _blur(walk, leg)
+        walk.memory.gain[:] *= leg.gain
+        walk.memory.top[:] = np.maximum(walk.memory.top, _bound(walk, leg))
+        under_way.keep(~(never | there | ended | lost), walk._replace(at=leg.after))
     return out
 
 
@@ -195,83 +189,87 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
     jumps = np.flatnonzero((settled | linear) & (advance > 0.0) & (count >= 1.0))
     if jumps.size:
         m = count[jumps]
-        done = 1.0 - then.gain[jumps] ** m
-        moved = change[jumps] * series[jumps] * done
+        faded = 1.0 - then.gain[jumps] ** m
+        moved = change[jumps] * series[jumps] * faded
         phase = at.phase[jumps] + np.where(slides[jumps], moved, 0.0)
         turns = np.floor(phase / _TURN)
         target = cells[jumps]
         whole.cycle[target] += (m * period[jumps] + turns).astype(np.int64)
         whole.phase[target] = phase - _TURN * turns
         whole.velocity[target] += np.where(slides[jumps], 0.0, moved)
-        whole.position[target] += m * advance[jumps] + tail[jumps] * done
+        whole.position[target] += m * advance[jumps] + tail[jumps] * faded
     return np.asarray(never)
 
 
-def _bound(walk: _Walk, passage: Passage) -> Floats:
-    """Return a position that is not passed during a phase of the motion."""
+def _bound(walk: _Walk, leg: Step) -> Floats:
+    """Return a position that is not passed during a leg."""
     now, scene = walk.at, walk.course.track.scene
-    end = passage.after.position
+    end = leg.after.position
     with np.errstate(invalid="ignore"):
         highest = now.velocity + scene.along * (1.0 + np.cos(now.phase))
-        highest += np.maximum(-scene.tangential, 0.0) * passage.length
-        aloft = now.position + np.maximum(highest, 0.0) * passage.length
+        highest += np.maximum(-scene.tangential, 0.0) * leg.length
+        aloft = now.position + np.maximum(highest, 0.0) * leg.length
     return np.where(now.mode == Mode.FLIGHT, aloft, np.maximum(now.position, end))
 
 
-def _blur(walk: _Walk, passage: Passage) -> Bools:
+def _blur(walk: _Walk, leg: Step) -> Bools:
     """Carry the rounding of a motion without a period through its flights; return where it is too large."""
     if walk.sections.lag.all():
-        return np.zeros(walk.cells.shape, np.bool_)
+        return np.zeros(walk.length.shape, np.bool_)
     now = walk.at
     flies = (walk.sections.lag == 0) & (now.mode == Mode.FLIGHT)
     blur_phase, blur_rate = walk.blur
-    throw, sine, touch = walk.course.throw, np.sin(now.phase), now.phase + passage.length
-    with np.errstate(divide="ignore", invalid="ignore"):  # phases of the motion that never end
-        lever = np.abs(throw * (np.cos(now.phase) - np.cos(touch) - passage.length * sine))
-        late = blur_phase + (blur_phase * lever + blur_rate * passage.length) / passage.impact + _ROUNDING
+    throw, sine, touch = walk.course.throw, np.sin(now.phase), now.phase + leg.length
+    with np.errstate(divide="ignore", invalid="ignore"):  # legs that never end
+        lever = np.abs(throw * (np.cos(now.phase) - np.cos(touch) - leg.length * sine))
+        late = blur_phase + (blur_phase * lever + blur_rate * leg.length) / leg.impact + _ROUNDING
         fast = walk.course.restitution * (blur_rate + (1.0 + throw) * (late + blur_phase))
     blur_phase[:] = np.where(flies, late, 0.0)  # a contact ends at the lift-off, whenever it began
     blur_rate[:] = np.where(flies, fast, 0.0)
     return np.asarray(flies & ~(late <= _LOST))
 
 
-def _reach(walk: _Walk, passage: Passage) -> Floats:
-    """Phase from the start of a phase of the motion to the arrival; NaN where that does not come in it."""
-    out = np.full(walk.cells.shape, np.nan)
+def _reach(walk: _Walk, leg: Step) -> Floats:
+    """Phase from the start of a leg to the arrival; NaN where that does not come in it."""
+    out = np.full(walk.length.shape, np.nan)
     now = walk.at
-    endless = np.isinf(passage.length)
-    ahead = (now.mode == Mode.FORWARD) & (endless | (passage.after.position >= walk.length))
-    aloft = (now.mode == Mode.FLIGHT) & (_bound(walk, passage) >= walk.length)
+    endless = np.isinf(leg.length)
+    ahead = (now.mode == Mode.FORWARD) & (endless | (leg.after.position >= walk.length))
+    aloft = (now.mode == Mode.FLIGHT) & (_bound(walk, leg) >= walk.length)
     for which, search in ((ahead, _reach_sliding), (aloft, _reach_flying)):
         cells = np.flatnonzero(which)
         if cells.size:
             at = take(now, cells)
             motion = _Motion(
-                *tangential_motion(take(walk.course.track.scene, cells), at.mode),
                 at.phase,
+                *tangential_motion(take(walk.course.track.scene, cells), at.mode),
+                np.sin(at.phase),
+                np.cos(at.phase),
                 at.velocity,
                 walk.length[cells] - at.position,
             )
-            out[cells] = search(motion, passage.length[cells])
+            out[cells] = search(motion, leg.length[cells])
     return out
 
 
 class _Motion(NamedTuple):
-    """Accelerated motion towards a target; see ``accelerated``."""
+    """Free motion towards a target, from a phase on; see ``free_motion``."""
 
+    phase: Floats
     pull: Floats
     drag: Floats
-    phase: Floats
+    sine: Floats
+    cosine: Floats
     velocity: Floats
     target: Floats
 
     def missing(self, s: Floats) -> Floats:
         """Return how far the target is after a phase ``s``."""
-        return self.target - accelerated(*self[:4], s)[0]
+        return self.target - free_motion(*self[1:6], s)[0]
 
     def speed(self, s: Floats) -> Floats:
         """Return the velocity after a phase ``s``."""
-        return accelerated(*self[:4], s)[1]
+        return free_motion(*self[1:6], s)[1]
 
 
 def _reach_sliding(motion: _Motion, length: Floats) -> Floats:
@@ -279,7 +277,7 @@ def _reach_sliding(motion: _Motion, length: Floats) -> Floats:
     high = np.where(np.isinf(length), _TURN, length)
     while (short := np.isinf(length) & (motion.missing(high) > 0.0)).any():
         high = np.where(short, 2.0 * high, high)
-    return _bisect(motion.missing, np.zeros(length.shape), high)
+    return bisect(motion.missing, np.zeros(length.shape), high)
 
 
 def _reach_flying(motion: _Motion, length: Floats) -> Floats:
@@ -299,22 +297,11 @@ def _reach_flying(motion: _Motion, length: Floats) -> Floats:
         turns = np.flatnonzero(open_ & (rises != rises_on))
         if turns.size:
             ahead = rises[turns]
-            still = _bisect(take(motion, turns).speed, low[turns], high[turns], rises=~ahead)
+            still = bisect(take(motion, turns).speed, low[turns], high[turns], rises=~ahead)
             start[turns] = np.where(ahead, low[turns], still)
             end[turns] = np.where(ahead, still, high[turns])
         there = np.flatnonzero(open_ & (motion.missing(end) <= 0.0))
         if there.size:
-            out[there] = _bisect(take(motion, there).missing, start[there], end[there])
+            out[there] = bisect(take(motion, there).missing, start[there], end[there])
         low = high
     return out
-
-
-def _bisect(
-    function: Callable[[Floats], Floats], low: Floats, high: Floats, rises: Bools | bool = False
-) -> Floats:
-    """Return where a monotone function changes its sign, at the far end of the last interval."""
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        before = (function(middle) > 0.0) ^ rises
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    return high

@@ -1,7 +1,7 @@
-"""The exact motion of one body from any start: a list of phases, and one steady cycle with a count.
+"""The exact motion of one body from any start: a list of legs, and one steady cycle with a count.
 
-A walk from phase to phase is compared with itself at the starts of slides, or of flights where the body
-hops. Once they repeat, the phases between are a cycle, which is stored once: late cycles are as sharp as
+A walk from leg to leg is compared with itself at the starts of slides, or of flights where the body
+hops. Once they repeat, the legs between are a cycle, which is stored once: late cycles are as sharp as
 early ones. Lengths in A, speeds in A w, phases in radians.
 """
 
@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.codes import Mode
 from vibro.core.contact.cycle import never_at_rest, resting_start
-from vibro.core.contact.legs import Mode
 from vibro.core.flight.bounces import bounces
 from vibro.core.walk.steps import starting, step
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Floats
-    from vibro.core.walk.steps import Course, Passage, State
+    from vibro.core.walk.steps import Course, State, Step
 
-__all__ = ["Motion", "Sections", "Stages", "follow", "is_section", "sections_of"]
+__all__ = ["Legs", "Motion", "Sections", "follow", "is_section", "sections_of"]
 
 _TURN: Final = 2.0 * np.pi
 
@@ -32,12 +32,12 @@ _REPEATS: Final = 2e-15
 # [rad, A w] Changes below this that no longer shrink are rounding too: its noise is amplified where cycles
 # converge slowly.
 _NOISE: Final = 1e-11
-_SHORTEST: Final = 2e-15  # [rad] phases of the motion up to this are rounding too
+_SHORTEST: Final = 2e-15  # [rad] legs up to this are rounding too
 _NEAR: Final = 1e-6  # [rad] distance from a fixed point that rounding cannot bring
 
 
-class Stages(NamedTuple):
-    """Phases of motion, one behind the other; 1-D arrays.
+class Legs(NamedTuple):
+    """Legs of one body, one after the other; 1-D arrays.
 
     Attributes
     ----------
@@ -76,9 +76,9 @@ class Motion(NamedTuple):
 
     Attributes
     ----------
-    transient : Stages
-        Phases before the first repeat.
-    steady : Stages
+    transient : Legs
+        Legs before the first repeat.
+    steady : Legs
         The cycle that follows again and again; empty where it was not reached.
     period : int
         Drive cycles of the steady cycle, 0 without one.
@@ -86,8 +86,8 @@ class Motion(NamedTuple):
         Displacement in it.
     """
 
-    transient: Stages
-    steady: Stages
+    transient: Legs
+    steady: Legs
     period: int
     advance: float
 
@@ -123,7 +123,7 @@ def sections_of(course: Course) -> Sections:
 
 
 def is_section(course: Course, sections: Sections, at: State) -> NDArray[np.bool_]:
-    """Whether a phase of the motion starts where it is compared."""
+    """Whether a leg starts where the motion is compared."""
     lift_off = course.track.lift_off
     slides = np.isinf(lift_off) & (at.mode != Mode.REST)
     lifted = (at.rate == 0.0) & (at.phase == lift_off)
@@ -141,7 +141,7 @@ def follow(course: Course, phase: float, velocity: float, cycles: float) -> Moti
     phase, velocity : float
         Where the trough is, and how fast the body slides, at the start.
     cycles : float
-        Drive cycles from the start on; the last phase may end later.
+        Drive cycles from the start on; the last leg may end later.
 
     Returns
     -------
@@ -165,41 +165,41 @@ def follow(course: Course, phase: float, velocity: float, cycles: float) -> Moti
                 change = _change(records[first], at)
                 stalls = change <= _NOISE and (polished or change >= last_change)
                 if change <= _REPEATS or stalls:
-                    exact = _restless_start(course, at) if change and not polished else None
+                    exact = _never_at_rest_start(course, at) if change and not polished else None
                     if exact is None:
                         return _motion(course, records, first, at)
                     at = at._replace(phase=np.array([exact]))
                     polished, change = True, math.inf
                     starts.clear()
             starts.setdefault(mode, []).append((len(records), change))
-        passage = step(course, at)
-        if passage.length[0] > _SHORTEST:
-            records.append(_record(at, passage))
-        at = passage.after
-        if not np.isfinite(passage.length[0]):
+        leg = step(course, at)
+        if leg.length[0] > _SHORTEST:
+            records.append(_record(at, leg))
+        at = leg.after
+        if not np.isfinite(leg.length[0]):
             break
     return _motion(course, records, len(records), at)
 
 
-def _record(at: State, passage: Passage) -> tuple[float, ...]:
-    """Put a phase of one body in the order of ``Stages``."""
+def _record(at: State, leg: Step) -> tuple[float, ...]:
+    """Put a leg of one body in the order of ``Legs``."""
     values = (
-        at.mode, at.cycle, at.phase, passage.length, at.position, at.velocity, passage.displacement,
-        passage.velocity, at.rate, passage.impact,
+        at.mode, at.cycle, at.phase, leg.length, at.position, at.velocity, leg.displacement,
+        leg.velocity, at.rate, leg.impact,
     )  # fmt: skip
     return tuple(x.item() for x in values)
 
 
 def _change(before: tuple[float, ...], now: State) -> float:
     """Distance between the states at two starts."""
-    then = Stages._make(before)
+    then = Legs._make(before)
     turn = math.remainder(now.phase.item() - float(then.phase), _TURN)
     return max(
         abs(turn), abs(now.velocity.item() - float(then.velocity)), abs(now.rate.item() - float(then.rate))
     )
 
 
-def _restless_start(course: Course, at: State) -> float | None:
+def _never_at_rest_start(course: Course, at: State) -> float | None:
     """Start of this slide in the never-at-rest cycle, Eqs. (18)-(19); None where it does not settle there."""
     if np.isfinite(course.track.lift_off[0]) or not course.rests[0]:
         return None
@@ -213,13 +213,13 @@ def _restless_start(course: Course, at: State) -> float | None:
 
 
 def _motion(course: Course, records: list[tuple[float, ...]], first: int, end: State) -> Motion:
-    """Divide the phases into transient and steady cycle, and scale the normal speeds."""
+    """Divide the legs into transient and steady cycle, and scale the normal speeds."""
     kinds = (np.int8, np.int64, *(np.float64,) * 8)
     columns = zip(*records, strict=True) if records else ((),) * len(kinds)
-    stages = Stages._make(np.array(x, kind) for x, kind in zip(columns, kinds, strict=True))
+    legs = Legs._make(np.array(x, kind) for x, kind in zip(columns, kinds, strict=True))
     n = course.track.scene.normal[0]
-    stages = stages._replace(rate=n * stages.rate, impact=n * stages.impact)
-    transient, steady = (Stages._make(x[part] for x in stages) for part in (slice(first), slice(first, None)))
+    legs = legs._replace(rate=n * legs.rate, impact=n * legs.impact)
+    transient, steady = (Legs._make(x[part] for x in legs) for part in (slice(first), slice(first, None)))
     if not steady.mode.size:
         return Motion(transient, steady, 0, 0.0)
     turn = (end.phase[0] - steady.phase[0]) / _TURN

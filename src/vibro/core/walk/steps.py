@@ -1,4 +1,4 @@
-"""Bodies followed from phase to phase: rest, slide, flight, each with the state that it hands over.
+"""Bodies followed from leg to leg: rest, slide, flight, each with the state that it hands over.
 
 The state keeps the drive cycles completed and a phase in [0, 2 pi), so that no phase grows with time, and
 says what the body does from there on: the end of a rest is the onset, not a phase at which a load is
@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.codes import Mode
 from vibro.core.contact.cycle import resting_start
-from vibro.core.contact.legs import Leg, Mode, Track, contact_leg, mode_of, track_of
+from vibro.core.contact.legs import Leg, Track, contact_leg, mode_of, track_of
 from vibro.core.contact.onset import Margins, thresholds
-from vibro.core.contact.slide import Onset, sine_gap, slide, start_inside
+from vibro.core.contact.slide import Onset, slide, start_inside
 from vibro.core.flight.bounces import after_landing
 from vibro.core.flight.trajectory import ONE_CYCLE, Flight, flight, lift_off_flight
+from vibro.core.free import free_motion
 from vibro.core.groups import Loads, put, take
 
 if TYPE_CHECKING:
@@ -30,9 +32,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Course",
-    "Passage",
     "State",
-    "accelerated",
+    "Step",
     "course_of",
     "starting",
     "step",
@@ -65,7 +66,7 @@ class Course(NamedTuple):
 
 
 class State(NamedTuple):
-    """Bodies at the start of a phase of their motion.
+    """Bodies at the start of a leg.
 
     Attributes
     ----------
@@ -89,8 +90,8 @@ class State(NamedTuple):
     rate: Floats
 
 
-class Passage(NamedTuple):
-    """One phase of the motion of each body.
+class Step(NamedTuple):
+    """One leg of each body, and what follows it.
 
     Attributes
     ----------
@@ -105,7 +106,7 @@ class Passage(NamedTuple):
     gain : array
         Change of the velocity behind it per change of it before, in [0, 1].
     after : State
-        The start of the next phase.
+        The start of the next leg.
     """
 
     length: Floats
@@ -158,8 +159,8 @@ def starting(course: Course, phase: Floats, velocity: Floats) -> State:
     )
 
 
-def step(course: Course, now: State) -> Passage:
-    """Follow bodies through one phase of their motion.
+def step(course: Course, now: State) -> Step:
+    """Follow bodies through one leg.
 
     Parameters
     ----------
@@ -170,7 +171,7 @@ def step(course: Course, now: State) -> Passage:
 
     Returns
     -------
-    Passage
+    Step
         One entry a body.
     """
     aloft = now.mode == Mode.FLIGHT
@@ -180,10 +181,10 @@ def step(course: Course, now: State) -> Passage:
         return _in_flight(course, now)
     n = aloft.size
     after = State._make(np.empty_like(x) for x in now)
-    out = Passage(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), after)
-    for which, follow in ((aloft, _in_flight), (~aloft, _in_contact)):
+    out = Step(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), after)
+    for which, motion in ((aloft, _in_flight), (~aloft, _in_contact)):
         cells = np.flatnonzero(which)
-        *numbers, after = follow(take(course, cells), take(now, cells))
+        *numbers, after = motion(take(course, cells), take(now, cells))
         put(out[:-1], cells, tuple(numbers))
         put(out.after, cells, after)
     return out
@@ -198,7 +199,7 @@ def _advanced(cycle: Counts, phase: Floats) -> tuple[Counts, Floats]:
     return cycle + whole.astype(np.int64), phase
 
 
-def _in_contact(course: Course, now: State) -> Passage:
+def _in_contact(course: Course, now: State) -> Step:
     track = course.track
     with np.errstate(invalid="ignore"):
         limit = np.where(np.isinf(track.lift_off), np.inf, np.mod(track.lift_off - now.phase, _TURN))
@@ -219,7 +220,7 @@ def _in_contact(course: Course, now: State) -> Passage:
             cycle[cells] += np.rint((phase[cells] - exact[cells]) / _TURN).astype(np.int64)
             phase[cells] = exact[cells]
     after = State(cycle, phase, mode, now.position + leg.displacement, leg.velocity, np.zeros(phase.shape))
-    return Passage(leg.length, leg.displacement, leg.velocity, np.zeros(phase.shape), leg.gain, after)
+    return Step(leg.length, leg.displacement, leg.velocity, np.zeros(phase.shape), leg.gain, after)
 
 
 def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
@@ -249,40 +250,27 @@ def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
     return leg
 
 
-def accelerated(
-    pull: Floats, drag: Floats, phase: Floats, velocity: Floats, s: Floats
-) -> tuple[Floats, Floats]:
-    """Path and velocity under x'' = pull sin p - drag, a phase ``s`` behind the start, Eq. (38).
-
-    Slides, flights along the trough and flights off it differ in pull and drag alone.
-    """
-    half = np.sin(0.5 * s)
-    gap = np.where(s <= np.pi, sine_gap(np.minimum(s, np.pi)), s - np.sin(s))
-    speed = velocity + 2.0 * pull * np.sin(phase + 0.5 * s) * half - drag * s
-    path = velocity * s + pull * (np.cos(phase) * gap + 2.0 * np.sin(phase) * half * half)
-    return path - 0.5 * drag * s * s, speed
-
-
 def tangential_motion(scene: Loads, mode: Modes) -> tuple[Floats, Floats]:
-    """Pull and drag along the trough of slides and flights, for ``accelerated``."""
+    """Pull and drag along the trough of slides and flights, for ``free_motion``."""
     way = np.where(mode == Mode.FORWARD, 1.0, np.where(mode == Mode.BACK, -1.0, 0.0))
     grip = way * scene.kinetic_friction
     return scene.along + grip * scene.across, scene.tangential + grip * scene.normal
 
 
-def _in_flight(course: Course, now: State) -> Passage:
+def _in_flight(course: Course, now: State) -> Step:
     scene, throw = course.track.scene, course.throw
     hop = _flight(course, now)
     touch = now.phase + hop.length
     after = after_landing(throw, touch, hop.impact, course.restitution)
     length = hop.length + after.length
-    path, velocity = accelerated(scene.along, scene.tangential, now.phase, now.velocity, length)
+    sine, cosine = np.sin(now.phase), np.cos(now.phase)
+    path, velocity = free_motion(scene.along, scene.tangential, sine, cosine, now.velocity, length)
     left = np.maximum(np.abs(velocity) - scene.kinetic_friction * scene.normal * after.impulse, 0.0)
     slowed = np.where(velocity < 0.0, -left, left)
     cycle, phase = _advanced(now.cycle, touch + after.length)
     mode = np.where(after.contact, mode_of(scene, phase, slowed), np.int8(Mode.FLIGHT))
-    then = State(cycle, phase, mode, now.position + path, slowed, after.speed)
-    return Passage(length, path, velocity, hop.impact, (left > 0.0).astype(np.float64), then)
+    then = State(cycle, phase, mode, now.position + path, slowed, after.take_off)
+    return Step(length, path, velocity, hop.impact, (left > 0.0).astype(np.float64), then)
 
 
 def _flight(course: Course, now: State) -> Flight:

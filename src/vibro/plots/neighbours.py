@@ -1,0 +1,132 @@
+"""What surrounds the points of a grid: windows, nearest points, and the room around them.
+
+SciPy's ``ndimage`` has all of this, but importing it takes as much CPU as drawing two pictures.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.int32]
+    Mask = NDArray[np.bool_]
+
+__all__ = ["dilate", "erode", "fill_unknown", "room"]
+
+
+def dilate(mask: Mask, width: int) -> Mask:
+    """Tell where a square window around a point has a true point in it.
+
+    Parameters
+    ----------
+    mask : (y, x) bool array
+        All false beyond its edges.
+    width : int
+        Of the window, in points; at most the whole grid counts.
+
+    Returns
+    -------
+    (y, x) bool array
+        What ``scipy.ndimage.binary_dilation`` returns for a square of ones.
+    """
+    return np.asarray(_counts(mask, width, reflected=True) > 0)
+
+
+def erode(mask: Mask, width: int, *, beyond: bool) -> Mask:
+    """Tell where a square window around a point has nothing but true points in it.
+
+    Parameters
+    ----------
+    mask : (y, x) bool array
+        Any.
+    width : int
+        Of the window, in points; at most the whole grid counts.
+    beyond : bool
+        What the mask is beyond its edges.
+
+    Returns
+    -------
+    (y, x) bool array
+        What ``scipy.ndimage.binary_erosion`` returns for a square of ones.
+    """
+    if beyond:
+        return np.asarray(_counts(~mask, width) == 0)
+    rows, columns = (min(n, width) for n in mask.shape)
+    return np.asarray(_counts(mask, width) == rows * columns)
+
+
+def _counts(mask: Mask, width: int, *, reflected: bool = False) -> Integers:
+    """Count true points in a window around every point; one of even width reaches further left, or right."""
+    counts = mask.astype(np.int32)
+    for axis, n in enumerate(mask.shape):
+        size = min(n, width)
+        first = np.arange(n) - ((size - 1) // 2 if reflected else size // 2)
+        sums = np.zeros([m + (i == axis) for i, m in enumerate(mask.shape)], np.int32)
+        np.cumsum(counts, axis, out=sums[1:] if axis == 0 else sums[:, 1:])
+        counts = sums.take(np.minimum(first + size, n), axis) - sums.take(np.maximum(first, 0), axis)
+    return counts
+
+
+def fill_unknown(values: Floats, known: Mask) -> Floats:
+    """Give unknown points the value of the nearest known one in their row or column.
+
+    Where neither has a known one, a point takes the value of one that was filled; all are zero if none is
+    known.
+    """
+    if not known.any():
+        return np.zeros(values.shape)
+    while not known.all():
+        row, column = np.nonzero(~known)
+        left_right, across = (part[row, column] for part in _nearest(known))
+        up_down, along = (part[column, row] for part in _nearest(known.T))
+        same_row = left_right <= up_down
+        found = np.minimum(left_right, up_down) < known.size
+        source = np.where(same_row, row, along)[found], np.where(same_row, across, column)[found]
+        values, known = values.copy(), known.copy()
+        values[row[found], column[found]] = values[source]
+        known[row[found], column[found]] = True
+    return values
+
+
+def _nearest(mask: Mask) -> tuple[Integers, Integers]:
+    """Distance to the nearest true point in the same row, and its column.
+
+    The distance is ``mask.size`` or more where the row has no true point.
+    """
+    here = np.arange(mask.shape[1], dtype=np.int32)
+    left = np.maximum.accumulate(np.where(mask, here, np.int32(-mask.size)), axis=1)
+    right = np.minimum.accumulate(np.where(mask, here, np.int32(2 * mask.size))[:, ::-1], axis=1)[:, ::-1]
+    column = np.where(here - left <= right - here, left, right)
+    return np.abs(column - here), column
+
+
+def room(free: Mask, step_y: float, step_x: float) -> Floats:
+    """Distance of every point to the nearest that is not free, zero for those.
+
+    Parameters
+    ----------
+    free : (y, x) bool array
+        No row or column beyond its edges is free.
+    step_y, step_x : float
+        Distances of rows and columns.
+
+    Returns
+    -------
+    (y, x) float array
+        What ``scipy.ndimage.distance_transform_edt`` returns of the padded mask.
+    """
+    padded = np.pad(free, 1)
+    above = (step_y * _nearest(~padded.T)[0].T) ** 2
+    nearest = above.copy()
+    for shift in range(1, padded.shape[1]):
+        aside = (shift * step_x) ** 2
+        if aside >= nearest.max():
+            break
+        for one, other in ((slice(shift, None), slice(-shift)), (slice(-shift), slice(shift, None))):
+            np.minimum(nearest[:, one], above[:, other] + aside, out=nearest[:, one])
+    return np.asarray(np.sqrt(nearest[1:-1, 1:-1]))

@@ -1,0 +1,129 @@
+"""A comparison in the user's units: tables of signals and figures, and a record for JSON."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    from vibro.files.tables import TableColumns
+    from vibro.records.comparison import Comparison
+    from vibro.records.fitting import Fit, Parameter
+    from vibro.records.reading import Record
+
+__all__ = ["ComparisonTables"]
+
+# kind of a quantity -> unit in tables, its size in SI units; friction is per unit mass without a mass.
+_UNITS: Final = {
+    "displacement": ("mm", 1e-3),
+    "velocity": ("mm/s", 1e-3),
+    "time": ("ms", 1e-3),
+    "acceleration": ("m/s^2", 1.0),
+    "friction": ("m/s^2", 1.0),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonTables:
+    """What was measured and what is computed, in the user's units.
+
+    Attributes
+    ----------
+    comparison : Comparison
+        The record beside the model.
+    record : Record
+        The record as it was read.
+    mass : float or None
+        Of the body [kg]; without it friction is per unit mass.
+    fit : Fit or None
+        Estimates from the record.
+    """
+
+    comparison: Comparison
+    record: Record
+    mass: float | None = None
+    fit: Fit | None = None
+
+    @property
+    def units(self) -> dict[str, tuple[str, float]]:
+        """Unit of each kind of figure, and its size in SI units."""
+        return _UNITS | ({} if self.mass is None else {"friction": ("N", 1.0 / self.mass)})
+
+    def parameters(self) -> list[tuple[Parameter, tuple[str, float]]]:
+        """Return the estimates, each with its unit and the size of that in SI units."""
+        quantities = [QUANTITIES[p.name] for p in (self.fit.parameters if self.fit else ())]
+        units = [(quantity.unit, float(quantity.to_si(1.0))) for quantity in quantities]
+        return list(zip(self.fit.parameters if self.fit else (), units, strict=True))
+
+    def signals(self) -> TableColumns:
+        """Return measured and computed signals over time."""
+        comparison = self.comparison
+        period = comparison.motion.period
+        columns: dict[str, Any] = {
+            "time_s": comparison.observation.time,
+            "trough_time_s": comparison.trough_time % period,
+        }
+        for name, values in comparison.observation.signals.items():
+            unit, size = self.units[name]
+            suffix = unit.replace("/", "_").replace("^", "")
+            columns[f"{name}_measured_{suffix}"] = values / size
+            columns[f"{name}_computed_{suffix}"] = comparison.computed[name] / size
+        return columns
+
+    def summary(self) -> TableColumns:
+        """Return the figures, and from which columns of the data they come."""
+        rows = self.comparison.rows
+        sizes = [self.units[row.kind][1] for row in rows]
+        columns = "; ".join(text for role, text in self.record.headers.items())
+        return {
+            "quantity": [row.key for row in rows],
+            "unit": [self.units[row.kind][0] for row in rows],
+            "measured": np.array([row.measured.value / size for row, size in zip(rows, sizes, strict=True)]),
+            "standard_error": np.array(
+                [row.measured.error / size for row, size in zip(rows, sizes, strict=True)]
+            ),
+            "computed": np.array([row.computed / size for row, size in zip(rows, sizes, strict=True)]),
+            "data_columns": [columns] * len(rows),
+        }
+
+    def content(self) -> dict[str, Any]:
+        """Return everything, for JSON."""
+        comparison = self.comparison
+        alignment = comparison.alignment
+        content: dict[str, Any] = {
+            "columns": dict(self.record.headers),
+            "pattern": comparison.motion.pattern,
+            "trough_time_at_zero_s": _number(alignment.shift),
+            "trough_time_error_s": _number(alignment.error),
+            "warnings": list(comparison.warnings),
+            "figures": {
+                row.key: {
+                    "unit": self.units[row.kind][0],
+                    "measured": _number(row.measured.value / self.units[row.kind][1]),
+                    "standard_error": _number(row.measured.error / self.units[row.kind][1]),
+                    "computed": _number(row.computed / self.units[row.kind][1]),
+                }
+                for row in comparison.rows
+            },
+        }
+        if self.fit is not None:
+            content["fit"] = {
+                p.name: {
+                    "unit": unit,
+                    "estimate": _number(p.value / size if p.identified else math.nan),
+                    "low": _number(p.low / size),
+                    "high": _number(p.high / size),
+                }
+                for p, (unit, size) in self.parameters()
+            }
+            content["fit_statements"] = list(self.fit.statements)
+        return content
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,292 @@
+"""Time histories: what a body does from its first moment on, exact at any time, in SI units.
+
+    history = vibro.simulate(scene, cycles=10)    # or duration= [s], or length= [m]: until arrival
+    history.phases                                # tuple of Phase: kind F B _ H, start and end
+    history.sample(times)                         # Sample: arrays of motion and forces at those times
+    history.sample(times, side="left")            # the values just before, where a time is that of an event
+    history.end, history.settles_at, history.pattern, history.cycle_displacement
+
+Nothing is integrated step by step: each phase has a closed form. Once the motion repeats, its cycle is
+stored once, with a count, so that 1e5 cycles cost no more than the transient; ``phases`` alone spells
+them all out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+
+from vibro.core.codes import LETTERS, Mode
+from vibro.core.free import free_motion
+from vibro.core.walk.histories import Legs, Motion
+from vibro.core.walk.steps import tangential_motion
+from vibro.errors import VibroError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from vibro.core.groups import Loads
+    from vibro.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["History", "Phase", "Sample"]
+
+_TURN: Final = 2.0 * np.pi
+_SLACK: Final = 1e-12  # [1] share of the whole by which a time may lie outside: rounding of the caller's
+
+
+@dataclass(frozen=True)
+class Phase:
+    """One phase of the motion.
+
+    Attributes
+    ----------
+    kind : str
+        ``"F"`` forward slide, ``"B"`` back slide, ``"_"`` rest, ``"H"`` flight.
+    start, end : float
+        Its first and last moment [s]; each end is the next start.
+    start_position, end_position : float
+        Displacement relative to the trough since the beginning, positive in the conveying direction [m].
+    start_velocity, end_velocity : float
+        Velocity relative to the trough, after an impact at its start and before one at its end; exactly 0
+        where the body stops [m/s].
+    impact_velocity : float
+        Normal speed at which a flight ends on the trough, 0 for other phases [m/s].
+    """
+
+    kind: str
+    start: float
+    end: float
+    start_position: float
+    end_position: float
+    start_velocity: float
+    end_velocity: float
+    impact_velocity: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Motion and forces at given times; arrays of the times' shape, forces per unit mass.
+
+    Attributes
+    ----------
+    time : array
+        The times [s].
+    trough_displacement : array
+        Of the trough along the drive's line [m].
+    position, velocity, acceleration : array
+        Of the body relative to the trough, along it, positive in the conveying direction
+        [m, m/s, m/s^2].
+    inertial : array
+        Load along the trough: inertia of the drive and the weight's component [m/s^2].
+    friction : array
+        Friction on the body; ``acceleration = inertial + friction`` [m/s^2].
+    normal : array
+        Force of the trough on the body, >= 0, and 0 in flight [m/s^2].
+    static_limit : array
+        Most that static friction can bear, either way: mu_s times ``normal`` [m/s^2].
+    gap : array
+        Height above the trough, 0 in contact [m].
+    """
+
+    time: Floats
+    trough_displacement: Floats
+    position: Floats
+    velocity: Floats
+    acceleration: Floats
+    inertial: Floats
+    friction: Floats
+    normal: Floats
+    static_limit: Floats
+    gap: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """The motion of one body on one trough, exact at any time; made by ``vibro.simulate``.
+
+    Attributes
+    ----------
+    scene : Scene
+        Where it moves.
+    end : float
+        When the history ends; it begins at 0 [s].
+    start_phase : float
+        Phase of the trough at time 0 [rad].
+    pattern : str
+        Kinds of the phases that repeat, from any one on; empty if none repeat before the end, or if the
+        body rests for ever.
+    settles_at : float
+        From when on they repeat; inf if they do not before the end [s].
+    cycle_displacement : float
+        Displacement per drive cycle from then on; NaN if they do not repeat [m].
+    """
+
+    scene: Scene
+    end: float
+    start_phase: float
+    _motion: Motion
+    _loads: Loads
+
+    @property
+    def pattern(self) -> str:
+        """Kinds of the phases that repeat."""
+        return "".join(LETTERS[mode] for mode in self._motion.steady.mode)
+
+    @property
+    def settles_at(self) -> float:
+        """Time of the first phase that repeats [s]."""
+        first = self._motion.transient.mode.size
+        if not self._motion.period:
+            return math.inf
+        return float(self._start(np.array([first]))[0])
+
+    @property
+    def cycle_displacement(self) -> float:
+        """Displacement per drive cycle once the phases repeat [m]."""
+        if not self._motion.period:
+            return math.nan
+        return float(self.scene.amplitude) * self._motion.advance / self._motion.period
+
+    @cached_property
+    def phases(self) -> tuple[Phase, ...]:
+        """Every phase until the end, the last one cut there; repeated cycles are spelt out."""
+        last = int(self._place(np.array([self.end]), "left")[0])
+        places = np.arange(last + 1)
+        row, count = self._row(places)
+        stages = self._stages
+        length, speed = self._units
+        starts = self._start(places)
+        final = self.sample(self.end, side="left")
+        position = length * (stages.position[row] + count * self._motion.advance)
+        ends = np.append(starts[1:], self.end)
+        end_position = np.append(position[1:], final.position)
+        end_velocity = speed * stages.end_velocity[row]
+        end_velocity[-1] = final.velocity
+        impact = speed * stages.impact[row]
+        if self.end < self._start(np.array([last + 1]))[0]:
+            impact[-1] = 0.0
+        columns = (starts, ends, position, end_position, speed * stages.velocity[row], end_velocity, impact)
+        kinds = (LETTERS[mode] for mode in stages.mode[row])
+        numbers = zip(*(x.tolist() for x in columns), strict=True)
+        return tuple(Phase(kind, *values) for kind, values in zip(kinds, numbers, strict=True))
+
+    def sample(self, times: ArrayLike, side: Literal["left", "right"] = "right") -> Sample:
+        """Motion and forces at any times.
+
+        Parameters
+        ----------
+        times : array_like
+            Between 0 and ``end``, in any order [s].
+        side : {"right", "left"}, optional
+            At a time that is exactly the start of a phase: whether to return the values of this phase or
+            those of the one before. Velocities differ at impacts, forces wherever a slide starts or stops.
+
+        Returns
+        -------
+        Sample
+            Arrays of the times' shape.
+
+        Raises
+        ------
+        VibroError
+            If a time lies outside, or ``side`` is neither.
+        """
+        if side not in ("left", "right"):
+            raise VibroError(f"side = {side!r}: must be 'left' or 'right'")
+        time = np.asarray(times, dtype=np.float64)
+        slack = _SLACK * self.end
+        outside = ~((time >= -slack) & (time <= self.end + slack))
+        if outside.any():
+            raise VibroError(
+                f"time {time[outside].flat[0]:.15g} s is outside of the history, 0 to {self.end:.15g} s"
+            )
+        flat = np.clip(time.ravel(), 0.0, self.end)
+        values = self._sample(flat, self._place(flat, side))
+        return Sample(time, *(x.reshape(time.shape) for x in values))
+
+    @cached_property
+    def _stages(self) -> Legs:
+        """The transient, then one steady cycle."""
+        pairs: Any = zip(self._motion.transient, self._motion.steady, strict=True)
+        return Legs._make(np.concatenate(pair) for pair in pairs)
+
+    @property
+    def _units(self) -> tuple[float, float]:
+        """A and A w."""
+        amplitude, frequency = float(self.scene.amplitude), float(self.scene.frequency)
+        return amplitude, amplitude * _TURN * frequency
+
+    def _row(self, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Rows of ``_stages`` of the phases with these numbers, and how often their cycle was completed."""
+        first, size = self._motion.transient.mode.size, max(self._motion.steady.mode.size, 1)
+        beyond = np.maximum(places - first, 0)
+        return np.where(places < first, places, first + beyond % size), beyond // size
+
+    def _start(self, places: NDArray[np.int64]) -> Floats:
+        """Start time of the phases with these numbers; inf after the last."""
+        row, count = self._row(places)
+        stages = self._stages
+        known = row < stages.mode.size
+        row = np.where(known, row, 0)
+        cycles = stages.cycle[row] + self._motion.period * count
+        turns = (stages.phase[row] - stages.phase[0]) / _TURN
+        return np.where(known, (cycles + turns) / float(self.scene.frequency), np.inf)
+
+    def _place(self, time: Floats, side: Literal["left", "right"]) -> NDArray[np.int64]:
+        """Find the number of the phase at each time."""
+        first, size = self._motion.transient.mode.size, self._motion.steady.mode.size
+        known = self._start(np.arange(first + size))
+        place = np.searchsorted(known, time, side=side).astype(np.int64) - 1
+        if size:
+            cycle = self._motion.period / float(self.scene.frequency)
+            count = np.maximum(np.floor((time - known[first]) / cycle), 0.0)
+            within = np.searchsorted(known[first:], time - count * cycle, side=side)
+            repeated = first + count.astype(np.int64) * size + within - 1
+            place = np.where(count > 0.0, repeated, place)
+        early = np.less if side == "left" else np.less_equal
+        while True:  # the guess may be off by one where rounding decides
+            ahead = early(self._start(place + 1), time)
+            late = (place > 0) & ~early(self._start(place), time)
+            if not (ahead | late).any():
+                return np.maximum(place, 0)
+            place = place + ahead - (late & ~ahead)
+
+    def _sample(self, time: Floats, place: NDArray[np.int64]) -> tuple[Floats, ...]:
+        row, count = self._row(place)
+        at = Legs._make(x[row] for x in self._stages)
+        scene = self._loads
+        length, speed = self._units
+        force = speed * _TURN * float(self.scene.frequency)
+        w = _TURN * float(self.scene.frequency)
+        s = np.clip(w * (time - self._start(place)), 0.0, at.length)
+        over = time >= self._start(place + 1)
+        s[over] = at.length[over]
+        rests, flies = at.mode == Mode.REST, at.mode == Mode.FLIGHT
+        phase = at.phase + np.where(rests, np.mod(s, _TURN), s)
+        sine = np.sin(phase)
+        pull, drag = tangential_motion(scene, at.mode)
+        start = np.sin(at.phase), np.cos(at.phase)
+        path, velocity = free_motion(pull, drag, *start, at.velocity, s)
+        path = np.where(rests, 0.0, np.where(over, at.displacement, path))
+        velocity = np.where(rests, 0.0, np.where(over, at.end_velocity, velocity))
+        inertial = scene.along * sine - scene.tangential
+        acceleration = np.where(rests, 0.0, pull * sine - drag)
+        normal = np.where(flies, 0.0, np.maximum(scene.normal - scene.across * sine, 0.0))
+        height, _ = free_motion(scene.across, scene.normal, *start, at.rate, s)
+        return (
+            length * np.sin(np.where(rests, phase, at.phase + s)),
+            length * (at.position + count * self._motion.advance + path),
+            speed * velocity,
+            force * acceleration,
+            force * inertial,
+            force * np.where(flies, 0.0, acceleration - inertial),
+            force * normal,
+            force * scene.static_friction * normal,
+            length * np.where(flies & ~over, np.maximum(height, 0.0), 0.0),
+        )

@@ -1,0 +1,257 @@
+"""What is computed of a steady cycle: every field described once, in the order of a table's columns.
+
+Containers, CSV, JSON, data frames, sidecars and docs/nomenclature.md follow from these descriptions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import MODELS, Regime, Status, pattern_texts
+from vibro.errors import Problem, SceneError
+from vibro.quantities import LENGTH, PURE, SPEED, TIME, Kind
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Codes = NDArray[np.int8]
+
+__all__ = ["ARRIVAL_TIME", "RESULTS", "STROKES", "TRAVERSE_TIME", "Result", "SteadyCycle"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """The description of one result.
+
+    Attributes
+    ----------
+    name : str
+        Attribute of ``SteadyCycle``.
+    meaning : str
+        What it is, for people.
+    symbol : str
+        As in docs/theory.md, in TeX; empty where there is none.
+    kind : Kind
+        Units inside and outside.
+    column : str
+        Name with unit, as tables and JSON spell it.
+    dtype : type
+        Of the array.
+    texts : tuple of str, optional
+        What codes mean in tables, the last one standing for -1; None for numbers and patterns.
+    is_flag : bool
+        Whether the codes are 0, 1 and, for unknown, -1.
+    decode : callable, optional
+        From an array of codes to an array of texts, where there are too many to list.
+    in_contact : float, optional
+        Its value in every cell in contact that is answered, where that is always the same.
+    """
+
+    name: str
+    meaning: str
+    symbol: str = ""
+    kind: Kind = PURE
+    column: str = ""
+    dtype: type = np.float64
+    texts: tuple[str, ...] | None = None
+    is_flag: bool = False
+    decode: Callable[[NDArray[Any]], NDArray[np.str_]] | None = None
+    in_contact: float | None = None
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it is a number, not a code or a flag."""
+        return self.dtype is np.float64
+
+
+def _described(column: str, meaning: str, **more: Any) -> dict[str, Any]:
+    return {"column": column, "meaning": meaning, **more}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SteadyCycle:
+    """What the body on the trough does once it has settled, from rest; one value a scene.
+
+    Every attribute has the scene's shape. A cell without an answer holds NaN and a status that says why.
+    """
+
+    regime: Codes = field(
+        metadata=_described(
+            "regime",
+            "what the body does, as maps class it: a `Regime`",
+            dtype=np.int8,
+            texts=(*(regime.label for regime in Regime if regime >= 0), ""),
+        )
+    )
+    pattern_code: NDArray[np.int64] = field(
+        metadata=_described(
+            "pattern",
+            "phases of a cycle: H flight, F forward slide, B back slide, _ rest; `pattern` has them as text",
+            dtype=np.int64,
+            decode=pattern_texts,
+        )
+    )
+    mean_velocity: Floats = field(
+        metadata=_described("mean_velocity_mm_s", "mean conveying speed", symbol="fd", kind=SPEED)
+    )
+    displacement_per_cycle: Floats = field(
+        metadata=_described(
+            "displacement_per_cycle_mm",
+            "displacement relative to the trough in a drive cycle, positive in the conveying direction",
+            symbol="d=AD",
+            kind=LENGTH,
+        )
+    )
+    peak_velocity: Floats = field(
+        metadata=_described(
+            "peak_velocity_mm_s",
+            "largest relative speed along the trough, either way",
+            symbol=r"A\omega v_{\max}",
+            kind=SPEED,
+        )
+    )
+    throw_number: Floats = field(
+        metadata=_described(
+            "throw_number", "most unloading over the weight on the trough; the body hops above 1", symbol="K"
+        )
+    )
+    forward_ratio: Floats = field(
+        metadata=_described(
+            "forward_ratio", "load over the load at the forward onset; 0 if there is none", symbol="1/s_f"
+        )
+    )
+    back_ratio: Floats = field(
+        metadata=_described(
+            "back_ratio", "load over the load at the back onset; 0 if there is none", symbol="1/s_b"
+        )
+    )
+    flight_fraction: Floats = field(
+        metadata=_described(
+            "flight_fraction",
+            "share of the time off the trough; bounces that are summed count",
+            symbol=r"\sum\tau_i/2\pi m",
+            in_contact=0.0,
+        )
+    )
+    impact_velocity: Floats = field(
+        metadata=_described(
+            "impact_speed_mm_s",
+            "largest normal speed of a landing; 0 without flight",
+            symbol=r"A\omega\max\lvert\eta'_-\rvert",
+            kind=SPEED,
+            in_contact=0.0,
+        )
+    )
+    period_cycles: Floats = field(
+        metadata=_described(
+            "period_cycles",
+            "drive cycles until the motion repeats; NaN where it does not",
+            symbol="m",
+            in_contact=1.0,
+        )
+    )
+    mean_velocity_error: Floats = field(
+        metadata=_described(
+            "mean_velocity_error_mm_s",
+            "standard error of the mean speed where it is a mean over many cycles (AVERAGED), else 0",
+            kind=SPEED,
+            in_contact=0.0,
+        )
+    )
+    coexists: Codes = field(
+        metadata=_described(
+            "coexists",
+            "whether a disturbed body can settle elsewhere: 1 it can, 0 it cannot, -1 not looked at",
+            dtype=np.int8,
+            texts=("0", "1", ""),
+            is_flag=True,
+        )
+    )
+    model_code: Codes = field(
+        metadata=_described(
+            "model",
+            "the cheapest exact model that gave the answer; `model` has it as text",
+            dtype=np.int8,
+            texts=MODELS,
+        )
+    )
+    status: Codes = field(
+        metadata=_described(
+            "status",
+            "how far to trust the numbers, or why one is missing: a `Status`",
+            dtype=np.int8,
+            texts=tuple(status.label for status in Status),
+        )
+    )
+
+    @property
+    def pattern(self) -> Any:
+        """Phases of the cycle as text: H flight, F forward slide, B back slide, _ rest; empty if none."""
+        return pattern_texts(np.asarray(self.pattern_code))[()]
+
+    @property
+    def model(self) -> Any:
+        """The cheapest exact model that gave the answer, as text."""
+        return np.array(MODELS)[self.model_code]
+
+    def traverse_time(self, length: Any) -> Any:
+        """Time to convey over a length at the mean speed.
+
+        Parameters
+        ----------
+        length : array_like
+            Length of the trough, > 0 [m]; broadcasts against the scene.
+
+        Returns
+        -------
+        array
+            ``length / mean_velocity`` [s]; inf where the body does not move forward, NaN where its
+            speed is unknown.
+
+        Raises
+        ------
+        SceneError
+            If a length is not finite and positive.
+        """
+        length = np.asarray(length, dtype=np.float64)
+        if not (np.isfinite(length) & (length > 0.0)).all():
+            raise SceneError((Problem("length", str(length), "finite and > 0 m"),))
+        velocity = np.where(self.mean_velocity > 0.0, self.mean_velocity, 0.0)
+        with np.errstate(divide="ignore"):
+            return np.where(np.isnan(self.mean_velocity), np.nan, length / velocity)[()]
+
+
+#: What ``SteadyCycle`` holds, in the order of a table's columns.
+RESULTS: Final = tuple(Result(name=f.name, **f.metadata) for f in fields(SteadyCycle))
+#: What follows from it and a length.
+TRAVERSE_TIME: Final = Result(
+    name="traverse_time",
+    column="traverse_time_s",
+    meaning="time over a length $L$ at the mean speed; empty where the body never arrives",
+    symbol="L/(fd)",
+    kind=TIME,
+)
+ARRIVAL_TIME: Final = Result(
+    name="arrival_time",
+    column="arrival_time_s",
+    meaning="time from rest at trough phase 0 until the body has moved a length $L$",
+    kind=TIME,
+)
+STROKES: Final = Result(
+    name="strokes", column="strokes", meaning="drive cycles that a traverse takes", symbol="L/d"
+)
+SteadyCycle.__doc__ = (
+    (SteadyCycle.__doc__ or "").rstrip()
+    + "\n\n    Attributes\n    ----------"
+    + "".join(
+        f"\n    {r.name} : {np.dtype(r.dtype).name} array\n        {r.meaning[:1].upper()}{r.meaning[1:]}"
+        f" [{r.kind.si_unit or 1}]."
+        for r in RESULTS
+    )
+)

@@ -1,0 +1,90 @@
+"""A sweep to CSV: its rows block by block, and what is counted on the way."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.sweeps.run import sweep_blocks
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from typing import TextIO
+
+    from numpy.typing import NDArray
+
+    from vibro.files.tables import CsvFormat
+    from vibro.results.sweep import Block, Column
+    from vibro.sweeps.grid import Grid
+
+__all__ = ["Tally", "provenance", "write_rows"]
+
+_Code = TypeVar("_Code", Status, Regime)
+
+
+@dataclass
+class Tally:
+    """Cells by status and by regime."""
+
+    status: Counter[Status] = field(default_factory=Counter)
+    regime: Counter[Regime] = field(default_factory=Counter)
+
+    def add(self, block: Block) -> None:
+        """Count the cells of a block."""
+        self.status.update(_counted(block.cycle.status, Status))
+        self.regime.update(_counted(block.cycle.regime, Regime))
+
+
+def _counted(codes: NDArray[np.int8], kind: Callable[[int], _Code]) -> dict[_Code, int]:
+    values, numbers = np.unique(codes, return_counts=True)
+    return {kind(code): number for code, number in zip(values.tolist(), numbers.tolist(), strict=True)}
+
+
+def write_rows(
+    grid: Grid,
+    columns: Sequence[Column],
+    form: CsvFormat,
+    stream: TextIO,
+    report: Callable[[int], None] = lambda done: None,
+) -> Tally:
+    """Solve a grid and write its table, header first.
+
+    Parameters
+    ----------
+    grid : Grid
+        What to solve.
+    columns : sequence of Column
+        What the table holds.
+    form : CsvFormat
+        How it is written.
+    stream : text stream
+        Where to; it keeps line ends as they are.
+    report : callable, optional
+        Called with the number of cells done so far.
+    """
+    tally = Tally()
+    stream.write(form.header(columns))
+    done = 0
+    for block in sweep_blocks(grid):
+        stream.write(form.rows(columns, block))
+        tally.add(block)
+        done += block.cycle.status.size
+        report(done)
+    return tally
+
+
+def provenance(grid: Grid, columns: Sequence[Column], tally: Tally) -> dict[str, Any]:
+    """Return what a sidecar says of a table: enough to run the sweep again."""
+    return {
+        **grid.describe(),
+        "accuracy": grid.level.value,
+        "flight": grid.flight,
+        "cells": grid.size,
+        "status": {status.label: tally.status[status] for status in Status if tally.status[status]},
+        "regime": {regime.label or "none": tally.regime[regime] for regime in Regime if tally.regime[regime]},
+        "columns": {column.name: column.unit for column in columns},
+    }

@@ -1,0 +1,96 @@
+"""What a sweep covers: its axes and fixed quantities, in the user's units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibro.core.codes import Level
+from vibro.quantities import QUANTITIES, kinetic_friction
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.axes import Axis
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Grid"]
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """What a sweep covers, in the user's units.
+
+    Attributes
+    ----------
+    axes : mapping of str to Axis
+        The axes that vary, in the order of ``SWEPT``.
+    fixed : mapping of str to float
+        Every other quantity of the scene by name, with gravity and restitution.
+    length : float or None
+        Length of the trough [mm].
+    level, flight : optional
+        How every cell is solved, as ``vibro.solve`` takes them (``level`` as ``accuracy``).
+    arrivals : bool, optional
+        Whether bodies are followed from rest to their arrival.
+    """
+
+    axes: Mapping[str, Axis]
+    fixed: Mapping[str, float]
+    length: float | None
+    level: Level = Level.EXACT
+    flight: bool = True
+    arrivals: bool = False
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis) for axis in self.axes.values())
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return math.prod(self.shape)
+
+    def values(self, box: tuple[slice, ...]) -> dict[str, Floats]:
+        """Return every quantity of a box of cells, in the user's units.
+
+        Parameters
+        ----------
+        box : tuple of slice
+            One for each axis.
+
+        Returns
+        -------
+        dict of str to array
+            By name; broadcastable to the box's shape. The kinetic friction is always among them.
+        """
+        result = {name: np.full((1,) * len(box), value) for name, value in self.fixed.items()}
+        for i, (axis, part) in enumerate(zip(self.axes.values(), box, strict=True)):
+            result[axis.name] = axis.values[part].reshape([-1 if j == i else 1 for j in range(len(box))])
+        if "friction_ratio" in result:
+            result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
+        return result
+
+    def describe(self) -> dict[str, Any]:
+        """Return what a sidecar says of it: fixed quantities and axes, by their columns."""
+        axes = {
+            axis.column: {
+                "count": len(axis),
+                "first": float(axis.values[0]),
+                "last": float(axis.values[-1]),
+                "spacing": axis.spacing,
+                **({"values": axis.values.tolist()} if axis.spacing == "list" else {}),
+            }
+            for axis in self.axes.values()
+        }
+        scene = {QUANTITIES[name].column: value for name, value in self.fixed.items()}
+        if self.length is not None:
+            scene[QUANTITIES["trough_length"].column] = self.length
+        return {"scene": scene, "axes": axes}

@@ -1,0 +1,309 @@
+"""What a caller and a scene file ask for together, checked before anything is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Final, Protocol
+
+from vibro.axes import AxisSpec, axis_of, default_count
+from vibro.errors import InputError, SceneError
+from vibro.files.scene_files import SceneFile
+from vibro.quantities import DEFAULTS, QUANTITIES, STANDS_FOR, SWEPT, scene_fields
+from vibro.scene import Scene
+from vibro.sweeps.grid import Grid
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from vibro.axes import Axis
+    from vibro.core.codes import Level
+    from vibro.quantities import Quantity
+
+__all__ = ["RANGES", "Caller", "Request", "gather"]
+
+#: Swept where they are not given. Friction and drive angle are never invented.
+RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
+
+# What must be given, with an example: of friction the ratio, which fits whatever static friction is given.
+_EXAMPLES: Final = {
+    "amplitude": ("amplitude", "1"),
+    "frequency": ("frequency", "15"),
+    "drive_angle": ("drive_angle", "20"),
+    "static_friction": ("static_friction", "0.74"),
+    "kinetic_friction": ("friction_ratio", "0.77"),
+    "trough_length": ("trough_length", "600"),
+}
+# Valid whatever the others are, in SI units.
+_HARMLESS: Final = {
+    "amplitude": 1e-3,
+    "frequency": 1.0,
+    "drive_angle": 0.0,
+    "static_friction": 0.0,
+    "kinetic_friction": 0.0,
+}
+
+Specs = dict[str, AxisSpec]
+
+
+class Caller(Protocol):
+    """How messages speak to whoever asks: in options, or in the arguments of a function."""
+
+    @property
+    def gives(self) -> str:
+        """Who gives what is typed: ``the command line``."""
+
+    @property
+    def takes_one_value(self) -> tuple[str, str]:
+        """What to say, and the hint, where an axis was given and one value is wanted."""
+
+    @property
+    def an_axis(self) -> str:
+        """An axis as it is given: ``-A 0.1:3:200``."""
+
+    def name(self, quantity: Quantity) -> str:
+        """Name an argument: ``-A``."""
+
+    def example(self, values: Mapping[str, str], *, from_scratch: bool) -> str:
+        """Show what gives these values too, by name; from scratch where what was given is wrong."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A checked request.
+
+    Attributes
+    ----------
+    name : str or None
+        The scene file's name.
+    specs : mapping of str to AxisSpec
+        Every quantity of the scene by its name, axes and single values, in the order of a table's columns.
+    own : mapping of str to float
+        What the scene file's table ``[scene]`` gives, in the user's units.
+    """
+
+    name: str | None
+    specs: Mapping[str, AxisSpec]
+    own: Mapping[str, float]
+
+    @property
+    def varying(self) -> tuple[str, ...]:
+        """Names of the axes."""
+        return tuple(name for name, spec in self.specs.items() if spec.varies)
+
+    @property
+    def length(self) -> float | None:
+        """Length of the trough [mm]."""
+        return self.specs["trough_length"].value if "trough_length" in self.specs else None
+
+    @property
+    def fixed(self) -> dict[str, float]:
+        """Every quantity of the scene that does not vary, in the units outside."""
+        return {
+            name: spec.value
+            for name, spec in self.specs.items()
+            if not spec.varies and name != "trough_length"
+        }
+
+    def scene(self) -> Scene:
+        """Make the scene of a request without axes."""
+        return Scene(**scene_fields(self.fixed))
+
+    def axes(self, count: int | None = None) -> dict[str, Axis]:
+        """Spell out the axes; ``count`` values where a range leaves that open, the usual number without."""
+        usual = default_count(len(self.varying))
+        return {name: self.specs[name].axis(count or usual) for name in self.varying}
+
+    def grid(self, level: Level, *, flight: bool = True, arrivals: bool = False) -> Grid:
+        """Make the grid of all combinations."""
+        return Grid(self.axes(), self.fixed, self.length, level, flight, arrivals)
+
+
+class _Problems:
+    """Everything that is wrong, to be told at once."""
+
+    def __init__(self) -> None:
+        self.slots: set[str] = set()
+        self._texts: list[tuple[str, str]] = []
+        self._hints: list[tuple[str, str]] = []
+
+    def add(self, slot: str, text: str, hint: str = "") -> None:
+        self.slots.add(slot)
+        self._texts.append((slot, text))
+        self._hints += [(slot, hint)] if hint else []
+
+    def settle(self) -> None:
+        if not self._texts:
+            return
+        order = [*QUANTITIES, ""]
+        texts = [text for _, text in sorted(self._texts, key=lambda problem: order.index(problem[0]))]
+        hints = [hint for _, hint in self._hints]
+        if len(texts) > 1:
+            hints = [f"{QUANTITIES[slot].label}: {hint}" if slot else hint for slot, hint in self._hints]
+        raise InputError(*texts, hint="\n".join(hints))
+
+
+def gather(
+    given: Mapping[str, AxisSpec | InputError],
+    file: SceneFile | None,
+    caller: Caller,
+    *,
+    reads_map: bool = False,
+    takes_axes: bool = False,
+    ranges: Mapping[str, str] | None = None,
+    needs_length: bool = False,
+) -> Request:
+    """Merge a scene file and what a caller gives beside it, and check all that can be known beforehand.
+
+    Parameters
+    ----------
+    given : mapping of str to AxisSpec or InputError
+        What the caller gives by the name of its quantity, or what is wrong with it.
+    file : SceneFile or None
+        What is given overrides it.
+    caller : Caller
+        For messages.
+    reads_map : bool
+        Whether the scene file's table ``[map]`` counts.
+    takes_axes : bool
+        Whether quantities may vary.
+    ranges : mapping of str to str, optional
+        Axes for what is not given; where nothing else varies, also for what the table ``[scene]`` gives.
+    needs_length : bool
+        Whether the length of the trough is needed.
+
+    Returns
+    -------
+    Request
+        Every value within its range, and not every combination infeasible.
+
+    Raises
+    ------
+    InputError
+        It names everything that is wrong or missing.
+    """
+    ranges = ranges or {}
+    file = file or SceneFile("", {}, {})
+    problems = _Problems()
+    typed = _by_slot(_understood(given, problems), caller.gives, problems)
+    swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
+    own = _by_slot(file.scene, "[scene]", problems)
+
+    merged = own | swept | typed
+    if not any(spec.varies for spec in merged.values()):
+        for slot in ranges.keys() & own.keys() - swept.keys() - typed.keys():
+            del merged[slot]
+    usual: Mapping[str, float | str] = {**DEFAULTS, **ranges}
+    merged = {slot: axis_of(value, QUANTITIES[slot]) for slot, value in usual.items()} | merged
+    for slot in problems.slots:
+        merged.pop(slot, None)
+
+    for slot, spec in merged.items():
+        _check_varies(slot, spec, caller, takes_axes, problems)
+        _check_range(slot, spec, problems)
+    _check_combinations(merged, problems)
+    if ranges and not problems.slots and not any(spec.varies for spec in merged.values()):
+        problems.add("", "nothing varies", f"give an axis, for example {caller.an_axis}")
+    required = [s for s in _EXAMPLES if s not in ranges and (needs_length or s != "trough_length")]
+    _check_missing(required, merged, caller, problems)
+    problems.settle()
+
+    named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
+    order = [name for name in (*SWEPT, "gravity", "restitution", "trough_length") if name in named]
+    values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
+    return Request(file.name or None, {name: named[name] for name in order}, values)
+
+
+def _understood(given: Mapping[str, AxisSpec | InputError], problems: _Problems) -> Specs:
+    specs = {}
+    for name, spec in given.items():
+        if isinstance(spec, InputError):
+            problems.add(STANDS_FOR.get(name, name), str(spec), spec.hint)
+        else:
+            specs[name] = spec
+    return specs
+
+
+def _by_slot(specs: Mapping[str, AxisSpec], source: str, problems: _Problems) -> Specs:
+    result: Specs = {}
+    for name, spec in specs.items():
+        slot = STANDS_FOR.get(name, name)
+        if slot in result:
+            both = f"{result[slot].quantity.label} and {spec.quantity.label}"
+            problems.add(slot, f"{source} gives both {both}", "give one of them")
+        result[slot] = spec
+    return result
+
+
+def _amplitude_for_stroke(spec: AxisSpec) -> AxisSpec:
+    if spec.quantity.name != "stroke":
+        return spec
+    return spec.scaled(Fraction(1, 2), QUANTITIES["amplitude"])
+
+
+def _text(spec: AxisSpec, value: Fraction) -> str:
+    return f"{spec.quantity.label} = {spec.quantity.text(value)}"
+
+
+def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, problems: _Problems) -> None:
+    if not spec.varies or (takes_axes and slot in SWEPT):
+        return
+    values = "...".join(spec.quantity.text(v) for v in (spec.values[0], spec.values[-1]))
+    if slot in SWEPT:
+        wanted, hint = caller.takes_one_value
+        problems.add(slot, f"{spec.quantity.label} = {values}: {wanted}", hint)
+    else:
+        problems.add(slot, f"{spec.quantity.label} = {values}: it cannot be an axis", "give it one value")
+
+
+def _check_range(slot: str, spec: AxisSpec, problems: _Problems) -> None:
+    """Check every value, and tell the first wrong one in the user's units; a swept ratio may exceed 1."""
+    quantity = spec.quantity
+    beyond = quantity.name == "friction_ratio" and spec.varies
+    for value in spec.values:
+        if not quantity.allows(quantity.to_si(float(value))) and not (beyond and value >= 0):
+            problems.add(slot, f"{_text(spec, value)}: must be {quantity.allowed.text(quantity.unit)}")
+            return
+
+
+def _check_combinations(specs: Specs, problems: _Problems) -> None:
+    """Refuse a request of which every combination is infeasible: if its most feasible one is."""
+    least = {slot: spec.values[0] for slot, spec in specs.items() if slot not in problems.slots}
+    if "static_friction" in least:
+        least["static_friction"] = specs["static_friction"].values[-1]
+    ratio = specs.get("kinetic_friction")
+    if ratio is not None and ratio.quantity.name == "friction_ratio":
+        least.pop("kinetic_friction", None)
+        if ratio.values[0] > 1:
+            problems.add("kinetic_friction", f"{_text(ratio, ratio.values[0])}: must be in [0, 1]")
+    if "static_friction" not in least:
+        least.pop("kinetic_friction", None)
+    pairs = {"kinetic_friction", "static_friction", "drive_angle", "trough_angle"} & least.keys()
+    try:
+        Scene(**(_HARMLESS | scene_fields({slot: float(least[slot]) for slot in pairs})))
+    except SceneError as exc:
+        fields = {problem.field for problem in exc.problems}
+        if "kinetic_friction" in fields:
+            limit = _text(specs["static_friction"], least["static_friction"])
+            text = _text(specs["kinetic_friction"], least["kinetic_friction"])
+            problems.add("kinetic_friction", f"{text}: must be at most {limit}")
+        if "drive_angle" in fields:
+            text = _text(specs["drive_angle"], least["drive_angle"])
+            other = _text(specs["trough_angle"], least["trough_angle"])
+            problems.add("drive_angle", f"{text}: must be less than 90 deg together with {other}")
+
+
+def _check_missing(required: Sequence[str], merged: Specs, caller: Caller, problems: _Problems) -> None:
+    missing = [slot for slot in required if slot not in merged and slot not in problems.slots]
+    if not missing:
+        return
+    ways = {slot: dict.fromkeys((slot, _EXAMPLES[slot][0])) for slot in missing}
+    said = ", ".join(
+        f"{QUANTITIES[slot].label} ({' or '.join(caller.name(QUANTITIES[name]) for name in ways[slot])})"
+        for slot in missing
+    )
+    # What was given makes an example that runs only if nothing is wrong with it.
+    wrong = bool(problems.slots)
+    values = dict(_EXAMPLES[slot] for slot in (required if wrong else missing))
+    problems.add("", f"missing: {said}", f"for example: {caller.example(values, from_scratch=wrong)}")

@@ -1,0 +1,52 @@
+"""The codes of results: which statuses have numbers, how patterns are spelt, and that they need no NumPy."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from vibro.core.codes import (
+    HOPPING_PATTERNS,
+    LETTERS,
+    PATTERNS,
+    Level,
+    Mode,
+    Pattern,
+    Status,
+    hopping_text,
+    is_answered,
+    pattern_texts,
+)
+
+
+def test_cells_with_these_statuses_have_numbers() -> None:
+    assert {status for status in Status if status.answered} == {Status.OK, Status.BOUNDARY, Status.AVERAGED}
+    codes = np.array([[status, Status.OK] for status in Status], np.int8)
+    assert is_answered(codes).tolist() == [[status.answered, True] for status in Status]
+
+
+def test_levels_are_the_words_that_users_write() -> None:
+    assert [str(level) for level in Level] == ["exact", "regimes"]
+    with pytest.raises(ValueError, match="nothing"):
+        Level("nothing")
+
+
+def test_contact_patterns_have_one_text_each() -> None:
+    assert len(PATTERNS) == len(Pattern) == HOPPING_PATTERNS
+    assert [PATTERNS[p] for p in (Pattern.NONE, Pattern.R, Pattern.FB_)] == ["", "_", "FB_"]
+
+
+def test_hopping_patterns_are_spelt_by_their_digits() -> None:
+    assert [LETTERS[mode] for mode in Mode] == ["H", "F", "B", "_"]
+    assert [hopping_text(code) for code in (0, 1, 1 * 25 + 2 * 5 + 4, -1)] == ["", "H", "HF_", "H..."]
+    codes = np.array([[0, Pattern.F_B, HOPPING_PATTERNS + 1], [-1, HOPPING_PATTERNS + 9, Pattern.R]])
+    assert pattern_texts(codes).tolist() == [["", "F_B", "H"], ["H...", "H_", "_"]]
+
+
+def test_the_enums_load_no_numpy() -> None:
+    code = "import sys, vibro.core.codes; print('numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

@@ -1,0 +1,141 @@
+"""Scene files: read exactly, or refused with the key, the value and the fix."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from vibro.errors import FileError, InputError
+from vibro.files.scene_files import read_scene_file
+
+SCENE = """
+[scene]
+amplitude_mm = 3.97
+frequency_hz = 15
+drive_angle_deg = 20.0
+static_friction = 0.74
+friction_ratio = 0.77
+trough_length_mm = 600
+
+[map]
+amplitude_mm = "0.1:3:30"
+frequency_hz = [10, 20.5]
+static_friction = 0.5
+"""
+
+
+def written(folder: Path, text: str | bytes, name: str = "nut.toml") -> Path:
+    path = folder / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def test_a_scene_file_is_read_exactly(tmp_path: Path) -> None:
+    file = read_scene_file(written(tmp_path, SCENE))
+    assert file.name == "nut"
+    assert {name: spec.value for name, spec in file.scene.items()} == {
+        "amplitude": 3.97,
+        "frequency": 15.0,
+        "drive_angle": 20.0,
+        "static_friction": 0.74,
+        "friction_ratio": 0.77,
+        "trough_length": 600.0,
+    }
+    assert list(file.sweep["amplitude"].axis(7).values) == [i / 10 for i in range(1, 31)]
+    assert list(file.sweep["frequency"].axis(7).values) == [10.0, 20.5]
+    assert file.sweep["static_friction"].value == 0.5
+
+
+def test_a_list_of_two_in_a_scene_file_is_no_decimal_comma(tmp_path: Path) -> None:
+    file = read_scene_file(written(tmp_path, "[map]\ndrive_angle_deg = [0, 20]\n"))
+    assert list(file.sweep["drive_angle"].axis(7).values) == [0.0, 20.0]
+
+
+@pytest.mark.parametrize(
+    "text", [b"\xef\xbb\xbf[scene]\r\namplitude_mm = 1\r\n", b"[scene]\namplitude_mm = 1 # \xc2\xb5"]
+)
+def test_files_from_windows_are_read(tmp_path: Path, text: bytes) -> None:
+    assert read_scene_file(written(tmp_path, text)).scene["amplitude"].value == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "problem", "hint"),
+    [
+        ("[scene]\namplitude = 1", "[scene] unknown key 'amplitude'; did you mean 'amplitude_mm'?", ""),
+        ("[scene]\nxyzzy = 1", "[scene] unknown key 'xyzzy'; known are amplitude_mm, stroke_mm, ", ""),
+        ("[scenes]\namplitude_mm = 1", "unknown table 'scenes'; did you mean 'scene'?", ""),
+        ("amplitude_mm = 1", "unknown key 'amplitude_mm'", "keys belong in the table [scene] or [map]"),
+        ("scene = 1", "scene must be a table, written [scene]", ""),
+        (
+            '[scene]\namplitude_mm = "1"',
+            "[scene] amplitude_mm = '1': must be a number, without quotes",
+            "write amplitude_mm = 1.5",
+        ),
+        (
+            '[scene]\namplitude_mm = "1:2"',
+            "must be a number, without quotes",
+            "axes belong in the table [map]",
+        ),
+        ("[scene]\namplitude_mm = true", "must be a number", "write amplitude_mm = 1.5"),
+        ("[scene]\namplitude_mm = [1, 2]", "must be a number", "write amplitude_mm = 1.5"),
+        ("[scene]\namplitude_mm = nan", "[scene] amplitude = nan: must be a finite number", ""),
+        (
+            "[map]\namplitude_mm = {a = 1}",
+            "must be a number or an axis",
+            'write it like 1.5, "0.1:3:200" or [10, 20, 30]',
+        ),
+        ("[map]\namplitude_mm = []", "must be a number or an axis", 'write it like 1.5, "0.1:3'),
+        (
+            "[map]\namplitude_mm = [1, true]",
+            "must be a number or an axis",
+            'write it like 1.5, "0.1:3:200" or',
+        ),
+        ('[map]\namplitude_mm = "3:1"', "does not ascend", "write 1:3"),
+        (
+            '[map]\ntrough_length_mm = "1:3"',
+            "trough length cannot be an axis",
+            "give trough_length_mm one value",
+        ),
+        (
+            "[scene]\nstatic_friction = 0,74",
+            "not valid TOML",
+            "write a decimal point: static_friction = 0.74",
+        ),
+        ("[scene\n", "not valid TOML", ""),
+        ("[scene]\na = 1\na = 2", "not valid TOML", ""),
+        ("a = " + 5000 * "[", "not valid TOML", ""),
+    ],
+)
+def test_what_is_wrong_in_a_scene_file_is_named(tmp_path: Path, text: str, problem: str, hint: str) -> None:
+    path = written(tmp_path, text)
+    with pytest.raises(InputError) as caught:
+        read_scene_file(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert problem in str(caught.value)
+    assert caught.value.hint.startswith(hint)
+    assert bool(caught.value.hint) == bool(hint)
+
+
+def test_everything_wrong_in_a_scene_file_is_named_at_once(tmp_path: Path) -> None:
+    path = written(tmp_path, '[scene]\namplitude = 1\nfrequency_hz = "x"\n[map]\ndrive_angle_deg = "9:1"\n')
+    with pytest.raises(InputError) as caught:
+        read_scene_file(path)
+    assert len(caught.value.problems) == 3
+
+
+def test_a_scene_file_that_is_not_text(tmp_path: Path) -> None:
+    path = written(tmp_path, "[scene]".encode("utf-16"))
+    with pytest.raises(InputError, match="not a text file in UTF-8"):
+        read_scene_file(path)
+
+
+def test_a_scene_file_that_is_not_there(tmp_path: Path) -> None:
+    written(tmp_path, SCENE, "safety_nut.toml")
+    with pytest.raises(FileError, match="cannot read") as caught:
+        read_scene_file(tmp_path / "safty_nut.toml")
+    assert caught.value.hint == f"did you mean {tmp_path / 'safety_nut.toml'}?"
+    with pytest.raises(FileError, match="cannot read"):
+        read_scene_file(tmp_path)
+    with pytest.raises(FileError, match="cannot read"):
+        read_scene_file(tmp_path / "no folder" / "nut.toml")

@@ -1,0 +1,53 @@
+"""What surrounds the points of a grid, against SciPy's filters of two dimensions."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from vibro.plots.neighbours import dilate, erode, fill_unknown, room
+
+SHAPES = [(1, 1), (1, 40), (3, 8), (14, 14), (20, 9), (61, 47)]
+SHARES = [0.0, 0.02, 0.3, 0.7, 0.98, 1.0]
+MASKS = [
+    np.random.default_rng(i).random(shape) < share
+    for i, (shape, share) in enumerate(itertools.product(SHAPES, SHARES))
+]
+
+
+@pytest.mark.parametrize("width", [1, 2, 5, 8, 11, 15])
+def test_windows_are_squares_of_ones(width: int) -> None:
+    for mask in MASKS:
+        square = np.ones([min(n, width) for n in mask.shape], np.bool_)
+        np.testing.assert_array_equal(dilate(mask, width), ndimage.binary_dilation(mask, square))
+        for beyond in (False, True):
+            expected = ndimage.binary_erosion(mask, square, border_value=beyond)
+            np.testing.assert_array_equal(erode(mask, width, beyond=beyond), expected)
+        opened = dilate(erode(mask, width, beyond=False), width)
+        np.testing.assert_array_equal(opened, ndimage.binary_opening(mask, square))
+
+
+def test_room_is_the_distance_to_what_is_not_free() -> None:
+    for mask in MASKS:
+        expected = ndimage.distance_transform_edt(np.pad(mask, 1), sampling=(0.3, 0.7))[1:-1, 1:-1]
+        np.testing.assert_allclose(room(mask, 0.3, 0.7), expected, rtol=1e-12)
+
+
+def test_unknown_points_take_the_nearest_known_value_in_line() -> None:
+    values = np.array([[1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 3.0]])
+    filled = fill_unknown(values, values > 0.0)
+    # ties go to the row, and within it to the left; the middle has nothing in line with it at first
+    np.testing.assert_array_equal(filled[:, [0, 3]], [[1.0, 2.0], [1.0, 2.0], [1.0, 3.0]])
+    np.testing.assert_array_equal(filled[0], [1.0, 1.0, 2.0, 2.0])
+    np.testing.assert_array_equal(filled[1], [1.0, 1.0, 2.0, 2.0])
+
+
+def test_known_points_stay_and_every_other_takes_one_of_theirs() -> None:
+    for mask in MASKS:
+        values = np.random.default_rng(0).uniform(1.0, 2.0, mask.shape)
+        filled = fill_unknown(values, mask)
+        np.testing.assert_array_equal(filled[mask], values[mask])
+        assert np.isin(filled, values[mask] if mask.any() else [0.0]).all()

@@ -1,0 +1,87 @@
+"""What a history says at any time: samples, sides of events, phases."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import pytest
+from scenes import scene_with
+
+import vibro
+from vibro import VibroError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.results.history import Sample
+
+    Floats = NDArray[np.float64]
+
+TURN = 2.0 * math.pi
+SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
+
+
+def fields(sample: Sample) -> dict[str, Floats]:
+    return {name: getattr(sample, name) for name in sample.__dataclass_fields__}
+
+
+def test_both_sides_of_an_event() -> None:
+    history = vibro.simulate(scene_with(amplitude=4e-3), cycles=3)
+    onset = next(p for p in history.phases if p.kind == "F" and p.start_velocity == 0.0)
+    before, after = (history.sample(onset.start, side) for side in SIDES)
+    assert before.acceleration == 0.0
+    assert before.friction == pytest.approx(float(before.static_limit) * -1.0, rel=1e-9)
+    assert after.friction == pytest.approx(0.57 / 0.74 * float(before.friction), rel=1e-9)
+    assert after.velocity == 0.0
+    landing = next(p for p in history.phases if p.kind == "H")
+    before, after = (history.sample(landing.end, side) for side in SIDES)
+    assert before.velocity == landing.end_velocity
+    assert abs(float(after.velocity)) < abs(landing.end_velocity)
+    assert before.normal == 0.0
+    assert after.normal > 0.0
+    assert before.gap == after.gap == 0.0
+    loss = abs(landing.end_velocity) - abs(float(after.velocity))
+    assert loss == pytest.approx(0.57 * landing.impact_velocity, rel=1e-12)
+
+
+def test_samples_at_the_events_are_those_of_the_phases() -> None:
+    history = vibro.simulate(scene_with(amplitude=2e-3), cycles=60)
+    starts = np.array([p.start for p in history.phases])
+    ends = np.array([p.end for p in history.phases])
+    np.testing.assert_array_equal(starts[1:], ends[:-1])
+    right, left = history.sample(starts), history.sample(ends, side="left")
+    np.testing.assert_array_equal(right.velocity, [p.start_velocity for p in history.phases])
+    np.testing.assert_array_equal(left.velocity, [p.end_velocity for p in history.phases])
+    np.testing.assert_array_equal(right.position, [p.start_position for p in history.phases])
+    np.testing.assert_allclose(
+        left.position, [p.end_position for p in history.phases], rtol=1e-13, atol=1e-17
+    )
+
+
+def test_samples_keep_the_shape_and_order_of_the_times() -> None:
+    history = vibro.simulate(scene_with(), cycles=2)
+    times = np.array([[0.1, 0.03], [0.02, 0.07]])
+    together = history.sample(times)
+    for name, values in fields(together).items():
+        assert values.shape == (2, 2), name
+        alone = [getattr(history.sample(t), name) for t in times.ravel()]
+        np.testing.assert_array_equal(values.ravel(), alone)
+
+
+def test_the_trough_moves_as_it_is_driven_from_any_start_phase() -> None:
+    scene = scene_with()
+    times = np.linspace(0.0, 0.2, 50)
+    history = vibro.simulate(scene, duration=0.2, start_phase=-9.0)
+    expected = 1e-3 * np.sin(TURN * 15.0 * times - 9.0)
+    np.testing.assert_allclose(history.sample(times).trough_displacement, expected, atol=1e-16, rtol=0.0)
+
+
+def test_times_outside_of_the_history_are_refused() -> None:
+    history = vibro.simulate(scene_with(), cycles=3)
+    for time in (-0.1, 0.21, math.nan):
+        with pytest.raises(VibroError, match=r"is outside of the history, 0 to 0\.2 s"):
+            history.sample(time)
+    with pytest.raises(VibroError, match="side = 'both'"):
+        history.sample(0.1, side="both")  # type: ignore[arg-type]

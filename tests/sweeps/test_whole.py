@@ -1,0 +1,162 @@
+"""Sweeps from Python: the cells of ``vibro map``, held."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import vibro
+from vibro import VibroError
+from vibro.cli.app import app
+from vibro.errors import FileError, InputError
+
+NUT_FILE = Path(__file__).parents[2] / "examples" / "safety_nut.toml"
+NUT: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
+
+
+def test_a_scene_file_gives_the_cells_of_the_command() -> None:
+    t = vibro.sweep(NUT_FILE, frequency_hz="5:60:7", drive_angle_deg=[10, 20.5])
+    assert t.shape == t.cycle.status.shape == (20, 7, 2)
+    assert list(t.axes) == ["amplitude_mm", "frequency_hz", "drive_angle_deg"]
+    np.testing.assert_array_equal(t.axes["drive_angle_deg"], [10, 20.5])
+    assert t.fixed == {
+        "static_friction": 0.74, "kinetic_friction": 0.57, "trough_angle_deg": 0.0, "gravity_m_s2": 9.81,
+        "restitution": 0.0, "trough_length_mm": 600.0,
+    }  # fmt: skip
+    frame = t.to_frame()
+    command = ("map", str(NUT_FILE), "-f", "5:60:7", "-a", "10,20.5", "-o", "-")
+    text = CliRunner().invoke(app, command).stdout
+    table = pd.read_csv(io.StringIO(text), keep_default_na=False, na_values={c: [""] for c in NUMBERS})
+    assert list(frame.columns) == list(table.columns)
+    for name in frame.columns:
+        if name in NUMBERS:
+            np.testing.assert_array_equal(
+                frame[name].to_numpy(float, na_value=np.nan), table[name].to_numpy(float), err_msg=name
+            )
+        else:
+            assert isinstance(frame[name].dtype, pd.CategoricalDtype)
+            assert list(frame[name]) == list(table[name])
+
+
+NUMBERS = [
+    "amplitude_mm", "frequency_hz", "drive_angle_deg", "static_friction", "kinetic_friction",
+    "trough_angle_deg", "mean_velocity_mm_s", "displacement_per_cycle_mm", "peak_velocity_mm_s",
+    "traverse_time_s", "throw_number", "forward_ratio", "back_ratio", "flight_fraction",
+    "impact_speed_mm_s", "period_cycles",
+    "mean_velocity_error_mm_s", "coexists",
+]  # fmt: skip
+
+
+def test_values_are_numbers_sequences_or_axes() -> None:
+    by_text = vibro.sweep(amplitude_mm="0.5:1.5:3", frequency_hz=15, **NUT)
+    for values in ([0.5, 1, 1.5], (0.5, 1.0, 1.5), np.linspace(0.5, 1.5, 3)):
+        t = vibro.sweep(amplitude_mm=values, frequency_hz=np.float64(15), **NUT)
+        np.testing.assert_array_equal(t.cycle.mean_velocity, by_text.cycle.mean_velocity)
+    t = vibro.sweep(stroke_mm="1:3:3", frequency_hz="15", **NUT)
+    np.testing.assert_array_equal(t.cycle.mean_velocity, by_text.cycle.mean_velocity)
+
+
+def test_a_swept_ratio_has_its_column_and_frictions_are_spelled_as_typed() -> None:
+    given = {**NUT, "static_friction": [0.2, 0.3], "friction_ratio": "0.7:0.9:3", "amplitude_mm": 1}
+    del given["kinetic_friction"]
+    frame = vibro.sweep(frequency_hz=15, **given).to_frame()
+    columns = list(frame.columns)
+    assert columns[columns.index("kinetic_friction") - 1] == "friction_ratio"
+    assert [repr(x) for x in frame["kinetic_friction"].tolist()] == [
+        "0.14",
+        "0.16",
+        "0.18",
+        "0.21",
+        "0.24",
+        "0.27",
+    ]
+    fixed = {**given, "friction_ratio": 0.8}
+    assert "friction_ratio" not in vibro.sweep(frequency_hz=15, **fixed).to_frame().columns
+
+
+def test_regimes_alone_and_contact_alone() -> None:
+    t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, accuracy="regimes", **NUT)
+    assert list(t.to_frame()["regime"]) == ["no-slip", "back-slip", "hopping"]
+    assert np.isnan(t.cycle.mean_velocity[1:]).all()
+    t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, flight=False, **NUT)
+    assert list(t.to_frame()["status"]) == ["ok", "ok", "flight-not-modelled"]
+    with pytest.raises(VibroError, match="accuracy = 'fast': must be one of exact, regimes"):
+        vibro.sweep(NUT_FILE, accuracy="fast")  # type: ignore[arg-type]
+
+
+def test_what_was_not_looked_at_is_no_number() -> None:
+    t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, flight=False, **NUT)
+    assert t.cycle.coexists.tolist() == [0, 0, -1]
+    assert t.to_frame()["coexists"].isna().tolist() == [False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("given", "problem", "hint"),
+    [
+        ({"amplitud_mm": 1}, "unknown argument 'amplitud_mm'", "did you mean amplitude_mm?"),
+        ({"velocity": 1}, "unknown argument 'velocity'", "known are amplitude_mm, stroke_mm"),
+        (
+            {"amplitude_mm": 1, "frequency_hz": "10:20"},
+            "missing: drive angle (drive_angle_deg), static friction (static_friction), kinetic friction "
+            "(kinetic_friction or friction_ratio)",
+            "for example: vibro.sweep(amplitude_mm=1, frequency_hz='10:20', drive_angle_deg=20, "
+            "static_friction=0.74, friction_ratio=0.77)",
+        ),
+        (NUT | {"amplitude_mm": 1, "frequency_hz": 15}, "nothing varies", 'amplitude_mm="0.1:3:200"'),
+        (NUT | {"frequency_hz": [20, 10]}, "the values of a list must ascend and differ", "write 10,20"),
+        (NUT | {"frequency_hz": True}, "frequency_hz = True: must be a number or an axis", "write it like"),
+        (NUT | {"frequency_hz": [[1, 2]]}, "must be a number or an axis", "write it like"),
+        (
+            NUT | {"friction_ratio": 0.8},
+            "the call gives both kinetic friction and friction ratio",
+            "one of them",
+        ),
+        (NUT | {"gravity_m_s2": [9, 10]}, "it cannot be an axis", "give it one value"),
+        (NUT | {"drive_angle_deg": 95}, "drive angle = 95 deg: must be in [0, 90) deg", ""),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_remedy(given: dict[str, Any], problem: str, hint: str) -> None:
+    with pytest.raises(InputError) as caught:
+        vibro.sweep(**given)
+    assert problem in str(caught.value)
+    assert hint in caught.value.hint
+
+
+def test_pictures_of_the_cells_held() -> None:
+    t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:30", frequency_hz="5:60:40", drive_angle_deg="10,20")
+    figure = t.draw("speed", at={"alpha": 20}, x="A", y="frequency_hz")
+    axes = figure.axes[0]
+    assert axes.get_xlabel().startswith("amplitude")
+    assert axes.get_ylabel().startswith("frequency")
+    assert len(t.draw("regime").axes) == 2
+    assert (
+        t.draw("traverse", at={"drive_angle_deg": 10}).get_suptitle().startswith("Traverse time over 600 mm")
+    )
+
+
+def test_pictures_that_there_are_not() -> None:
+    line = vibro.sweep(amplitude_mm="0.1:3:30", frequency_hz=15, **NUT)
+    assert line.draw("speed").axes
+    with pytest.raises(InputError, match="no such picture") as caught:
+        line.draw("regime")
+    assert caught.value.hint == "there are speed, impact, flight"
+    with pytest.raises(InputError, match="frequency does not vary"):
+        line.draw("speed", x="frequency_hz")
+
+
+def test_one_operating_point_of_a_file(tmp_path: Path) -> None:
+    scene = vibro.read_scene(NUT_FILE)
+    assert scene.shape == ()
+    assert float(scene.amplitude) == 1e-3
+    path = tmp_path / "half.toml"
+    path.write_text("[scene]\namplitude_mm = 1\nstatic_friction = 0.5\n", encoding="utf-8")
+    with pytest.raises(InputError, match="missing: frequency"):
+        vibro.read_scene(path)
+    with pytest.raises(FileError, match="cannot read"):
+        vibro.read_scene(tmp_path / "none.toml")
