@@ -20,17 +20,23 @@ if TYPE_CHECKING:
 
 __all__ = ["Labeller", "outline"]
 
-_MARGIN: Final = 2.0  # [px] belongs to a label on every side
-_GRAIN: Final = 4.0  # [px] between the points that stand for lines and rectangles
-_MESH: Final = 12.0  # [px] between the points that stand for regions: no word slips through
-_LEAST_CLEARANCE: Final = 3.0  # [px] between such points: anything less could cross
-_STEP: Final = 2.0  # [px] between the points of a line under a label
-_LEAST_LENGTH: Final = 1.3  # of a line that carries a label, over the label's
-_LEAST_REACH: Final = 0.9  # of the line under a label from end to end, over the label's length
+_MARGIN: Final = 2.0  # [px] kept free around a label, as part of it
+_LEAST_CLEARANCE: Final = 3.0  # [px] between a label and what it must not touch
+# Lines, labels and regions are avoided as points. These distances between them are fine enough that nothing
+# passes between two points unnoticed.
+_GRAIN: Final = 4.0  # [px] along lines, within labels, and where room is measured
+_MESH: Final = 20.0  # [px] within regions, less than the height of a label
 _CANDIDATES: Final = 50  # places tried along a line
-_MOST_BEND: Final = 0.6  # a line under its label may leave the chord by this share of the text's height
-_CORNER: Final = 0.72  # distance of a rectangle's corner from its middle, in its own sides, with a little air
-_AS_GOOD: Final = 0.97  # share of the most room with which a place nearer to the middle is better
+# A label on a line hides the stretch under it, and is easier to read where the line is straight.
+_LEAST_LENGTH: Final = 1.3  # of the line, over that of the label: some of it stays visible
+_LEAST_REACH: Final = 0.9  # from end to end of the stretch, over the label's length: it may not wind
+_MOST_BEND: Final = 0.6  # of the stretch off its chord, over the label's height
+# Distances within a region are measured in widths of the label across and heights up, where the corner of
+# the label lies 0.71 from its middle.
+_CORNER: Final = 0.72
+# A region may have as much room in many places, or a little more in a remote one. Of the places that have
+# nearly as much as the best, the one in the middle of them is taken.
+_AS_GOOD: Final = 0.97
 _HALO: Final = 2.4  # [pt]
 
 
@@ -172,7 +178,7 @@ class Labeller:
         self, line: Floats, width: float, height: float, beside: bool
     ) -> list[tuple[float, Floats, float]]:
         """Places for a label along a line in pixels: (merit, centre, angle)."""
-        points, length = _evenly(line, _STEP)
+        points, length = _evenly(line, _GRAIN)
         if length < _LEAST_LENGTH * width:
             return []
         # The stretch of the line under each candidate, as many points in all of them.
