@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 from drawn import OWN, curve, legend, only_map, said, sweep
+from matplotlib.figure import Figure
 
 from vibro.plots import map_figures
+from vibro.plots.frame import make_logarithmic
 from vibro.results.sweep import SweepResult
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def test_which_pictures_there_are(pictures: dict[str, Figure]) -> None:
@@ -62,6 +61,14 @@ def test_logarithmic_axes_have_plain_numbers() -> None:
     figure.canvas.draw()
     ticks = [label.get_text() for label in axes.get_yticklabels()]
     assert {"0.1", "0.2", "0.5", "1", "2"} <= set(ticks)
+
+
+def test_a_logarithmic_axis_of_many_decades_has_powers_of_ten() -> None:
+    axes = Figure().add_subplot()
+    make_logarithmic(axes.xaxis, 0.01, 100.0)
+    make_logarithmic(axes.yaxis, 0.1, 10.0)
+    np.testing.assert_allclose(axes.get_xticks(), 10.0 ** np.round(np.log10(axes.get_xticks())))
+    assert 2.0 in axes.get_yticks()
 
 
 def test_the_operating_point_is_marked(pictures: dict[str, Figure]) -> None:

@@ -20,10 +20,11 @@ from drawn import (
     sweep,
     words,
 )
-from matplotlib.colors import LogNorm
+from matplotlib.colors import CenteredNorm, LogNorm, Normalize, PowerNorm
 
 from vibro import Regime, Scene, solve
 from vibro.plots import map_figures
+from vibro.plots.maps import levels_from_zero, levels_of_times, scale_from_zero
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -35,12 +36,50 @@ if TYPE_CHECKING:
 def test_speeds_in_a_sequential_scale_from_zero(pictures: dict[str, Figure], nut: SweepResult) -> None:
     image = image_of(only_map(pictures["speed"]))
     assert image.get_cmap().name == "cividis"
+    assert type(image.norm).__name__ == "PowerNorm"  # irregular motion is twice as fast as any other
     answered = np.isfinite(nut.cycle.mean_velocity)
     fastest = 1e3 * np.nanmax(nut.cycle.mean_velocity)
     assert (image.norm.vmin, image.norm.vmax) == (0, pytest.approx(fastest, rel=0.02))
     moving = answered & (nut.cycle.regime != Regime.NO_SLIP)
     expected = colours_of(only_map(pictures["speed"]), 1e3 * nut.cycle.mean_velocity[moving])
     np.testing.assert_array_equal(image.get_array()[moving], expected)
+
+
+@pytest.mark.parametrize(
+    ("seen", "smooth", "expected"),
+    [
+        ((0.0, 10.0), (0.0, 10.0), Normalize),
+        ((0.0, 10.0), (0.0, 6.0), Normalize),
+        ((0.0, 10.0), (0.0, 4.0), PowerNorm),  # most motion would be dark in an even scale
+        ((-0.8, 10.0), (0.0, 10.0), Normalize),  # a few bounces go backwards
+        ((-1.5, 10.0), (0.0, 10.0), CenteredNorm),
+        ((-0.1, 10.0), (-0.1, 10.0), CenteredNorm),  # the feeder itself reverses
+        ((0.0, 0.0), (0.0, 0.0), Normalize),
+    ],
+)
+def test_scales_show_what_most_motion_does(
+    seen: tuple[float, float], smooth: tuple[float, float], expected: type[Normalize]
+) -> None:
+    norm = scale_from_zero(seen, smooth)
+    assert type(norm) is expected
+    assert (norm.vmin, norm.vmax) == (-seen[1] if expected is CenteredNorm else 0.0, seen[1] or 1.0)
+
+
+def test_contours_lie_between_the_least_and_the_largest_number() -> None:
+    assert levels_from_zero(0.0, 400.0, zero=False).tolist() == [50, 100, 150, 200, 250, 300, 350]
+    assert levels_from_zero(-100.0, 200.0, zero=True).tolist() == [-50, 0, 50, 100, 150]
+    assert levels_of_times(1.5, 60.0).tolist() == [2, 5, 10, 20, 50]
+    assert levels_of_times(10.0, 14.0).tolist() == [11, 12, 13]
+
+
+def test_specks_of_contours_are_left_out(pictures: dict[str, Figure]) -> None:
+    axes = only_map(pictures["speed"])
+    for line in axes.lines:
+        if (line.get_gid() or "").startswith("contour"):
+            points = axes.transAxes.inverted().transform(axes.transData.transform(line.get_xydata()))
+            gaps = np.flatnonzero(np.isnan(points[:, 0]))
+            for piece in np.split(points, gaps)[:-1]:
+                assert np.hypot(*np.ptp(piece[~np.isnan(piece[:, 0])], axis=0)) >= 0.04
 
 
 def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:

@@ -23,18 +23,30 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["flight_map", "impact_map", "regime_map", "speed_map", "traverse_map"]
+__all__ = [
+    "flight_map",
+    "impact_map",
+    "levels_from_zero",
+    "levels_of_times",
+    "regime_map",
+    "scale_from_zero",
+    "speed_map",
+    "traverse_map",
+]
 
 _NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
-_BELOW_TOP: Final = 1.0 - 1e-6  # a contour at the largest number would be rounding
-# Where the numbers of motion that repeats with the drive stay below this share of the largest, their
-# differences would drown in an even scale.
+_BELOW_TOP: Final = 1.0 - 1e-6  # of the largest number: a contour there would trace its rounding errors
+# Irregular motion reaches far higher speeds than the motion that most troughs are built for. Where the
+# numbers of regular motion stay below this share of the largest, an even scale would hardly tell them apart.
 _UNEVEN: Final = 0.5
+# A scale is centred on zero where regular motion goes backwards, or any motion at this share of the speed of
+# the fastest.
 _REVERSES: Final = 0.1
-_LONGEST_OVER_SHORTEST: Final = (
-    100.0  # traverse times told apart by colour: they grow without bound near rest
-)
-_LEAST_VELOCITY: Final = 1e-12  # [m/s] keeps times finite where the body moves backwards, which is covered
+_WIDE: Final = 5.0  # ratio of times from which their contours are at 1, 2, 5, 10 ...
+# Traverse times grow without bound near rest. Up to this multiple of the shortest, colours tell them apart.
+_LONGEST_OVER_SHORTEST: Final = 100.0
+# [m/s] Keeps times finite where the body moves backwards or rests; both are covered.
+_LEAST_VELOCITY: Final = 1e-12
 _MILLIMETRE: Final = 1e3  # [1/m]
 
 
@@ -85,34 +97,68 @@ def _flight_map(
 def _draw_from_zero(figure: Figure, maps: list[MapLayers], values: list[Floats], label: str) -> None:
     """Draw numbers in a sequential scale from zero, or a diverging one about it, with contours."""
     from matplotlib import colormaps
-    from matplotlib.colors import CenteredNorm, Normalize, PowerNorm
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.colors import CenteredNorm
 
-    low, high = _range(maps, values)
-    least, most = _range(maps, values, smooth=True)
-    # a few bounces backwards in irregular motion do not make a map of reversals
-    reverses = least < 0.0 or low < -_REVERSES * high
-    norm: Normalize
-    if reverses:
-        norm = CenteredNorm(0.0, max(-low, high))
-    elif 0.0 < most < _UNEVEN * high:
-        norm = PowerNorm(0.5, 0.0, high)
-    else:
-        norm = Normalize(0.0, high or 1.0)
+    low, high = seen = _range(maps, values)
+    smooth = _range(maps, values, smooth=True)
+    norm = scale_from_zero(seen, smooth)
+    reverses = isinstance(norm, CenteredNorm)
     colours = colormaps["RdBu" if reverses else "cividis"]
-    levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(min(least, 0.0), most))
-    levels = levels[(levels > least) & (levels < _BELOW_TOP * most) & (reverses | (levels != 0.0))]
+    levels = levels_from_zero(*smooth, zero=reverses)
     for layers, numbers in zip(maps, values, strict=True):
         layers.draw_numbers(numbers, norm, colours, levels)
     if (low, high) != (0.0, 0.0):
         _colour_bar(figure, maps, norm, colours, label, "min" if low < 0.0 and not reverses else "neither")
 
 
+def scale_from_zero(seen: tuple[float, float], smooth: tuple[float, float]) -> Normalize:
+    """Choose how numbers become colours.
+
+    Parameters
+    ----------
+    seen : (float, float)
+        Least and largest number on the maps.
+    smooth : (float, float)
+        The same of motion that repeats with the drive.
+
+    Returns
+    -------
+    Normalize
+        Diverging about zero where motion reverses, else from zero up: evenly, or by square roots.
+    """
+    from matplotlib.colors import CenteredNorm, Normalize, PowerNorm
+
+    low, high = seen
+    # A few bounces backwards in irregular motion do not make a map of reversals.
+    if smooth[0] < 0.0 or low < -_REVERSES * high:
+        return CenteredNorm(0.0, max(-low, high))
+    if 0.0 < smooth[1] < _UNEVEN * high:
+        return PowerNorm(0.5, 0.0, high)
+    return Normalize(0.0, high or 1.0)
+
+
+def levels_from_zero(least: float, most: float, *, zero: bool) -> Floats:
+    """Return the round numbers strictly within a range at which contours are drawn, zero only if wanted."""
+    from matplotlib.ticker import MaxNLocator
+
+    levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(min(least, 0.0), most))
+    return np.asarray(levels[(levels > least) & (levels < _BELOW_TOP * most) & (zero | (levels != 0.0))])
+
+
+def levels_of_times(shortest: float, longest: float) -> Floats:
+    """Return the round numbers strictly within a range of times: in steps of 1, 2, 5 where it is wide."""
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
+    wide = longest > _WIDE * shortest
+    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if wide else MaxNLocator(nbins=7, steps=_NICE)
+    levels = np.asarray(locator.tick_values(shortest, longest))
+    return np.asarray(levels[(levels > shortest) & (levels < longest)])
+
+
 def traverse_map(result: SweepResult, fields: list[Fields]) -> Figure:
     """Map of the time to convey over the trough's length at the mean speed, in a logarithmic scale."""
     from matplotlib import colormaps
     from matplotlib.colors import LogNorm
-    from matplotlib.ticker import LogLocator, MaxNLocator
 
     length = result.length or math.nan
     figure, maps = _start(result, fields, f"Traverse time over {length:.6g} mm")
@@ -126,10 +172,7 @@ def traverse_map(result: SweepResult, fields: list[Fields]) -> Figure:
     moves = shortest > 0.0
     shortest = shortest or 1.0
     top = max(1.01 * shortest, min(longest, _LONGEST_OVER_SHORTEST * shortest))
-    wide = top > 5.0 * shortest
-    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if wide else MaxNLocator(nbins=7, steps=_NICE)
-    levels = np.asarray(locator.tick_values(shortest, top))
-    levels = levels[(levels > shortest) & (levels < top)]
+    levels = levels_of_times(shortest, top)
     norm, colours = LogNorm(shortest, top), colormaps["cividis_r"]
     for layers, time in zip(maps, times, strict=True):
         layers.draw_numbers(time, norm, colours, levels)

@@ -1,0 +1,56 @@
+"""Fields on a small grid: where numbers are smooth, and lines that end where something hides them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from vibro.axes import Axis
+from vibro.plots.fields import Fields, without_hidden, zero_lines
+from vibro.plots.view import Panel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+SIZE = 61
+
+
+def fields(**cycle: NDArray[Any]) -> Fields:
+    x, y = (Axis(name, np.linspace(1.0, 2.0, SIZE), "linear") for name in ("drive_angle", "trough_angle"))
+    return Fields(Panel(x, y, {}, None, cycle, {}))
+
+
+def rough(*points: tuple[int, int]) -> NDArray[np.bool_]:
+    """Where contours are left out if the motion takes two cycles at some points."""
+    periods = np.ones((SIZE, SIZE))
+    for point in points:
+        periods[point] = 2.0
+    return np.asarray(fields(mean_velocity=np.ones((SIZE, SIZE)), period_cycles=periods).smooth < 0.0)
+
+
+def test_contours_keep_off_a_point_of_longer_period() -> None:
+    expected = np.zeros((SIZE, SIZE), np.bool_)
+    expected[28:33, 18:23] = True
+    np.testing.assert_array_equal(rough((30, 20)), expected)
+
+
+@pytest.mark.parametrize(("distance", "joined"), [(14, True), (16, False)])
+def test_contours_do_not_pass_between_such_points(distance: int, joined: bool) -> None:
+    row = rough((30, 20), (30, 20 + distance))[30, 20 : 20 + distance]
+    assert row.all() == joined
+
+
+def test_lines_are_the_same_without_what_is_hidden() -> None:
+    y, x = np.mgrid[0.0 : 1.0 : SIZE * 1j, 0.0 : 1.0 : SIZE * 1j]
+    field = np.sin(9.0 * x) * np.cos(7.0 * y) - 0.2
+    hiding = [0.3 - np.hypot(x - 0.4, y - 0.5), 0.7 - np.hypot(x, y)]
+    grid = fields()
+    whole = zero_lines(grid, field, hiding)
+    bare = without_hidden(field, hiding)
+    assert np.isnan(bare).mean() > 0.3
+    parts = zero_lines(grid, bare, hiding)
+    assert sum(map(len, parts)) > 50
+    one, other = (np.unique(np.round(np.concatenate(lines), 12), axis=0) for lines in (whole, parts))
+    np.testing.assert_array_equal(one, other)
