@@ -72,8 +72,9 @@ def test_contours_lie_between_the_least_and_the_largest_number() -> None:
     assert levels_of_times(10.0, 14.0).tolist() == [11, 12, 13]
 
 
-def test_specks_of_contours_are_left_out(pictures: dict[str, Figure]) -> None:
-    axes = only_map(pictures["speed"])
+@pytest.mark.parametrize("name", ["speed", "traverse"])
+def test_specks_of_contours_are_left_out(pictures: dict[str, Figure], name: str) -> None:
+    axes = only_map(pictures[name])
     for line in axes.lines:
         if (line.get_gid() or "").startswith("contour"):
             points = axes.transAxes.inverted().transform(axes.transData.transform(line.get_xydata()))
