@@ -1,4 +1,4 @@
-"""A record beside the computed motion: over time, and all its cycles laid on one."""
+"""A record beside the computed motion: over time, and with all its cycles on top of each other."""
 
 from __future__ import annotations
 
@@ -37,11 +37,12 @@ _FITTED: Final[Mapping[str, Any]] = {
     "linewidth": 1.2,
     "dashes": (4, 2),
 }
-_POINTS: Final = 1001  # a cycle
-_EARLY: Final = 0.08  # of a cycle, where displacements are laid on each other
-_SHOWN: Final = 3  # cycles over time
+_POINTS: Final = 1001  # of a computed curve, in each cycle
+# A record's displacement has no known zero. Over this first part of the cycle its mean is made the model's.
+_EARLY: Final = 0.08
+_SHOWN: Final = 3  # cycles in the panels over time
 _ROW: Final = 2.1  # [in]
-# name -> label, unit, its size in SI units
+# name -> label, unit, size of the unit in SI units
 _SIGNALS: Final = {
     "displacement": ("relative displacement", "mm", 1e-3),
     "velocity": ("relative velocity", "mm/s", 1e-3),
@@ -65,7 +66,7 @@ def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | N
     Returns
     -------
     Figure
-        A row a signal: the first cycles over time, and every cycle laid on one.
+        One row for each signal: the first cycles over time, and all cycles on top of each other.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure as NewFigure
@@ -114,7 +115,7 @@ def _over_time(axes: Axes, comparison: Comparison, name: str, size: float) -> No
 
 
 def _on_one_cycle(axes: Axes, comparison: Comparison, name: str, size: float) -> None:
-    """Draw every sample at its time in the cycle; displacements begin each cycle at 0."""
+    """Draw every sample at its time within its cycle; displacements start from 0 in each."""
     period = comparison.motion.period
     turns = np.floor(comparison.trough_time / period)
     time = comparison.trough_time - turns * period
@@ -133,7 +134,7 @@ def _on_one_cycle(axes: Axes, comparison: Comparison, name: str, size: float) ->
 def _draw_model(
     row: NDArray[Any], comparison: Comparison, model: Comparison, name: str, size: float, style: Any
 ) -> None:
-    """Draw a computed signal in both panels; the model has a clock of its own."""
+    """Draw a computed signal in both panels, shifted from the clock of the model to that of the record."""
     observation, period = comparison.observation, comparison.motion.period
     start = float(observation.time[0])
     shift = float(model.trough_time[0]) - start
@@ -150,7 +151,7 @@ def _draw_model(
 
 
 def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:
-    """Continue the curve of one cycle."""
+    """Take a signal at any time from its curve over one cycle."""
     period = model.motion.period
     turns = np.floor(trough_time / period)
     values = np.interp(trough_time - turns * period, model.curve_time, model.curves[name])

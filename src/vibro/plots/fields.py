@@ -32,13 +32,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Fields", "clip_line", "without_hidden", "zero_lines", "zero_points", "zero_region"]
 
-# [points of the grid] Widths across which the motion must repeat with the drive for numbers to be smooth, and
-# of its neighbourhood; and how many points side by side without a short period are to be seen.
+# Where the motion takes several cycles to repeat, numbers jump from point to point, and contours would be
+# noise. No contour passes between two such points that are less than the first width apart, nor through the
+# square of the second width around one.
 _SMOOTH_ACROSS: Final = 15
 _SMOOTH_AROUND: Final = 5
+# Irregular motion is marked in patches of at least this width: smaller ones could not be made out.
 _SEEN: Final = 7
 
-_LEAST_RATIO: Final = 1e-30  # G / G_critical where no load is critical: finite, and far from 1
+# Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
+_LEAST_RATIO: Final = 1e-30
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +63,7 @@ class Fields:
 
     @cached_property
     def y(self) -> Floats:
-        """Grid along y, in the user's units; one zero without a y axis."""
+        """Grid along y, in the user's units; a single zero if there is no y axis."""
         return np.zeros(1) if self.panel.y is None else self.panel.y.values
 
     @cached_property
@@ -69,7 +72,8 @@ class Fields:
         load = self._load
         ratios = {}
         for name, critical in self.panel.critical.items():
-            # An infeasible neighbour has no critical load; its region is covered up to the exact boundary.
+            # Infeasible points have no critical load, but contours at the edge of their region need one. What
+            # is drawn there is covered up to the exact boundary.
             filled = fill_unknown(critical, ~np.isnan(critical))
             with np.errstate(divide="ignore"):
                 ratio = np.clip(load / filled, _LEAST_RATIO, 1.0 / _LEAST_RATIO)
@@ -93,14 +97,14 @@ class Fields:
 
     @cached_property
     def velocity(self) -> Floats:
-        """Mean conveying speed [m/s]; that of the nearest moving cell where there is none, NaN without any.
+        """Mean conveying speed [m/s]; at rest that of a point nearby that moves, NaN if none does.
 
-        Regions are cut out of it by their exact boundaries, up to which it must reach.
+        The region at rest is covered up to its exact boundary, between points: numbers must reach that far.
         """
         return self._reaching("mean_velocity", self.panel.cycle["regime"] != Regime.NO_SLIP)
 
     def in_flight(self, name: str) -> Floats:
-        """Return a result of hopping cells; that of the nearest one elsewhere, NaN without any."""
+        """Return a result of hopping bodies; elsewhere that of a point nearby, NaN if none hops."""
         return self._reaching(name, self.panel.cycle["regime"] == Regime.HOPPING)
 
     def _reaching(self, name: str, wanted: NDArray[np.bool_]) -> Floats:
@@ -110,7 +114,7 @@ class Fields:
 
     @cached_property
     def smooth(self) -> Floats:
-        """Positive where the motion repeats with the drive, all around; elsewhere contours would be noise."""
+        """Positive where motion repeats every cycle, with a margin; elsewhere contours would be noise."""
         answered = np.isfinite(self.panel.cycle["mean_velocity"])
         longer = answered & (self.panel.cycle["period_cycles"] != 1.0)
         rough = erode(dilate(longer, _SMOOTH_ACROSS), _SMOOTH_ACROSS - _SMOOTH_AROUND + 1, beyond=True)
@@ -118,7 +122,7 @@ class Fields:
 
     @cached_property
     def averaged(self) -> Floats:
-        """Positive where numbers are means over many cycles, in regions that are large enough to be seen."""
+        """Positive in patches of irregular motion, whose numbers are means over many cycles."""
         cells = self.panel.cycle["status"] == Status.AVERAGED
         return np.where(dilate(erode(cells, _SEEN, beyond=False), _SEEN), 0.5, -0.5)
 
@@ -133,7 +137,10 @@ class Fields:
         return {Status(int(code)) for code in np.unique(self.panel.cycle["status"])}
 
     def unanswered(self, status: Status) -> Floats:
-        """Positive where cells have a status that brings no answer; as smooth as its cause is known."""
+        """Positive where points have a status that brings no answer.
+
+        Zero on the exact boundary where that has a formula, else midway between points.
+        """
         if status is Status.INFEASIBLE:
             return self.infeasible
         cells = self.panel.cycle["status"] == status
@@ -207,7 +214,7 @@ def zero_region(fields: Fields, field: Floats) -> Path | None:
 
 
 def zero_lines(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) -> list[Floats]:
-    """Lines on which a field is zero, where the fields that hide it are not positive, in the user's units."""
+    """Lines on which a field is zero, cut off where a hiding field is positive, in the user's units."""
     from contourpy import LineType, contour_generator
 
     lines: Any = contour_generator(fields.u, fields.v, field, line_type=LineType.Separate).lines(0.0)
@@ -217,16 +224,16 @@ def zero_lines(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) 
 
 
 def without_hidden(field: Floats, hidden_by: Sequence[Floats]) -> Floats:
-    """Put NaN where nothing of a field is to be seen, so that no line is traced there only to be clipped."""
+    """Put NaN where a field is hidden, so that ``zero_lines`` need not trace lines only to cut them off."""
     hidden = np.zeros(field.shape, np.bool_)
     for hiding in hidden_by:
-        # A point is needed as long as a neighbour is seen: lines end between the two.
+        # Lines end between points: those beside a visible one are still needed.
         hidden |= erode(hiding > 0.0, 3, beyond=True)
     return np.where(hidden, np.nan, field)
 
 
 def zero_points(fields: Fields, field: Floats, hidden_by: Sequence[Floats] = ()) -> Floats:
-    """Values of x at which a field of one row is zero and no hiding field is positive, ascending."""
+    """Values of x, ascending, at which a field of one row is zero and no hiding field is positive."""
     row = field[0]
     left = np.flatnonzero((row[1:] > 0.0) != (row[:-1] > 0.0))
     share = row[left] / (row[left] - row[left + 1])

@@ -33,11 +33,11 @@ __all__ = [
 
 _SINGLE_SIZE: Final = (7.4, 5.6)  # [in]
 _FACET_SIZE: Final = (3.1, 2.7)  # [in]
-_EXTRA_SIZE: Final = (1.2, 1.3)  # [in] for colour bar, heading and legend beside the facets
+_EXTRA_SIZE: Final = (1.2, 1.3)  # [in] for the colour bar beside facets, and the heading and legend
 _FACET_COLUMNS: Final = {1: 1, 2: 2, 3: 3, 4: 2, 5: 3, 6: 3, 7: 4, 8: 4, 9: 3, 10: 4, 11: 4, 12: 4}
 _DECADES_FOR_TENS: Final = 3.0  # a longer logarithmic scale has ticks at powers of ten alone
-_HANDLE_WIDTH: Final = 0.65  # [in] of a legend's column, with its gap
-_LETTER_WIDTH: Final = 0.075  # [in] in a legend
+_HANDLE_WIDTH: Final = 0.65  # [in] of a handle in a legend, with the gap between columns
+_LETTER_WIDTH: Final = 0.075  # [in] of a letter in a legend
 _OPERATING_POINT: Final = "operating point"
 _MARKER: Final[dict[str, Any]] = {
     "marker": "o",
@@ -63,7 +63,7 @@ def renderer_of(figure: Figure) -> Any:
 
 
 def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[Figure, list[Axes]]:
-    """Make a figure with the axes of its maps, named and scaled, nothing on them yet."""
+    """Make a figure with empty maps, their axes named and scaled."""
     from matplotlib.figure import Figure
 
     n = len(panels)
@@ -95,13 +95,13 @@ def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[F
 
 
 def set_heading(figure: Figure, result: SweepResult, heading: str, held: Mapping[str, float]) -> None:
-    """Write what the picture shows, of what, and at which values."""
+    """Write above a picture what it shows, the title of the sweep, and the quantities that are held."""
     lines = [f"{heading} – {result.title}" if result.title else heading, values_text(held)]
     figure.suptitle("\n".join(line for line in lines if line), fontsize=10.5, linespacing=1.5)
 
 
 def scale_axis(axis: Any, of: Axis) -> None:
-    """Give an axis of a plot the range of an axis of the sweep, logarithmic if that is."""
+    """Give an axis of a plot the range and the spacing of an axis of the sweep."""
     low, high = float(of.values[0]), float(of.values[-1])
     axis.axes.set(**{f"{axis.axis_name}lim": (low, high)})
     if of.spacing == "log":
@@ -109,7 +109,7 @@ def scale_axis(axis: Any, of: Axis) -> None:
 
 
 def make_logarithmic(axis: Any, low: float, high: float) -> None:
-    """Scale an axis logarithmically, with plain numbers at as many ticks as its range needs."""
+    """Scale an axis logarithmically, with plain numbers at 1, 2, 5, or at powers of ten on a long one."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})
@@ -153,14 +153,14 @@ def mark_operating_point(axes: Axes, points: NDArray[np.float64], legend: dict[s
 
 
 def settle(figure: Figure, legend: Mapping[str, dict[str, Any]]) -> None:
-    """Put the legend under the axes and let the layout find its sizes, which then stay.
+    """Put the legend under the axes, and fix the layout of the figure.
 
     Parameters
     ----------
     figure : Figure
         May have been settled before, with another legend.
     legend : mapping of str to dict
-        What is not named on the axes: text, and the style of its patch or line.
+        Entries: their text, and the style of their patch or line.
     """
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
@@ -168,8 +168,8 @@ def settle(figure: Figure, legend: Mapping[str, dict[str, Any]]) -> None:
         old.remove()
     if legend:
         _add_legend(figure, legend)
-    renderer_of(figure)  # which the layout asks the canvas for
-    # A figure that kept its layout engine would run it, or a blank one, in a second drawing when it is saved.
+    renderer_of(figure)  # so that the layout uses it, and no other
+    # A figure that keeps a layout engine, even a blank one, is drawn twice whenever it is saved.
     ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.04).execute(figure)
 
 

@@ -27,7 +27,7 @@ __all__ = ["PANELS", "choose_panels", "history_figure"]
 
 
 class _Curve(NamedTuple):
-    """A line of a panel: the field of a ``Sample``, its name, colour and dashes."""
+    """A line of a panel: which field of a ``Sample`` it shows, and how."""
 
     field: str
     label: str
@@ -37,7 +37,7 @@ class _Curve(NamedTuple):
 
 
 class _Panel(NamedTuple):
-    """What a panel shows, its height beside the others, and the size of its unit in SI units."""
+    """What a panel shows, the size of its unit in SI units, and its height relative to the others."""
 
     label: str
     unit: str
@@ -70,9 +70,10 @@ PANELS: Final[Mapping[str, _Panel]] = {
 }
 
 _ROW: Final = 1.35  # [in] of a panel of height 1
-_LETTER: Final = 0.0095  # of a panel's width: a letter, generously
-_COLUMNS: Final = 3  # of the legend: as many as there are curves of forces
-_HEADROOM: Final = 0.25  # of a panel's height, for the names of phases
+_LETTER: Final = 0.0095  # generous width of a letter, as a share of a panel's
+_COLUMNS: Final = 3  # of the legend, one for each curve in the panel of forces
+_HEADROOM: Final = 0.25  # for the names of phases, as a share of the panel's height
+# Panels in which events are marked: the first of them that is shown.
 _MARKED: Final = ("forces", "velocity", "acceleration", "position", "trough", "gap")
 _START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
 _STOP_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "o", "markerfacecolor": "#FFFFFF"}
@@ -85,7 +86,7 @@ def choose_panels(text: str | None, *, flies: bool) -> list[str]:
     Parameters
     ----------
     text : str or None
-        None for all; the gap only where there is one.
+        None for all of them; the gap only if the body leaves the trough.
     flies : bool
         Whether the body leaves the trough.
 
@@ -151,7 +152,7 @@ def history_figure(phases: Sequence[Phase], trace: Sample, panels: Sequence[str]
 
 
 def _draw(axes: Axes, panel: _Panel, trace: Sample, milliseconds: Floats) -> list[Line2D]:
-    """Draw the curves of a panel; return those that a legend must name."""
+    """Draw the curves of a panel; return those that the legend has to name."""
     named = []
     for curve in panel.curves:
         values = getattr(trace, curve.field) / panel.size
@@ -167,19 +168,19 @@ def _draw(axes: Axes, panel: _Panel, trace: Sample, milliseconds: Floats) -> lis
 
 
 def _add_legend(figure: Figure, curves: Sequence[Artist], others: Sequence[Artist]) -> None:
-    """Name curves in one row under the panels, everything else in the rows below."""
+    """Name curves in one row under the panels, and everything else in the rows below it."""
     from matplotlib.lines import Line2D
 
     blank = Line2D([], [], linestyle="none", label=" ")
     cells = [*curves, *[blank] * (-len(curves) % _COLUMNS), *others, *[blank] * (-len(others) % _COLUMNS)]
     if cells:
-        # A legend is filled column by column.
+        # Matplotlib fills a legend column by column.
         handles = [cell for column in range(_COLUMNS) for cell in cells[column::_COLUMNS]]
         figure.legend(handles=handles, loc="outside lower center", ncols=_COLUMNS)
 
 
 def _name_phases(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:
-    """Write what each phase is where it is wide enough, above the curve of the topmost panel."""
+    """Name each phase that is wide enough, above the curve of the topmost panel."""
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top + _HEADROOM * (top - bottom))
     width = limits[1] - limits[0]
@@ -201,7 +202,7 @@ def _name_phases(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float
 
 
 def _mark_events(panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sample) -> list[Any]:
-    """Mark where slides start and stop, and impacts, on the curve that tells most; return the legend."""
+    """Mark starts and stops of slides, and impacts, on the most telling curve; return legend entries."""
     name = next(name for name in _MARKED if name in panels)
     panel = PANELS[name]
     values = getattr(trace, panel.curves[-1].field) / panel.size
@@ -231,7 +232,7 @@ def _mark_events(panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sam
 
 
 def _write_times(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:
-    """Write the times of the events above the topmost panel, as far as there is room."""
+    """Write the times at which phases change above the topmost panel, as far as there is room."""
     instants = [1e3 * p.end for p in phases if limits[0] < 1e3 * p.end < limits[1]]
     room = _LETTER * 6 * (limits[1] - limits[0])
     written: list[float] = []

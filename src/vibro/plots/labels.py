@@ -64,7 +64,7 @@ class Labeller:
         self.words: list[Any] = []
 
     def avoid(self, points: Floats, radius: float = 0.0) -> None:
-        """Keep labels off points in the user's units, each with a radius in points of type."""
+        """Keep labels off points in the user's units, by a radius [pt]."""
         if not len(points):
             return
         places = self._pixels(points)
@@ -80,7 +80,7 @@ class Labeller:
             self._taken.append(_evenly(self._pixels(line), _GRAIN)[0])
 
     def avoid_region(self, member: NDArray[np.bool_]) -> None:
-        """Keep labels out of a region, given like that of ``in_region``."""
+        """Keep labels out of a region, given as for ``in_region``."""
         box = self._box
         rows, columns = (max(2, round(side / _MESH)) for side in (box.height, box.width))
         row, column = np.nonzero(_resampled(member, rows, columns))
@@ -88,7 +88,7 @@ class Labeller:
         self._taken.append(np.column_stack([x, y]))
 
     def in_region(self, text: str, member: NDArray[np.bool_], halo: Any = None, **style: Any) -> bool:
-        """Write a region's name where it has most room.
+        """Write a region's name where there is most room for it.
 
         Parameters
         ----------
@@ -97,7 +97,7 @@ class Labeller:
         member : bool array
             Whether each point of a grid, evenly spaced over the whole map, belongs to the region.
         halo : color, optional
-            Outline that lifts the words off the ground.
+            Outline of the words, to make them stand out.
         **style
             Properties of the text.
 
@@ -146,7 +146,7 @@ class Labeller:
         beside : bool, optional
             Whether the name stands next to the line rather than on it.
         halo : color, optional
-            Outline that lifts the words off the ground.
+            Outline of the words, to make them stand out.
         **style
             Properties of the text.
 
@@ -177,11 +177,11 @@ class Labeller:
     def _places(
         self, line: Floats, width: float, height: float, beside: bool
     ) -> list[tuple[float, Floats, float]]:
-        """Places for a label along a line in pixels: (merit, centre, angle)."""
+        """Return places for a label along a line in pixels: (merit, centre, angle)."""
         points, length = _evenly(line, _GRAIN)
         if length < _LEAST_LENGTH * width:
             return []
-        # The stretch of the line under each candidate, as many points in all of them.
+        # All candidates cover stretches of the line with the same number of points.
         under = max(2, round(width / length * (len(points) - 1)))
         first = np.round(np.linspace(0, len(points) - 1 - under, _CANDIDATES)).astype(int)
         start, chord = points[first], points[first + under] - points[first]
@@ -236,7 +236,7 @@ class Labeller:
 
 
 def _resampled(member: NDArray[np.bool_], rows: int, columns: int) -> NDArray[np.bool_]:
-    """Nearest points of a grid at those of another that is spread evenly over it."""
+    """Take the nearest points of a grid at those of another, spread evenly over the same map."""
     nearest = [
         np.round(np.linspace(0, n - 1, count)).astype(int)
         for n, count in zip(member.shape, (rows, columns), strict=True)
@@ -245,7 +245,7 @@ def _resampled(member: NDArray[np.bool_], rows: int, columns: int) -> NDArray[np
 
 
 def outline(artist: Any, halo: Any) -> None:
-    """Lift words off their ground by an outline of a colour; none without one."""
+    """Outline words in a colour, so that they stand out from what is behind them; without one do nothing."""
     if halo is not None:
         from matplotlib.patheffects import withStroke
 
@@ -266,7 +266,7 @@ def _evenly(line: Floats, spacing: float) -> tuple[Floats, float]:
 
 
 def _clearance(x: Floats, y: Floats, angle: float, width: float, height: float) -> float:
-    """Distance of a rotated rectangle about the origin to the nearest of many points; inf without any."""
+    """Distance from a rotated rectangle about the origin to the nearest point; inf if there is none."""
     cos, sin = math.cos(angle), math.sin(angle)
     beside = np.maximum(np.abs(cos * x + sin * y) - 0.5 * width, 0.0)
     above = np.maximum(np.abs(cos * y - sin * x) - 0.5 * height, 0.0)

@@ -37,26 +37,27 @@ if TYPE_CHECKING:
 
 __all__ = ["BEGINS_AT", "MapLayers", "hiding_fields"]
 
-# Behind these curves another class rules, and a curve bounds none.
+# Once one of these other curves has been passed, another regime holds, and the curve bounds nothing there.
 _HIDDEN_BY: Final = {
     "forward_onset": ("back_slip", "hop"),
     "back_slip": ("hop",),
     "rest_vanishes": ("hop",),
     "hop": (),
 }
-# Later ones overrule earlier ones.
+# Where several have begun, the last of them holds.
 BEGINS_AT: Final = {
     Regime.FORWARD_SLIP: "forward_onset",
     Regime.BACK_SLIP: "back_slip",
     Regime.HOPPING: "hop",
 }
 _COVERS: Final = 2.0  # zorder of the uppermost cover
-_SPECK: Final = 0.04  # shortest piece of a contour, over the side of the map
-_FACET_TYPE: Final = 0.8  # size of type in facets against single maps
+# Where numbers jump to and fro, contours fall apart into specks. Shorter pieces than this are left out.
+_SPECK: Final = 0.04  # of the side of the map
+_FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
 
 
 def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
-    """Fields that are positive where a critical curve bounds nothing: beyond others, or without an answer."""
+    """Return fields that are positive where a critical curve bounds nothing, or where there is no answer."""
     statuses = [Status.INFEASIBLE, Status.INDETERMINATE]
     if curve != "hop":
         statuses.append(Status.RUNAWAY)
@@ -65,7 +66,7 @@ def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
 
 
 class MapLayers:
-    """Layers of one map, each drawn when it is called for; the words come last, where room is left.
+    """The layers of one map. Each is drawn by a call of its own; ``write`` comes last, for the words.
 
     Parameters
     ----------
@@ -94,7 +95,7 @@ class MapLayers:
 
     @property
     def open(self) -> NDArray[np.bool_]:
-        """Grid points where no cover hides the colours, as far as covers have been drawn."""
+        """Grid points that no cover hides, of those drawn so far."""
         seen = np.ones((len(self.fields.y), len(self.fields.x)), np.bool_)
         for cover in self._covers:
             seen &= cover <= 0.0
@@ -112,7 +113,7 @@ class MapLayers:
             )
 
     def name_regimes(self) -> None:
-        """Ask for the names of the regimes that are to be seen."""
+        """Have the visible regimes named by ``write``."""
         for regime, colour in REGIME_COLOURS.items():
             member = (self._regime == regime) & self.open
             if member.any():
@@ -120,7 +121,7 @@ class MapLayers:
                 self._spines[regime.label] = self._spine(regime)
 
     def _spine(self, regime: Regime) -> list[Floats]:
-        """Line midway between the curves where a regime begins and ends; none for the first and last."""
+        """Return the line midway between the curves that bound a regime; none for the first and the last."""
         if regime not in BEGINS_AT or regime is Regime.HOPPING:
             return []
         ratio = self.fields.log_ratio
@@ -129,26 +130,29 @@ class MapLayers:
         return zero_lines(self.fields, begin + end, [-begin, *self._covers])
 
     def hatch_unanswered(self, *, regimes_show: bool) -> None:
-        """Hatch where there is no answer; a picture of regimes shows that of bodies in unmodelled flight."""
+        """Hatch where there is no answer.
+
+        Where flight is not modelled the regime is known all the same: a picture of regimes shows it.
+        """
         for status, hatch in NO_ANSWER_HATCH.items():
             known = regimes_show and status is Status.FLIGHT_NOT_MODELLED
             if status in self.fields.statuses and not known:
                 self.hatch(self.fields.unanswered(status), status.label.replace("-", " "), hatch)
 
     def hatch(self, field: Floats, label: str, hatch: str) -> None:
-        """Hatch the area in which a field is positive, below earlier covers, and say why."""
+        """Hatch the area in which a field is positive, beneath earlier covers, and name the reason."""
         self._cover(field, label, facecolor=NO_ANSWER_FACE, hatch=hatch, edgecolor=NO_ANSWER_INK)
 
     def cover_rest(self) -> None:
-        """Cover the area where nothing moves with its regime's colour, below earlier covers."""
+        """Cover the area where nothing moves with the colour of that regime, beneath earlier covers."""
         self._cover(self.fields.rest, Regime.NO_SLIP.label, facecolor=REGIME_COLOURS[Regime.NO_SLIP])
 
     def cover_contact(self) -> None:
-        """Cover the area where nothing flies, below earlier covers."""
+        """Cover the area where nothing flies, beneath earlier covers."""
         self._cover(-self.fields.log_ratio["hop"], "no flight", facecolor=REGIME_COLOURS[Regime.NO_SLIP])
 
     def hatch_doubtful(self) -> None:
-        """Hatch, without hiding anything, two cycles and, on numbers, means of irregular motion."""
+        """Hatch, over the colours, where there are two steady cycles and where a number is a mean."""
         marks = [(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH)]
         if self._has_numbers:
             marks.append((self.fields.averaged, AVERAGED_LABEL, AVERAGED_HATCH))
@@ -158,7 +162,7 @@ class MapLayers:
                 self.legend[label] = style
 
     def draw_curves(self, names: Iterable[str]) -> None:
-        """Draw the critical curves where they bound a regime, lifted off a ground of numbers."""
+        """Draw the critical curves where they bound a regime; on coloured numbers, outlined in white."""
         from matplotlib.patheffects import withStroke
 
         for name in names:
@@ -182,7 +186,7 @@ class MapLayers:
                     self._explain_curve(name)
 
     def draw_numbers(self, values: Floats, norm: Normalize, colours: Colormap, levels: Floats) -> None:
-        """Draw numbers as colour under the covers, with contours to be labelled."""
+        """Draw numbers as colours beneath the covers, with contours that ``write`` labels."""
         fields = self.fields
         self._has_numbers = True
         self.axes.set_facecolor(NO_ANSWER_FACE)
@@ -214,14 +218,14 @@ class MapLayers:
                 self._contours.append((number_text(level), pieces, ground))
 
     def _is_long(self, piece: Floats) -> bool:
-        """Whether a piece of a contour is more than a speck where numbers jump to and fro."""
+        """Whether a piece of a contour is more than a speck."""
         width, height = np.ptp(
             self.axes.transAxes.inverted().transform(self.axes.transData.transform(piece)), 0
         )
         return bool(np.hypot(width, height) >= _SPECK)
 
     def write(self, *, avoid: Floats) -> None:
-        """Write the words where they have room, in place of earlier ones; the legend has the others.
+        """Write the words that have room, replacing those of an earlier call; the legend takes the others.
 
         Parameters
         ----------
@@ -253,7 +257,7 @@ class MapLayers:
 
     def _write_curves(self, labeller: Labeller) -> None:
         if not self._has_numbers:
-            # Where regimes are filled, words in ink are read on all of them but the darkest.
+            # On filled regimes dark words are legible, except on hopping, the darkest.
             labeller.avoid_region(self._regime == Regime.HOPPING)
         halo = "#FFFFFF" if self._has_numbers else None
         for name, pieces in self._curves.items():
@@ -267,7 +271,7 @@ class MapLayers:
         self.legend[style.label] = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
 
     def _cover(self, field: Floats, label: str, **style: Any) -> None:
-        """Hide what is below the area in which a field is positive, and name it where it is to be seen."""
+        """Cover the area in which a field is positive, and have what is visible of it named."""
         if self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **style):
             member = (field > 0.0) & self.open
             self._covers.append(field)

@@ -1,4 +1,4 @@
-"""Pictures of one axis: numbers over it, on bands that show the regimes."""
+"""Pictures of one axis: numbers over bands that show the regimes."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 __all__ = ["flight_line", "impact_line", "speed_lines", "traverse_line"]
 
 _TINT: Final = 0.35  # opacity of bands behind lines
-_WIDE: Final = 20.0  # ratio of numbers from which a scale is logarithmic
+_WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
 _MILLIMETRE: Final = 1e3  # [1/m]
 
 
@@ -90,7 +90,7 @@ def traverse_line(result: SweepResult, fields: Fields) -> Figure:
 
 @dataclass(frozen=True)
 class _Band:
-    """A stretch of the axis on which everything that bands show stays the same."""
+    """A stretch of the axis over which regime and status stay the same."""
 
     low: float
     high: float
@@ -140,7 +140,7 @@ def _figure(result: SweepResult, fields: Fields, heading: str, rows: dict[str, F
 
 
 def _bands(fields: Fields) -> list[_Band]:
-    """Cut the axis at every critical curve and where answers end."""
+    """Cut the axis wherever the regime or the status changes."""
     unanswered = {s: fields.unanswered(s) for s in NO_ANSWER_HATCH if s in fields.statuses}
     cuts = [zero_points(fields, fields.log_ratio[c], hiding_fields(fields, c)) for c in BEGINS_AT.values()]
     cuts += [zero_points(fields, field) for field in (*unanswered.values(), fields.coexists)]
@@ -179,7 +179,7 @@ def _critical_lines(axes: Axes, fields: Fields, legend: dict[str, dict[str, Any]
 
 
 def _line(axes: Axes, fields: Fields, values: Floats) -> None:
-    """Draw numbers, broken where regimes meet, since they jump there."""
+    """Draw numbers as a line that is broken where regimes meet, since the numbers jump there."""
     x = fields.panel.x.values
     regime = fields.panel.cycle["regime"][0]
     jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1
@@ -198,7 +198,7 @@ def _line(axes: Axes, fields: Fields, values: Floats) -> None:
 
 
 def _name_bands(figure: Figure, strip: Axes, bands: list[_Band]) -> dict[str, dict[str, Any]]:
-    """Write the regimes' names over the bands; return the styles of those that found no room."""
+    """Write the regimes' names into the strip; return the styles of those that find no room."""
     strip.set_yticks([])
     strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
     renderer = renderer_of(figure)

@@ -39,10 +39,10 @@ _BELOW_TOP: Final = 1.0 - 1e-6  # of the largest number: a contour there would t
 # Irregular motion reaches far higher speeds than the motion that most troughs are built for. Where the
 # numbers of regular motion stay below this share of the largest, an even scale would hardly tell them apart.
 _UNEVEN: Final = 0.5
-# A scale is centred on zero where regular motion goes backwards, or any motion at this share of the speed of
-# the fastest.
+# A scale diverges about zero if regular motion goes backwards, or if any motion does at more than this share
+# of the largest speed.
 _REVERSES: Final = 0.1
-_WIDE: Final = 5.0  # ratio of times from which their contours are at 1, 2, 5, 10 ...
+_WIDE: Final = 5.0  # ratio of the longest to the shortest time above which contours are at 1, 2, 5, 10 ...
 # Traverse times grow without bound near rest. Up to this multiple of the shortest, colours tell them apart.
 _LONGEST_OVER_SHORTEST: Final = 100.0
 # [m/s] Keeps times finite where the body moves backwards or rests; both are covered.
@@ -95,7 +95,7 @@ def _flight_map(
 
 
 def _draw_from_zero(figure: Figure, maps: list[MapLayers], values: list[Floats], label: str) -> None:
-    """Draw numbers in a sequential scale from zero, or a diverging one about it, with contours."""
+    """Draw numbers and their contours, in a scale that rises from zero or diverges about it."""
     from matplotlib import colormaps
     from matplotlib.colors import CenteredNorm
 
@@ -138,7 +138,7 @@ def scale_from_zero(seen: tuple[float, float], smooth: tuple[float, float]) -> N
 
 
 def levels_from_zero(least: float, most: float, *, zero: bool) -> Floats:
-    """Return the round numbers strictly within a range at which contours are drawn, zero only if wanted."""
+    """Return the round numbers within a range at which contours are drawn; zero only if it is wanted."""
     from matplotlib.ticker import MaxNLocator
 
     levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(min(least, 0.0), most))
@@ -146,7 +146,7 @@ def levels_from_zero(least: float, most: float, *, zero: bool) -> Floats:
 
 
 def levels_of_times(shortest: float, longest: float) -> Floats:
-    """Return the round numbers strictly within a range of times: in steps of 1, 2, 5 where it is wide."""
+    """Return the round times within a range at which contours are drawn: 1, 2, 5, 10 ... if it is wide."""
     from matplotlib.ticker import LogLocator, MaxNLocator
 
     wide = longest > _WIDE * shortest
@@ -188,7 +188,7 @@ def _start(result: SweepResult, fields: list[Fields], heading: str) -> tuple[Fig
 
 
 def _range(maps: list[MapLayers], values: list[Floats], *, smooth: bool = False) -> tuple[float, float]:
-    """Least and largest finite value to be seen, or to be seen where it is smooth; (0, 0) without any."""
+    """Least and largest finite value that is visible, or visible and smooth; (0, 0) if there is none."""
     seen = np.concatenate(
         [
             v[m.open & np.isfinite(v) & ((m.fields.smooth > 0.0) | (not smooth))]
@@ -221,14 +221,15 @@ def _colour_bar(
 def _finish(
     figure: Figure, result: SweepResult, maps: list[MapLayers], curves: Iterable[str] = CURVES
 ) -> Figure:
-    """Draw what every map has on top, and write the words once the layout has settled."""
+    """Draw what every map has on top, fix the layout, and write the words."""
     marked: dict[str, dict[str, Any]] = {}
     points = [operating_points(result, layers.fields.panel) for layers in maps]
     for layers, point in zip(maps, points, strict=True):
         layers.hatch_doubtful()
         layers.draw_curves(curves)
         mark_operating_point(layers.axes, point, marked)
-    # Words need the final layout, which the legend is part of, which explains what found no room.
+    # Words are placed in the final layout. But the legend, which explains those that find no room, is part of
+    # the layout: both are repeated until the legend stays as it is.
     legend = _legend(maps) | marked
     while True:
         settle(figure, legend)

@@ -20,14 +20,14 @@ __all__ = ["dilate", "erode", "fill_unknown", "room"]
 
 
 def dilate(mask: Mask, width: int) -> Mask:
-    """Tell where a square window around a point has a true point in it.
+    """Find the points with at least one true point in the square window around them.
 
     Parameters
     ----------
     mask : (y, x) bool array
-        All false beyond its edges.
+        Taken as false beyond its edges.
     width : int
-        Of the window, in points; at most the whole grid counts.
+        Of the window [points]; that of the grid where this is smaller.
 
     Returns
     -------
@@ -38,16 +38,16 @@ def dilate(mask: Mask, width: int) -> Mask:
 
 
 def erode(mask: Mask, width: int, *, beyond: bool) -> Mask:
-    """Tell where a square window around a point has nothing but true points in it.
+    """Find the points with nothing but true points in the square window around them.
 
     Parameters
     ----------
     mask : (y, x) bool array
         Any.
     width : int
-        Of the window, in points; at most the whole grid counts.
+        Of the window [points]; that of the grid where this is smaller.
     beyond : bool
-        What the mask is beyond its edges.
+        What the mask is taken as beyond its edges.
 
     Returns
     -------
@@ -61,7 +61,10 @@ def erode(mask: Mask, width: int, *, beyond: bool) -> Mask:
 
 
 def _counts(mask: Mask, width: int, *, reflected: bool = False) -> Integers:
-    """Count true points in a window around every point; one of even width reaches further left, or right."""
+    """Count true points in the window around every point.
+
+    Of two middles, a window of even width is placed by the right one, or by the left one if reflected.
+    """
     counts = mask.astype(np.int32)
     for axis, n in enumerate(mask.shape):
         size = min(n, width)
@@ -75,8 +78,8 @@ def _counts(mask: Mask, width: int, *, reflected: bool = False) -> Integers:
 def fill_unknown(values: Floats, known: Mask) -> Floats:
     """Give unknown points the value of the nearest known one in their row or column.
 
-    Where neither has a known one, a point takes the value of one that was filled; all are zero if none is
-    known.
+    Where there is none in either, points take the value of one that has just been filled. If no point at all
+    is known, every value is zero.
     """
     if not known.any():
         return np.zeros(values.shape)
@@ -106,14 +109,14 @@ def _nearest(mask: Mask) -> tuple[Integers, Integers]:
 
 
 def room(free: Mask, step_y: float, step_x: float) -> Floats:
-    """Distance of every point to the nearest that is not free, zero for those.
+    """Return the distance from every point to the nearest that is not free.
 
     Parameters
     ----------
     free : (y, x) bool array
-        No row or column beyond its edges is free.
+        Nothing beyond its edges is free.
     step_y, step_x : float
-        Distances of rows and columns.
+        Distances between rows and between columns.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""How phases of motion are shaded and named, the same in every picture over time."""
+"""How pictures over time shade and name the phases of motion."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _STRENGTH: Final = 0.35
 
 
 class PhaseStyle(NamedTuple):
-    """How a kind of phase looks and is called."""
+    """The name and the colour of a kind of phase."""
 
     label: str
     colour: str
 
 
-# Keys are the letters of a pattern. Colours are those of the regime that each brings.
+# Keys are the letters of a pattern. Each phase has the colour of the regime in which it is typical.
 PHASE_STYLES: Final[Mapping[str, PhaseStyle]] = {
     kind: PhaseStyle(PHASE_NAMES[kind], REGIME_COLOURS[regime])
     for kind, regime in (
@@ -43,7 +43,7 @@ def shade(axes: Axes, kind: str, start: float, end: float) -> None:
 
 
 def legend_entries(styles: Iterable[PhaseStyle]) -> list[Patch]:
-    """Return what a legend shows of shaded phases."""
+    """Return the legend's entries for shaded phases."""
     from matplotlib.patches import Patch
 
     return [

@@ -31,7 +31,8 @@ __all__ = [
     "values_text",
 ]
 
-# Tol's medium-contrast palette: safe for the colour-blind, and CIE lightness 100, 83, 62, 41 in grey.
+# From Tol's medium-contrast palette, which is safe for the colour-blind. Printed in grey, the colours have
+# CIE lightness 100, 83, 62 and 41.
 REGIME_COLOURS: Final[Mapping[Regime, str]] = {
     Regime.NO_SLIP: "#FFFFFF",
     Regime.BACK_SLIP: "#EECC66",
@@ -56,14 +57,14 @@ AVERAGED_LABEL: Final = "mean of a motion without a short period"
 
 
 class CurveStyle(NamedTuple):
-    """How a critical curve is drawn and called."""
+    """The name of a critical curve, and how it is drawn."""
 
     label: str
     dashes: Any
     width: float
 
 
-# Keys are the fields of CriticalLoads, in the order of rising load in the usual scene.
+# Keys are the fields of CriticalLoads, in the order in which the usual scene passes them as the load rises.
 CURVES: Final[Mapping[str, CurveStyle]] = {
     "forward_onset": CurveStyle("forward-slip onset", (0, (7, 2, 1.5, 2)), 1.4),
     "back_slip": CurveStyle("back-slip onset", (0, (5, 2)), 1.4),
@@ -88,13 +89,13 @@ RC: Final[Any] = {
     "mathtext.fontset": "dejavusans",
     "text.usetex": False,
     "svg.fonttype": "path",
-    "svg.hashsalt": "vibro",  # the same picture is the same file
+    "svg.hashsalt": "vibro",  # makes files reproducible
     "figure.dpi": 150,
     "savefig.dpi": 150,
 }
 
 _UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
-_EVEN_LUMINANCE: Final = 0.2  # relative luminance on which INK and white have about the same contrast
+_EVEN_LUMINANCE: Final = 0.2  # relative luminance of a colour on which INK and white are about as legible
 
 
 def axis_label(axis: Axis) -> str:
@@ -128,7 +129,7 @@ def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> st
 
 
 def ink_on(colour: Any) -> str:
-    """Black or white, whichever has more contrast on a colour."""
+    """Return INK or white, whichever is more legible on a colour."""
     from matplotlib.colors import to_rgb
 
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]

@@ -1,4 +1,4 @@
-"""The trade of speed for accuracy as a picture: time a scene against error, a point a method."""
+"""The trade-off between speed and accuracy as a picture: time per scene against error, for every method."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 __all__ = ["trade_figure"]
 
 _SIZE: Final = (8.4, 6.0)  # [in]
-_LEAST_ERROR: Final = 2.0**-53  # [A f] what an exact answer is drawn at: half an ulp of A f
+_LEAST_ERROR: Final = 2.0**-53  # [A f] half an ulp of A f, where exact answers are drawn
 
-# Dark enough for text, apart for the colour-blind, and each with a marker of its own.
+# Colours that are dark enough for text and that the colour-blind can tell apart, each with its marker.
 _LOOKS: Final = (
     ("#000000", "*"),
     ("#0072B2", "o"),
@@ -34,7 +34,7 @@ _LOOKS: Final = (
 )
 _MARKER_SIZE: Final = {"*": 13.0}
 
-# Offsets of a label from its point that are tried in turn, and from where on a line leads to it.
+# Offsets of a label from its point, tried in turn. Beyond the last distance a thin line leads to the label.
 _REACHES: Final = (5, 7, 12, 18, 25, 33, 42, 52)  # [pt]
 _DIRECTIONS: Final = (
     *itertools.product((1, -1), (1, -1)),
@@ -49,7 +49,7 @@ _VERTICAL: Final = {1: "bottom", 0: "center", -1: "top"}
 
 
 def trade_figure(trade: Trade) -> Figure:
-    """Draw time a scene against the largest error in mean speed, both logarithmic.
+    """Draw time per scene against the largest error in mean speed, both on logarithmic scales.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def trade_figure(trade: Trade) -> Figure:
     Returns
     -------
     Figure
-        With a label at every point.
+        Every point is labelled.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -122,7 +122,7 @@ def _draw_method(axes: Axes, rows: Sequence[Row], colour: str, marker: str) -> N
 
 
 def _draw_front(axes: Axes, rows: Sequence[Row]) -> None:
-    """Join the methods than which none is both faster and closer, as a staircase to the picture's edges."""
+    """Join the methods that no other beats in both speed and error, by a staircase to the picture's edges."""
     points = sorted(map(_point, rows))
     front: list[tuple[float, float]] = []
     for point in points:
@@ -140,7 +140,7 @@ def _draw_front(axes: Axes, rows: Sequence[Row]) -> None:
 def _place_labels(
     figure: Figure, axes: Axes, rows: Sequence[Row], colours: Mapping[str, str], taken: list[Any]
 ) -> None:
-    """Write each point's setting where it covers no other label, point or line, as near as it can."""
+    """Write each point's setting as near to it as possible without covering another label, point or line."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.patheffects import withStroke
     from matplotlib.text import Text
@@ -175,7 +175,7 @@ def _place_labels(
                 zorder=4,
                 arrowprops=_LEADER if reach > _LED else None,
             )
-            # of the words alone: an annotation's own extent has its leader in it
+            # The extent of an annotation includes its leader; that of its words alone is needed.
             label.update_positions(renderer)
             box = Bbox.padded(Text.get_window_extent(label, renderer), 1.5)
             if inside.containsx(box.x0) and inside.containsx(box.x1) and not box.count_overlaps(boxes):

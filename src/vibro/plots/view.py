@@ -1,4 +1,4 @@
-"""Which part of a sweep a picture shows: two axes, facets along a third, everything else held."""
+"""Which part of a sweep a picture shows: two axes, facets for a third, and all others held."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class View:
 
     @property
     def drawn(self) -> dict[str, tuple[int, ...]]:
-        """Indices that are drawn of every axis but x and y, by name."""
+        """Indices of the values that are drawn, for every axis but x and y, by name."""
         drawn: dict[str, tuple[int, ...]] = {name: (index,) for name, index in self.held.items()}
         if self.facet is not None:
             drawn[self.facet.name] = self.facet_indices
@@ -166,7 +166,8 @@ def _panel(result: SweepResult, view: View, facet_index: int) -> Panel:
     names = list(result.axes)
 
     def cut(values: NDArray[Any]) -> NDArray[Any]:
-        # Critical loads have length 1 along amplitude and frequency, hence the modulus.
+        # Critical loads do not vary with amplitude or frequency, and have length 1 along them. The modulus
+        # turns any index along those axes into 0.
         part = values[
             tuple(
                 held[name] % n if name in held else slice(None)
