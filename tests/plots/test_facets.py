@@ -50,7 +50,9 @@ def test_the_operating_point_is_on_its_map_alone(facets: dict[str, Figure]) -> N
 
 
 def test_at_most_twelve() -> None:
-    figure = map_figures(sweep(amplitude="0.2:3", frequency="10:50", drive_angle="5:40"))["regime"]
+    figure = map_figures(
+        sweep(points=31, amplitude="0.2:3", frequency="10:50", drive_angle="5:40"), ["regime"]
+    )["regime"]
     titles = [axes.get_title() for axes in maps_of(figure)]
     assert len(titles) == 12
     assert (titles[0], titles[-1]) == (r"$\alpha$ = 5°", r"$\alpha$ = 40°")
@@ -59,11 +61,12 @@ def test_at_most_twelve() -> None:
 def test_held_axes_are_in_the_heading() -> None:
     result = sweep(
         at={"drive_angle": 30},
+        points=31,
         amplitude="0.2:3",
         frequency="10:50",
         drive_angle="10,20,30",
         trough_angle="0.0,5",
     )
-    figure = map_figures(result)["regime"]
+    figure = map_figures(result, ["regime"])["regime"]
     assert r"$\alpha$ = 30°" in figure.get_suptitle()
     assert [axes.get_title() for axes in maps_of(figure)] == [r"$\beta$ = 0°", r"$\beta$ = 5°"]

@@ -55,7 +55,7 @@ def test_colour_bars_have_units(pictures: dict[str, Figure]) -> None:
 
 
 def test_logarithmic_axes_have_plain_numbers() -> None:
-    figure = map_figures(sweep(amplitude="0.1:3:log", frequency="5:60:log"))["regime"]
+    figure = map_figures(sweep(points=61, amplitude="0.1:3:log", frequency="5:60:log"), ["regime"])["regime"]
     axes = only_map(figure)
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     figure.canvas.draw()
@@ -83,5 +83,5 @@ def test_the_operating_point_is_marked(pictures: dict[str, Figure]) -> None:
     ids=["none", "held", "outside"],
 )
 def test_no_operating_point_elsewhere(nut: SweepResult, own: dict[str, float] | None) -> None:
-    figure = map_figures(dataclasses.replace(nut, operating_point=own, length=None))["regime"]
+    figure = map_figures(dataclasses.replace(nut, operating_point=own, length=None), ["regime"])["regime"]
     assert "operating point" not in said(figure)

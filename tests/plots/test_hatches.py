@@ -34,13 +34,13 @@ def test_infeasible_half_is_cut_along_its_exact_boundary(friction_pictures: dict
 
 
 def test_drive_and_trough_angle_of_90_degrees() -> None:
-    figure = map_figures(sweep(amplitude=0.7, drive_angle="0:89", trough_angle="-25:25"))["speed"]
+    figure = map_figures(sweep(amplitude=0.7, drive_angle="0:89", trough_angle="-25:25"), ["speed"])["speed"]
     inside = path_of(only_map(figure), "infeasible").contains_points([(80, 10.01), (80, 9.99)])
     assert inside.tolist() == [True, False]
 
 
 def test_unmodelled_flight_is_hatched_but_for_the_regimes() -> None:
-    result = sweep(length=600, amplitude="0.1:3", frequency="5:60", flight=False)
+    result = sweep(points=121, length=600, amplitude="0.1:3", frequency="5:60", flight=False)
     pictures = map_figures(result)
     assert patch(only_map(pictures["regime"]), "flight not modelled") is None
     assert path_of(only_map(pictures["speed"]), "flight not modelled").contains_point((30, 2))
@@ -55,7 +55,7 @@ def test_cells_of_every_status(nut: SweepResult, status: Status) -> None:
     codes[100:200, 150:250] = status  # amplitude 0.9 ... 1.7 mm, frequency 28 ... 43 Hz
     velocity = np.where(codes == status, np.nan, 0.05)
     cycle = dataclasses.replace(nut.cycle, status=codes, mean_velocity=velocity)
-    figure = map_figures(dataclasses.replace(nut, cycle=cycle, length=None))["speed"]
+    figure = map_figures(dataclasses.replace(nut, cycle=cycle, length=None), ["speed"])["speed"]
     label = status.label.replace("-", " ")
     found = patch(only_map(figure), label)
     assert found is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -23,8 +24,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw(scene: vibro.Scene, cycles: float = 3.0, panels: str | None = None) -> tuple[vibro.History, Figure]:
-    history = vibro.simulate(scene, cycles=cycles)
+@cache
+def draw(
+    amplitude: float = 1.0, cycles: float = 3.0, panels: str | None = None
+) -> tuple[vibro.History, Figure]:
+    """Follow the nut at an amplitude [mm], and draw it; tests only look at the figure."""
+    history = vibro.simulate(nut(amplitude), cycles=cycles)
     rows = trace(history, until=history.end, samples_per_cycle=200, both_sides=True)
     flies = any(p.kind == "H" for p in history.phases)
     figure = history_figure(history.phases, rows, choose_panels(panels, flies=flies), "title")
@@ -49,7 +54,7 @@ def shades(axes: Axes, kind: str) -> list[tuple[float, float]]:
 
 @pytest.mark.parametrize("amplitude", [1.0, 1.5, 4.0])
 def test_slides_and_flights_are_shaded_where_the_phases_say(amplitude: float) -> None:
-    history, figure = draw(nut(amplitude))
+    history, figure = draw(amplitude)
     for axes in figure.axes:
         for kind in "FBH":
             expected = [(1e3 * p.start, 1e3 * p.end) for p in history.phases if p.kind == kind]
@@ -60,7 +65,7 @@ def test_slides_and_flights_are_shaded_where_the_phases_say(amplitude: float) ->
 
 
 def test_every_panel_has_its_unit_and_curve() -> None:
-    _, figure = draw(nut(4.0))
+    _, figure = draw(4.0)
     labels = [axes.get_ylabel() for axes in figure.axes]
     assert len(labels) == len(PANELS)
     for label, panel in zip(labels, PANELS.values(), strict=True):
@@ -73,7 +78,7 @@ def test_every_panel_has_its_unit_and_curve() -> None:
 
 
 def test_phases_are_named_and_events_marked() -> None:
-    history, figure = draw(nut())
+    history, figure = draw()
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert texts == ["rest", "forward slide", "rest", "forward slide", "rest", "forward slide", "rest"]
     times = [t.get_text() for t in figure.axes[0].child_axes[0].get_xticklabels()]
@@ -98,7 +103,7 @@ def test_phases_are_named_and_events_marked() -> None:
 
 
 def test_impacts_are_marked() -> None:
-    _, figure = draw(nut(4.0))
+    _, figure = draw(4.0)
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert {"slide starts", "slide stops", "impact", "forward slide", "back slide", "flight"} <= set(legend)
 
@@ -106,7 +111,7 @@ def test_impacts_are_marked() -> None:
 @pytest.mark.parametrize("panels", [None, "forces", "velocity"])
 @pytest.mark.parametrize("amplitude", [1.0, 1.5, 4.0])
 def test_no_words_overlap(amplitude: float, panels: str | None) -> None:
-    _, figure = draw(nut(amplitude), cycles=4, panels=panels)
+    _, figure = draw(amplitude, cycles=4, panels=panels)
     top = figure.axes[0]
     names = [text.get_window_extent() for text in top.texts]
     times = [t.get_window_extent() for t in top.child_axes[0].get_xticklabels()]
@@ -124,7 +129,7 @@ def test_no_words_overlap(amplitude: float, panels: str | None) -> None:
 
 
 def test_panels_are_chosen() -> None:
-    _, figure = draw(nut(), panels="velocity, trough")
+    _, figure = draw(panels="velocity, trough")
     assert [axes.get_ylabel().split(" [")[0] for axes in figure.axes] == [
         "relative\nvelocity",
         "trough along\nthe drive",

@@ -81,7 +81,7 @@ def test_the_operating_point_lies_on_the_line(line_pictures: dict[str, Figure]) 
 
 
 def test_narrow_bands_and_statuses_are_in_the_legend() -> None:
-    figure = map_figures(sweep(amplitude="0.1:30", trough_angle=0))["speed"]
+    figure = map_figures(sweep(amplitude="0.1:30", trough_angle=0), ["speed"])["speed"]
     assert {"no-slip", "forward-slip"} <= set(legend(figure))
     assert "hopping" in words(figure.axes[0])
 
@@ -96,13 +96,13 @@ def test_reversal_and_runaway() -> None:
 
 
 def test_a_logarithmic_axis() -> None:
-    figure = map_figures(sweep(amplitude="0.1:10:log"))["speed"]
+    figure = map_figures(sweep(amplitude="0.1:10:log"), ["speed"])["speed"]
     assert {axes.get_xscale() for axes in figure.axes} == {"log"}
 
 
 def test_coexisting_cycles() -> None:
     result = sweep(amplitude="0.1:2", drive_angle=30, static_friction=0.4, kinetic_friction=0.02)
-    figure = map_figures(result)["speed"]
+    figure = map_figures(result, ["speed"])["speed"]
     assert "two steady cycles" in legend(figure)
     hatched = [p for p in figure.axes[1].patches if p.get_gid() == "two steady cycles"]
     assert {p.get_hatch() for p in hatched} == {"..."}

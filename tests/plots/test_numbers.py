@@ -127,7 +127,9 @@ def test_a_diverging_scale_about_zero_where_transport_reverses(climb_pictures: d
 
 
 def test_negative_contours_have_a_minus() -> None:
-    figure = map_figures(sweep(amplitude=0.7, drive_angle="0:60", trough_angle="-20:20"))["speed"]
+    figure = map_figures(
+        sweep(points=121, amplitude=0.7, drive_angle="0:60", trough_angle="-20:20"), ["speed"]
+    )["speed"]
     assert any(text.startswith("\N{MINUS SIGN}") for text in words(only_map(figure)))
 
 
@@ -157,7 +159,7 @@ def test_bodies_that_move_backwards_never_arrive(
     ("amplitude", "frequency", "name"), [("0.01:0.1", "5:10", "no-slip"), ("4:10", "30:50", "hopping")]
 )
 def test_a_single_regime_fills_the_map(amplitude: str, frequency: str, name: str) -> None:
-    figures = map_figures(sweep(length=600, amplitude=amplitude, frequency=frequency))
+    figures = map_figures(sweep(points=121, length=600, amplitude=amplitude, frequency=frequency))
     assert words(only_map(figures["regime"])) == [name]
     if name == "no-slip":
         assert all(figure.axes == maps_of(figure) for figure in figures.values())  # nothing to colour

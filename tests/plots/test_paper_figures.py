@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import runpy
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +19,16 @@ from vibro.plots.style import RC
 SCRIPT = EXAMPLES / "paper_figures.py"
 
 
-@pytest.fixture(scope="module")
+@cache
 def example() -> dict[str, Any]:
     return runpy.run_path(str(SCRIPT))
 
 
-def drawn(example: dict[str, Any], name: str) -> Figure:
+@cache
+def drawn(name: str) -> Figure:
+    """Draw a figure of the example; tests only look at it."""
     with mpl.rc_context(RC):
-        figure = example["FIGURES"][name]()
+        figure = example()["FIGURES"][name]()
         assert isinstance(figure, Figure)
         figure.draw_without_rendering()
     return figure
@@ -40,14 +43,14 @@ def test_every_figure_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.parametrize("number", [2, 4, 6, 7, 9, 10, 11])
-def test_axes_have_units(example: dict[str, Any], number: int) -> None:
-    for axes in drawn(example, f"paper-figure-{number}").axes:
+def test_axes_have_units(number: int) -> None:
+    for axes in drawn(f"paper-figure-{number}").axes:
         assert axes.get_ylabel().endswith("]")
     assert axes.get_xlabel().endswith("]")
 
 
-def test_words_of_figure_2_are_inside_and_apart(example: dict[str, Any]) -> None:
-    (axes,) = drawn(example, "paper-figure-2").axes
+def test_words_of_figure_2_are_inside_and_apart() -> None:
+    (axes,) = drawn("paper-figure-2").axes
     boxes = [text.get_window_extent() for text in axes.texts]
     inside = axes.get_window_extent()
     for i, box in enumerate(boxes):
@@ -59,8 +62,8 @@ def test_words_of_figure_2_are_inside_and_apart(example: dict[str, Any]) -> None
     assert "slide stops at 38.68 ms" in texts
 
 
-def test_figure_6_marks_both_onsets(example: dict[str, Any]) -> None:
-    (axes,) = drawn(example, "paper-figure-6").axes
+def test_figure_6_marks_both_onsets() -> None:
+    (axes,) = drawn("paper-figure-6").axes
     starts = {
         round(float(np.asarray(line.get_ydata())[0]), 6): np.asarray(line.get_xdata())
         for line in axes.lines
@@ -72,9 +75,9 @@ def test_figure_6_marks_both_onsets(example: dict[str, Any]) -> None:
     assert starts[0.720276][0] == pytest.approx(8.53282, abs=5e-6)
 
 
-def test_figure_11_has_the_published_speeds(example: dict[str, Any]) -> None:
+def test_figure_11_has_the_published_speeds() -> None:
     """The study's nut reaches "up to 55" mm/s and advances "about 1" mm a stroke."""
-    velocity, displacement = drawn(example, "paper-figure-11").axes
+    velocity, displacement = drawn("paper-figure-11").axes
     exact, study = (np.asarray(line.get_ydata()) for line in velocity.lines[:2])
     assert exact.max() == pytest.approx(60.15, abs=0.01)
     assert study.max() == pytest.approx(55.6, abs=0.2)
@@ -83,8 +86,8 @@ def test_figure_11_has_the_published_speeds(example: dict[str, Any]) -> None:
     assert study[-1] / 3 == pytest.approx(0.9554, abs=1e-3)
 
 
-def test_figure_10_stays_on_the_trough_below_the_hop_limit(example: dict[str, Any]) -> None:
-    sliding, hopping = drawn(example, "paper-figure-10").axes
+def test_figure_10_stays_on_the_trough_below_the_hop_limit() -> None:
+    sliding, hopping = drawn("paper-figure-10").axes
     heights = [np.asarray(axes.lines[0].get_ydata()) for axes in (sliding, hopping)]
     assert (heights[0] == 0.0).all()
     assert heights[1].max() > 0.1

@@ -102,7 +102,7 @@ def test_boundaries_are_the_curves_and_not_the_cells(
 ], ids=str)  # fmt: skip
 def test_colours_agree_with_the_solver_anywhere(changes: dict[str, Any]) -> None:
     result = sweep(**changes)
-    axes = only_map(map_figures(result)["regime"])
+    axes = only_map(map_figures(result, ["regime"])["regime"])
     rng = np.random.default_rng(1)
     x, y = rng.uniform(*axes.get_xlim(), 1500), rng.uniform(*axes.get_ylim(), 1500)
     view = choose_view(result.axes)
@@ -121,7 +121,7 @@ def test_colours_agree_with_the_solver_anywhere(changes: dict[str, Any]) -> None
 
 
 def test_regions_too_small_for_words_are_in_the_legend() -> None:
-    figure = map_figures(sweep(amplitude="0.1:3", frequency="20:60", drive_angle=2))["regime"]
+    figure = map_figures(sweep(amplitude="0.1:3", frequency="20:60", drive_angle=2), ["regime"])["regime"]
     small = [name for name in ("no-slip", "forward-slip") if name not in words(only_map(figure))]
     assert small
     assert set(small) <= set(legend(figure))
