@@ -33,6 +33,8 @@ def test_solving_loads_no_library_for_tables_pictures_or_the_command_line() -> N
 
 # What each public name gives when it is called as its documentation says.
 CALLS = {
+    "FileError": "issubclass(vibro.FileError, vibro.VibroError)",
+    "InputError": "issubclass(vibro.InputError, vibro.VibroError)",
     "History": "vibro.simulate(scene, cycles=1).__class__ is vibro.History",
     "Regime": "vibro.Regime(0).label == 'no-slip'",
     "Scene": "scene.shape == ()",

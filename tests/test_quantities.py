@@ -150,7 +150,7 @@ def test_a_range_ends_where_it_says(name: str) -> None:
 @pytest.mark.parametrize(
     ("called", "name"),
     [
-        ("amplitude", "amplitude"), ("A", "amplitude"), ("a", "amplitude"), ("-a", "drive_angle"),
+        ("amplitude", "amplitude"), ("A", "amplitude"), ("-a", "drive_angle"), ("drive angle", "drive_angle"),
         ("--drive-angle", "drive_angle"), ("drive_angle_deg", "drive_angle"), ("alpha", "drive_angle"),
         ("mu_s", "static_friction"), ("--mu-ratio", "friction_ratio"), ("MU_D", "kinetic_friction"),
         (" f ", "frequency"), ("L", "trough_length"),
@@ -162,8 +162,9 @@ def test_a_quantity_is_found_by_any_of_its_names(called: str, name: str) -> None
     assert found.name == name
 
 
-def test_a_word_that_is_no_quantity() -> None:
-    assert find_quantity("speed") is None
+@pytest.mark.parametrize("called", ["speed", "a", "l", ""])
+def test_a_word_that_is_no_quantity(called: str) -> None:
+    assert find_quantity(called) is None
 
 
 @given(st.integers(1, 9999), st.integers(1, 9999))

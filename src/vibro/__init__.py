@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vibro.core.codes import Regime, Status
-    from vibro.errors import SceneError, VibroError
+    from vibro.errors import FileError, InputError, SceneError, VibroError
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.histories import simulate
@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from vibro.sweeps.whole import read_scene, sweep
 
 __all__ = [
+    "FileError",
     "History",
+    "InputError",
     "Regime",
     "Scene",
     "SceneError",
@@ -39,7 +41,9 @@ __all__ = [
 __version__ = "0.1.0"
 
 _HOMES = {
+    "FileError": "vibro.errors",
     "History": "vibro.results.history",
+    "InputError": "vibro.errors",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
     "SceneError": "vibro.errors",

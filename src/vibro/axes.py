@@ -170,8 +170,9 @@ def axis_of(value: object, quantity: Quantity) -> AxisSpec:
 
     Parameters
     ----------
-    value : float, sequence of float or str
-        One value, ascending values, or the syntax of ``parse_axis``; in the quantity's unit outside.
+    value : float, str, or list, tuple, range or array of them
+        One value, ascending values, or the syntax of ``parse_axis``; in the quantity's unit outside, or as a
+        text with a unit of its own.
     quantity : Quantity
         What the axis is of.
 
@@ -187,11 +188,15 @@ def axis_of(value: object, quantity: Quantity) -> AxisSpec:
     """
     if isinstance(value, str):
         return parse_axis(value, quantity)
-    values = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    # NumPy and pandas have tolist, which gives plain numbers.
+    values = value.tolist() if hasattr(value, "tolist") else value
     if _is_number(values):
         return AxisSpec(quantity, (exact_number(repr(values), quantity),))
-    if isinstance(values, list | tuple) and values and all(map(_is_number, values)):
-        return _listed(quantity, ",".join(map(repr, values)), tuple(map(repr, values)))
+    if isinstance(values, list | tuple | range) and values:
+        items = [item.tolist() if hasattr(item, "tolist") else item for item in values]
+        if all(isinstance(item, str) or _is_number(item) for item in items):
+            texts = [item if isinstance(item, str) else repr(item) for item in items]
+            return _listed(quantity, "[" + ", ".join(texts) + "]", texts, brackets=True)
     raise InputError(
         f"{quantity.column} = {value!r}: must be a number or an axis",
         hint='write it like 1.5, "0.1:3:200" or [10, 20, 30]',
@@ -244,14 +249,15 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     return _listed(quantity, text, items)
 
 
-def _listed(quantity: Quantity, text: str, items: Sequence[str]) -> AxisSpec:
+def _listed(quantity: Quantity, text: str, items: Sequence[str], brackets: bool = False) -> AxisSpec:
     values = tuple(exact_number(item, quantity) for item in items)
     ascending = sorted(set(values))
     if list(values) != ascending:
-        wanted = ",".join(f"{float(v):.15g}" for v in ascending)
+        given = text if brackets else repr(text)
+        wanted = (", " if brackets else ",").join(f"{float(v):.15g}" for v in ascending)
         raise InputError(
-            f"{quantity.label} = {text!r}: the values of a list must ascend and differ",
-            hint=f"write {wanted}",
+            f"{quantity.label} = {given}: the values of a list must ascend and differ",
+            hint=f"write [{wanted}]" if brackets else f"write {wanted}",
         )
     return AxisSpec(quantity, values)
 

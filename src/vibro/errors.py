@@ -63,6 +63,7 @@ class InputError(VibroError):
         self.problems = problems
         self.hint = hint
         super().__init__("; ".join(problems))
+        _note(self, hint)
 
 
 class FileError(VibroError):
@@ -77,3 +78,10 @@ class FileError(VibroError):
     def __init__(self, message: str, hint: str = "") -> None:
         self.hint = hint
         super().__init__(message)
+        _note(self, hint)
+
+
+def _note(error: VibroError, hint: str) -> None:
+    """Let a traceback show the hint too."""
+    for line in hint.splitlines():
+        error.add_note(f"hint: {line}")

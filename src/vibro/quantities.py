@@ -245,9 +245,11 @@ _SPELLED_DIGITS: Final = 15  # every double has them, and people write no more
 def find_quantity(text: str) -> Quantity | None:
     """Find a quantity of a scene by whatever people call it: name, column, letter or option."""
     called = text.strip()
-    spelled = called.removeprefix("--").replace("-", "_").casefold()
-    names = ((q, (q.name, q.column, q.letter.casefold())) for q in _ALL)
-    return next((q for q, known in names if called in q.options or spelled in known), None)
+    spelled = called.removeprefix("--").replace("-", "_").replace(" ", "_").casefold()
+    # A single letter keeps its case: A is the amplitude, while the option -a is the drive angle.
+    letter = called if len(called) == 1 else spelled
+    found = (q for q in _ALL if called in q.options or spelled in (q.name, q.column) or letter == q.letter)
+    return next(found, None)
 
 
 def kinetic_friction(ratio: Any, static_friction: Any) -> Any:

@@ -11,7 +11,7 @@ from vibro.core.codes import HOPPING_PATTERNS, Level, Model, Status
 from vibro.core.contact.solver import SteadyState, steady_state
 from vibro.core.flight.cycles import MOST_THROW, hopping_cycles
 from vibro.core.groups import Loads
-from vibro.errors import VibroError
+from vibro.errors import InputError
 from vibro.parallel import BLOCK, grid_blocks, in_parallel, within
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.scene import Fields
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["level_of", "solve"]
+__all__ = ["check_flight", "level_of", "solve"]
 
 # Hopping cells at once: many enough to share the steps that a few of them, with hundreds of flights, need.
 _HOPPING_BLOCK: Final = 32_768
@@ -77,6 +77,7 @@ def solve(
     0.016263456 m/s, F_
     """
     classes_alone = level_of(accuracy) is Level.REGIMES
+    check_flight(flight)
     shape = scene.shape
     grid = shape or (1,)
     ones = (1,) * len(grid)
@@ -109,7 +110,13 @@ def level_of(accuracy: str) -> Level:
     try:
         return Level(accuracy)
     except ValueError:
-        raise VibroError(f"accuracy = {accuracy!r}: must be one of {', '.join(Level)}") from None
+        raise InputError(f"accuracy = {accuracy!r}: must be one of {', '.join(Level)}") from None
+
+
+def check_flight(flight: bool) -> None:
+    """Refuse what only looks like a switch: the text "off" would count as on."""
+    if not isinstance(flight, bool | np.bool_):
+        raise InputError(f"flight = {flight!r}: must be True or False")
 
 
 def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:

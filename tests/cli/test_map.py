@@ -341,9 +341,9 @@ def test_four_axes_draw_a_slice_and_the_table_holds_all(run: Run) -> None:
 @pytest.mark.parametrize(
     ("args", "problem"),
     [
-        (("--x", "mu_s"), "static_friction does not vary in this sweep"),
+        (("--x", "mu_s"), "static friction does not vary in this sweep"),
         (("--x", "f", "--y", "f"), "frequency is asked for twice"),
-        (("--at", "A=9"), "amplitude = 9 lies outside of the sweep"),
+        (("--at", "A=9"), "amplitude = 9 mm lies outside of the sweep"),
         (("--at", "A"), "--at A: not of the form AXIS=VALUE"),
         (("--at", "colour=1"), "--at colour=1: 'colour' is no axis"),
         (("--at", "A=1,f=12"), "every axis of the sweep is held: nothing is left to draw"),
@@ -368,7 +368,7 @@ def test_formats(run: Run) -> None:
 
 
 def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    import vibro.sweeps.run
+    import vibro.sweeps.grid
     from vibro.core.codes import Status
     from vibro.results import SteadyCycle
     from vibro.scene import Scene
@@ -379,7 +379,7 @@ def test_unresolved_cells_are_exit_code_3(run: Run, monkeypatch: pytest.MonkeyPa
         cycle.status.flat[0] = Status.UNRESOLVED
         return cycle
 
-    monkeypatch.setattr(vibro.sweeps.run, "solve", doubtful)
+    monkeypatch.setattr(vibro.sweeps.grid, "solve", doubtful)
     result = run("map", *NUT, "-A", "0.5:2:3", "--accuracy", "regimes", "-o", "nut")
     assert result.exit_code == 3
     assert "1 of 3 cells: unresolved" in result.stderr

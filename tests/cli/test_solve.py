@@ -215,7 +215,7 @@ def test_longer_periods_are_counted(run: Run) -> None:
 
 
 def test_a_mean_of_irregular_motion_has_its_error(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    import vibro.sweeps.run
+    import vibro.sweeps.grid
     from vibro.core.codes import Status
     from vibro.results import SteadyCycle
     from vibro.steady import solve
@@ -228,7 +228,7 @@ def test_a_mean_of_irregular_motion_has_its_error(run: Run, monkeypatch: pytest.
             mean_velocity_error=np.array(1.25e-3),
         )
 
-    monkeypatch.setattr(vibro.sweeps.run, "solve", irregular)
+    monkeypatch.setattr(vibro.sweeps.grid, "solve", irregular)
     result = run("solve", *NUT, "-A", "4")
     assert result.exit_code == 0
     told = facts(result.stdout)

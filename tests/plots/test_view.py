@@ -71,12 +71,12 @@ def test_facets_reach_from_end_to_end() -> None:
 @pytest.mark.parametrize(
     ("x", "y", "at", "message"),
     [
-        ("trough_angle", None, {}, "trough_angle does not vary"),
+        ("trough_angle", None, {}, "trough angle does not vary"),
         (None, "gravity", {}, "gravity does not vary"),
         ("amplitude", "amplitude", {}, "amplitude is asked for twice"),
         ("amplitude", None, {"amplitude": 1.0}, "amplitude is asked for twice"),
-        (None, None, {"frequency": 100.0}, "frequency = 100 lies outside"),
-        (None, None, {"frequency": math.nan}, "frequency = nan lies outside"),
+        (None, None, {"frequency": 100.0}, "frequency = 100 Hz lies outside"),
+        (None, None, {"frequency": math.nan}, "frequency = nan Hz lies outside"),
         (None, None, {"amplitude": 1.0, "frequency": 15.0}, "nothing is left to draw"),
     ],
 )

@@ -80,6 +80,42 @@ def test_a_swept_ratio_has_its_column_and_frictions_are_spelled_as_typed() -> No
     assert "friction_ratio" not in vibro.sweep(frequency_hz=15, **fixed).to_frame().columns
 
 
+def test_values_may_carry_units_and_come_as_series() -> None:
+    by_number = vibro.sweep(amplitude_mm=[0.8, 1.0], frequency_hz=15, **NUT)
+    for values in (["800um", "1mm"], "800um,1mm", pd.Series([0.8, 1.0]), [np.float64(0.8), 1]):
+        t = vibro.sweep(amplitude_mm=values, frequency_hz="900rpm", **NUT)
+        np.testing.assert_array_equal(t.cycle.mean_velocity, by_number.cycle.mean_velocity)
+    assert vibro.sweep(amplitude_mm=range(1, 4), frequency_hz=15, **NUT).shape == (3,)
+
+
+def test_one_operating_point_is_a_sweep_too() -> None:
+    t = vibro.sweep(amplitude_mm=1, frequency_hz=15, **NUT)
+    assert t.shape == ()
+    assert t.to_frame()["pattern"].tolist() == ["F_"]
+    assert repr(t) == "<Sweep of one operating point>"
+    with pytest.raises(InputError, match="no such picture"):
+        t.draw("speed")
+
+
+def test_what_is_handed_out_does_not_change_the_sweep() -> None:
+    t = vibro.sweep(amplitude_mm="0.5:1.5:3", frequency_hz=15, **NUT)
+    t.axes["amplitude_mm"][0] = 99.0
+    t.fixed["restitution"] = 0.5
+    assert t.to_frame()["amplitude_mm"].tolist() == [0.5, 1.0, 1.5]
+    assert t.fixed["restitution"] == 0.0
+    assert repr(t) == "<Sweep of amplitude_mm (3 values)>"
+
+
+def test_more_cells_than_memory_holds_are_refused_with_their_size() -> None:
+    with pytest.raises(InputError, match=r"9000000 x 9000000 = 81000000000000 cells take about 8.91e\+06 GB"):
+        vibro.sweep(amplitude_mm="1:2:9e6", frequency_hz="1:2:9e6", **NUT)
+
+
+def test_a_text_is_no_switch() -> None:
+    with pytest.raises(InputError, match="flight = 'off': must be True or False"):
+        vibro.sweep(NUT_FILE, flight="off")  # type: ignore[arg-type]
+
+
 def test_regimes_alone_and_contact_alone() -> None:
     t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, accuracy="regimes", **NUT)
     assert list(t.to_frame()["regime"]) == ["no-slip", "back-slip", "hopping"]
@@ -108,8 +144,11 @@ def test_what_was_not_looked_at_is_no_number() -> None:
             "for example: vibro.sweep(amplitude_mm=1, frequency_hz='10:20', drive_angle_deg=20, "
             "static_friction=0.74, friction_ratio=0.77)",
         ),
-        (NUT | {"amplitude_mm": 1, "frequency_hz": 15}, "nothing varies", 'amplitude_mm="0.1:3:200"'),
-        (NUT | {"frequency_hz": [20, 10]}, "the values of a list must ascend and differ", "write 10,20"),
+        (
+            NUT | {"frequency_hz": [20, 10]},
+            "frequency = [20, 10]: the values of a list must ascend and differ",
+            "write [10, 20]",
+        ),
         (NUT | {"frequency_hz": True}, "frequency_hz = True: must be a number or an axis", "write it like"),
         (NUT | {"frequency_hz": [[1, 2]]}, "must be a number or an axis", "write it like"),
         (
@@ -141,13 +180,69 @@ def test_pictures_of_the_cells_held() -> None:
 
 
 def test_pictures_that_there_are_not() -> None:
-    line = vibro.sweep(amplitude_mm="0.1:3:30", frequency_hz=15, **NUT)
-    assert line.draw("speed").axes
+    line = vibro.sweep(amplitude_mm=[0.5, 1, 1.3], frequency_hz=15, **NUT)
+    (numbers,) = [line for line in line.draw("speed").axes[1].lines if line.get_gid() == "numbers"]
+    assert np.isfinite(np.asarray(numbers.get_ydata(), float)).sum() == 3
+    assert numbers.get_marker() == "o"
+    with pytest.raises(InputError, match="no such picture") as caught:
+        line.draw("traverse")
+    assert caught.value.hint == "give trough_length_mm"
     with pytest.raises(InputError, match="no such picture") as caught:
         line.draw("regime")
     assert caught.value.hint == "there are speed, impact, flight"
     with pytest.raises(InputError, match="frequency does not vary"):
         line.draw("speed", x="frequency_hz")
+    with pytest.raises(InputError, match="the only axis of the sweep is drawn across"):
+        line.draw("speed", y="A")
+    regimes = vibro.sweep(NUT_FILE, frequency_hz="5:60:7", accuracy="regimes")
+    with pytest.raises(InputError, match="no such picture") as caught:
+        regimes.draw("speed")
+    assert caught.value.hint == "there are regime"
+
+
+@pytest.mark.parametrize(
+    ("at", "problem"),
+    [
+        ({"a": 10}, "at: 'a' is no axis"),
+        ({"alpha": 10, "drive_angle_deg": 20}, "at: drive angle is given twice"),
+        ({"alpha": "10,20"}, "at: drive angle = '10,20': must be one value"),
+        ({"alpha": None}, "must be a number or an axis"),
+        ({"alpha": 99}, "drive angle = 99 deg lies outside of the sweep"),
+    ],
+)
+def test_places_that_there_are_not(at: dict[str, Any], problem: str) -> None:
+    t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:5", frequency_hz="5:60:5", drive_angle_deg="10,20")
+    with pytest.raises(InputError, match=problem):
+        t.draw("regime", at=at)
+
+
+def test_names_stand_in_their_regimes_on_uneven_cells() -> None:
+    """What a name stands on is what is filled there, however far apart the cells are."""
+    t = vibro.sweep(NUT_FILE, amplitude_mm=[0.1, 0.5, 0.7, 3, 3.1], frequency_hz=[5, 10, 40, 45, 60])
+    axes = t.draw("regime").axes[0]
+    names = [text for text in axes.texts if text.get_text().replace("\n", "") in LABELS]
+    assert names
+    for text in names:
+        on_screen = text.get_transform().transform(text.get_position())
+        x, y = axes.transData.inverted().transform(on_screen).tolist()
+        filled = {p.get_gid() for p in axes.patches if p.get_path().contains_point((x, y))}
+        uppermost = [name for name in ("no-slip", "forward-slip", "back-slip", "hopping") if name in filled]
+        assert text.get_text().replace("\n", "") == ["no-slip", *uppermost][-1]
+
+
+LABELS = {"no-slip", "forward-slip", "back-slip", "hopping"}
+
+
+def test_the_operating_point_is_the_scene_that_the_file_gives() -> None:
+    def marked(**changes: Any) -> bool:
+        figure = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:9", frequency_hz="5:60:9", **changes).draw(
+            "regime"
+        )
+        return any(line.get_gid() == "operating point" for line in figure.axes[0].lines)
+
+    assert marked()
+    assert not marked(drive_angle_deg=40)
+    assert not marked(friction_ratio=0.5)
 
 
 def test_one_operating_point_of_a_file(tmp_path: Path) -> None:

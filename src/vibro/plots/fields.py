@@ -41,6 +41,7 @@ _SMOOTH_AROUND: Final = 5
 _SEEN: Final = 7
 
 # Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
+_EVEN_POINTS: Final = 100  # along an axis, where places for words are looked for
 _LEAST_RATIO: Final = 1e-30
 
 
@@ -164,6 +165,18 @@ class Fields:
         y = points[:, 1] if self.panel.y is None else _unstraightened(self.panel.y, points[:, 1])
         return np.column_stack([_unstraightened(self.panel.x, points[:, 0]), y])
 
+    def evenly(self, field: Floats) -> Floats:
+        """Return a field on points that lie evenly on the paper, as places for words are looked for.
+
+        The axes of a picture of its own resolution do; those of cells that a caller holds may not.
+        """
+        axes = [axis for axis in (self.panel.x, self.panel.y) if axis is not None]
+        if len(axes) < 2 or all(map(_is_even, axes)):
+            return field
+        u, v = (_straightened(axis, _even_values(axis)) for axis in axes)
+        points = np.column_stack([np.tile(u, len(v)), np.repeat(v, len(u))])
+        return _sample(self, field, points).reshape(len(v), len(u))
+
     @property
     def _zeros(self) -> Floats:
         return np.zeros((len(self.y), len(self.x)))
@@ -191,6 +204,18 @@ class Fields:
         if panel.y is not None and name == panel.y.name:
             return self.y[:, np.newaxis]
         return panel.values[name]
+
+
+def _is_even(axis: Axis) -> bool:
+    on_paper = np.log(axis.values) if axis.spacing == "log" else axis.values
+    steps = np.diff(on_paper)
+    return len(axis) >= _EVEN_POINTS and bool(np.ptp(steps) <= 1e-6 * steps.max())
+
+
+def _even_values(axis: Axis) -> Floats:
+    space = np.geomspace if axis.spacing == "log" else np.linspace
+    values: Floats = space(axis.values[0], axis.values[-1], _EVEN_POINTS)
+    return values
 
 
 def _straightened(axis: Axis, values: Floats) -> Floats:

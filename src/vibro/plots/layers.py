@@ -91,7 +91,6 @@ class MapLayers:
         self._spines: dict[str, list[Floats]] = {}
         self._curves: dict[str, list[Floats]] = {}
         self._contours: list[tuple[str, list[Floats], Any]] = []
-        self._regime = fields.panel.cycle["regime"]
 
     @property
     def open(self) -> NDArray[np.bool_]:
@@ -114,10 +113,13 @@ class MapLayers:
 
     def name_regimes(self) -> None:
         """Have the visible regimes named by ``write``."""
+        begun = [self.fields.log_ratio[curve] for curve in BEGINS_AT.values()]
         for regime, colour in REGIME_COLOURS.items():
-            member = (self._regime == regime) & self.open
-            if member.any():
-                self._name_region(regime.label, member, facecolor=colour)
+            # Where it has begun and no later one has, as the areas are filled.
+            place = list(BEGINS_AT).index(regime) + 1 if regime in BEGINS_AT else 0
+            own, later = begun[max(place - 1, 0) : place], begun[place:]
+            inside = np.minimum.reduce([*own, *(-field for field in later)])
+            if self._name_region(regime.label, inside, facecolor=colour):
                 self._spines[regime.label] = self._spine(regime)
 
     def _spine(self, regime: Regime) -> list[Floats]:
@@ -258,7 +260,7 @@ class MapLayers:
     def _write_curves(self, labeller: Labeller) -> None:
         if not self._has_numbers:
             # On filled regimes dark words are legible, except on hopping, the darkest.
-            labeller.avoid_region(self._regime == Regime.HOPPING)
+            labeller.avoid_region(self.fields.evenly(self.fields.log_ratio["hop"]) > 0.0)
         halo = "#FFFFFF" if self._has_numbers else None
         for name, pieces in self._curves.items():
             style = CURVES[name]
@@ -273,15 +275,19 @@ class MapLayers:
     def _cover(self, field: Floats, label: str, **style: Any) -> None:
         """Cover the area in which a field is positive, and have what is visible of it named."""
         if self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **style):
-            member = (field > 0.0) & self.open
+            self._name_region(label, field, **style)
             self._covers.append(field)
-            if member.any():
-                self._name_region(label, member, **style)
 
-    def _name_region(self, text: str, member: NDArray[np.bool_], **style: Any) -> None:
+    def _name_region(self, text: str, field: Floats, **style: Any) -> bool:
+        """Have what is to be seen of the area in which a field is positive named; False if nothing is."""
+        seen = np.minimum.reduce([field, *(-cover for cover in self._covers)])
+        member = self.fields.evenly(seen) > 0.0
+        if not member.any():
+            return False
         self._regions.append((text, member, style))
         if not self._single:
             self.legend[text] = style
+        return True
 
     def _fill(self, field: Floats, **style: Any) -> bool:
         """Fill the area in which a field is positive; False if there is none."""

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
 __all__ = ["flight_line", "impact_line", "speed_lines", "traverse_line"]
 
 _TINT: Final = 0.35  # opacity of bands behind lines
+_MARKED: Final = 60  # values on the axis, up to which each is marked
 _WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
 _MILLIMETRE: Final = 1e3  # [1/m]
 
@@ -183,6 +184,8 @@ def _line(axes: Axes, fields: Fields, values: Floats) -> None:
     x = fields.panel.x.values
     regime = fields.panel.cycle["regime"][0]
     jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1
+    # A value alone in its regime makes no line: few values are marked.
+    mark: dict[str, Any] = {"marker": "o", "markersize": 4.0} if x.size <= _MARKED else {}
     axes.plot(
         np.insert(x, jumps, np.nan),
         np.insert(values, jumps, np.nan),
@@ -190,6 +193,7 @@ def _line(axes: Axes, fields: Fields, values: Floats) -> None:
         linewidth=1.8,
         gid="numbers",
         zorder=3,
+        **mark,
     )
     finite = values[np.isfinite(values)]
     if finite.size and finite.min() < 0.0:

@@ -116,9 +116,9 @@ def choose_view(
         free = [name for name in free if name not in (x, y)]
     if x is None:
         if not free:
-            raise InputError(
-                "every axis of the sweep is held: nothing is left to draw", hint="leave one out of --at"
-            )
+            if y is not None and not at:
+                raise InputError("the only axis of the sweep is drawn across", hint="leave y out")
+            raise InputError("every axis of the sweep is held: nothing is left to draw", hint="hold one less")
         x = free.pop(0)
     if y is None and free:
         y = free.pop(0)
@@ -132,16 +132,18 @@ def _check_names(axes: Mapping[str, Axis], x: str | None, y: str | None, at: Map
     named = [name for name in (x, y, *at) if name is not None]
     for name in named:
         if name not in axes:
-            raise InputError(f"{name} does not vary in this sweep", hint=f"its axes are {', '.join(axes)}")
+            label = name.replace("_", " ")
+            known = ", ".join(axis.label for axis in axes.values())
+            raise InputError(f"{label} does not vary in this sweep", hint=f"its axes are {known}")
         if named.count(name) > 1:
-            raise InputError(f"{name} is asked for twice", hint="give --x, --y and --at different axes")
+            raise InputError(f"{axes[name].label} is asked for twice", hint="give x, y and at different axes")
 
 
 def _index(axis: Axis, value: float) -> int:
     low, high = float(axis.values[0]), float(axis.values[-1])
     if not low <= value <= high:
         raise InputError(
-            f"{axis.name} = {value:.6g} lies outside of the sweep",
+            f"{axis.label} = {value:.6g} {axis.unit}".rstrip() + " lies outside of the sweep",
             hint=f"give a value from {low:.6g} to {high:.6g} {axis.unit}".rstrip(),
         )
     return int(np.argmin(np.abs(axis.values - value)))

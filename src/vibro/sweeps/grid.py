@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibro.core.codes import Level
-from vibro.quantities import QUANTITIES, kinetic_friction
+from vibro.quantities import QUANTITIES, kinetic_friction, scene_fields
+from vibro.scene import Scene
+from vibro.steady import solve
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,10 +19,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
+    from vibro.results.steady import SteadyCycle
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Grid"]
+__all__ = ["Grid", "scene_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,25 +61,38 @@ class Grid:
         """Number of cells."""
         return math.prod(self.shape)
 
-    def values(self, box: tuple[slice, ...]) -> dict[str, Floats]:
+    def values(self, box: tuple[slice, ...] | None = None) -> dict[str, Floats]:
         """Return every quantity of a box of cells, in the user's units.
 
         Parameters
         ----------
-        box : tuple of slice
-            One for each axis.
+        box : tuple of slice, optional
+            One for each axis; without it the whole grid.
 
         Returns
         -------
         dict of str to array
             By name; broadcastable to the box's shape. The kinetic friction is always among them.
         """
+        box = (slice(None),) * len(self.axes) if box is None else box
         result = {name: np.full((1,) * len(box), value) for name, value in self.fixed.items()}
         for i, (axis, part) in enumerate(zip(self.axes.values(), box, strict=True)):
             result[axis.name] = axis.values[part].reshape([-1 if j == i else 1 for j in range(len(box))])
         if "friction_ratio" in result:
             result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
         return result
+
+    def solve(self, values: Mapping[str, Floats]) -> SteadyCycle:
+        """Solve the cells of a box, given by its ``values``."""
+        return solve(scene_of(values), accuracy=self.level, flight=self.flight)
+
+    def operating_point(self, own: Mapping[str, float] | None) -> dict[str, float] | None:
+        """Return a scene's own value of every axis; None unless it gives all and differs in nothing else."""
+        if own is None or not self.axes.keys() <= own.keys():
+            return None
+        others = {name: value for name, value in own.items() if name not in (*self.axes, "trough_length")}
+        elsewhere = any(self.fixed.get(name) != value for name, value in others.items())
+        return None if elsewhere else {name: own[name] for name in self.axes}
 
     def describe(self) -> dict[str, Any]:
         """Return what a sidecar says of it: fixed quantities and axes, by their columns."""
@@ -94,3 +110,8 @@ class Grid:
         if self.length is not None:
             scene[QUANTITIES["trough_length"].column] = self.length
         return {"scene": scene, "axes": axes}
+
+
+def scene_of(values: Mapping[str, Floats]) -> Scene:
+    """Make the scenes of a box of cells, of which some combinations may be infeasible."""
+    return Scene.allowing_infeasible(**scene_fields(values))

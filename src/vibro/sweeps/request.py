@@ -153,6 +153,7 @@ def gather(
     takes_axes: bool = False,
     ranges: Mapping[str, str] | None = None,
     needs_length: bool = False,
+    must_vary: bool = True,
 ) -> Request:
     """Merge a scene file and what a caller gives beside it, and check all that can be known beforehand.
 
@@ -172,6 +173,8 @@ def gather(
         Axes for what is not given; where nothing else varies, also for what the table ``[scene]`` gives.
     needs_length : bool
         Whether the length of the trough is needed.
+    must_vary : bool
+        Whether ``ranges`` without any axis are refused.
 
     Returns
     -------
@@ -203,7 +206,7 @@ def gather(
         _check_varies(slot, spec, caller, takes_axes, problems)
         _check_range(slot, spec, problems)
     _check_combinations(merged, problems)
-    if ranges and not problems.slots and not any(spec.varies for spec in merged.values()):
+    if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
         problems.add("", "nothing varies", f"give an axis, for example {caller.an_axis}")
     required = [s for s in _EXAMPLES if s not in ranges and (needs_length or s != "trough_length")]
     _check_missing(required, merged, caller, problems)
@@ -275,7 +278,7 @@ def _check_combinations(specs: Specs, problems: _Problems) -> None:
     ratio = specs.get("kinetic_friction")
     if ratio is not None and ratio.quantity.name == "friction_ratio":
         least.pop("kinetic_friction", None)
-        if ratio.values[0] > 1:
+        if ratio.varies and ratio.values[0] > 1:
             problems.add("kinetic_friction", f"{_text(ratio, ratio.values[0])}: must be in [0, 1]")
     if "static_friction" not in least:
         least.pop("kinetic_friction", None)

@@ -12,11 +12,10 @@ from vibro.core.codes import Status
 from vibro.limits import critical_loads
 from vibro.motion.arrivals import arrival_time
 from vibro.parallel import BLOCK, cores, grid_blocks, within
-from vibro.quantities import QUANTITIES, scene_fields
+from vibro.quantities import QUANTITIES
 from vibro.results.steady import SteadyCycle
 from vibro.results.sweep import Block, SweepResult
-from vibro.scene import Scene
-from vibro.steady import solve
+from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -53,7 +52,7 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
     """
     for box in grid_blocks(grid.shape, _WALKED_BLOCK if grid.arrivals else _SOLVED * cores()):
         values = grid.values(box)
-        cycle = _solve(grid, values)
+        cycle = grid.solve(values)
         arrival = _arrival(grid, values, cycle) if grid.arrivals else None
         # Solved together, so that all cores have work; handed on in pieces whose texts stay small.
         for piece in grid_blocks(cycle.status.shape, _BLOCK):
@@ -98,13 +97,9 @@ def sweep_picture(
         for axis in varying
     }
     part = replace(grid, axes=axes, fixed=fixed)
-    values = part.values((slice(None),) * len(axes))
-    point = None
-    if operating_point is not None and grid.axes.keys() <= operating_point.keys():
-        point = {name: operating_point[name] for name in grid.axes}
-    return SweepResult(
-        axes, fixed, _solve(part, values), critical_loads(_scene(values)), grid.length, point, title
-    )
+    values = part.values()
+    limits, point = critical_loads(scene_of(values)), grid.operating_point(operating_point)
+    return SweepResult(axes, fixed, part.solve(values), limits, grid.length, point, title)
 
 
 def _resolved(axis: Axis, count: int) -> Axis:
@@ -115,18 +110,10 @@ def _resolved(axis: Axis, count: int) -> Axis:
     return Axis(axis.name, np.linspace(*ends, count), "linear")
 
 
-def _scene(values: Mapping[str, Floats]) -> Scene:
-    return Scene.allowing_infeasible(**scene_fields(values))
-
-
-def _solve(grid: Grid, values: Mapping[str, Floats]) -> SteadyCycle:
-    return solve(_scene(values), accuracy=grid.level.value, flight=grid.flight)
-
-
 def _arrival(grid: Grid, values: Mapping[str, Floats], cycle: SteadyCycle) -> Floats | None:
     """Follow bodies from rest; those whose flight is not modelled have no arrival."""
     if grid.length is None:
         return None
     length = QUANTITIES["trough_length"].to_si(grid.length)
-    time = np.asarray(arrival_time(_scene(values), length))
+    time = np.asarray(arrival_time(scene_of(values), length))
     return np.where(cycle.status == Status.FLIGHT_NOT_MODELLED, np.nan, time)

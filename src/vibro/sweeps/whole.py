@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
@@ -12,13 +13,14 @@ import numpy as np
 from vibro.axes import axis_of
 from vibro.core.codes import Level
 from vibro.errors import InputError
-from vibro.files.scene_files import read_scene_file
+from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.limits import critical_loads
-from vibro.quantities import QUANTITIES, find_quantity, scene_fields
+from vibro.quantities import QUANTITIES, find_quantity
 from vibro.results.sweep import Block, SweepResult
 from vibro.scene import Scene
-from vibro.steady import level_of, solve
+from vibro.steady import check_flight, level_of
 from vibro.sweeps.columns import columns_of, to_frame
+from vibro.sweeps.grid import scene_of
 from vibro.sweeps.request import RANGES, gather
 
 if TYPE_CHECKING:
@@ -37,13 +39,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Sweep", "read_scene", "sweep"]
 
+_BYTES_PER_CELL: Final = 110  # [B] of all results
 _BY_COLUMN: Final = {quantity.column: quantity for quantity in QUANTITIES.values()}
 
 
 class _Call(NamedTuple):
-    """How messages speak of the arguments of a function; ``typed`` are those given, as they were typed."""
+    """How messages speak of the arguments of ``sweep``; ``typed`` are those given, as they were typed."""
 
-    function: str
     typed: tuple[str, ...] = ()
     gives: str = "the call"
     an_axis: str = 'amplitude_mm="0.1:3:200"'
@@ -54,10 +56,17 @@ class _Call(NamedTuple):
 
     def example(self, values: Mapping[str, str], *, from_scratch: bool) -> str:
         given = [f"{QUANTITIES[name].column}={value}" for name, value in values.items()]
-        return f"vibro.{self.function}({', '.join([*(() if from_scratch else self.typed), *given])})"
+        return f"vibro.sweep({', '.join([*(() if from_scratch else self.typed), *given])})"
 
 
-@dataclass(frozen=True, eq=False)
+class _File(_Call):
+    """How messages speak of what a scene file gives."""
+
+    def example(self, values: Mapping[str, str], *, from_scratch: bool) -> str:
+        return "; ".join(f"{QUANTITIES[name].column} = {value}" for name, value in values.items())
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Sweep:
     """A solved sweep; made by ``vibro.sweep``.
 
@@ -78,6 +87,11 @@ class Sweep:
     _own: Mapping[str, float]
     _title: str
 
+    def __repr__(self) -> str:
+        """Say what was swept: ``<Sweep of amplitude_mm (3 values) x frequency_hz (4 values)>``."""
+        axes = [f"{axis.column} ({len(axis)} values)" for axis in self._grid.axes.values()]
+        return f"<Sweep of {' x '.join(axes) or 'one operating point'}>"
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of values of each axis."""
@@ -86,12 +100,13 @@ class Sweep:
     @property
     def axes(self) -> dict[str, NDArray[np.float64]]:
         """Values of what varies, by key."""
-        return {axis.column: axis.values for axis in self._grid.axes.values()}
+        return {axis.column: axis.values.copy() for axis in self._grid.axes.values()}
 
     @property
     def fixed(self) -> dict[str, float]:
         """Every other quantity, by key."""
-        return dict(self._grid.describe()["scene"])
+        fixed = {QUANTITIES[name].column: value for name, value in self._grid.fixed.items()}
+        return fixed if self._grid.length is None else {**fixed, "trough_length_mm": self._grid.length}
 
     def to_frame(self) -> pd.DataFrame:
         """Return the cells as a data frame.
@@ -100,10 +115,10 @@ class Sweep:
         -------
         pandas.DataFrame
             One row a cell, the last axis fastest; the columns of the CSV of ``vibro map``, their units in
-            their names. Texts are categorical, ``coexists`` is a nullable integer, and what has no number
-            is NaN.
+            their names. Texts are categorical, ``coexists`` is a nullable integer, and a number that there
+            is not is NaN.
         """
-        block = Block(self._values, self.cycle, self._grid.length)
+        block = Block(self._grid.values(), self.cycle, self._grid.length)
         return to_frame(columns_of(self._grid.axes), block)
 
     def draw(
@@ -119,11 +134,12 @@ class Sweep:
         Parameters
         ----------
         name : {"regime", "speed", "traverse", "impact", "flight"}
-            What is drawn: a map where two axes vary or more, else lines over bands of the regimes.
+            What is drawn: a map where two axes vary or more, else lines over bands of the regimes. A third
+            axis makes up to 12 maps beside each other; any more are held at their first values.
         x, y : str, optional
             The axes drawn across and up, by key, name or letter (``"amplitude_mm"``, ``"A"``).
-        at : mapping of str to float, optional
-            Where other axes are held, by the same names, in the user's units.
+        at : mapping of str to float or str, optional
+            Where other axes are held, by the same names; at the nearest value of the axis.
 
         Returns
         -------
@@ -137,38 +153,40 @@ class Sweep:
         """
         from vibro.plots import map_figures, picture_names
 
-        known = picture_names(len(self.shape), has_length=self._grid.length is not None)
-        if name not in known:
-            raise InputError(
-                f"draw({name!r}): no such picture of this sweep", hint=f"there are {', '.join(known)}"
-            )
-        axes = self._grid.axes
-        result = SweepResult(
-            axes,
-            self._grid.fixed,
-            self.cycle,
-            critical_loads(_scene_of(self._values)),
-            self._grid.length,
-            {axis: self._own[axis] for axis in self._grid.axes}
-            if self._grid.axes.keys() <= self._own.keys()
-            else None,
-            self._title,
-        )
-        held = {_axis_name(axis): value for axis, value in (at or {}).items()}
-        return map_figures(result, [name], x=x and _axis_name(x), y=y and _axis_name(y), at=held)[name]
-
-    @property
-    def _values(self) -> dict[str, NDArray[np.float64]]:
-        return self._grid.values((slice(None),) * len(self.shape))
+        grid = self._grid
+        known = picture_names(len(self.shape), has_length=grid.length is not None)
+        if grid.level is Level.REGIMES:
+            known = known[:1] if len(self.shape) > 1 else []
+        if not known or not self.shape or name not in known:
+            hint = f"there are {', '.join(known)}" if known and self.shape else "there are none"
+            if name == "traverse" and grid.length is None:
+                hint = "give trough_length_mm"
+            raise InputError(f"draw({name!r}): no such picture of this sweep", hint=hint)
+        limits, point = critical_loads(scene_of(grid.values())), grid.operating_point(self._own)
+        result = SweepResult(grid.axes, grid.fixed, self.cycle, limits, grid.length, point, self._title)
+        return map_figures(
+            result, [name], x=_axis_name(x), y=_axis_name(y), at=_held({} if at is None else at)
+        )[name]
 
 
-def _scene_of(values: Mapping[str, NDArray[np.float64]]) -> Scene:
-    return Scene.allowing_infeasible(**scene_fields(values))
+def _axis_name(called: str | None) -> str | None:
+    quantity = find_quantity(called) if called is not None else None
+    return quantity.name if quantity is not None else called
 
 
-def _axis_name(text: str) -> str:
-    quantity = find_quantity(text)
-    return quantity.name if quantity else text
+def _held(at: Mapping[str, Any]) -> dict[str, float]:
+    held: dict[str, float] = {}
+    for called, value in at.items():
+        quantity = find_quantity(str(called))
+        if quantity is None or quantity.name == "stroke":
+            raise InputError(f"at: {called!r} is no axis", hint="give it by its key, such as amplitude_mm")
+        if quantity.name in held:
+            raise InputError(f"at: {quantity.label} is given twice", hint="give it once")
+        spec = axis_of(value, quantity)
+        if spec.varies:
+            raise InputError(f"at: {quantity.label} = {value!r}: must be one value", hint="give one number")
+        held[quantity.name] = spec.value
+    return held
 
 
 def sweep(
@@ -191,7 +209,8 @@ def sweep(
         ``frequency_hz``, ``drive_angle_deg``, ``static_friction``, ``kinetic_friction`` or
         ``friction_ratio``, ``trough_angle_deg``, ``trough_length_mm``, ``gravity_m_s2``, ``restitution``. A
         value is a number, an ascending sequence of numbers, or an axis such as ``"0.1:3:100"`` or
-        ``"10,20"``. Without amplitude and frequency they sweep 0.1:3 mm and 5:60 Hz.
+        ``"10,20"``; numbers may carry units as texts, ``"800um"``. Without amplitude and frequency they
+        sweep 0.1:3 mm and 5:60 Hz.
 
     Returns
     -------
@@ -217,10 +236,23 @@ def sweep(
     """
     request = _request(scene_file, quantities)
     level = level_of(accuracy)
+    check_flight(flight)
     grid = request.grid(level, flight=flight and level is Level.EXACT)
-    values = grid.values((slice(None),) * len(grid.shape))
-    cycle = solve(_scene_of(values), accuracy=level, flight=grid.flight)
-    return Sweep(cycle, grid, request.own, request.name or "")
+    _check_memory(grid)
+    return Sweep(grid.solve(grid.values()), grid, request.own, request.name or "")
+
+
+def _check_memory(grid: Grid) -> None:
+    """Refuse what cannot be held, where the system tells how much that is."""
+    if not hasattr(os, "sysconf"):  # Windows
+        return
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if grid.size * _BYTES_PER_CELL > memory:
+        cells = f"{' x '.join(map(str, grid.shape))} = {grid.size} cells"
+        raise InputError(
+            f"{cells} take about {grid.size * _BYTES_PER_CELL / 1e9:.3g} GB, of {memory / 1e9:.3g} GB in all",
+            hint="ask for fewer values, or write them to a file with vibro map",
+        )
 
 
 def _request(scene_file: str | PathLike[str] | None, quantities: Mapping[str, Any]) -> Request:
@@ -229,7 +261,7 @@ def _request(scene_file: str | PathLike[str] | None, quantities: Mapping[str, An
     if unknown:
         close = difflib.get_close_matches(unknown[0], list(_BY_COLUMN), n=1, cutoff=0.5)
         hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(_BY_COLUMN)}"
-        raise InputError(f"unknown argument {unknown[0]!r}", hint=hint)
+        raise InputError(*(f"unknown argument {key!r}" for key in unknown), hint=hint)
     given: dict[str, AxisSpec | InputError] = {}
     for key, value in quantities.items():
         quantity = _BY_COLUMN[key]
@@ -237,10 +269,16 @@ def _request(scene_file: str | PathLike[str] | None, quantities: Mapping[str, An
             given[quantity.name] = axis_of(value, quantity)
         except InputError as exc:
             given[quantity.name] = exc
-    file = None if scene_file is None else read_scene_file(Path(scene_file))
+    file = None if scene_file is None else _read(scene_file)
     typed = [repr(str(scene_file))] if scene_file is not None else []
-    call = _Call("sweep", (*typed, *(f"{key}={value!r}" for key, value in quantities.items())))
-    return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES)
+    call = _Call((*typed, *(f"{key}={value!r}" for key, value in quantities.items())))
+    return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
+
+
+def _read(path: str | PathLike[str]) -> SceneFile:
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"scene file = {path!r}: must be a path", hint='write it like "scene.toml"')
+    return read_scene_file(Path(path))
 
 
 def read_scene(path: str | PathLike[str]) -> Scene:
@@ -270,4 +308,4 @@ def read_scene(path: str | PathLike[str]) -> Scene:
     >>> print(vibro.solve(scene).pattern)
     F_
     """
-    return gather({}, read_scene_file(Path(path)), _Call("read_scene")).scene()
+    return gather({}, _read(path), _File()).scene()
