@@ -181,7 +181,7 @@ def test_data_that_run_the_other_way(run: Run, tmp_path: Path) -> None:
     ("args", "said"),
     [
         (("--fit", "mu_k"), "--fit mu_k: 'mu_k' cannot be estimated"),
-        (("--fit", "A,a"), "--fit A,a: 'a' is given twice"),
+        (("--fit", "A,A"), "--fit A,A: 'A' is given twice"),
         (("--force", "F [N]"), "a force needs the mass of the body"),
         (("--mass", "0"), "mass = 0: must be finite and > 0 kg"),
         (("--mass", "20mm"), "'mm' is no unit of mass"),
