@@ -123,3 +123,42 @@ def test_an_onset_a_rounding_before_the_minimum_starts_a_slide() -> None:
     for rounding in (-1e-15, 0.0, 1e-15):
         end = coast(at, at.kappa + rounding, np.zeros(1), np.full(1, np.inf))
         assert 3.0 < end.length[0] < 4.0
+
+
+def test_slides_that_just_reach_zero_speed_at_a_minimum_stop_there_or_go_on() -> None:
+    # start speeds within rounding of those at which a later minimum of the speed is zero
+    count = 20_000
+    random = np.random.default_rng(9)
+    pull, phase = 10.0 ** random.uniform(-1.0, 0.5, count), random.uniform(0.0, TURN, count)
+    ratio = np.where(
+        np.arange(count) % 2,
+        10.0 ** random.uniform(-8.0, 0.0, count),
+        1.0 - 10.0 ** random.uniform(-9.0, 0.0, count),
+    )
+    bend, zero = pull * np.sqrt((1.0 - ratio) * (1.0 + ratio)), np.zeros(count)
+    at = Pull(zero, pull, pull * ratio, np.arcsin(ratio), bend, zero)
+    minimum = at.kappa + TURN * random.integers(1, 4, count)
+    start = np.mod(phase + at.shift - at.kappa, TURN) + at.kappa
+    speed = at.pull * (np.cos(minimum) - np.cos(start)) + at.drag * (minimum - start)
+    speed *= 1.0 + random.integers(-3, 4, count) * 2.0**-52
+    end = coast(at, phase, speed, np.full(count, np.inf))
+    assert end.settled.all()
+    left = at.pull * (np.cos(start) - np.cos(start + end.length)) + speed - at.drag * end.length
+    assert np.abs(left / (speed + at.pull + at.drag * end.length)).max() < 1e-14
+    at_once = np.abs(start + end.length - minimum) < 1e-5
+    assert 0.2 < at_once.mean() < 0.9
+    # ... and the mesh before it has no earlier zero
+    for i in range(0, count, 40):
+        mesh = np.linspace(0.0, end.length[i], 2000)[:-1]
+        assert (_speed(take(at, np.array([i])), phase[i], speed[i], mesh) > -1e-12 * (1.0 + speed[i])).all()
+
+
+def test_a_contact_that_ends_within_rounding_of_the_stop_leaves_no_negative_speed() -> None:
+    at, phase, speed = _pulls(2000, 10)
+    whole = coast(at, phase, speed, np.full(2000, np.inf))
+    ends = np.flatnonzero(whole.stopped)
+    for ulps in range(-2, 6):
+        limit = whole.length[ends] * (1.0 - ulps * 2.0**-53)
+        cut = coast(take(at, ends), phase[ends], speed[ends], limit)
+        assert (cut.speed >= 0.0).all()
+        assert (cut.speed < 1e-13 * (1.0 + speed[ends] + np.abs(at.drag[ends]) * limit)).all()

@@ -18,6 +18,8 @@ EPS = float(np.finfo(float).eps)
 FLAT = Groups(1.0, 20.0, 0.74, 0.57)
 EQUAL_FRICTION = Groups(1.0, 6.0, 0.182, 0.182)
 CLIMB = Groups(1.0, 16.44, 0.359, 0.242, 2.97)
+STEEP_CLIMB = Groups(1.0, 8.631, 0.4358, 0.2052, 9.165)
+ROUGH_CLIMB = Groups(1.0, 22.568, 0.2869, 0.2767, 5.454)
 DESCENT = Groups(1.0, 9.03, 0.573, 0.48, -2.46)
 
 
@@ -72,6 +74,8 @@ def _last_load_with(groups: Groups, pattern: str, low: float, high: float) -> fl
         (FLAT, "FB_", "FB", 1.36, 1.46),
         (EQUAL_FRICTION, "FB_", "FB", 0.340, 0.40),
         (CLIMB, "F_B", "FB", 0.60, 0.90),
+        (STEEP_CLIMB, "B_", "F_B", 0.65, 0.72),
+        (ROUGH_CLIMB, "F_B_", "F_B", 0.48, 0.52),
         (DESCENT, "FB_", "FB", 1.033, 1.30),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import mpmath
@@ -166,3 +167,19 @@ def test_the_refinement_starts_within_its_basin(side: float, bound: float) -> No
     # and the refinement got x right: Eq. (12) holds there
     residual = np.sin(p0 + x) * np.sin(x) - onset.k * x
     assert np.abs(residual).max() < 4e-15
+
+
+def test_a_slide_that_starts_where_the_load_has_fallen_to_its_resistance_has_no_length() -> None:
+    for c in (-0.5, -1.2, -1e-3):
+        onset = start_inside(np.array([c]), np.array([math.cos(c)]))
+        end = slide(onset._replace(excess=np.zeros(1)))
+        assert end.x.item() == pytest.approx(0.0, abs=1e-15)
+        assert end.reach.item() == pytest.approx(0.0, abs=1e-15)
+
+
+def test_weight_beyond_the_pull_leaves_no_end() -> None:
+    # |k| >= 1: the speed has no maximum any more
+    onset = start_inside(np.array([0.4, 0.4]), np.array([-1.0, -1.7]))
+    end = slide(onset)
+    assert np.isinf(end.x).all()
+    assert np.isnan(end.reach).all()

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hopping import loads_at_throw, random_loads
 from scenes import at_load, loads_of
+from scipy import stats
 
 from vibro import Scene, Status, solve
 from vibro.core.codes import Mode, hopping_text
@@ -301,3 +302,27 @@ def test_long_patterns_are_cut_and_say_so() -> None:
     for _ in range(40):
         code = returns._append(code, np.int64(Mode.FLIGHT))
     assert hopping_text(int(code[0])) == "H" * 27 + "..."
+
+
+def test_the_error_of_a_mean_is_the_standard_error_of_its_batches() -> None:
+    scene = loads_at_throw([2.42, 2.45, 2.48], 30.0, 0.5, 0.4)
+    restitution = np.full(3, 0.3)
+    cycles = hopping_cycles(scene, restitution)
+    assert (cycles.status == Status.AVERAGED).all()
+    flights = bounce.bounces(scene.across / scene.normal, restitution)
+    hops = hops_of(scene, flights)
+    cells = Cells(track_of(scene), flights.first, flights.number, flights.landing, flights.rest)
+    velocity = orbits.from_rest(cells, hops, flights)[0].velocity
+    paths, times = [], []
+    batch = flights.number // 12
+    for i in range(12):
+        starts = flights.first + i * batch
+        part = return_map(cells._replace(first=starts, number=batch), hops, velocity)
+        assert (part.slope == 0.0).all()  # it stops in each: the start is forgotten
+        velocity = part.velocity
+        paths.append(part.displacement)
+        times.append([hops.length[a : a + m].sum() for a, m in zip(starts, batch, strict=True)])
+    path, time = np.array(paths), np.array(times)
+    residual = path - time * path.sum(axis=0) / time.sum(axis=0)
+    expected = 2.0 * math.pi * stats.sem(residual, axis=0) / time.mean(axis=0)
+    assert cycles.deviation == pytest.approx(expected, rel=1e-9)

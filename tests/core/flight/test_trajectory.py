@@ -121,3 +121,24 @@ def test_a_short_bounce_lasts_twice_its_speed_over_the_load() -> None:
         got = flight(throw, phase, np.full(4, speed))
         assert got.length == pytest.approx(2.0 * speed / load, rel=10.0 * speed + 1e-4)
         assert got.impact == pytest.approx(speed, rel=10.0 * speed + 1e-3)
+
+
+def test_short_bounces_keep_their_digits() -> None:
+    # of 1e-2 down to 1e-11 of the trough's speed
+    speed = np.geomspace(1e-2, 1e-11, 40)
+    throw, phase = 1.5, 2.9
+    found = flight(np.full(40, throw), np.full(40, phase), speed)
+    with mpmath.workdps(50):
+        for v, length, impact in zip(speed, found.length, found.impact, strict=True):
+
+            def height(s: mpmath.mpf, v: float = v) -> mpmath.mpf:
+                p = mpmath.mpf(phase)
+                turned = mpmath.cos(p) * (s - mpmath.sin(s)) + mpmath.sin(p) * (1 - mpmath.cos(s))
+                return (v * s + throw * turned - s * s / 2) / s
+
+            load = 1.0 - throw * math.sin(phase)
+            exact = mpmath.findroot(height, 2.0 * v / load)
+            assert abs(length - exact) < 16 * 2.0**-52 * exact
+            p = mpmath.mpf(phase)
+            rate = v + throw * (mpmath.cos(p) - mpmath.cos(p + exact)) - exact
+            assert abs(impact + rate) < 64 * 2.0**-52 * v

@@ -28,13 +28,10 @@ __all__ = ["Coast", "Pull", "coast", "pull_of"]
 
 _TURN: Final = 2.0 * np.pi
 
-# [rad] A slide that starts this close before a minimum of its speed starts at it: its speed falls by less
-# than the square of this.
-_AT_MINIMUM: Final = 1e-9
-
 _HALLEY_STEPS: Final = 4
-# [1] A last step below this fraction of the way from the maximum leaves rounding errors only.
-_SETTLED: Final = 1e-5
+# [1] A last step below this fraction of the way from the maximum leaves rounding errors only, at double zeros
+# too: a step leaves a third of the error there, and the speed is of its square.
+_SETTLED: Final = 1e-9
 
 
 class Pull(NamedTuple):
@@ -70,7 +67,6 @@ def pull_of(scene: Loads, direction: int) -> Pull:
     pull = np.abs(amplitude)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.clip(drag / pull, -1.0, 1.0)
-    ratio = np.where(np.isnan(ratio), 1.0, ratio)  # neither pull nor drag: nothing to stop for
     return Pull(
         shift=np.where(amplitude < 0.0, np.pi, 0.0),
         pull=pull,
@@ -138,15 +134,13 @@ def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:
         One entry a slide.
     """
     # d counts from the maximum pi - kappa of the turn that begins at the minimum kappa
-    before = np.mod(phase + at.shift - at.kappa + _AT_MINIMUM, _TURN) - _AT_MINIMUM
-    d0 = before + 2.0 * at.kappa - np.pi
+    d0 = np.mod(phase + at.shift - at.kappa, _TURN) + 2.0 * at.kappa - np.pi
     still = np.flatnonzero(speed == 0.0)
     if still.size:
-        # a slide from rest starts between the minimum and the maximum; where these are close to each other,
-        # their phases and that of the onset are known no better than to the root of an ulp
+        # A slide from rest starts between the minimum and the maximum. Rounding may put its phase a little
+        # before the minimum, and so into the turn before: count from the middle between the two instead.
         half = 0.5 * np.pi - (at.kappa[still] if at.kappa.ndim else at.kappa)
-        middle = np.mod(d0[still] + half + np.pi, _TURN) - np.pi
-        d0[still] = np.clip(middle, -half, half) - half
+        d0[still] = np.mod(d0[still] + half + np.pi, _TURN) - np.pi - half
     fall = np.pi + 2.0 * at.kappa
     first_top = speed + _loss(d0, at)
     bottom = 2.0 * at.bend + at.drag * fall
@@ -170,7 +164,7 @@ def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:
     cells = np.flatnonzero(stopped)
     if cells.size:
         d, good = _fall(take(at, cells), top[cells], low[cells], high[cells])
-        length[cells] = np.minimum(offset[cells] + d, limit[cells])
+        length[cells] = offset[cells] + d
         settled[cells] = good
     length = np.where(stopped, length, limit)
     cells = np.flatnonzero(~stopped)
@@ -198,7 +192,7 @@ def _fall(at: Pull, top: Floats, low: Floats, high: Floats) -> tuple[Floats, Boo
     fall = np.pi + 2.0 * at.kappa
     whole = 2.0 * at.bend + at.drag * fall
     share = np.clip(1.0 - 2.0 * top / whole, -1.0, 1.0)
-    d = np.clip(fall * (0.5 - np.sin(np.arcsin(share) / 3.0)), low, high)
+    d = fall * (0.5 - np.sin(np.arcsin(share) / 3.0))
     step = d
     for _ in range(_HALLEY_STEPS):
         sine, versine = _turned(d)

@@ -136,14 +136,15 @@ def _lead(scene: Loads, at: Margins, forward: Onset, back: Onset) -> _Lead:
 def _outlasts(start: Onset, other: Onset, lead: _Lead, sign: int) -> _Verdict:
     """Whether a slide still moves where the opposite load window closes, own phase 3 pi/2 + c, Eq. (17).
 
-    For k < 0 the speed grows again behind 2 pi - asin|k|, and is looked at there if that comes first.
+    For k < 0 the speed grows again after 2 pi - asin|k|, and is looked at there if that comes first. |k| < 1
+    where the other onset exists and the body can rest.
     """
     k, c = start.k, other.c
     ahead, size = sign * lead.value, lead.size
     early = -k > other.cos
     if early.any():
-        c = np.where(early, np.arccos(np.clip(-k, 0.0, 1.0)), c)
-        cosines = start.sin + np.sqrt(np.maximum((1.0 - k) * (1.0 + k), 0.0))
+        c = np.where(early, np.arccos(-k), c)
+        cosines = start.sin + np.sqrt((1.0 - k) * (1.0 + k))
         ahead = np.where(early, -start.excess * (start.excess + 2.0 * k) / cosines, ahead)
         size = np.where(early, start.excess * (start.excess - 2.0 * k) / cosines, size)
     loss = k * (np.pi + start.c + c)
@@ -265,9 +266,7 @@ def _slides(which: Bools, start: _Start, after: tuple[Onset, _Slides] | None = N
             onset = take(start.onset, cells)
         else:
             before, slides = after
-            # Inside the window, whatever the rounding of an end where the speed has nearly a double root.
-            edge, k = start.onset.c[cells], start.onset.k[cells]
-            onset = start_inside(np.clip(np.pi + before.c[cells] - 2.0 * slides.x[cells], -edge, edge), k)
+            onset = start_inside(np.pi + before.c[cells] - 2.0 * slides.x[cells], start.onset.k[cells])
         end = slide(onset)
         put(out, cells, (onset.c, end.x, load * end.reach, load * end.peak, end.settled))
     return out

@@ -73,11 +73,9 @@ def track_of(scene: Loads) -> Track:
             pull_of(scene, 1),
             pull_of(scene, -1),
             forward_onset=np.where(np.abs(ahead) < 1.0, np.arcsin(ahead), np.nan),
-            # where static friction grows faster than the load, a steep trough lets go on the way up
+            # where the drive presses the body down more than it pushes, none in contact: Eq. (7)
             back_onset=np.where(
-                np.abs(behind) < 1.0,
-                np.where(scene.along > lift, np.pi + np.arcsin(behind), -np.arcsin(behind)),
-                np.nan,
+                (scene.along > lift) & (np.abs(behind) < 1.0), np.pi + np.arcsin(behind), np.nan
             ),
             lift_off=np.where(falls_away < 1.0, np.arcsin(falls_away), np.inf),
         )

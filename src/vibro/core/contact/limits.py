@@ -125,14 +125,16 @@ def _back_slip_enters(forward: Floats, back: Floats, resistance: Floats) -> Floa
 
     def speed(weight: Floats, forward: Floats, back: Floats, resistance: Floats) -> Floats:
         """Speed of the forward slide where the back window closes, over 1/G, Eq. (22): monotone."""
-        s_f, s_b = weight * forward, np.minimum(weight * back, 1.0)
+        s_f, s_b = weight * forward, weight * back
         cosines = np.sqrt((1.0 - s_f) * (1.0 + s_f)) + np.sqrt((1.0 - s_b) * (1.0 + s_b))
         gain: Floats = weight * (back - forward) * (back + forward) / cosines
         loss: Floats = resistance * (np.pi + np.arccos(s_f) + np.arccos(s_b))
         return gain - loss
 
     limit = back.copy()
-    cells = np.flatnonzero(speed(1.0 / back, forward, back, resistance) > 0.0)
+    # loads below 1e-308 have no finite 1/G: NaN, no root; where both s are 1 to rounding the speed is inf
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        cells = np.flatnonzero(speed(1.0 / back, forward, back, resistance) > 0.0)
     if cells.size:
         from scipy.optimize import elementwise  # late: most scenes do not need its import time
 
@@ -159,5 +161,5 @@ def _rest_vanishes(unit: Loads) -> Floats:
     static = mu_s * unit.across
     forward = (mu_s * unit.normal + unit.tangential) / (unit.along + static)
     back = (mu_s * unit.normal - unit.tangential) / (unit.along - static)
-    needed = np.maximum(np.maximum(forward + drop, back - drop), 0.0) / np.cos(y)
+    needed = np.maximum(forward + drop, back - drop) / np.cos(y)
     return np.where(possible, np.hypot(middle, needed), np.inf)

@@ -69,7 +69,7 @@ def start_inside(c: Floats, k: Floats) -> Onset:
     half = np.sin(0.5 * c)
     vers = 2.0 * half * half
     cos = 1.0 - vers
-    return Onset(c, cos, np.sin(c), vers, np.maximum(cos - k, 0.0), k)
+    return Onset(c, cos, np.sin(c), vers, cos - k, k)
 
 
 def _theta(onset: Onset) -> tuple[Floats, Floats]:

@@ -168,7 +168,7 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
     # Where nothing rests, any load makes it slip.
     out.forward_ratio[cells] = np.where(hold + lean > 0.0, out.forward_ratio[cells], np.inf)
     slips_back = (hold - lean <= 0.0) & (scene.along > scene.static_friction * scene.across)
-    out.back_ratio[cells] = np.where(slips_back, np.inf, np.maximum(out.back_ratio[cells], 0.0))
+    out.back_ratio[cells] = np.where(slips_back, np.inf, out.back_ratio[cells])
     for ratio in (out.throw_number, out.forward_ratio, out.back_ratio):
         ratio[cells[infeasible]] = np.nan
 

@@ -143,11 +143,11 @@ def flight(throw: Floats, phase: Floats, speed: Floats) -> Flight:
     later = np.flatnonzero(np.isnan(length))
     if later.size:
         part = take(at, later)
-        start = np.maximum(np.where(cleared[later], down[later], crest[later]), crest[later])
+        start = np.where(cleared[later], down[later], crest[later])
         end = start + np.mod(0.5 * np.pi - phase[later] - start, _TURN)
         found = _landing(part, start, end)
         length[later] = np.where(np.isnan(found), end, found)
-    return Flight(length, np.maximum(-_height(length, at)[1], 0.0))
+    return Flight(length, -_height(length, at)[1])
 
 
 def _landing(at: _Path, start: Floats, crest: Floats) -> Floats:
