@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 import numpy as np
 import pytest
+from extremes import extreme_fields
 from mpmath import mpf
 from scenes import GRAVITY, Groups
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+ANGLES_AND_FRICTIONS = ("drive_angle", "static_friction", "kinetic_friction", "trough_angle")
 FREQUENCY = 1.0
 NEAR = 1e-9
 
@@ -218,3 +220,14 @@ def test_limits_have_the_broadcast_shape() -> None:
     assert all(np.ndim(critical) == 0 for critical in one)
     middle = critical_loads(0.3, np.linspace(0.3, 0.9, 4)[1], 0.25)
     assert [c[1, 1] for c in limits] == list(middle)
+
+
+def test_limits_of_extreme_frictions_and_angles_raise_no_warning() -> None:
+    # a back onset below 1e-308, and both onsets an ulp apart
+    tiny = critical_loads([0.3, 1e-12], [1e-312, 0.5], [1e-313, 1e-14])
+    assert (tiny.back_slip >= tiny.back_onset).all()
+    fields = extreme_fields(20_000, seed=200)
+    limits = critical_loads(*(fields[name] for name in ANGLES_AND_FRICTIONS))
+    known = ~np.isnan(limits.back_slip)
+    assert known.mean() > 0.5
+    assert (limits.back_slip >= limits.back_onset)[known].all()

@@ -127,13 +127,13 @@ def _back_slip_enters(forward: Floats, back: Floats, resistance: Floats) -> Floa
         """Speed of the forward slide where the back window closes, over 1/G, Eq. (22): monotone."""
         s_f, s_b = weight * forward, weight * back
         cosines = np.sqrt((1.0 - s_f) * (1.0 + s_f)) + np.sqrt((1.0 - s_b) * (1.0 + s_b))
-        gain: Floats = weight * (back - forward) * (back + forward) / cosines
+        with np.errstate(divide="ignore"):  # inf where both s are 1 to rounding, at the back onset
+            gain: Floats = weight * (back - forward) * (back + forward) / cosines
         loss: Floats = resistance * (np.pi + np.arccos(s_f) + np.arccos(s_b))
         return gain - loss
 
     limit = back.copy()
-    # loads below 1e-308 have no finite 1/G: NaN, no root; where both s are 1 to rounding the speed is inf
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):  # loads below 1e-308 have no finite 1/G: NaN, no root
         cells = np.flatnonzero(speed(1.0 / back, forward, back, resistance) > 0.0)
     if cells.size:
         from scipy.optimize import elementwise  # late: most scenes do not need its import time
