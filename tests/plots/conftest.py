@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def nut() -> SweepResult:
-    return sweep(own=OWN, length=600, amplitude="0.1:3", frequency="5:60")
+    return sweep(points=361, own=OWN, length=600, amplitude="0.1:3", frequency="5:60")
 
 
 @pytest.fixture(scope="session")

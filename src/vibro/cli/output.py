@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import gc
 import sys
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
@@ -21,7 +19,7 @@ from vibro.sweeps.csv_sink import Tally, provenance, write_rows
 from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
     from typing import TextIO
 
@@ -140,27 +138,10 @@ def write_sweep(
         _check_size(grid, files)
         with files.table() as stream, console.progress("solving", grid.size) as report:
             tally = write_rows(grid, columns, form, stream, report)
-        with _without_collection():
-            content = files.finish(provenance(grid, columns, tally), pictures.saver() if pictures else None)
+        content = files.finish(provenance(grid, columns, tally), pictures.saver() if pictures else None)
     if options.json:
         print(json_text(content))
     return _conclude(tally, grid.size, console, files.targets)
-
-
-@contextlib.contextmanager
-def _without_collection() -> Iterator[None]:
-    """Keep the garbage collector off while figures are drawn.
-
-    They are made of thousands of small objects, all of them in use. Searching them for garbage again and
-    again takes a tenth of the time.
-    """
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
 
 
 def answer_one(

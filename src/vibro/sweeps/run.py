@@ -34,7 +34,7 @@ _SOLVED: Final = 4 * BLOCK  # for each core: few enough that an interrupt is not
 _WALKED_BLOCK: Final = 8_192  # where bodies are followed to their arrival, a hundred times the work
 
 # [values of an axis] What a picture of one, two or three axes resolves, whatever the table's axes hold.
-_RESOLVED: Final = {1: 4001, 2: 361, 3: 161}
+_RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
 
 
 def sweep_blocks(grid: Grid) -> Iterator[Block]:
