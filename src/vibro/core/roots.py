@@ -32,11 +32,11 @@ def bisect(
     Parameters
     ----------
     function : callable
-        Of points, one per cell; positive before its zero and not behind it.
+        Of points, one per cell; positive before its zero and not after it.
     low, high : array
         Intervals that contain the zeros.
     rises : bool array, optional
-        Where the function is positive behind its zero instead.
+        Where the function is positive after its zero instead.
 
     Returns
     -------

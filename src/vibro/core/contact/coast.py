@@ -1,7 +1,7 @@
 """A slide from any speed: where it stops, or that it does not before the contact ends.
 
 A slide's speed (its modulus) is s(p) = s0 + P (cos p0 - cos p) - Q (p - p0), Eq. (23), with P and Q for
-``pull`` and ``drag``. Between a maximum of s and the minimum behind it s falls
+``pull`` and ``drag``. Between a maximum of s and the minimum after it s falls
 monotonically, and from one minimum to the next it changes by -2 pi Q, so that the branch with the first
 zero follows in closed form and the zero has a proven bracket. Slides from rest in contact scenes have the
 sharper solution of ``slide.py``. Lengths in A, speeds in A w, phases in radians.
@@ -109,7 +109,7 @@ def _turned(d: Floats) -> tuple[Floats, Floats]:
 
 
 def _loss(d: Floats, at: Pull) -> Floats:
-    """Speed lost a phase d behind the maximum, Eq. (25); negative phases are before it."""
+    """Speed lost a phase d after the maximum, Eq. (25); negative phases are before it."""
     sine, versine = _turned(d)
     return at.bend * versine + at.drag * (d - sine) + at.excess * sine
 
@@ -131,7 +131,7 @@ def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:
     Returns
     -------
     Coast
-        One entry a slide.
+        One element per slide.
     """
     # d counts from the maximum pi - kappa of the turn that begins at the minimum kappa
     d0 = np.mod(phase + at.shift - at.kappa, _TURN) + 2.0 * at.kappa - np.pi
@@ -184,10 +184,11 @@ def coast(at: Pull, phase: Floats, speed: Floats, limit: Floats) -> Coast:
 
 
 def _fall(at: Pull, top: Floats, low: Floats, high: Floats) -> tuple[Floats, Bools]:
-    """Phase behind a maximum of the speed where the speed is lost, in [low, high].
+    """Phase after a maximum of the speed where the speed is lost, in [low, high].
 
-    The loss grows monotonically, so the bracket is proven. Halley's iteration starts from the cubic that
-    has the loss's horizontal ends; what it leaves (double zeros) is bisected.
+    The loss grows monotonically, so the bracket is proven. Halley's iteration starts from the zero of the
+    cubic that is level at both ends, as the loss is. Near a double zero it converges slowly; such cells are
+    bisected.
     """
     fall = np.pi + 2.0 * at.kappa
     whole = 2.0 * at.bend + at.drag * fall

@@ -77,7 +77,8 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> _Start:
     excess = (scene.static_friction - mu_d) * scene.contrast / (static_load * load)
     k = (mu_d * scene.normal + direction * scene.tangential) / load
     if np.count_nonzero(scene.tangential):
-        # Where the weight down the trough nearly cancels friction, k has to share the rounding of sin p0.
+        # Where the weight down the trough nearly cancels friction, rounding may bring k above sin p0, and no
+        # slide would start: take it from sin p0 there.
         shared = 1.0 - vers - excess
         k = np.where(np.abs(k - shared) > _NOISE, shared, k)
     onset = Onset(
@@ -225,7 +226,7 @@ def one_way_cycles(scene: Loads, at: Margins, direction: int) -> Cycles:
     Returns
     -------
     Cycles
-        One entry a scene.
+        One element per scene.
     """
     start = resting_start(scene, at, direction)
     end = slide(start.onset)
@@ -288,7 +289,7 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
     Returns
     -------
     Cycles
-        One entry a scene.
+        One element per scene.
     """
     forward, back = resting_start(scene, at, 1), resting_start(scene, at, -1)
     lead = _lead(scene, at, forward.onset, back.onset)

@@ -1,7 +1,7 @@
 """What a body on the trough does next: rest until an onset, or slide until it stops or is lifted off.
 
-The state of a body is handed over as an event ("onset, forward"), never found again from a phase that
-was itself computed. Lengths in A, speeds in A w, phases in radians.
+A rounded phase does not tell on which side of an onset it lies. So each leg says what comes after it, and
+that is not asked of the phase again. Lengths in A, speeds in A w, phases in radians.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ __all__ = ["Leg", "Track", "after_slide", "contact_leg", "mode_of", "track_of", 
 _TURN: Final = 2.0 * np.pi
 _ZERO: Final = np.zeros(())
 
-# [rad] A state this close behind the phase of an event is at the event: both phases are known to a few ulp.
+# [rad] The phases of an event and of a body are rounded, so that a body at the event may seem to have just
+# missed it, and would wait for a whole turn. This close after an event it counts as being at the event.
 _AT_EVENT: Final = 1e-9
 
 
@@ -106,7 +107,7 @@ class Leg(NamedTuple):
     impulse : array
         Normal impulse while it slides, with the sign of its velocity.
     gain : array
-        Change of the velocity behind the leg per change of it before, in [0, 1], Eq. (26).
+        Change of the velocity after the leg per change of it before, in [0, 1], Eq. (26).
     top : array
         Largest speed.
     settled : bool array
@@ -138,7 +139,7 @@ def contact_leg(track: Track, mode: Modes, phase: Floats, velocity: Floats, limi
     Returns
     -------
     Leg
-        One entry a body.
+        One element per body.
     """
     n = mode.size
     out = Leg(

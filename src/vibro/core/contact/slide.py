@@ -33,11 +33,11 @@ _ROWS: Final = tuple(np.array([[q], [r], [r], [q]]) for q, r in zip((0.0, *Q), R
 # Start of the refinement, Eq. (13): coefficients of rho theta^2, theta^2, rho and 1, with rho = c / theta.
 _START: Final = (-0.07074, 0.001219, 0.11467, -0.314847)
 
-_TINY: Final = 1e-300  # [1] keeps the step of a slide of no length from being 0 / 0
-# [rad] Rounding of p0 = pi/2 - c, which may even turn its sign; added where k -> 0 and p0 -> 0 divide 0 by 0.
+_TINY: Final = 1e-300  # [1] the step of a slide of no length would be 0 / 0: added to its denominator
+# [rad] Where k -> 0 and p0 -> 0 the estimate divides 0 by 0; this, the rounding of p0 = pi/2 - c, is added.
 _PHASE_NOISE: Final = 1e-15
 
-# A second step above this fraction of x would leave more than rounding errors behind.
+# A second step above this fraction of x would leave more than rounding errors.
 _SETTLED: Final = 1e-4
 
 
@@ -47,7 +47,7 @@ class Onset(NamedTuple):
     Attributes
     ----------
     c : array
-        pi/2 - p0 [rad]: positive before the load's crest, negative behind it.
+        pi/2 - p0 [rad]: positive before the load's crest, negative after it.
     cos, sin, vers : array
         cos c = sin p0, sin c = cos p0, and 1 - cos c computed without cancellation.
     excess : array

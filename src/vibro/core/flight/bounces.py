@@ -87,12 +87,13 @@ def after_landing(throw: Floats, phase: Floats, impact: Floats, restitution: Flo
 
 
 class Bounces(NamedTuple):
-    """Flights of scenes, one behind the other, and the contact behind the last.
+    """Flights of scenes, one after the other, and the contact after the last.
 
     Attributes
     ----------
     first, number : int array
-        Where a scene's flights begin in the arrays below, and how many there are; one entry a scene.
+        Where a scene's flights begin in the arrays below, and how many there are; one element per
+        scene.
     cycles : int array
         Drive cycles that they and the contact last, to a whole cycle.
     landing : array
@@ -108,7 +109,7 @@ class Bounces(NamedTuple):
     impact : array
         Landing speed of each flight [A w n].
     impulse : array
-        Normal impulse behind each flight [A w n].
+        Normal impulse of the landing of each flight, with the bounces that it sums [A w n].
     """
 
     first: Counts
@@ -295,7 +296,7 @@ def _close(
 def _around(
     owner: Counts, throw: Floats, restitution: Floats, phase: Floats, speed: Floats, lag: int
 ) -> tuple[list[_Flights], tuple[Floats, Floats], Floats, Bools]:
-    """Fly ``lag`` times; the flights, the state behind them, its derivatives and whether none rests."""
+    """Fly ``lag`` times; return the flights, the state after them, its derivatives and whether none rests."""
     flights = []
     slope = np.eye(2)[:, :, None] * np.ones(phase.size)
     valid = np.ones(phase.shape, np.bool_)

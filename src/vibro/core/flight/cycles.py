@@ -1,4 +1,4 @@
-"""The steady cycle of hopping scenes: the flights of ``bounce.py`` with the sliding between them.
+"""The steady cycle of hopping scenes: the flights of ``bounces.py`` with the sliding between them.
 
 Friction has no part in the normal motion, so that one unknown is left: the relative velocity at the first
 lift-off of the cycle, a fixed point of the return map that ``orbits.py`` finds.
@@ -90,7 +90,7 @@ def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
     Returns
     -------
     HoppingCycles
-        One entry a scene.
+        One element per scene.
 
     Notes
     -----

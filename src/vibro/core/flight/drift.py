@@ -33,7 +33,7 @@ _EDGE: Final = 4 * 2.0**-52  # [1] relative distance of two loads that rounding 
 
 
 class Span(NamedTuple):
-    """Sizes of what makes the velocities in a cycle.
+    """Sizes of the velocities in a cycle and of what adds to them.
 
     Attributes
     ----------
@@ -63,7 +63,8 @@ class Span(NamedTuple):
 def span_of(cells: Cells, flights: Bounces) -> Span:
     """Measure the cycles that these flights make.
 
-    The body is stopped, or turns round, once in a cycle; only the drive and gravity can add behind that.
+    The body is stopped, or turns round, once in a cycle; only the drive and gravity can add
+    velocity after that.
     Over a cycle the normal impulse is that of the weight, so that friction adds 2 pi mu_d n at most.
     """
     scene, turns = cells.track.scene, _TURN * flights.cycles
@@ -82,7 +83,7 @@ def span_of(cells: Cells, flights: Bounces) -> Span:
 
 
 def size_of(span: Span, velocity: Floats) -> Floats:
-    """Size of the numbers whose sum is the velocity behind a cycle."""
+    """Size of the numbers whose sum is the velocity after a cycle."""
     size: Floats = span.drive + span.forces + np.abs(velocity)
     return size
 
@@ -94,7 +95,7 @@ def has_stop(cycle: Return) -> Bools:
 
 
 class Drift(NamedTuple):
-    """What the states of some orbits ask for."""
+    """Which way orbits go on, by how much Newton's iteration would, and whether they are closed."""
 
     rises: Bools
     newton: Floats
@@ -102,10 +103,10 @@ class Drift(NamedTuple):
 
 
 def drift(here: Floats, now: Return, span: Span) -> Drift:
-    """Compare states with their images: the direction, Newton's step, and whether the orbit ends.
+    """Compare states with their images.
 
-    A sample of a motion without a cycle ends at another phase of the drive than it began; what gravity and
-    friction change there is the velocity over the ground.
+    A sample of a motion without a cycle ends at another phase of the drive than it began, so that the
+    trough's own velocity changes the relative one. What gravity and friction add is free of that.
     """
     slides = ~has_stop(now)
     change = np.where(slides, span.fall + now.friction, now.velocity - here)

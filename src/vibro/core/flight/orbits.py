@@ -3,7 +3,7 @@
 The map never decreases, so that its orbits are monotone and end at the first fixed point on their way.
 A cycle either has a stop, a rest or an impact that takes all of the velocity, or it has none.
 
-* Behind its last stop a cycle is the same whatever was before: the few velocities that can repeat are known
+* After its last stop a cycle is the same whatever was before: the few velocities that can repeat are known
   beforehand.
 * Without a stop the drive adds nothing over a cycle. What friction takes off grows with the velocity, as
   faster bodies are ahead at every phase, so that there is one fixed point at most; and none where gravity
@@ -37,7 +37,10 @@ if TYPE_CHECKING:
 __all__ = ["Orbits", "from_rest"]
 
 _MOST_EVALUATIONS: Final = 200
-_NEAR: Final = 1e-6  # [1] some roots of an ulp: error of a velocity behind an onset next to the lift-off
+# [1] Where an onset lies close to the lift-off, its phase is known to the root of an ulp only, and so is the
+# velocity at the lift-off after it. A velocity that returns within this distance is replaced by its image and
+# checked again.
+_NEAR: Final = 1e-6
 
 # [1] Coexisting cycles need mu_d well below mu_s; none was found above (benchmarks/hopping.py).
 _MOST_COEXISTENCE: Final = 0.75
@@ -76,7 +79,7 @@ def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Codes
     Returns
     -------
     Orbits
-        One entry a scene.
+        One element per scene.
     coexists : int8 array
         1 or 0 where kinetic friction holds gravity and is well below static friction, -1 where it was not
         looked at.
@@ -84,7 +87,7 @@ def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Codes
     span = span_of(cells, flights)
     start = np.broadcast_to(velocity_from_rest(cells.track), span.bound.shape)
     if not flights.repeats.all():
-        # a sample begins amid the motion, and there the body moves over the ground as at its lift-off
+        # a sample begins after the lift-off: give the body the velocity over the ground that it had there
         swing = np.cos(cells.track.lift_off) - np.cos(flights.phase[flights.first])
         start = np.where(flights.repeats, start, start + cells.track.scene.along * swing)
     coexists = np.full(start.shape, -1, np.int8)
@@ -116,7 +119,8 @@ def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, cyclic: Bools)
         _put(end, doubtful, home)
     edge = np.flatnonzero((end.status == Status.OK) & span.edge)
     if edge.size:
-        # Where friction just holds gravity, rounding decides unless all bodies nearby stop in the cycle too.
+        # Where friction just holds gravity, a body may stop in its cycle by rounding alone. It does not if a
+        # body that slides downhill a little faster stops too.
         velocity, part = end.velocity[edge], take(cells, edge)
         downhill = -np.sign(np.broadcast_to(scene.tangential, start.shape))[edge]
         near = velocity + downhill * _BESIDE * size_of(take(span, edge), velocity)
@@ -215,7 +219,7 @@ class _Fixed(NamedTuple):
 def _stopping(
     cells: Cells, hops: Hops, start: Floats, span: Span, begin: Return, way: Floats | None = None
 ) -> _Fixed:
-    """Find fixed points with a stop, or behind one where nothing acts on the body: all, or those on a way.
+    """Find fixed points with a stop, or after one where nothing acts on the body: all, or those on a way.
 
     ``begin`` is the cycle from the start, which stands for a rest that ends at the forward onset.
     """
@@ -287,7 +291,7 @@ def _several(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) 
 
 
 def _joined(one: Any, other: Any) -> Any:
-    """Put two nested tuples of arrays behind each other."""
+    """Concatenate two nested tuples of arrays."""
     if isinstance(one, tuple):
         return type(one)(*(_joined(*pair) for pair in zip(one, other, strict=True)))
     return np.concatenate((one, other))
@@ -297,7 +301,7 @@ def _between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: S
     """Look for the fixed points without a stop on the way to a target, with none with a stop before it.
 
     As there is one at most, it lies ahead of every velocity without a stop that is carried on. ``far`` is a
-    velocity behind which it cannot lie: from there the orbit leads back, or to the target by stops alone.
+    velocity beyond which it cannot lie: from there the orbit leads back, or to the target by stops alone.
     Where it is found the status is ``OK``.
     """
     end = _begin(cells, hops, velocity)

@@ -1,9 +1,9 @@
 """The return map of hopping bodies: from the velocity at a lift-off to that at the next one like it.
 
-The flights are known before the sliding (``bounce.py``). Trajectories cannot cross, only merge, so that the
-map never decreases. It is piecewise smooth with a slope of at most 1 (a change of direction under friction,
-a rest and an impact all bring velocities closer) and jumps upwards only, where stiction holds one body and
-not its neighbour. Lengths in A, speeds in A w, phases in radians.
+The flights are known before the sliding (``bounces.py``). Trajectories cannot cross, only merge, so that the
+map never decreases, Eq. (35). It is piecewise smooth with a slope of at most 1 (a change of direction under
+friction, a rest and an impact all bring velocities closer) and jumps upwards only, where stiction holds one
+body and not its neighbour. Lengths in A, speeds in A w, phases in radians.
 """
 
 from __future__ import annotations
@@ -45,7 +45,11 @@ _MOST_LEGS: Final = 64
 
 
 class Hops(NamedTuple):
-    """What each flight and the impact behind it do to the relative velocity, whatever that is."""
+    """What each flight and the impact after it do to the relative velocity, whatever that is.
+
+    ``gain`` and ``shift`` are velocity and displacement added in flight, ``brake`` is the most that friction
+    takes off in the impact, ``high`` and ``low`` are the extremes of the velocity added on the way.
+    """
 
     gain: Floats
     length: Floats
@@ -170,7 +174,7 @@ def _contact(cells: Cells, out: Return, on_trough: NDArray[np.intp]) -> None:
 
 
 def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
-    """Velocities at lift-off behind the last stop in a cycle, wherever that can be.
+    """Velocities at lift-off after the last stop in a cycle, wherever that can be.
 
     Parameters
     ----------
@@ -182,8 +186,8 @@ def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
     Returns
     -------
     owner : int array
-        Scene of each velocity, many a scene; none for a rest that ends at the forward onset, which
-        ``velocity_from_rest`` serves.
+        Scene of each velocity; a scene may have many. A rest that ends at the forward onset is left to
+        ``velocity_from_rest``.
     velocity : array
         At the lift-off that follows an impact, or a rest until the back onset, without another stop.
     """
@@ -206,7 +210,7 @@ def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
 
 
 def _append(pattern: Words, digit: Words | np.int64) -> Words:
-    """Append a leg to a pattern; beyond what fits it turns negative and stays as it is."""
+    """Append a leg to a pattern; once an int64 is full the pattern turns negative and stays as it is."""
     full = np.abs(pattern) >= 5 ** (MOST_LETTERS - 1)
     return np.where(full, -np.abs(pattern), 5 * pattern + digit)
 

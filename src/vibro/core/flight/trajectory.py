@@ -33,7 +33,8 @@ _TABLE: Final = 2048  # nodes of the first estimate; leaves 1e-6 relative to one
 _NEWTON_STEPS: Final = 60  # monotone, quadratic but for grazing landings; few cells need more than 8
 _SETTLED: Final = 1e-8  # [1] a last Newton step below this fraction of the length leaves rounding errors only
 
-# [1] A short bounce lasts 2 v / N; this much more than that is behind its landing, and near.
+# [1] Newton's iteration from the far end of a turn needs many steps to the landing of a short bounce, which
+# lasts 2 v / N. Start it this much of v / N after the take-off, if that is after the landing: half the steps.
 _SHORT_BOUNCE: Final = 2.2
 
 
@@ -122,7 +123,7 @@ def flight(throw: Floats, phase: Floats, speed: Floats) -> Flight:
     -----
     Seen from the ground the body flies along a parabola, and every crest of the trough that the parabola
     does not clear ends the flight. So the landing lies in the turn before the first crest, or, if that is
-    cleared, in the turn before the first crest behind the parabola's way down. Within such a turn the
+    cleared, in the turn before the first crest after the parabola's way down. Within such a turn the
     height is convex, concave and convex again, and in each piece Newton's iteration from the proper end
     meets the first zero monotonically, or proves that there is none.
     """
@@ -151,14 +152,14 @@ def flight(throw: Floats, phase: Floats, speed: Floats) -> Flight:
 
 
 def _landing(at: _Path, start: Floats, crest: Floats) -> Floats:
-    """First zero of the height behind ``start`` and up to the next crest; NaN where there is none."""
+    """First zero of the height after ``start`` and up to the next crest; NaN where there is none."""
     lift_off = np.arcsin(1.0 / at.throw)
     second = np.maximum(start, crest - 0.5 * np.pi + lift_off)
     first = np.maximum(start, crest - 1.5 * np.pi - lift_off)
     found = np.full(start.shape, np.nan)
     cells = np.flatnonzero((start > 0.0) & (first > start))
     if cells.size:
-        # where the height at the first piece's end is positive and still falling, there is no zero before
+        # where the height at the end of the first piece is positive and still falling, the piece has no zero
         height, rate = _height(first[cells], take(at, cells))
         cells = cells[(height < 0.0) | (rate > 0.0)]
     if cells.size:

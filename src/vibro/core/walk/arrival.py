@@ -33,11 +33,12 @@ _TURN: Final = 2.0 * np.pi
 _MOST_LEGS: Final = 2_000_000
 
 _SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
-# [rad, A w] Distance from the steady cycle below which changes shrink geometrically, to its square.
+# [rad, A w] Within this distance of the steady cycle changes shrink by a constant factor, Eq. (39); what that
+# neglects is of the square of the distance.
 _LINEAR: Final = 1e-7
 _SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
 _SLACK: Final = 100.0  # [1] factor between a difference of states and of the positions they lead to
-# [rad] Error of a phase from which on the arrival is unknown: motion without a period amplifies rounding.
+# [rad] Motion without a period amplifies rounding. Once a phase is uncertain by this the arrival is unknown.
 _LOST: Final = 1e-10
 _ROUNDING: Final = 2.0**-50  # [rad] of one landing
 
@@ -134,7 +135,7 @@ def _move_on(walk: _Walk) -> Bools:
     at, memory = walk.at, walk.memory
     never = np.zeros(at.phase.shape, np.bool_)
     here = is_section(walk.course, walk.sections, at)
-    # a kind of start that has not come again for two cycles belongs to the transient
+    # a start after which there was none of its kind for two cycles belongs to the transient: take a newer one
     stale = (memory.mode == 0) | (at.cycle - memory.cycle > 2 * (walk.sections.lag + 1))
     same = here & (memory.mode == at.mode)
     memory.starts[same] += 1
@@ -179,10 +180,11 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
         advance = np.where(ours, advance, walked)
         tail = np.where(linear, (walked - advance) * series, 0.0)
     series, distance = np.where(linear, (series, distance), 0.0)
-    # the next cycles may get farther than the last by about as much as their states differ
+    # later cycles get farther than the last by _SLACK times the difference of their states at most
     top = then.top + np.abs(tail) + _SLACK * (distance + np.abs(change))
     never = (advance <= 0.0) & (settled | (linear & (top < walk.length)))
-    # A hopping body that is behind and slower than a cycle ago stays so: trajectories do not cross, Eq. (35).
+    # A hopping body that got no farther in its last cycle, and is no faster than before it, never will: with
+    # trajectories that do not cross each later cycle gets no farther than the one before it, Eq. (35).
     never |= ~slides & (other <= _SETTLED) & (walked <= 0.0) & (change <= 0.0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         count = np.floor((walk.length - top - walked) / advance) - 1.0

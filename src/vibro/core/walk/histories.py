@@ -1,8 +1,8 @@
 """The exact motion of one body from any start: a list of legs, and one steady cycle with a count.
 
-A walk from leg to leg is compared with itself at the starts of slides, or of flights where the body
-hops. Once they repeat, the legs between are a cycle, which is stored once: late cycles are as sharp as
-early ones. Lengths in A, speeds in A w, phases in radians.
+A walk from leg to leg is compared with itself at the starts of slides, or of flights where the body hops.
+Once it repeats, the legs between are a cycle, which is stored once, with a count, so that rounding does not
+grow with the number of cycles. Lengths in A, speeds in A w, phases in radians.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ _TURN: Final = 2.0 * np.pi
 
 # [rad, A w] Change from one cycle to the next that rounding alone brings.
 _REPEATS: Final = 2e-15
-# [rad, A w] Changes below this that no longer shrink are rounding too: its noise is amplified where cycles
-# converge slowly.
+# [rad, A w] Where cycles converge slowly rounding is amplified, up to this. A change below it that no longer
+# shrinks is taken for rounding.
 _NOISE: Final = 1e-11
 _SHORTEST: Final = 2e-15  # [rad] legs up to this are rounding too
 _NEAR: Final = 1e-6  # [rad] distance from a fixed point that rounding cannot bring

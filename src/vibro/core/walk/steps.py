@@ -1,8 +1,8 @@
 """Bodies followed from leg to leg: rest, slide, flight, each with the state that it hands over.
 
 The state keeps the drive cycles completed and a phase in [0, 2 pi), so that no phase grows with time, and
-says what the body does from there on: the end of a rest is the onset, not a phase at which a load is
-compared again. Lengths in A, speeds in A w, normal speeds over n = cos(beta)/G [A w n], phases in radians.
+says what the body does from there on: a rest ends at the onset itself, so that rounding cannot send the
+body back to rest. Lengths in A, speeds in A w, normal speeds over n = cos(beta)/G [A w n], phases in radians.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class Step(NamedTuple):
     impact : array
         Speed towards the trough at its end, 0 in contact [A w n].
     gain : array
-        Change of the velocity behind it per change of it before, in [0, 1].
+        Change of the velocity after the leg per change of it before, in [0, 1].
     after : State
         The start of the next leg.
     """
@@ -172,7 +172,7 @@ def step(course: Course, now: State) -> Step:
     Returns
     -------
     Step
-        One entry a body.
+        One element per body.
     """
     aloft = now.mode == Mode.FLIGHT
     if not aloft.any():
