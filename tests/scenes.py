@@ -7,7 +7,6 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from hypothesis import settings
 from hypothesis import strategies as st
 
 from vibro import Scene, SteadyCycle, solve
@@ -20,8 +19,6 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.81
 FIELDS = [f.name for f in dataclasses.fields(SteadyCycle)]
-
-deterministic = settings(max_examples=150)
 
 
 class Groups(NamedTuple):

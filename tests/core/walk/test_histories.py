@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import Groups, at_load, contact_groups, deterministic, loads_of
+from scenes import Groups, at_load, contact_groups, loads_of
 
 from vibro.core.codes import Mode
 from vibro.core.walk.histories import Legs, Motion, follow
@@ -76,7 +76,6 @@ def assert_joined(motion: Motion) -> None:
     assert (legs.displacement[back & finite] <= 8 * EPS).all()
 
 
-@deterministic
 @given(contact_groups(), st.floats(-3.0, 3.0))
 def test_contact_phases_follow_each_other(groups: Groups, velocity: float) -> None:
     assert_joined(followed(groups, 4.0, velocity=velocity))
