@@ -32,7 +32,10 @@ def test_a_scene_file_gives_the_cells_of_the_command() -> None:
     frame = t.to_frame()
     command = ("map", str(NUT_FILE), "-f", "5:60:7", "-a", "10,20.5", "-o", "-")
     text = CliRunner().invoke(app, command).stdout
-    table = pd.read_csv(io.StringIO(text), keep_default_na=False, na_values={c: [""] for c in NUMBERS})
+    missing = {name: [""] for name in NUMBERS}
+    table = pd.read_csv(
+        io.StringIO(text), keep_default_na=False, na_values=missing, float_precision="round_trip"
+    )
     assert list(frame.columns) == list(table.columns)
     for name in frame.columns:
         if name in NUMBERS:
