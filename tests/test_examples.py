@@ -21,7 +21,7 @@ def run(*args: object) -> Result:
     return CliRunner().invoke(app, [str(arg) for arg in args])
 
 
-# What the README maps is run by its own tests.
+# What the README maps is run with its tour (.ci/run).
 @pytest.mark.parametrize("name", [name for name in SCENES if f"map examples/{name}" not in README])
 def test_a_map_of_every_scene(name: str, tmp_path: Path) -> None:
     result = run("map", EXAMPLES / name, "-o", f"{tmp_path}/")

@@ -1,4 +1,4 @@
-"""What the README shows is what happens."""
+"""What the README shows is what happens; .ci/run runs its commands line by line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
 
 
-SHELL = [line for block in blocks("bash") for line in block.splitlines() if line.startswith("vibro ")]
 SHOWN = [tuple(block.removeprefix("$ ").split("\n", 1)) for block in blocks("console")]
 
 
@@ -34,15 +33,8 @@ def arguments(line: str) -> list[str]:
     return shlex.split(line, comments=True)[1:]
 
 
-def test_there_are_commands_to_test() -> None:
-    assert len(SHELL) >= 8
+def test_there_are_outputs_to_test() -> None:
     assert len(SHOWN) >= 1
-
-
-@pytest.mark.parametrize("line", SHELL)
-def test_every_command_runs(line: str) -> None:
-    result = CliRunner().invoke(app, arguments(line))
-    assert result.exit_code == 0, result.stderr
 
 
 @pytest.mark.parametrize(("line", "output"), SHOWN)

@@ -12,8 +12,8 @@ from stress import NAMES, against_reference, broken_invariants
 import vibro
 from vibro.accuracy.reference import exact_cycle
 
-SCENES = 4_000
-REFERENCE_SCENES = 400
+SCENES = 2_000
+REFERENCE_SCENES = 250
 
 # [eps (condition |d| + S)] error of a displacement that rounding alone may cause
 TOLERANCE = 16.0

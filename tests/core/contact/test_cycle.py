@@ -34,7 +34,7 @@ def _displacement(cycle: vibro.SteadyCycle, scene: vibro.Scene) -> np.ndarray:
 def test_the_finite_rule_is_what_a_walk_from_rest_settles_into(
     seed: int, most_trough_deg: float, least_ratio: float
 ) -> None:
-    scene = random_scenes(1000, seed, most_trough_deg=most_trough_deg, least_ratio=least_ratio)
+    scene = random_scenes(600, seed, most_trough_deg=most_trough_deg, least_ratio=least_ratio)
     cycle = vibro.solve(scene)
     displacement = _displacement(cycle, scene)
     patterns = set()

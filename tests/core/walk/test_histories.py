@@ -102,7 +102,7 @@ def test_hopping_phases_follow_each_other(throw: float, restitution: float) -> N
     ],
 )
 def test_the_stored_cycle_is_what_walking_on_would_find(groups: Groups, restitution: float) -> None:
-    cycles = 200
+    cycles = 100
     motion = followed(groups, float(cycles), restitution=restitution)
     assert motion.period
     walk = walked(groups, cycles, restitution)
