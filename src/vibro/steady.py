@@ -37,7 +37,10 @@ _NAMES: Final = {
     "period": "period_cycles",
     "impact": "impact_velocity",
 }
+_OF_STATE: Final = tuple(_NAMES.get(name, name) for name in SteadyState._fields)
 _SAME_IN_CONTACT: Final = tuple(r.name for r in RESULTS if r.in_contact is not None)
+# What is zero in contact is zero from the start, which costs nothing.
+_MADE: Final = tuple((r.name, np.zeros if r.in_contact == 0.0 else np.empty, r.dtype) for r in RESULTS)
 
 
 def solve(
@@ -120,10 +123,8 @@ def check_flight(flight: bool) -> None:
 
 
 def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:
-    """Make arrays to be filled; what is zero in contact is zero from the start, which costs nothing."""
-    return SteadyCycle(
-        **{r.name: (np.zeros if r.in_contact == 0.0 else np.empty)(shape, r.dtype) for r in RESULTS}
-    )
+    """Make arrays to be filled."""
+    return SteadyCycle(**{name: make(shape, dtype) for name, make, dtype in _MADE})
 
 
 def _solve_block(part: dict[str, NDArray[Any]], inputs: Fields, classes_alone: bool) -> None:
@@ -131,7 +132,7 @@ def _solve_block(part: dict[str, NDArray[Any]], inputs: Fields, classes_alone: b
     shape = part["status"].shape
     # views: blocks are contiguous
     flat = part if len(shape) == 1 else {name: array.reshape(-1) for name, array in part.items()}
-    state = SteadyState(**{name: flat[_NAMES.get(name, name)] for name in SteadyState._fields})
+    state = SteadyState(*(flat[name] for name in _OF_STATE))
     loads = Loads(*(_flat(group, shape) for group in inputs.loads()))
     steady_state(loads, state, classes_alone=classes_alone)
     with np.errstate(over="ignore"):  # inf where the result is beyond the range of doubles

@@ -108,7 +108,9 @@ def test_impacts_are_marked() -> None:
     assert {"slide starts", "slide stops", "impact", "forward slide", "back slide", "flight"} <= set(legend)
 
 
-@pytest.mark.parametrize(("amplitude", "panels"), [(1.0, None), (1.5, "forces"), (4.0, None), (4.0, "velocity")])
+@pytest.mark.parametrize(
+    ("amplitude", "panels"), [(1.0, None), (1.5, "forces"), (4.0, None), (4.0, "velocity")]
+)
 def test_no_words_overlap(amplitude: float, panels: str | None) -> None:
     _, figure = draw(amplitude, cycles=4, panels=panels)
     top = figure.axes[0]

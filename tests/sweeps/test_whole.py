@@ -107,7 +107,9 @@ def test_what_is_handed_out_does_not_change_the_sweep() -> None:
 
 
 def test_more_cells_than_memory_holds_are_refused_with_their_size() -> None:
-    with pytest.raises(InputError, match=r"3000 x 3000 x 3000 x 3000 = 81000000000000 cells take about 8.91e\+06 GB"):
+    with pytest.raises(
+        InputError, match=r"3000 x 3000 x 3000 x 3000 = 81000000000000 cells take about 8.91e\+06 GB"
+    ):
         vibro.sweep(
             amplitude_mm="1:2:3000",
             frequency_hz="1:2:3000",
