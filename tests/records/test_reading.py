@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from vibro.errors import FileError, InputError
-from vibro.quantities import signal_unit
 from vibro.records.reading import Record, read_record
 
 TIMES = np.arange(6) / 600.0
@@ -75,44 +74,6 @@ def test_encodings(tmp_path: Path, encoding: str, note: str | None) -> None:
     assert (
         any(note in text for text in record.notes) if note else not any("data.csv" in t for t in record.notes)
     )
-
-
-@pytest.mark.parametrize(
-    ("text", "kind", "size"),
-    [
-        ("s", "time", 1.0),
-        ("sec", "time", 1.0),
-        ("ms", "time", 1e-3),
-        ("us", "time", 1e-6),
-        ("\u00b5s", "time", 1e-6),
-        ("min", "time", 60.0),
-        ("m", "displacement", 1.0),
-        ("cm", "displacement", 1e-2),
-        ("mm", "displacement", 1e-3),
-        ("um", "displacement", 1e-6),
-        ("\u03bcm", "displacement", 1e-6),
-        ("MM", "displacement", 1e-3),
-        ("in", "displacement", 0.0254),
-        ("mm/sec", "velocity", 1e-3),
-        ("mm_s", "velocity", 1e-3),
-        ("m/s", "velocity", 1.0),
-        ("mm/sec**2", "acceleration", 1e-3),
-        ("mm/s\u00b2", "acceleration", 1e-3),
-        ("m_s2", "acceleration", 1.0),
-        ("g", "acceleration", 9.80665),
-        ("newton", "force", 1.0),
-        ("N", "force", 1.0),
-        ("mN", "force", 1e-3),
-        ("kN", "force", 1e3),
-    ],
-)
-def test_spellings_of_units(text: str, kind: str, size: float) -> None:
-    assert signal_unit(text) == (kind, size)
-
-
-@pytest.mark.parametrize("text", ["", "deg", "1/s", "furlong"])
-def test_what_is_no_unit(text: str) -> None:
-    assert signal_unit(text) is None
 
 
 def test_columns_by_name_part_of_it_and_number_of_words(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from vibro.errors import FileError, InputError
 from vibro.files.nearby import suggestion
-from vibro.quantities import SIGNAL_UNITS, signal_unit
+from vibro.records.signals import SIGNAL_UNITS, signal_unit
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -1,0 +1,58 @@
+"""The units of measured signals, and how programs spell them."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from vibro.quantities import LENGTH
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["SIGNAL_UNITS", "signal_unit"]
+
+
+def _per_time(suffix: str) -> dict[str, float]:
+    return {f"{unit}{suffix}": float(size / 1000) for unit, size in LENGTH.sizes.items()}
+
+
+# What a measured signal may be given in, and its size in SI units; the first one is the one of tables.
+SIGNAL_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\u00b5s": 1e-6, "min": 60.0},
+    "displacement": _per_time(""),
+    "velocity": _per_time("/s"),
+    "acceleration": {"m/s^2": 1.0, "g": 9.80665} | _per_time("/s^2"),
+    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
+}
+# How programs spell the same: MATLAB, SolidWorks and the column names of vibro.
+_SPELLINGS: Final = (
+    (r"seconds?|sec", "s"),
+    (r"newtons?", "n"),
+    (r"\u00b2", "2"),
+    (r"[\s\u00b7.*^]", ""),
+    (r"(?<=[mn])_(?=s)", "/"),
+)
+
+
+def signal_unit(text: str) -> tuple[str, float] | None:
+    """Find what a unit measures.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``mm``, ``mm/sec**2``, ``m_s2`` or ``newton``.
+
+    Returns
+    -------
+    tuple of str and float, or None
+        A key of ``SIGNAL_UNITS`` and the unit's size in SI units; None where the text is no unit of a signal.
+    """
+    name = text.casefold()
+    for spelling, plain in _SPELLINGS:
+        name = re.sub(spelling, plain, name)
+    for kind, sizes in SIGNAL_UNITS.items():
+        for unit, size in sizes.items():
+            if name == unit.casefold().replace("^", ""):
+                return kind, size
+    return None
