@@ -209,7 +209,7 @@ def test_a_small_grid_is_taken_whole_and_without_what_cannot_be() -> None:
     assert draw_scenes(small, 50, 50).shape == (0,)
 
 
-SCENES = 60
+SCENES = 40
 
 
 @pytest.fixture(scope="module")

@@ -60,6 +60,7 @@ def test_friction_is_found_from_a_wrong_start(
 
 
 @pytest.mark.parametrize("name", ["static_friction", "kinetic_friction", "amplitude", "drive_angle"])
+@pytest.mark.usefixtures("own_start_alone")
 def test_each_quantity_alone(name: str) -> None:
     wrong = {
         "static_friction": 0.8,
