@@ -40,8 +40,8 @@ _SMOOTH_AROUND: Final = 5
 # Irregular motion is marked in patches of at least this width: smaller ones could not be made out.
 _SEEN: Final = 7
 
-# Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
 _EVEN_POINTS: Final = 100  # along an axis, where places for words are looked for
+# Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
 _LEAST_RATIO: Final = 1e-30
 
 

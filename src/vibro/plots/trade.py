@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.plots.frame import renderer_of
 from vibro.plots.style import INK, RC
 
 if TYPE_CHECKING:
@@ -141,12 +142,11 @@ def _place_labels(
     figure: Figure, axes: Axes, rows: Sequence[Row], colours: Mapping[str, str], taken: list[Any]
 ) -> None:
     """Write each point's setting as near to it as possible without covering another label, point or line."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.patheffects import withStroke
     from matplotlib.text import Text
     from matplotlib.transforms import Bbox
 
-    renderer: Any = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    renderer = renderer_of(figure)
     inside = axes.get_window_extent()
     boxes = [text.get_window_extent() for text in taken]
     for row, following in itertools.zip_longest(rows, rows[1:]):
