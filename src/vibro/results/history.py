@@ -159,20 +159,20 @@ class History:
         last = int(self._place(np.array([self.end]), "left")[0])
         places = np.arange(last + 1)
         row, count = self._row(places)
-        stages = self._stages
+        legs = self._legs
         length, speed = self._units
         starts = self._start(places)
         final = self.sample(self.end, side="left")
-        position = length * (stages.position[row] + count * self._motion.advance)
+        position = length * (legs.position[row] + count * self._motion.advance)
         ends = np.append(starts[1:], self.end)
         end_position = np.append(position[1:], final.position)
-        end_velocity = speed * stages.end_velocity[row]
+        end_velocity = speed * legs.end_velocity[row]
         end_velocity[-1] = final.velocity
-        impact = speed * stages.impact[row]
+        impact = speed * legs.impact[row]
         if self.end < self._start(np.array([last + 1]))[0]:
             impact[-1] = 0.0
-        columns = (starts, ends, position, end_position, speed * stages.velocity[row], end_velocity, impact)
-        kinds = (LETTERS[mode] for mode in stages.mode[row])
+        columns = (starts, ends, position, end_position, speed * legs.velocity[row], end_velocity, impact)
+        kinds = (LETTERS[mode] for mode in legs.mode[row])
         numbers = zip(*(x.tolist() for x in columns), strict=True)
         return tuple(Phase(kind, *values) for kind, values in zip(kinds, numbers, strict=True))
 
@@ -211,7 +211,7 @@ class History:
         return Sample(time, *(x.reshape(time.shape) for x in values))
 
     @cached_property
-    def _stages(self) -> Legs:
+    def _legs(self) -> Legs:
         """The transient, then one steady cycle."""
         pairs: Any = zip(self._motion.transient, self._motion.steady, strict=True)
         return Legs._make(np.concatenate(pair) for pair in pairs)
@@ -223,7 +223,7 @@ class History:
         return amplitude, amplitude * _TURN * frequency
 
     def _row(self, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Rows of ``_stages`` of the phases with these numbers, and how often their cycle was completed."""
+        """Rows of ``_legs`` of the phases with these numbers, and how often their cycle was completed."""
         first, size = self._motion.transient.mode.size, max(self._motion.steady.mode.size, 1)
         beyond = np.maximum(places - first, 0)
         return np.where(places < first, places, first + beyond % size), beyond // size
@@ -231,11 +231,11 @@ class History:
     def _start(self, places: NDArray[np.int64]) -> Floats:
         """Start time of the phases with these numbers; inf after the last."""
         row, count = self._row(places)
-        stages = self._stages
-        known = row < stages.mode.size
+        legs = self._legs
+        known = row < legs.mode.size
         row = np.where(known, row, 0)
-        cycles = stages.cycle[row] + self._motion.period * count
-        turns = (stages.phase[row] - stages.phase[0]) / _TURN
+        cycles = legs.cycle[row] + self._motion.period * count
+        turns = (legs.phase[row] - legs.phase[0]) / _TURN
         return np.where(known, (cycles + turns) / float(self.scene.frequency), np.inf)
 
     def _place(self, time: Floats, side: Literal["left", "right"]) -> NDArray[np.int64]:
@@ -259,7 +259,7 @@ class History:
 
     def _sample(self, time: Floats, place: NDArray[np.int64]) -> tuple[Floats, ...]:
         row, count = self._row(place)
-        at = Legs._make(x[row] for x in self._stages)
+        at = Legs._make(x[row] for x in self._legs)
         scene = self._loads
         length, speed = self._units
         force = speed * _TURN * float(self.scene.frequency)
