@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
+    "BY_COLUMN",
     "DEFAULTS",
     "DURATION",
     "LENGTH",
@@ -86,7 +87,7 @@ _MILLIMETRES: Final[Mapping[str, Fraction]] = {
 PURE: Final = Kind("", "", "", {})
 LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
 SPEED: Final = Kind("mm/s", "m/s", "_mm_s", {f"{unit}/s": size for unit, size in _MILLIMETRES.items()},
-                     per_si=1000.0)
+                    per_si=1000.0)
 _FREQUENCY: Final = Kind("Hz", "Hz", "_hz",
                          {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60)})
 _ANGLE: Final = Kind("deg", "rad", "_deg",
@@ -218,6 +219,8 @@ _ALL: Final = (
 # fmt: on
 #: Every quantity of a scene by its name, in the order of a table's columns.
 QUANTITIES: Final[Mapping[str, Quantity]] = {q.name: q for q in _ALL}
+#: The same by their names with units, the keys of scene files and of ``vibro.sweep``.
+BY_COLUMN: Final[Mapping[str, Quantity]] = {q.column: q for q in _ALL}
 
 #: The quantities that can be axes of a sweep, in the same order.
 SWEPT: Final = (

@@ -37,6 +37,7 @@ def solve_command(
 def _report(one: OneScene) -> str:
     from vibro.cli.report import aligned, number
     from vibro.core.codes import PHASE_NAMES
+    from vibro.quantities import LENGTH
 
     facts = [
         *one.facts(),
@@ -45,11 +46,17 @@ def _report(one: OneScene) -> str:
     ]
     heads = [("begins", "load now / then", "amplitude [mm]", "frequency [Hz]")]
     begins = [
-        (t.name, number(t.ratio), number(1e3 * t.amplitude), number(t.frequency)) for t in one.transitions()
+        (t.name, number(t.ratio), number(LENGTH.from_si(t.amplitude)), number(t.frequency))
+        for t in one.transitions()
     ]
     parts = [aligned(facts, right=False), aligned([*heads, *begins])]
     phases = [
-        (PHASE_NAMES[p.kind], *(f"{1e3 * value:.5f}" for value in (p.start, p.end, p.displacement)))
+        (
+            PHASE_NAMES[p.kind],
+            f"{1e3 * p.start:.5f}",
+            f"{1e3 * p.end:.5f}",
+            f"{LENGTH.from_si(p.displacement):.5f}",
+        )
         for p in one.phases()
     ]
     if phases:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.axes import AxisSpec, axis_of
 from vibro.errors import FileError, InputError
 from vibro.files.nearby import suggestion
-from vibro.quantities import QUANTITIES, STANDS_FOR, SWEPT
+from vibro.quantities import BY_COLUMN, STANDS_FOR, SWEPT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SceneFile", "read_scene_file"]
 
-_BY_COLUMN: Final = {q.column: q for q in QUANTITIES.values()}
 _TABLES: Final = ("scene", "map")
 
 
@@ -104,9 +103,9 @@ def read_scene_file(path: Path) -> SceneFile:
 
 
 def _entry(table: str, key: str, value: object) -> AxisSpec:
-    quantity = _BY_COLUMN.get(key)
+    quantity = BY_COLUMN.get(key)
     if quantity is None:
-        raise InputError(f"unknown key {key!r}{_suggestion(key, _BY_COLUMN)}")
+        raise InputError(f"unknown key {key!r}{_suggestion(key, BY_COLUMN)}")
     if table == "map":
         spec = axis_of(value, quantity)
         if spec.varies and STANDS_FOR.get(quantity.name, quantity.name) not in SWEPT:

@@ -15,7 +15,7 @@ from vibro.core.codes import Level
 from vibro.errors import InputError
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.limits import critical_loads
-from vibro.quantities import QUANTITIES, find_quantity
+from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
 from vibro.results.sweep import Block, SweepResult
 from vibro.scene import Scene
 from vibro.steady import check_flight, level_of
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 __all__ = ["Sweep", "read_scene", "sweep"]
 
 _BYTES_PER_CELL: Final = 110  # [B] of all results
-_BY_COLUMN: Final = {quantity.column: quantity for quantity in QUANTITIES.values()}
 
 
 class _Call(NamedTuple):
@@ -257,14 +256,14 @@ def _check_memory(grid: Grid) -> None:
 
 def _request(scene_file: str | PathLike[str] | None, quantities: Mapping[str, Any]) -> Request:
     """Read what is given by the keys of scene files."""
-    unknown = [key for key in quantities if key not in _BY_COLUMN]
+    unknown = [key for key in quantities if key not in BY_COLUMN]
     if unknown:
-        close = difflib.get_close_matches(unknown[0], list(_BY_COLUMN), n=1, cutoff=0.5)
-        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(_BY_COLUMN)}"
+        close = difflib.get_close_matches(unknown[0], list(BY_COLUMN), n=1, cutoff=0.5)
+        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(BY_COLUMN)}"
         raise InputError(*(f"unknown argument {key!r}" for key in unknown), hint=hint)
     given: dict[str, AxisSpec | InputError] = {}
     for key, value in quantities.items():
-        quantity = _BY_COLUMN[key]
+        quantity = BY_COLUMN[key]
         try:
             given[quantity.name] = axis_of(value, quantity)
         except InputError as exc:
