@@ -77,11 +77,12 @@ def make_grid(
     arrivals: bool = False,
 ) -> Grid:
     """Spell out the axes of a request, and echo them."""
-    if console is not None:
-        for axis in request.axes().values():
-            console.echo(str(axis))
     exact = level is Level.EXACT
-    return request.grid(level, flight=exact and flight is Flight.ON, arrivals=arrivals)
+    grid = request.grid(level, flight=exact and flight is Flight.ON, arrivals=arrivals)
+    if console is not None:
+        for axis in grid.axes.values():
+            console.echo(str(axis))
+    return grid
 
 
 def write_sweep(
