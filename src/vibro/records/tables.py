@@ -56,9 +56,11 @@ class ComparisonTables:
 
     def parameters(self) -> list[tuple[Parameter, tuple[str, float]]]:
         """Return the estimates, each with its unit and the size of that in SI units."""
-        quantities = [QUANTITIES[p.name] for p in (self.fit.parameters if self.fit else ())]
-        units = [(quantity.unit, float(quantity.to_si(1.0))) for quantity in quantities]
-        return list(zip(self.fit.parameters if self.fit else (), units, strict=True))
+        found = []
+        for parameter in self.fit.parameters if self.fit else ():
+            quantity = QUANTITIES[parameter.name]
+            found.append((parameter, (quantity.unit, float(quantity.to_si(1.0)))))
+        return found
 
     def signals(self) -> TableColumns:
         """Return measured and computed signals over time."""
