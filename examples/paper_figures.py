@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from vibro.motion.histories import Sample
+    from vibro.results.history import Sample
 
     Floats = NDArray[np.float64]
 
