@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import os
+from typing import TYPE_CHECKING
 
+import pytest
 from hypothesis import settings
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 # Several processes of tests fill the cores: threads of BLAS would only wait for each other. It is asked for
 # before anything imports NumPy; programs that tests start inherit it.
@@ -16,3 +21,18 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 settings.register_profile("vibro", deadline=None, derandomize=True, database=None, max_examples=40)
 settings.register_profile("thorough", settings.get_profile("vibro"), max_examples=1000)
 settings.load_profile("vibro")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_core() -> Iterator[None]:
+    """Let vibro too use one thread in each of several processes of tests, but where a test asks for two."""
+    with pytest.MonkeyPatch.context() as patch:
+        if "PYTEST_XDIST_WORKER" in os.environ:
+            patch.setattr("os.cpu_count", lambda: 1)
+        yield
+
+
+@pytest.fixture
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let vibro use two threads, whatever the machine has."""
+    monkeypatch.setattr("os.cpu_count", lambda: 2)

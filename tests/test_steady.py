@@ -256,6 +256,7 @@ def test_an_array_equals_its_scenes_one_by_one(several: list[Groups]) -> None:
             assert np.array_equal(getattr(alone, name), getattr(together, name)[i], equal_nan=True), name
 
 
+@pytest.mark.usefixtures("two_cores")
 @pytest.mark.parametrize(
     "shape", [(131_071,), (131_072,), (131_073,), (300_001,), (2, 131_073), (70_001, 3), (7, 1, 40_009)]
 )
@@ -277,6 +278,18 @@ def test_blocks_leave_no_seam(shape: tuple[int, ...]) -> None:
         ), name
 
 
+@pytest.mark.usefixtures("two_cores")
+def test_parts_that_hop_leave_no_seam(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scene_with(amplitude=np.linspace(3.5e-3, 8e-3, 97))
+    whole = solve(scene)
+    assert (whole.regime == Regime.HOPPING).all()
+    monkeypatch.setattr(steady, "_HOPPING_BLOCK", 10)
+    parts = solve(scene)
+    for name in FIELDS:
+        assert np.array_equal(getattr(parts, name), getattr(whole, name), equal_nan=True), name
+
+
+@pytest.mark.usefixtures("two_cores")
 def test_a_grid_whose_axes_are_long_equals_its_rows() -> None:
     amplitude, angle = np.linspace(0.3e-3, 3e-3, 401)[:, None], np.radians(np.linspace(0.0, 20.0, 503))
     whole = solve(scene_with(amplitude=amplitude, drive_angle=angle))
@@ -337,16 +350,18 @@ def test_a_length_that_cannot_be_is_refused(length: Any) -> None:
         solve(scene_with()).traverse_time(length)
 
 
+@pytest.mark.usefixtures("two_cores")
 def test_what_fails_in_one_part_of_many_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(*_: object) -> None:
         raise MemoryError("part")
 
     monkeypatch.setattr("vibro.steady.hopping_cycles", fails)
-    scene = scene_with(amplitude=np.linspace(4e-3, 5e-3, 10_000))
+    scene = scene_with(amplitude=np.linspace(4e-3, 5e-3, 70_000))  # three parts
     with pytest.raises(MemoryError, match="part"):
         solve(scene)
 
 
+@pytest.mark.usefixtures("two_cores")
 @pytest.mark.parametrize("failing", [0, 36])
 def test_an_error_in_any_block_reaches_the_caller(failing: int, monkeypatch: pytest.MonkeyPatch) -> None:
     solve_block = steady._solve_block

@@ -11,12 +11,21 @@ from typer.testing import CliRunner, Result
 from vibro.cli.app import app
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from commands import Run
 
 # A shell starts what it runs in the background with interrupts ignored, and programs inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _coarse_pictures() -> Iterator[None]:
+    """Draw pictures from few values: tests of commands look at what is drawn, tests of plots at how well."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.sweeps.run._RESOLVED", {1: 501, 2: 61, 3: 41})
+        yield
 
 
 @pytest.fixture

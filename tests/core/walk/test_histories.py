@@ -85,7 +85,7 @@ def test_contact_phases_follow_each_other(groups: Groups, velocity: float) -> No
 @pytest.mark.parametrize("throw", [1.01, 1.5, 2.2, 3.2, 3.6])
 def test_hopping_phases_follow_each_other(throw: float, restitution: float) -> None:
     groups = Groups(throw / math.sin(math.radians(20.0)), 20.0, 0.74, 0.57)
-    assert_joined(followed(groups, 30.0, restitution=restitution))
+    assert_joined(followed(groups, 12.0, restitution=restitution))
 
 
 @pytest.mark.parametrize(
