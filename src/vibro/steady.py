@@ -9,7 +9,9 @@ import numpy as np
 
 from vibro.core.codes import HOPPING_PATTERNS, Level, Model, Status
 from vibro.core.contact.solver import SteadyState, steady_state
-from vibro.core.flight.cycles import MOST_THROW, hopping_cycles
+from vibro.core.flight.averages import AVERAGES
+from vibro.core.flight.coexistence import coexisting
+from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, cycles, short_cycles
 from vibro.core.groups import Loads
 from vibro.errors import InputError
 from vibro.parallel import BLOCK, grid_blocks, in_parallel, within
@@ -17,16 +19,22 @@ from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.scene import Fields
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
+    Hopping = Callable[[Loads, Floats], HoppingCycles]
 
-__all__ = ["check_flight", "level_of", "solve"]
+__all__ = ["check_switch", "level_of", "solve"]
 
-# Hopping cells at once: many enough to share the steps that a few of them, with hundreds of flights, need.
-_HOPPING_BLOCK: Final = 32_768
+# How hopping cells are solved, the cheapest first, and how many at once: many enough to share the NumPy calls
+# of a step. What one leaves unresolved is gathered from all blocks for the next.
+_HOPPING: Final = ((short_cycles, 32_768), (cycles, 32_768), *AVERAGES)
+
+_LOOKED_AT: Final = 256  # hopping cells at once in which other motions are looked for
 
 # What the core calls its results, which are over A and A w, and how ``SteadyCycle`` calls them.
 _NAMES: Final = {
@@ -44,7 +52,11 @@ _MADE: Final = tuple((r.name, np.zeros if r.in_contact == 0.0 else np.empty, r.d
 
 
 def solve(
-    scene: Scene, *, accuracy: Literal["exact", "regimes"] | Level = "exact", flight: bool = True
+    scene: Scene,
+    *,
+    accuracy: Literal["exact", "regimes"] | Level = "exact",
+    flight: bool = True,
+    coexistence: bool = False,
 ) -> SteadyCycle:
     """Steady cycle that a body at rest settles into, for every scene.
 
@@ -59,6 +71,9 @@ def solve(
     flight : bool, optional
         Whether hopping scenes are followed through flight and impact; else, and above a throw number of
         1e6, they have no numbers and the status ``FLIGHT_NOT_MODELLED``.
+    coexistence : bool, optional
+        Whether to look for other motions of hopping scenes, to which a disturbed body could settle
+        (``SteadyCycle.coexists``); it takes several ms a cell. In contact they are known without a search.
 
     Returns
     -------
@@ -80,7 +95,8 @@ def solve(
     0.016263456 m/s, F_
     """
     classes_alone = level_of(accuracy) is Level.REGIMES
-    check_flight(flight)
+    check_switch("flight", flight)
+    check_switch("coexistence", coexistence)
     shape = scene.shape
     grid = shape or (1,)
     ones = (1,) * len(grid)
@@ -94,17 +110,28 @@ def solve(
             part = Fields(*(a[within(block, a.shape)] for a in inputs))
         _solve_block({name: array[block] for name, array in vars(out).items()}, part, classes_alone)
 
-    def hops(cells: NDArray[np.intp]) -> None:
-        where = np.unravel_index(cells, grid)
-        _solve_hops(out, cells, Fields(*(_at(where, a) for a in inputs)))
-
     in_parallel(contact, blocks)
     if flight and not classes_alone:
         # Beyond the largest throw number the phase of a landing is lost to rounding. NumPy takes 2 us to
         # compare with an enum, a tenth of it with an int.
         followed = (out.status == int(Status.FLIGHT_NOT_MODELLED)) & (out.throw_number <= MOST_THROW)
-        hopping = followed.reshape(-1).nonzero()[0]
-        in_parallel(hops, [hopping[i : i + _HOPPING_BLOCK] for i in range(0, hopping.size, _HOPPING_BLOCK)])
+        hopping = left = followed.reshape(-1).nonzero()[0]
+        for model, size in _HOPPING:
+
+            def hops(cells: NDArray[np.intp], model: Hopping = model) -> None:
+                where = np.unravel_index(cells, grid)
+                _solve_hops(out, cells, Fields(*(_at(where, a) for a in inputs)), model)
+
+            in_parallel(hops, [left[i : i + size] for i in range(0, left.size, size)])
+            left = left[out.status.reshape(-1)[left] == int(Status.UNRESOLVED)]
+        if coexistence:
+            known = hopping[~np.isnan(out.mean_velocity.reshape(-1)[hopping])]
+
+            def look(cells: NDArray[np.intp]) -> None:
+                where = np.unravel_index(cells, grid)
+                _look_for_others(out, cells, Fields(*(_at(where, a) for a in inputs)))
+
+            in_parallel(look, [known[i : i + _LOOKED_AT] for i in range(0, known.size, _LOOKED_AT)])
     return out if shape else SteadyCycle(**{name: array[0] for name, array in vars(out).items()})
 
 
@@ -116,10 +143,10 @@ def level_of(accuracy: str) -> Level:
         raise InputError(f"accuracy = {accuracy!r}: must be one of {', '.join(Level)}") from None
 
 
-def check_flight(flight: bool) -> None:
+def check_switch(name: str, value: bool) -> None:
     """Refuse what only looks like a switch: the text "off" would count as on."""
-    if not isinstance(flight, bool | np.bool_):
-        raise InputError(f"flight = {flight!r}: must be True or False")
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name} = {value!r}: must be True or False")
 
 
 def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:
@@ -154,11 +181,11 @@ def _at(where: tuple[NDArray[np.intp], ...], field: Floats) -> Floats:
     return picked
 
 
-def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], inputs: Fields) -> None:
+def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], inputs: Fields, model: Hopping) -> None:
     """Solve hopping scenes in place, at flat indices of the grid, and scale them to SI."""
     # Extreme frictions overflow on the way; what is lost by that ends as NaN, and has a status.
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        cycles = hopping_cycles(inputs.loads(), inputs.restitution)
+        cycles = model(inputs.loads(), inputs.restitution)
     answered = np.isfinite(cycles.displacement)
     codes = np.where(cycles.pattern > 0, cycles.pattern + HOPPING_PATTERNS, cycles.pattern)
     found = {_NAMES.get(name, name): values for name, values in cycles._asdict().items()}
@@ -173,6 +200,15 @@ def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], inputs: Fields) -> No
             found[name] = speed * found[name]
     for name, values in found.items():
         getattr(out, name).reshape(-1)[cells] = values
+
+
+def _look_for_others(out: SteadyCycle, cells: NDArray[np.intp], inputs: Fields) -> None:
+    """Tell in place whether other motions coexist, at flat indices of the grid."""
+    speed = 2.0 * np.pi * inputs.frequency * inputs.amplitude
+    period, impact = (x.reshape(-1)[cells] for x in (out.period_cycles, out.impact_velocity))
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        found = coexisting(inputs.loads(), inputs.restitution, period, impact / speed)
+    out.coexists.reshape(-1)[cells] = found
 
 
 def _flat(field: Floats, shape: tuple[int, ...]) -> Floats:

@@ -167,7 +167,7 @@ class SteadyCycle:
     coexists: Codes = field(
         metadata=_described(
             "coexists",
-            "whether a disturbed body can settle elsewhere: 1 it can, 0 it cannot, -1 not looked at",
+            "whether another motion exists (a cycle, running away): 1 it does, 0 none found, -1 not looked at",
             dtype=np.int8,
             texts=("0", "1", ""),
             is_flag=True,

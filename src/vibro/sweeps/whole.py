@@ -18,7 +18,7 @@ from vibro.limits import critical_loads
 from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
 from vibro.results.sweep import Block, SweepResult
 from vibro.scene import Scene
-from vibro.steady import check_flight, level_of
+from vibro.steady import check_switch, level_of
 from vibro.sweeps.columns import columns_of, to_frame
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.request import RANGES, gather
@@ -235,7 +235,7 @@ def sweep(
     """
     request = _request(scene_file, quantities)
     level = level_of(accuracy)
-    check_flight(flight)
+    check_switch("flight", flight)
     grid = request.grid(level, flight=flight and level is Level.EXACT)
     _check_memory(grid)
     return Sweep(grid.solve(grid.values()), grid, request.own, request.name or "")

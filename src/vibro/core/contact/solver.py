@@ -49,7 +49,7 @@ _MODEL_OF_PATTERN: Final = np.array(
 class SteadyState(NamedTuple):
     """Steady cycles of scenes, 1-D: codes, lengths in A, speeds in A w, ratios.
 
-    ``coexists`` is 1 where a disturbed body can settle into another cycle, 0 where it cannot, and -1 where
+    ``coexists`` is 1 where a disturbed body can settle elsewhere or run away, 0 where it cannot, and -1 where
     there is no cycle to compare with.
     """
 
@@ -112,6 +112,10 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
             _write(out, cells, solver(take(scene, cells), take(at.margins, cells)))
     for codes, table in ((out.regime, _REGIME_OF_PATTERN), (out.model, _MODEL_OF_PATTERN)):
         table.take(out.pattern, out=codes, mode="clip")  # unlike the default, without a buffer
+    if np.count_nonzero(scene.tangential):
+        # Where gravity along the trough exceeds kinetic friction a pushed body may slide on for ever.
+        loose = np.abs(scene.tangential) > scene.kinetic_friction * scene.normal
+        np.copyto(out.coexists, 1, where=loose)
     _withdraw(out, np.isnan(out.displacement))
     if exceptions.size:
         _except(out, exceptions, take(scene, exceptions), at.hops[exceptions])

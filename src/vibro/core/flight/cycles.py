@@ -7,48 +7,54 @@ Lengths in A, speeds in A w, phases in radians.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Mode, Status, is_answered
+from vibro.core.codes import Status, is_answered
 from vibro.core.contact.legs import track_of
-from vibro.core.flight.bounces import bounces
-from vibro.core.flight.orbits import from_rest
-from vibro.core.flight.returns import Cells, Hops, hops_of, return_map
+from vibro.core.flight.bounces import MOST_FLIGHTS, bounces
+from vibro.core.flight.drift import span_of
+from vibro.core.flight.orbits import MOST_EVALUATIONS, from_rest
+from vibro.core.flight.returns import Cells, hops_of, return_map, velocity_from_rest
 from vibro.core.groups import put, take
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Floats
+    from vibro.core.flight.bounces import Bounces
     from vibro.core.groups import Loads
 
-    Bools = NDArray[np.bool_]
     Codes = NDArray[np.int8]
     Words = NDArray[np.int64]
 
-__all__ = ["MOST_THROW", "HoppingCycles", "hopping_cycles"]
+__all__ = ["MOST_THROW", "HoppingCycles", "cycles", "entered", "one_each", "short_cycles", "unresolved"]
 
 _TURN: Final = 2.0 * np.pi
 
 #: [1] Throw number above which the phase of a landing is lost to rounding.
 MOST_THROW: Final = 1e6
 
-_BATCHES: Final = 12  # of flights, for the standard error of a mean
+# A few cells with many flights cost as many steps as many cells: most cells need no more than this.
+_FEW_FLIGHTS: Final = 6
+_FEW_EVALUATIONS: Final = 8
 
 
 class HoppingCycles(NamedTuple):
-    """Steady cycles of hopping scenes, 1-D.
+    """Steady motions of hopping scenes, 1-D.
 
     Attributes
     ----------
     status : int8 array
-        ``OK``; ``BOUNDARY`` where kinetic friction just holds gravity; ``AVERAGED`` where no short period
-        exists and the numbers are means over many cycles; ``RUNAWAY``, ``INDETERMINATE`` or ``UNRESOLVED``,
-        with NaN for numbers.
+        ``OK``; ``BOUNDARY`` where kinetic friction just holds gravity; ``AVERAGED`` where no cycle was found
+        before rounding could choose it, and the numbers are means over many cycles; ``RUNAWAY``,
+        ``INDETERMINATE`` or ``UNRESOLVED``, with NaN for numbers.
     pattern : int64 array
-        Legs of the cycle, for ``hopping_text``; 0 where there is no cycle.
+        Legs of the cycle, for ``hopping_text``; 0 where there are no numbers.
     displacement : array
         Mean displacement per drive cycle [A].
     deviation : array
@@ -62,8 +68,7 @@ class HoppingCycles(NamedTuple):
     peak : array
         Largest relative speed along the trough, either way [A w].
     coexists : int8 array
-        1 where a disturbed body can settle elsewhere, 0 where it cannot, -1 where that was not looked at:
-        mu_d is not below 0.75 mu_s, or there is no cycle.
+        -1: other motions are not looked at here.
     """
 
     status: Codes
@@ -77,7 +82,12 @@ class HoppingCycles(NamedTuple):
     coexists: Codes
 
 
-def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
+def short_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
+    """Steady cycles of few flights; the other scenes are ``UNRESOLVED``. See ``cycles``."""
+    return one_each(scene, restitution, partial(_solve, flights=_FEW_FLIGHTS, evaluations=_FEW_EVALUATIONS))
+
+
+def cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
     """Steady cycles, from rest, of scenes whose throw number exceeds 1.
 
     Parameters
@@ -90,7 +100,7 @@ def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
     Returns
     -------
     HoppingCycles
-        One element per scene.
+        One element per scene; ``UNRESOLVED`` where no cycle was found before rounding could choose it.
 
     Notes
     -----
@@ -99,75 +109,76 @@ def hopping_cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
     impulse is that of the weight; where gravity along the trough exceeds static friction under it, every
     cycle adds speed: ``RUNAWAY``.
     """
+    return one_each(scene, restitution, partial(_solve, flights=MOST_FLIGHTS, evaluations=MOST_EVALUATIONS))
+
+
+def one_each(
+    scene: Loads, restitution: Floats, solve: Callable[[Loads, Floats, Floats], HoppingCycles]
+) -> HoppingCycles:
+    """Solve scenes in which a body can rest, from their groups, throw numbers and restitutions."""
     n = np.broadcast(*scene, restitution).size
     throw = np.broadcast_to(scene.across / scene.normal, n)
-    numbers = np.full((6, n), np.nan)
-    out = HoppingCycles._make(
-        (np.full(n, Status.OK, np.int8), np.zeros(n, np.int64), *numbers, np.full(n, -1, np.int8))
-    )
+    out = unresolved(n)
     mu_s = scene.static_friction
-    out.status[throw > MOST_THROW] = Status.UNRESOLVED
-    out.status[np.broadcast_to(np.abs(scene.tangential) >= mu_s * scene.normal, n)] = Status.RUNAWAY
+    runs = np.abs(scene.tangential) >= mu_s * scene.normal
+    out.status[np.broadcast_to(runs, n)] = Status.RUNAWAY
     out.status[np.broadcast_to(mu_s == 0.0, n)] = Status.INDETERMINATE
-    solved = np.flatnonzero(out.status == Status.OK)
+    solved = np.flatnonzero((out.status == Status.UNRESOLVED) & (throw <= MOST_THROW))
     if solved.size:
-        loads = take(scene, solved)
         e = restitution[solved] if restitution.ndim else np.broadcast_to(restitution, solved.size)
-        put(out, solved, _solve(loads, throw[solved], e))
+        put(out, solved, solve(take(scene, solved), throw[solved], e))
     return out
 
 
-def _solve(scene: Loads, throw: Floats, restitution: Floats) -> HoppingCycles:
-    flights = bounces(throw, restitution)
-    hops = hops_of(scene, flights)
-    cells = Cells(track_of(scene), flights.first, flights.number, flights.landing, flights.rest)
-    end, coexists = from_rest(cells, hops, flights)
-    cycle, status = end.cycle, end.status
-    known = is_answered(status)
+def unresolved(scenes: int) -> HoppingCycles:
+    """Make results to be filled."""
+    status, pattern = np.full(scenes, Status.UNRESOLVED, np.int8), np.zeros(scenes, np.int64)
+    return HoppingCycles._make((status, pattern, *np.full((6, scenes), np.nan), np.full(scenes, -1, np.int8)))
 
-    time_aloft = np.bincount(flights.owner, flights.length)
-    time = np.where(flights.repeats, _TURN * flights.cycles, time_aloft)
+
+def _solve(scene: Loads, throw: Floats, restitution: Floats, flights: int, evaluations: int) -> HoppingCycles:
+    motion = bounces(throw, restitution, flights)
+    out = unresolved(throw.size)
+    found = np.flatnonzero(motion.repeats)
+    if not found.size:
+        return out
+    cells, start = take(entered(scene, motion), found)
+    hops, turns = hops_of(scene, motion.cycle), np.multiply(_TURN, motion.cycles[found])
+    end = from_rest(cells, hops, start, span_of(cells, turns), evaluations)
+    aloft = np.bincount(motion.cycle.owner, motion.cycle.length, throw.size)
     landings = np.zeros(throw.size)
-    np.maximum.at(landings, flights.owner, flights.impact)
-    displacement = cycle.displacement / (time / _TURN)
-    deviation = np.zeros(throw.size)
-    pattern = cycle.pattern.copy()
-    sampled = np.flatnonzero(~flights.repeats & known)
-    if sampled.size:
-        deviation[sampled] = _deviation(take(cells, sampled), hops, end.velocity[sampled])
-        status[sampled], pattern[sampled] = Status.AVERAGED, -np.int64(Mode.FLIGHT)
+    np.maximum.at(landings, motion.cycle.owner, motion.cycle.impact)
     numbers = (
-        displacement,
-        deviation,
-        np.where(flights.repeats, flights.cycles, np.nan),
-        time_aloft / time,
-        scene.normal * landings,
-        cycle.peak,
+        end.cycle.displacement / motion.cycles[found],
+        np.zeros(found.size),
+        motion.cycles[found],
+        aloft[found] / turns,
+        (scene.normal * landings)[found],
+        end.cycle.peak,
     )
+    known = is_answered(end.status)
     given = [np.where(known, x, np.nan) for x in numbers]
-    coexists[~(known & flights.repeats)] = -1
-    return HoppingCycles._make((status, np.where(known, pattern, 0), *given, coexists))
+    looked_at = np.full(found.size, -1, np.int8)
+    put(out, found, (end.status, np.where(known, end.cycle.pattern, 0), *given, looked_at))
+    return out
 
 
-def _deviation(cells: Cells, hops: Hops, velocity: Floats) -> Floats:
-    """Estimate the standard error of the mean displacement per drive cycle from batches of flights.
-
-    Where the body never stops, it is the longer off by the error of the velocity at the start, the less
-    friction there is: that which balances the sums of all batches.
-    """
-    batch = cells.number // _BATCHES
-    paths, times, gains, slopes = np.empty((4, _BATCHES, velocity.size))
-    for i in range(_BATCHES):
-        part = cells._replace(first=cells.first + i * batch, number=batch)
-        leg = return_map(part, hops, velocity)
-        velocity, paths[i] = leg.velocity, leg.displacement
-        times[i] = [hops.length[a : a + m].sum() for a, m in zip(part.first, batch, strict=True)]
-        gains[i], slopes[i] = leg.friction - cells.track.scene.tangential * times[i], leg.slope
-    mean = paths.sum(axis=0) / times.sum(axis=0)
-    scatter = ((paths - mean * times) ** 2).sum(axis=0) / (_BATCHES * (_BATCHES - 1))
-    memory = np.cumprod(slopes, axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        outset = np.sqrt(_BATCHES * gains.var(axis=0, ddof=1)) / (1.0 - memory[-1])
-    outset = np.where((memory[-1] > 0.0) & (memory[-1] < 1.0), memory.mean(axis=0) * outset, 0.0)
-    deviation: Floats = _TURN * np.hypot(np.sqrt(scatter) / times.mean(axis=0), outset)
-    return deviation
+def entered(scene: Loads, motion: Bounces) -> tuple[Cells, Floats]:
+    """Scenes with the flights of their cycles, and the velocities with which bodies from rest enter them."""
+    flights = motion.cycle
+    cells = Cells(track_of(scene), flights.first, flights.number, motion.landing, motion.rest)
+    start = np.broadcast_to(velocity_from_rest(cells.track), flights.first.shape)
+    amid = np.flatnonzero(motion.repeats & (motion.rest == 0.0))
+    if amid.size:
+        start = start.copy()
+        lead = motion.approach
+        none = np.zeros(amid.size)
+        way = Cells(take(cells.track, amid), lead.first[amid], lead.number[amid], none, none)
+        start[amid] = return_map(way, hops_of(scene, lead), start[amid]).velocity
+        # the cycle begins at another phase than the approach ends: the velocity over the ground is the same
+        ends = np.broadcast_to(cells.track.lift_off, start.shape)[amid]
+        flown = np.flatnonzero(way.number > 0)
+        ends[flown] = lead.phase[(way.first + way.number)[flown]]
+        along = take(cells.track.scene.along, amid)
+        start[amid] += along * (np.cos(ends) - np.cos(flights.phase[flights.first[amid]]))
+    return cells, start

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Floats
-    from vibro.core.flight.bounces import Bounces
     from vibro.core.flight.returns import Cells, Return
 
     Bools = NDArray[np.bool_]
@@ -60,14 +59,14 @@ class Span(NamedTuple):
     forces: Floats
 
 
-def span_of(cells: Cells, flights: Bounces) -> Span:
-    """Measure the cycles that these flights make.
+def span_of(cells: Cells, turns: Floats) -> Span:
+    """Measure motions that last a phase of ``turns`` [rad]: whole drive cycles, or a long sample.
 
     The body is stopped, or turns round, once in a cycle; only the drive and gravity can add
     velocity after that.
     Over a cycle the normal impulse is that of the weight, so that friction adds 2 pi mu_d n at most.
     """
-    scene, turns = cells.track.scene, _TURN * flights.cycles
+    scene = cells.track.scene
     lean, grip = np.abs(scene.tangential), scene.kinetic_friction * scene.normal
     edge = (grip > 0.0) & (np.abs(lean - grip) <= _EDGE * grip)
     bounded = edge | (lean < grip)
@@ -76,7 +75,7 @@ def span_of(cells: Cells, flights: Bounces) -> Span:
         np.broadcast_to(edge, turns.shape),
         np.broadcast_to((grip == 0.0) & (lean == 0.0), turns.shape),
         2.0 * scene.along + turns * lean,
-        -scene.tangential * np.where(flights.repeats, turns, np.bincount(flights.owner, flights.length)),
+        -scene.tangential * turns,
         np.broadcast_to(scene.along, turns.shape),
         turns * (grip + lean),
     )

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Status
-from vibro.core.flight.drift import CLOSED, FLOOR, Span, drift, has_stop, size_of, span_of
-from vibro.core.flight.returns import Cells, Hops, Return, after_stops, return_map, velocity_from_rest
+from vibro.core.flight.drift import CLOSED, FLOOR, Span, drift, has_stop, size_of
+from vibro.core.flight.returns import Cells, Hops, Return, after_stops, return_map
 from vibro.core.groups import put, take
 from vibro.core.roots import OpenCells
 
@@ -28,24 +28,31 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Floats
-    from vibro.core.flight.bounces import Bounces
 
     Bools = NDArray[np.bool_]
     Codes = NDArray[np.int8]
     Indices = NDArray[np.intp]
 
-__all__ = ["Orbits", "from_rest"]
+__all__ = [
+    "MOST_EVALUATIONS",
+    "Fixed",
+    "Orbits",
+    "between",
+    "from_rest",
+    "joined",
+    "stopping",
+]
 
-_MOST_EVALUATIONS: Final = 200
+#: Evaluations of the return map, of which the slowest orbits need the most.
+MOST_EVALUATIONS: Final = 200
 # [1] Where an onset lies close to the lift-off, its phase is known to the root of an ulp only, and so is the
 # velocity at the lift-off after it. A velocity that returns within this distance is replaced by its image and
 # checked again.
 _NEAR: Final = 1e-6
-
-# [1] Coexisting cycles need mu_d well below mu_s; none was found above (benchmarks/hopping.py).
+# [1] Only with mu_d well below mu_s may there be more fixed points than one; none were found above
+# (benchmarks/hopping.py).
 _MOST_COEXISTENCE: Final = 0.75
 _BESIDE: Final = 4.0 * CLOSED  # [1] distance of another body from a cycle, over the velocities in it
-_APART: Final = 1e-9  # [A w] fixed points closer than this are one
 
 
 class Orbits(NamedTuple):
@@ -66,56 +73,46 @@ class Orbits(NamedTuple):
     status: Codes
 
 
-def from_rest(cells: Cells, hops: Hops, flights: Bounces) -> tuple[Orbits, Codes]:
-    """Find the fixed points that bodies from rest reach, and whether they are not the only ones.
+def from_rest(cells: Cells, hops: Hops, start: Floats, span: Span, most: int = MOST_EVALUATIONS) -> Orbits:
+    """Find the fixed points that bodies reach.
 
     Parameters
     ----------
     cells, hops : Cells, Hops
         Scenes and their flights.
-    flights : Bounces
-        The same flights as the normal motion has them.
+    start : array
+        Velocity at the first lift-off.
+    span : Span
+        Sizes of the cycles.
+    most : int, optional
+        Number of evaluations of the return map after which an orbit is left ``UNRESOLVED``.
 
     Returns
     -------
     Orbits
         One element per scene.
-    coexists : int8 array
-        1 or 0 where kinetic friction holds gravity and is well below static friction, -1 where it was not
-        looked at.
     """
-    span = span_of(cells, flights)
-    start = np.broadcast_to(velocity_from_rest(cells.track), span.bound.shape)
-    if not flights.repeats.all():
-        # a sample begins after the lift-off: give the body the velocity over the ground that it had there
-        swing = np.cos(cells.track.lift_off) - np.cos(flights.phase[flights.first])
-        start = np.where(flights.repeats, start, start + cells.track.scene.along * swing)
-    coexists = np.full(start.shape, -1, np.int8)
     free = np.flatnonzero(~span.bounded)
     if free.size == start.size:
-        return _until_stopped(cells, hops, start, span), coexists
+        return _until_stopped(cells, hops, start, span)
     if not free.size:
-        return _settled(cells, hops, start, span, flights.repeats)
+        return _held(cells, hops, start, span, most)
     end = _unsolved(start.size)
     held = np.flatnonzero(span.bounded)
-    part = take(cells, held), hops, start[held], take(span, held)
-    found, coexists[held] = _settled(*part, flights.repeats[held])
-    _put(end, held, found)
+    _put(end, held, _held(take(cells, held), hops, start[held], take(span, held), most))
     _put(end, free, _until_stopped(take(cells, free), hops, start[free], take(span, free)))
-    return end, coexists
+    return end
 
 
-def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, cyclic: Bools) -> tuple[Orbits, Codes]:
+def _held(cells: Cells, hops: Hops, start: Floats, span: Span, most: int) -> Orbits:
     """Follow orbits where friction holds gravity, so that they stay bounded."""
-    end = _bracketed(cells, hops, start, span, (-span.bound, span.bound))
-    coexists = np.full(start.shape, -1, np.int8)
+    end = _bracketed(cells, hops, start, span, (-span.bound, span.bound), most)
     scene = cells.track.scene
     low = scene.kinetic_friction < _MOST_COEXISTENCE * scene.static_friction
-    doubtful = np.flatnonzero(low & cyclic & (end.status == Status.OK))
+    doubtful = np.flatnonzero(low & (end.status == Status.OK))
     if doubtful.size:
         home = _taken(end, doubtful)
-        part = take(cells, doubtful), hops, start[doubtful], take(span, doubtful)
-        coexists[doubtful] = _several(*part, home)
+        _lead_first(take(cells, doubtful), hops, start[doubtful], take(span, doubtful), home)
         _put(end, doubtful, home)
     edge = np.flatnonzero((end.status == Status.OK) & span.edge)
     if edge.size:
@@ -125,7 +122,36 @@ def _settled(cells: Cells, hops: Hops, start: Floats, span: Span, cyclic: Bools)
         downhill = -np.sign(np.broadcast_to(scene.tangential, start.shape))[edge]
         near = velocity + downhill * _BESIDE * size_of(take(span, edge), velocity)
         end.status[edge[~has_stop(return_map(part, hops, near))]] = Status.BOUNDARY
-    return end, coexists
+    return end
+
+
+def _lead_first(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) -> None:
+    """Move ``home``, some fixed point, to the first one on the way from the start, which the orbits reach.
+
+    Those with a stop are listed. The one without a stop is either ``home`` or looked for, unless the first
+    cycle of the orbit leads to ``home`` by a stop.
+    """
+    now = return_map(cells, hops, start)
+    steps = drift(start, now, span)
+    way = np.where(steps.closed, 0.0, np.where(steps.rises, 1.0, -1.0))
+    left = np.flatnonzero(~(has_stop(now) & (np.abs(now.velocity - home.velocity) <= FLOOR * span.drive)))
+    if not left.size:
+        return
+    cells, start, span, way = take(cells, left), start[left], take(span, left), way[left]
+    end, n = _taken(home, left), left.size
+    fixed = stopping(cells, hops, start, span, take(now, left), way)
+    fixed = joined(fixed, Fixed(np.arange(n), end.velocity, end.cycle))
+    unknown = np.flatnonzero(has_stop(end.cycle) & (way != 0.0))
+    if unknown.size:
+        target = way * span.bound
+        found, first = _first_on_way(fixed, start, way)
+        target[found] = fixed.velocity[first]
+        part = take(cells, unknown)
+        sliding = between(part, hops, start[unknown], target[unknown], take(span, unknown))
+        seen = np.flatnonzero(sliding.status == Status.OK)
+        fixed = joined(fixed, Fixed(unknown[seen], sliding.velocity[seen], take(sliding.cycle, seen)))
+    found, first = _first_on_way(fixed, start, way)
+    _move(home, left[found], fixed.velocity[first], take(fixed.cycle, first))
 
 
 def _unsolved(count: int) -> Orbits:
@@ -134,7 +160,7 @@ def _unsolved(count: int) -> Orbits:
     return Orbits(np.empty(count), cycle, np.full(count, Status.UNRESOLVED, np.int8))
 
 
-def _begin(cells: Cells, hops: Hops, velocity: Floats) -> Orbits:
+def _started(cells: Cells, hops: Hops, velocity: Floats) -> Orbits:
     return _unsolved(velocity.size)._replace(
         velocity=velocity.copy(), cycle=return_map(cells, hops, velocity)
     )
@@ -160,7 +186,12 @@ def _checked(end: Orbits) -> Orbits:
 
 
 def _bracketed(
-    cells: Cells, hops: Hops, velocity: Floats, span: Span, bracket: tuple[Floats, Floats]
+    cells: Cells,
+    hops: Hops,
+    velocity: Floats,
+    span: Span,
+    bracket: tuple[Floats, Floats],
+    most: int = MOST_EVALUATIONS,
 ) -> Orbits:
     """Find fixed points, any where there are several: Newton's iteration in the bracket its steps leave.
 
@@ -169,7 +200,7 @@ def _bracketed(
     """
     end = _unsolved(velocity.size)
     group = cells, span, velocity, *bracket, velocity
-    unclosed = OpenCells(np.arange(velocity.size), group, _MOST_EVALUATIONS)
+    unclosed = OpenCells(np.arange(velocity.size), group, most)
     for at, (cells, span, start, low, high, here) in unclosed:
         now = return_map(cells, hops, here)
         _move(end, at, here, now)
@@ -191,7 +222,7 @@ def _until_stopped(cells: Cells, hops: Hops, start: Floats, span: Span) -> Orbit
 
     They end at the first fixed point with a stop on their way, or nowhere: ``RUNAWAY``.
     """
-    end = _begin(cells, hops, start)
+    end = _started(cells, hops, start)
     downhill = -np.sign(np.broadcast_to(cells.track.scene.tangential, start.shape))
     change = end.cycle.velocity - start
     change[np.abs(change) <= FLOOR * size_of(span, start)] = 0.0
@@ -201,14 +232,14 @@ def _until_stopped(cells: Cells, hops: Hops, start: Floats, span: Span) -> Orbit
     going = np.flatnonzero(way != 0.0)
     if going.size:
         part = take(cells, going), hops, start[going], take(span, going)
-        fixed = _stopping(*part, take(end.cycle, going), way[going])
-        found, first = _first(fixed, start[going], way[going])
+        fixed = stopping(*part, take(end.cycle, going), way[going])
+        found, first = _first_on_way(fixed, start[going], way[going])
         _move(end, going[found], fixed.velocity[first], take(fixed.cycle, first))
         end.status[going[found]] = Status.OK
     return _checked(end)
 
 
-class _Fixed(NamedTuple):
+class Fixed(NamedTuple):
     """Fixed points and the scenes they belong to."""
 
     owner: Indices
@@ -216,9 +247,9 @@ class _Fixed(NamedTuple):
     cycle: Return
 
 
-def _stopping(
+def stopping(
     cells: Cells, hops: Hops, start: Floats, span: Span, begin: Return, way: Floats | None = None
-) -> _Fixed:
+) -> Fixed:
     """Find fixed points with a stop, or after one where nothing acts on the body: all, or those on a way.
 
     ``begin`` is the cycle from the start, which stands for a rest that ends at the forward onset.
@@ -227,7 +258,7 @@ def _stopping(
     if way is not None:
         ahead = np.flatnonzero(way[owner] * (velocity - start[owner]) >= 0.0)
         owner, velocity = owner[ahead], velocity[ahead]
-    cycle = _joined(begin, return_map(take(cells, owner), hops, velocity))
+    cycle = joined(begin, return_map(take(cells, owner), hops, velocity))
     owner = np.concatenate((np.arange(start.size), owner))
     velocity = np.concatenate((start, velocity))
     size = size_of(take(span, owner), velocity)
@@ -239,10 +270,10 @@ def _stopping(
         apart[near] = np.abs(cycle.velocity[near] - velocity[near])
     again = np.where(has_stop(cycle), apart <= FLOOR * size, span.neutral[owner])
     repeats = np.flatnonzero(cycle.settled & again)
-    return _Fixed(owner[repeats], velocity[repeats], take(cycle, repeats))
+    return Fixed(owner[repeats], velocity[repeats], take(cycle, repeats))
 
 
-def _first(fixed: _Fixed, start: Floats, way: Floats) -> tuple[Indices, Indices]:
+def _first_on_way(fixed: Fixed, start: Floats, way: Floats) -> tuple[Indices, Indices]:
     """Scenes that have a fixed point on the way from their starts, and the first of each."""
     ahead, way = fixed.velocity - start[fixed.owner], way[fixed.owner]
     distance = np.where(way == 0.0, np.abs(ahead), way * ahead)
@@ -252,63 +283,25 @@ def _first(fixed: _Fixed, start: Floats, way: Floats) -> tuple[Indices, Indices]
     return found, order[first]
 
 
-def _several(cells: Cells, hops: Hops, start: Floats, span: Span, home: Orbits) -> Bools:
-    """Tell whether there are more fixed points than ``home``; move it to the one that the orbits reach.
-
-    The one without a stop is either ``home``, or it is looked for: between the limits of all velocities and
-    the outermost fixed points with a stop, and between those and the start.
-    """
-    n = start.size
-    now = return_map(cells, hops, start)
-    fixed = _joined(_stopping(cells, hops, start, span, now), _Fixed(np.arange(n), home.velocity, home.cycle))
-    steps = drift(start, now, span)
-    way = np.where(steps.closed, 0.0, np.where(steps.rises, 1.0, -1.0))
-
-    low, high = span.bound.copy(), -span.bound
-    np.minimum.at(low, fixed.owner, fixed.velocity)
-    np.maximum.at(high, fixed.owner, fixed.velocity)
-    target = way * span.bound
-    found, first = _first(fixed, start, way)
-    target[found] = fixed.velocity[first]
-    unknown = np.flatnonzero(has_stop(home.cycle))
-    inside = unknown[way[unknown] != 0.0]
-    owner = np.concatenate((unknown, unknown, inside))
-    begin = np.concatenate((-span.bound[unknown], span.bound[unknown], start[inside]))
-    aim = np.concatenate((low[unknown], high[unknown], target[inside]))
-    sliding = _between(take(cells, owner), hops, begin, aim, take(span, owner))
-    seen = np.flatnonzero(sliding.status == Status.OK)
-    fixed = _joined(fixed, _Fixed(owner[seen], sliding.velocity[seen], take(sliding.cycle, seen)))
-
-    with np.errstate(divide="ignore", invalid="ignore"):
-        blur = FLOOR * span.forces[fixed.owner] / (1.0 - fixed.cycle.slope)
-    apart = np.abs(fixed.velocity - home.velocity[fixed.owner]) > np.maximum(_APART, 8.0 * blur)
-    several = np.zeros(n, np.bool_)
-    several[fixed.owner[apart]] = True
-    found, first = _first(fixed, start, way)
-    moved = several[found]
-    _move(home, found[moved], fixed.velocity[first[moved]], take(fixed.cycle, first[moved]))
-    return several
-
-
-def _joined(one: Any, other: Any) -> Any:
+def joined(one: Any, other: Any) -> Any:
     """Concatenate two nested tuples of arrays."""
     if isinstance(one, tuple):
-        return type(one)(*(_joined(*pair) for pair in zip(one, other, strict=True)))
+        return type(one)(*(joined(*pair) for pair in zip(one, other, strict=True)))
     return np.concatenate((one, other))
 
 
-def _between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: Span) -> Orbits:
+def between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: Span) -> Orbits:
     """Look for the fixed points without a stop on the way to a target, with none with a stop before it.
 
     As there is one at most, it lies ahead of every velocity without a stop that is carried on. ``far`` is a
     velocity beyond which it cannot lie: from there the orbit leads back, or to the target by stops alone.
     Where it is found the status is ``OK``.
     """
-    end = _begin(cells, hops, velocity)
+    end = _started(cells, hops, velocity)
     way, far = np.sign(target - velocity), target.copy()
     crossed = np.zeros(velocity.shape, np.bool_)
     active, rest, sizes = np.arange(velocity.size), cells, span
-    for _ in range(_MOST_EVALUATIONS):
+    for _ in range(MOST_EVALUATIONS):
         here, now, onward = end.velocity[active], take(end.cycle, active), way[active]
         steps = drift(here, now, sizes)
         end.status[active[steps.closed & ~has_stop(now)]] = Status.OK
@@ -329,7 +322,7 @@ def _between(cells: Cells, hops: Hops, velocity: Floats, target: Floats, span: S
         # A stop leads on, as the map never decreases: by others to a cycle without one, or to the target.
         through = np.flatnonzero(stops & ~blocked)
         group = take(rest, through), take(sizes, through), onward[through], far[active[through]]
-        led_on = OpenCells(through, (*group, found.velocity[through]), _MOST_EVALUATIONS)
+        led_on = OpenCells(through, (*group, found.velocity[through]), MOST_EVALUATIONS)
         for through, (part, size, ahead, limit, position) in led_on:
             behind = return_map(part, hops, position)
             again = has_stop(behind)

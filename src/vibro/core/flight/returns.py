@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Floats
-    from vibro.core.flight.bounces import Bounces
+    from vibro.core.flight.landing import FlightList
     from vibro.core.groups import Loads
 
     Bools = NDArray[np.bool_]
@@ -48,7 +48,8 @@ class Hops(NamedTuple):
     """What each flight and the impact after it do to the relative velocity, whatever that is.
 
     ``gain`` and ``shift`` are velocity and displacement added in flight, ``brake`` is the most that friction
-    takes off in the impact, ``high`` and ``low`` are the extremes of the velocity added on the way.
+    takes off in the impact, ``high`` and ``low`` are the extremes of the velocity added on the way. A contact
+    that follows begins at ``landing`` and lasts ``rest``; that at the end of a cycle is told in ``Cells``.
     """
 
     gain: Floats
@@ -57,6 +58,8 @@ class Hops(NamedTuple):
     brake: Floats
     high: Floats
     low: Floats
+    landing: Floats = _ZERO
+    rest: Floats = _ZERO
 
 
 class Cells(NamedTuple):
@@ -97,7 +100,7 @@ class Return(NamedTuple):
     settled: Bools
 
 
-def hops_of(scene: Loads, flights: Bounces) -> Hops:
+def hops_of(scene: Loads, flights: FlightList) -> Hops:
     """Integrate the free motion along the trough over each flight, Eq. (30)."""
     along, tangential, normal, mu_d = (
         x[flights.owner] if x.ndim else x
@@ -115,7 +118,7 @@ def hops_of(scene: Loads, flights: Bounces) -> Hops:
         last = nearest + _TURN * np.floor((s - nearest) / _TURN)
         for at in (nearest, last):
             _, v = free_motion(along, tangential, sine, cosine, _ZERO, at)
-            inside = at <= s
+            inside = (at >= 0.0) & (at <= s)
             high = np.where(inside, np.maximum(high, v), high)
             low = np.where(inside, np.minimum(low, v), low)
     return Hops(gain, s, shift, mu_d * normal * flights.impulse, high, low)
@@ -147,15 +150,19 @@ def return_map(cells: Cells, hops: Hops, velocity: Floats) -> Return:
         out.slope[flying] *= ~stopped
         out.friction[flying] -= np.copysign(hop.brake, v)
         out.pattern[flying] = _append(out.pattern[flying], np.int64(Mode.FLIGHT))
+        if hop.rest.ndim:
+            stays = np.flatnonzero(hop.rest > 0.0)
+            _contact(cells.track, out, flying[stays], hop.landing[stays], hop.rest[stays])
     on_trough = np.flatnonzero(cells.rest > 0.0)
-    if on_trough.size:
-        _contact(cells, out, on_trough)
+    _contact(cells.track, out, on_trough, cells.landing[on_trough], cells.rest[on_trough])
     return out
 
 
-def _contact(cells: Cells, out: Return, on_trough: NDArray[np.intp]) -> None:
-    """Slide and rest from the last landing to the lift-off."""
-    track, landing, rest = take((cells.track, cells.landing, cells.rest), on_trough)
+def _contact(track: Track, out: Return, on_trough: NDArray[np.intp], landing: Floats, rest: Floats) -> None:
+    """Slide and rest from a landing to the lift-off."""
+    if not on_trough.size:
+        return
+    track = take(track, on_trough)
     velocity = out.velocity[on_trough]
     mode = mode_of(track.scene, landing, velocity)
     going = OpenCells(on_trough, (track, landing, rest, velocity, mode), _MOST_LEGS)

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Mode
+from vibro.core.flight.landing import SHARP, Blur, spread
+from vibro.core.flight.trajectory import Flight
 from vibro.core.free import free_motion
 from vibro.core.groups import put, take
 from vibro.core.roots import OpenCells, bisect
@@ -38,9 +40,6 @@ _SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
 _LINEAR: Final = 1e-7
 _SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
 _SLACK: Final = 100.0  # [1] factor between a difference of states and of the positions they lead to
-# [rad] Motion without a period amplifies rounding. Once a phase is uncertain by this the arrival is unknown.
-_LOST: Final = 1e-10
-_ROUNDING: Final = 2.0**-50  # [rad] of one landing
 
 
 class _Memory(NamedTuple):
@@ -62,7 +61,7 @@ class _Memory(NamedTuple):
 
 
 class _Walk(NamedTuple):
-    """Bodies still under way; ``blur`` is the error of phase and rate where the motion has no period."""
+    """Bodies still under way; ``blur`` is the rounding of their flights since the last contact."""
 
     course: Course
     sections: Sections
@@ -70,7 +69,7 @@ class _Walk(NamedTuple):
     steady: Floats
     at: State
     memory: _Memory
-    blur: tuple[Floats, Floats]
+    blur: Blur
 
 
 def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floats, steady: Floats) -> Floats:
@@ -108,8 +107,7 @@ def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floa
         np.zeros(n, np.int8), at.cycle.copy(), zero.copy(), zero.copy(), zero.copy(), zero.copy(),
         np.zeros(n, np.intp), np.ones(n), zero.copy(),
     )  # fmt: skip
-    blur = zero.copy(), zero.copy()
-    walk = _Walk(course, sections_of(course), length, steady, at, memory, blur)
+    walk = _Walk(course, sections_of(course), length, steady, at, memory, Blur(zero, zero, zero))
     under_way = OpenCells(np.arange(n), walk, _MOST_LEGS)
     for cells, walk in under_way:
         never = _move_on(walk)
@@ -123,10 +121,10 @@ def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floa
         )
         ended = ~there & ~np.isfinite(leg.length)
         out[cells[ended]] = np.inf
-        lost = _blur(walk, leg)
+        blur = _blur(walk, leg)
         walk.memory.gain[:] *= leg.gain
         walk.memory.top[:] = np.maximum(walk.memory.top, _bound(walk, leg))
-        under_way.keep(~(never | there | ended | lost), walk._replace(at=leg.after))
+        under_way.keep(~(never | there | ended) & blur.within(SHARP), walk._replace(at=leg.after, blur=blur))
     return out
 
 
@@ -214,21 +212,16 @@ def _bound(walk: _Walk, leg: Step) -> Floats:
     return np.where(now.mode == Mode.FLIGHT, aloft, np.maximum(now.position, end))
 
 
-def _blur(walk: _Walk, leg: Step) -> Bools:
-    """Carry the rounding of a motion without a period through its flights; return where it is too large."""
-    if walk.sections.lag.all():
-        return np.zeros(walk.length.shape, np.bool_)
+def _blur(walk: _Walk, leg: Step) -> Blur:
+    """Carry the rounding of flights along; a contact ends at the lift-off, whenever it began."""
     now = walk.at
-    flies = (walk.sections.lag == 0) & (now.mode == Mode.FLIGHT)
-    blur_phase, blur_rate = walk.blur
-    throw, sine, touch = walk.course.throw, np.sin(now.phase), now.phase + leg.length
-    with np.errstate(divide="ignore", invalid="ignore"):  # legs that never end
-        lever = np.abs(throw * (np.cos(now.phase) - np.cos(touch) - leg.length * sine))
-        late = blur_phase + (blur_phase * lever + blur_rate * leg.length) / leg.impact + _ROUNDING
-        fast = walk.course.restitution * (blur_rate + (1.0 + throw) * (late + blur_phase))
-    blur_phase[:] = np.where(flies, late, 0.0)  # a contact ends at the lift-off, whenever it began
-    blur_rate[:] = np.where(flies, fast, 0.0)
-    return np.asarray(flies & ~(late <= _LOST))
+    flies = now.mode == Mode.FLIGHT
+    if not flies.any():
+        return Blur(*np.zeros((3, flies.size)))
+    step = Flight(leg.length, leg.impact)
+    course = walk.course
+    blur = spread(course.throw, course.restitution, (now.phase, now.rate), step, np.zeros(()), walk.blur)
+    return Blur(*(np.where(flies, x, 0.0) for x in blur))
 
 
 def _reach(walk: _Walk, leg: Step) -> Floats:

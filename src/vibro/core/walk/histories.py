@@ -118,7 +118,7 @@ def sections_of(course: Course) -> Sections:
     if hopping.size:
         flights = bounces(course.throw[hopping], course.restitution[hopping])
         lands[hopping] = flights.rest > 0.0
-        lag[hopping] = np.where(lands[hopping], 1, np.where(flights.repeats, flights.number, 0))
+        lag[hopping] = np.where(lands[hopping], 1, np.where(flights.repeats, flights.cycle.number, 0))
     return Sections(lag, lands)
 
 

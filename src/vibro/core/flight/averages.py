@@ -1,0 +1,231 @@
+"""Hopping without a cycle that could be told: means over long samples, with their standard errors.
+
+Irregular flights amplify every disturbance until nothing is left of the start, so that rounding, and on a
+real trough its noise, chooses the flights. What stays is their statistics. Several bodies are followed side
+by side, kicked a little whenever they leave the trough after a contact; the scatter of their means gives the
+error. Lengths in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Mode, Status
+from vibro.core.contact.legs import track_of
+from vibro.core.flight.cycles import HoppingCycles, one_each, unresolved
+from vibro.core.flight.drift import has_stop, span_of
+from vibro.core.flight.returns import Cells, return_map, velocity_from_rest
+from vibro.core.flight.samples import BODIES, Sample, fly
+from vibro.core.groups import put, take
+from vibro.core.roots import OpenCells
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.core.contact.legs import Track
+    from vibro.core.contact.slide import Floats
+    from vibro.core.groups import Loads
+
+    Bools = NDArray[np.bool_]
+    Indices = NDArray[np.intp]
+
+__all__ = ["AVERAGES"]
+
+_TURN: Final = 2.0 * np.pi
+
+# [1] Ratio of the variance of a body's mean to that expected from its two halves: above which the sample is
+# shorter than the memory of the motion, and above which bodies have gone different ways. For halves without
+# memory it is F-distributed about 1.
+_DRIFTS: Final = 3.0
+_PARTED: Final = 8.0
+_STUDENT: Final = (BODIES - 1) / (BODIES - 3)  # variance of Student's t for a scatter of so many bodies
+_FIRST_REACH: Final = 0.25  # [A w cos alpha] first step in search of the velocity of balance
+_BALANCED: Final = 0.1  # [1] imbalance left, over its statistical error
+_MOST_STEPS: Final = 60
+
+
+def averages(scene: Loads, restitution: Floats, length: int, longest: bool) -> HoppingCycles:
+    """Mean motion of hopping scenes in which no cycle can be told.
+
+    Parameters
+    ----------
+    scene : Loads
+        Groups of the scenes, 1-D, or 0-d members for all.
+    restitution : array
+        Their normal coefficients of restitution, 1-D or 0-d.
+    length : int
+        Events (flights, of which a chain of short bounces counts as one) in each half of the samples.
+    longest : bool
+        Whether no longer samples are to follow.
+
+    Returns
+    -------
+    HoppingCycles
+        One element per scene: ``AVERAGED``; ``RUNAWAY`` where a body does not stop again; ``UNRESOLVED``
+        where a longer sample is needed, or bounces are too many.
+
+    Notes
+    -----
+    A longer sample is needed where the means of bodies differ by more than the halves of their samples
+    explain, and where they remember their velocities for longer than it lasts. Where they differ for good, as
+    they have gone different ways or as the size of the kicks decides, the scatter of the bodies is told.
+    """
+    return one_each(scene, restitution, partial(_means, length=length, longest=longest))
+
+
+#: Averages over longer and longer samples, with the number of scenes that fit into memory.
+AVERAGES: Final = (
+    (partial(averages, length=48, longest=False), 256),
+    (partial(averages, length=192, longest=False), 128),
+    (partial(averages, length=768, longest=True), 32),
+)
+
+
+def _means(scene: Loads, throw: Floats, restitution: Floats, length: int, longest: bool) -> HoppingCycles:
+    n = throw.size
+    owner = np.repeat(np.arange(n), BODIES)
+    sample = fly(take(scene, owner), throw[owner], restitution[owner], np.tile(np.arange(BODIES), n), length)
+    track = take(track_of(scene), owner)
+    slid, remembers, correction = _slide(track, sample)
+    time, aloft = (x[-2:].reshape(2, n, BODIES) for x in (sample.time, sample.aloft))
+    paths = (slid.path + correction).reshape(2, n, BODIES)
+    total = time.sum(axis=(0, 2))
+    mean = paths.sum(axis=(0, 2)) / total
+    off = (paths - mean[:, None] * time) * (BODIES / total)[:, None]
+    own, halves = off.sum(axis=0).var(axis=1, ddof=1), ((off[0] - off[1]) ** 2).mean(axis=1)
+    lands = sample.lands.reshape(n, BODIES).any(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = own / halves
+    # Without memory both are the variance of a body's mean.
+    variance = np.where(ratio > _DRIFTS, own, 0.5 * (own + halves)) / BODIES
+    differ = lands | (ratio > _PARTED)
+    variance += np.where(differ, _STUDENT * np.maximum(own - halves, 0.0), 0.0)
+    drifts = remembers | (~lands & (ratio > _DRIFTS))
+
+    out = unresolved(n)
+    ends = sample.ends.reshape(n, BODIES).all(axis=1)
+    # without enough friction to hold it, and without a stop, a body is gone
+    loose = np.abs(scene.tangential) > scene.kinetic_friction * scene.normal
+    runs = loose & ~slid.forgets[1].reshape(n, BODIES).all(axis=1)
+    out.status[ends & (longest | ~drifts)] = Status.AVERAGED
+    out.status[ends & runs] = Status.RUNAWAY
+    known = out.status == Status.AVERAGED
+    out.pattern[known] = -np.int64(Mode.FLIGHT)
+    numbers = (
+        _TURN * mean,
+        _TURN * np.sqrt(variance),
+        np.full(n, np.nan),
+        aloft.sum(axis=(0, 2)) / total,
+        scene.normal * sample.impact.reshape(n, BODIES).max(axis=1),
+        slid.peak.max(axis=0).reshape(n, BODIES).max(axis=1),
+    )
+    put(out[2:-1], np.arange(n), tuple(np.where(known, x, np.nan) for x in numbers))
+    return out
+
+
+class _Slid(NamedTuple):
+    """Bodies followed along the trough through the halves of their samples; all but one of shape (2, bodies).
+
+    Attributes
+    ----------
+    path : array
+        Displacement.
+    gain : array
+        Change of the velocity over the ground.
+    peak : array
+        Largest speed relative to the trough.
+    forgets : bool array
+        Whether the body stops, so that it forgets its velocity.
+    """
+
+    path: Floats
+    gain: Floats
+    peak: Floats
+    forgets: Bools
+
+
+def _follow(track: Track, sample: Sample, bodies: Indices, velocity: Floats) -> _Slid:
+    """Follow bodies from their velocities at the start of the sample."""
+    none = np.zeros(bodies.size)
+    parts = []
+    for i in (2, 3):
+        part = Cells(take(track, bodies), sample.first[i, bodies], sample.number[i, bodies], none, none)
+        leg = return_map(part, sample.hops, velocity)
+        scene, turned = part.track.scene, sample.swing[i, bodies]
+        # as ``drift`` has it: without a stop gravity and friction alone act
+        fall = -scene.tangential * sample.time[i, bodies]
+        stops = has_stop(leg)
+        gain = np.where(stops, leg.velocity - velocity - scene.along * turned, fall + leg.friction)
+        parts.append((leg.displacement, gain, leg.peak, stops))
+        velocity = leg.velocity
+    return _Slid(*(np.stack(pair) for pair in zip(*parts, strict=True)))
+
+
+def _slide(track: Track, sample: Sample) -> tuple[_Slid, Bools, Floats]:
+    """Slide through the samples; return also which scenes need longer ones, and corrections of the paths.
+
+    Where a body never stops in its sample it is off, the longer the less friction there is, by the error of
+    its velocity at the start. All bodies of such a scene get the one velocity over the ground at which
+    gravity and friction balance over all their samples. What the balance of each is off by moves that
+    velocity, and with it the mean: this is the correction, whose sum is 0.
+    """
+    everyone = np.arange(sample.impact.size)
+    none = np.zeros(everyone.size)
+    start = np.broadcast_to(velocity_from_rest(track), everyone.shape)
+    lead = Cells(track, sample.first[0], sample.number[0] + sample.number[1], none, none)
+    velocity = return_map(lead, sample.hops, start).velocity
+    slid = _follow(track, sample, everyone, velocity)
+    correction = np.zeros((2, everyone.size))
+    bounded = span_of(lead, sample.time[2]).bounded
+    remembers = (bounded & ~slid.forgets.all(axis=0)).reshape(-1, BODIES)
+    needs_longer: Bools = np.asarray(remembers.any(axis=1))
+    long = np.flatnonzero(needs_longer)
+    if long.size:
+        bodies = (long[:, None] * BODIES + np.arange(BODIES)).reshape(-1)
+        found, moved = _balanced(track, sample, bodies, velocity[bodies])
+        for whole, part in zip(slid, found, strict=True):
+            whole[:, bodies] = part
+        correction[:, bodies] = moved
+    return slid, needs_longer, correction
+
+
+def _balanced(track: Track, sample: Sample, bodies: Indices, velocity: Floats) -> tuple[_Slid, Floats]:
+    """Give the bodies of each scene the same velocity over the ground, that of balance.
+
+    The sum of what they gain falls with it. Bracket the zero, and go on by false position and halving in turn
+    until less than a tenth of its statistical error is left.
+    """
+    along = np.broadcast_to(track.scene.along, sample.impact.shape)
+    trough = (along * sample.trough)[bodies].reshape(-1, BODIES)
+    n = trough.shape[0]
+    out = _follow(track, sample, bodies, velocity)
+    correction = np.zeros((2, bodies.size))
+    ground = (velocity.reshape(n, BODIES) + trough).mean(axis=1)
+    low, high = (np.full((3, n), np.nan) for _ in range(2))  # velocity, gain and path on each side
+    reach = _FIRST_REACH * along[bodies].reshape(n, BODIES)[:, 0]
+    left = OpenCells(np.arange(n), (ground, reach), _MOST_STEPS)
+    for step, (scenes, (ground, reach)) in enumerate(left):
+        place = (scenes[:, None] * BODIES + np.arange(BODIES)).reshape(-1)
+        start = (ground[:, None] - trough[scenes]).reshape(-1)
+        slid = _follow(track, sample, bodies[place], start)
+        gain, path = (x.sum(axis=0).reshape(-1, BODIES) for x in (slid.gain, slid.path))
+        here = np.stack((ground, gain.sum(axis=1), path.sum(axis=1)))
+        rises = here[1] > 0.0
+        low[:, scenes[rises]], high[:, scenes[~rises]] = here[:, rises], here[:, ~rises]
+        below, above = low[:, scenes], high[:, scenes]
+        enclosed = np.isfinite(below[0] + above[0])
+        scatter = np.sqrt((gain * gain).sum(axis=1))
+        done = enclosed & (np.abs(here[1]) <= _BALANCED * scatter)
+        for whole, part in zip(out, slid, strict=True):
+            whole[:, place] = part
+        with np.errstate(divide="ignore", invalid="ignore"):
+            effect = np.where(enclosed, (above[2] - below[2]) / (above[1] - below[1]), 0.0)
+            share = 0.5 if step % 3 == 2 else below[1] / (below[1] - above[1])
+        correction[:, place] = -np.repeat(effect, BODIES) * slid.gain
+        inside = below[0] + share * (above[0] - below[0])
+        onward = np.where(enclosed, inside, np.where(rises, ground + reach, ground - reach))
+        left.keep(~done, (onward, 2.0 * reach))
+    return out, correction
