@@ -167,7 +167,7 @@ class SteadyCycle:
     coexists: Codes = field(
         metadata=_described(
             "coexists",
-            "whether another motion exists (a cycle, running away): 1 it does, 0 none found, -1 not looked at",
+            "whether another motion exists (a cycle, running away): 1 yes, 0 none found, -1 not looked at",
             dtype=np.int8,
             texts=("0", "1", ""),
             is_flag=True,
