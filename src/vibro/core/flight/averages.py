@@ -13,11 +13,14 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Mode, Status
+from vibro.core.codes import Mode, Status, is_answered
 from vibro.core.contact.legs import track_of
 from vibro.core.flight.cycles import HoppingCycles, one_each, unresolved
 from vibro.core.flight.drift import has_stop, span_of
-from vibro.core.flight.returns import Cells, return_map, velocity_from_rest
+from vibro.core.flight.landing import FlightList
+from vibro.core.flight.orbits import from_rest
+from vibro.core.flight.repeats import single_bounces
+from vibro.core.flight.returns import Cells, hops_of, return_map, velocity_from_rest
 from vibro.core.flight.samples import BODIES, Sample, fly
 from vibro.core.groups import put, take
 from vibro.core.roots import OpenCells
@@ -42,6 +45,10 @@ _TURN: Final = 2.0 * np.pi
 _DRIFTS: Final = 3.0
 _PARTED: Final = 8.0
 _STUDENT: Final = (BODIES - 1) / (BODIES - 3)  # variance of Student's t for a scatter of so many bodies
+# [1] Throw number below which stable cycles of one bounce capture irregular motion within some thousand
+# cycles; above it their basins are narrow.
+_CAPTURED: Final = 2.0
+_MOST_TURNS: Final = 64
 _FIRST_REACH: Final = 0.25  # [A w cos alpha] first step in search of the velocity of balance
 _BALANCED: Final = 0.1  # [1] imbalance left, over its statistical error
 _MOST_STEPS: Final = 60
@@ -78,9 +85,9 @@ def averages(scene: Loads, restitution: Floats, length: int, longest: bool) -> H
 
 #: Averages over longer and longer samples, with the number of scenes that fit into memory.
 AVERAGES: Final = (
-    (partial(averages, length=48, longest=False), 256),
-    (partial(averages, length=192, longest=False), 128),
-    (partial(averages, length=768, longest=True), 32),
+    (partial(averages, length=32, longest=False), 256),
+    (partial(averages, length=128, longest=False), 128),
+    (partial(averages, length=512, longest=True), 32),
 )
 
 
@@ -123,7 +130,50 @@ def _means(scene: Loads, throw: Floats, restitution: Floats, length: int, longes
         slid.peak.max(axis=0).reshape(n, BODIES).max(axis=1),
     )
     put(out[2:-1], np.arange(n), tuple(np.where(known, x, np.nan) for x in numbers))
+    _lot(scene, throw, restitution, out)
     return out
+
+
+def _lot(scene: Loads, throw: Floats, restitution: Floats, means: HoppingCycles) -> None:
+    """Tell, in place, of bodies that any of several motions may capture.
+
+    At low throw numbers stable cycles of one bounce stand beside the irregular motion and capture it after
+    some hundreds or thousands of cycles, nobody knows which of them and when. The mean over all these motions
+    is given, with their scatter.
+    """
+    turns = np.arange(1, _MOST_TURNS + 1)
+    phase, _, stable = single_bounces(throw[:, None], restitution[:, None], turns)
+    stable &= ((throw < _CAPTURED) & (means.status == Status.AVERAGED))[:, None]
+    owner, which = np.nonzero(stable)
+    if not owner.size:
+        return
+    n = owner.size
+    length = np.multiply(_TURN, turns[which])
+    impact = length / (1.0 + restitution[owner])
+    one, none = np.ones(n, np.intp), np.zeros(n)
+    flights = FlightList(np.arange(n), one, np.arange(n), phase[stable], length, impact, length)
+    loads = take(scene, owner)
+    track = take(track_of(scene), owner)
+    cells = Cells(track, flights.first, flights.number, none, none)
+    start = np.broadcast_to(velocity_from_rest(track), n)
+    end = from_rest(cells, hops_of(loads, flights), start, span_of(cells, length))
+    found = end.cycle.displacement / turns[which]
+    motions = 1 + np.bincount(owner, minlength=throw.size)
+    center = (means.displacement + np.bincount(owner, found, throw.size)) / motions
+    squares = (means.displacement - center) ** 2
+    squares += np.bincount(owner, (found - center[owner]) ** 2, throw.size)
+    several = np.unique(owner)
+    scatter = squares[several] / (motions[several] - 1)
+    means.displacement[several] = center[several]
+    means.deviation[several] = np.sqrt(means.deviation[several] ** 2 + scatter)
+    share = means.flight_fraction[several]
+    means.flight_fraction[several] = 1.0 + (share - 1.0) / motions[several]
+    np.maximum.at(means.impact, owner, loads.normal * impact)
+    np.maximum.at(means.peak, owner, end.cycle.peak)
+    lost = np.unique(owner[~is_answered(end.status)])
+    means.status[lost], means.pattern[lost] = Status.RUNAWAY, 0
+    for numbers in means[2:-1]:
+        numbers[lost] = np.nan
 
 
 class _Slid(NamedTuple):

@@ -15,6 +15,7 @@ from vibro.core.flight.bounces import bounces
 from vibro.core.flight.cycles import entered
 from vibro.core.flight.drift import FLOOR, has_stop, span_of
 from vibro.core.flight.orbits import Fixed, between, from_rest, joined, stopping
+from vibro.core.flight.repeats import single_bounces
 from vibro.core.flight.returns import hops_of, return_map
 from vibro.core.groups import take
 
@@ -98,24 +99,18 @@ def _flies_otherwise(
 
 
 def _starts(throw: Floats, restitution: Floats) -> tuple[Floats, Floats]:
-    """Phases and speeds of take-offs, one row a scene.
-
-    A bounce of m turns that repeats lands with the speed 2 pi m / (1 + e); it takes off e times as fast where
-    K cos p = pi m (1 - e) / (1 + e).
-    """
+    """Phases and speeds of take-offs, one row a scene."""
     k, e = throw[:, None], restitution[:, None]
-    m = np.arange(1, _LONGEST + 1)
-    cosine = np.pi * m * (1.0 - e) / (k * (1.0 + e))
-    exists = cosine < 1.0
+    bounce_phase, bounce_speed, _ = single_bounces(k, e, np.arange(1, _LONGEST + 1))
+    exists = np.isfinite(bounce_phase)
     most = np.maximum(exists.sum(axis=1, keepdims=True), 1)
     grid = np.arange(_PHASES * _SPEEDS)
     phase = np.broadcast_to(_TURN * (grid % _PHASES) / _PHASES, (throw.size, grid.size))
     share = (grid // _PHASES + 0.5) / _SPEEDS
     speed = share * (most + 0.5) * np.pi
-    bounce = _TURN * m * e / (1.0 + e)
     # where there is no such bounce a start from the crest, with its speed, is as good as any
-    phases = np.arccos(np.minimum(cosine, 1.0)) * exists + 0.5 * np.pi * ~exists
-    return np.concatenate((phases, phase), axis=1), np.concatenate((bounce + 0.0 * cosine, speed), axis=1)
+    bounce_phase = np.where(exists, bounce_phase, 0.5 * np.pi)
+    return np.concatenate((bounce_phase, phase), axis=1), np.concatenate((bounce_speed, speed), axis=1)
 
 
 def _slides_otherwise(

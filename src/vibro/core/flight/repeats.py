@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Bools = NDArray[np.bool_]
     Counts = NDArray[np.intp]
 
-__all__ = ["close", "near_repeat"]
+__all__ = ["close", "near_repeat", "single_bounces"]
 
 _TURN: Final = 2.0 * np.pi
 
@@ -36,6 +36,20 @@ _FIRST_STEP: Final = 0.1  # [rad, A w n] longest first step
 _SHRINKS: Final = 0.75  # [1] a longer next step, over the one before, shows that there is no cycle nearby
 _CLOSED: Final = 1e-12  # [1] relative distance at which a cycle is closed
 _SAME: Final = 1e-8  # [1] relative distance below which a cycle repeats within itself
+
+
+def single_bounces(throw: Floats, restitution: Floats, turns: Counts) -> tuple[Floats, Floats, Bools]:
+    """Cycles of one bounce of so many turns: phase and speed of the take-off, and whether they are stable.
+
+    It lands with the speed 2 pi m / (1 + e), where K cos p = pi m (1 - e) / (1 + e). With S = K sin p its map
+    has the trace 1 + e^2 - (1 + e)^2 S and the determinant e^2, so that it is stable for
+    0 < (1 + e)^2 S < 2 (1 + e^2). The phase is NaN where there is no such cycle.
+    """
+    e = restitution
+    cosine = np.pi * turns * (1.0 - e) / (throw * (1.0 + e))
+    phase = np.arccos(np.where(cosine < 1.0, cosine, np.nan))
+    stiffness = (1.0 + e) ** 2 * throw * np.sin(phase)
+    return phase, _TURN * turns * e / (1.0 + e) + 0.0 * throw, stiffness < 2.0 * (1.0 + e * e)
 
 
 def near_repeat(records: list[Flights]) -> Counts:

@@ -39,7 +39,7 @@ _PARTS: Final = 4
 _KICK: Final = 1e-4
 _SHOVE: Final = 1e-2  # [1] relative change of speed that parts bodies which do not come to contact
 # [rad] Here the error of summing bounces, of the order of the square of this, is far below that of a mean.
-_ACCUMULATED: Final = 1e-3
+_ACCUMULATED: Final = 1e-2
 _MOST_BOUNCES: Final = 100_000
 _GOLDEN: Final = 0.6180339887498949  # multiples of it are spread evenly over [0, 1), modulo 1
 
@@ -103,7 +103,7 @@ def fly(scene: Loads, throw: Floats, restitution: Floats, body: Counts, length: 
     records: list[Flights] = []
     contacts: list[tuple[Floats, Floats, Counts]] = []
     events, part, lands = np.zeros(n, np.intp), np.zeros(n, np.intp), np.zeros(n, np.bool_)
-    quota = length + body  # so that what repeats all the same is met at different moments
+    quota = length // 2 + body  # so that what repeats all the same is met at different moments
     state = lift_off, _kick(0, body), events, part, lands, quota
     aloft = OpenCells(np.arange(n), (throw, restitution, lift_off, body, *state), _MOST_BOUNCES)
     for owner, (k, e, lifts, body, phase, speed, events, part, lands, quota) in aloft:
