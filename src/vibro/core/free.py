@@ -24,7 +24,7 @@ GAP: Final = (
 def free_motion(
     pull: Floats, drag: Floats, sine: Floats, cosine: Floats, velocity: Floats, s: Floats
 ) -> tuple[Floats, Floats]:
-    """Path and velocity under x'' = pull sin p - drag, a phase s after the start, Eq. (38).
+    """Path and velocity under x'' = pull sin p - drag, a phase s after the start, Eq. (40).
 
     Slides, flights along the trough and flights off it differ in pull and drag alone.
 

@@ -105,7 +105,7 @@ def bounces(
 
     Notes
     -----
-    The rounding of the flights is carried along, Eq. (33a). Where it has grown past 1e-9 before the cycle
+    The rounding of the flights is carried along, Eq. (34). Where it has grown past 1e-9 before the cycle
     closes, the scene does not say which cycle it is.
     """
     n = throw.size

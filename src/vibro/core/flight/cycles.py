@@ -104,7 +104,7 @@ def cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
 
     Notes
     -----
-    At K > 1 a body at rest slides forward before it is lifted off, Eq. (34), so that the cycle from rest
+    At K > 1 a body at rest slides forward before it is lifted off, Eq. (35), so that the cycle from rest
     starts with a known velocity, and ends at a fixed point of the return map. Over a cycle the normal
     impulse is that of the weight; where gravity along the trough exceeds static friction under it, every
     cycle adds speed: ``RUNAWAY``.

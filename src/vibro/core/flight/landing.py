@@ -155,7 +155,7 @@ def carried(
     step: Flight,
     change: tuple[Floats, Floats],
 ) -> tuple[Floats, Floats]:
-    """Carry small changes of a take-off's phase and speed to the next take-off, to first order."""
+    """Carry small changes of a take-off's phase and speed to the next take-off, to first order, Eq. (34)."""
     d_phase, d_speed = change
     touch, sine = phase + step.length, np.sin(phase)
     lever = throw * (np.cos(phase) - np.cos(touch) - step.length * sine)

@@ -41,9 +41,8 @@ _SAME: Final = 1e-8  # [1] relative distance below which a cycle repeats within 
 def single_bounces(throw: Floats, restitution: Floats, turns: Counts) -> tuple[Floats, Floats, Bools]:
     """Cycles of one bounce of so many turns: phase and speed of the take-off, and whether they are stable.
 
-    It lands with the speed 2 pi m / (1 + e), where K cos p = pi m (1 - e) / (1 + e). With S = K sin p its map
-    has the trace 1 + e^2 - (1 + e)^2 S and the determinant e^2, so that it is stable for
-    0 < (1 + e)^2 S < 2 (1 + e^2). The phase is NaN where there is no such cycle.
+    Eq. (37): it lands with the speed 2 pi m / (1 + e), where K cos p = pi m (1 - e) / (1 + e). The phase is NaN
+    where there is no such cycle.
     """
     e = restitution
     cosine = np.pi * turns * (1.0 - e) / (throw * (1.0 + e))

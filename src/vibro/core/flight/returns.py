@@ -1,7 +1,7 @@
 """The return map of hopping bodies: from the velocity at a lift-off to that at the next one like it.
 
 The flights are known before the sliding (``bounces.py``). Trajectories cannot cross, only merge, so that the
-map never decreases, Eq. (35). It is piecewise smooth with a slope of at most 1 (a change of direction under
+map never decreases, Eq. (36). It is piecewise smooth with a slope of at most 1 (a change of direction under
 friction, a rest and an impact all bring velocities closer) and jumps upwards only, where stiction holds one
 body and not its neighbour. Lengths in A, speeds in A w, phases in radians.
 """
@@ -223,7 +223,7 @@ def _append(pattern: Words, digit: Words | np.int64) -> Words:
 
 
 def velocity_from_rest(track: Track) -> Floats:
-    """Velocity at the first lift-off of a body at rest, which slides forward from its onset, Eq. (34)."""
+    """Velocity at the first lift-off of a body at rest, which slides forward from its onset, Eq. (35)."""
     start, end, at = track.forward_onset, track.lift_off, track.forward
     velocity: Floats = at.pull * (np.cos(start) - np.cos(end)) - at.drag * (end - start)
     return velocity

@@ -35,7 +35,7 @@ _TURN: Final = 2.0 * np.pi
 _MOST_LEGS: Final = 2_000_000
 
 _SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
-# [rad, A w] Within this distance of the steady cycle changes shrink by a constant factor, Eq. (39); what that
+# [rad, A w] Within this distance of the steady cycle changes shrink by a constant factor, Eq. (41); what that
 # neglects is of the square of the distance.
 _LINEAR: Final = 1e-7
 _SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
@@ -155,7 +155,7 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
     """Compare bodies with themselves one cycle ago; add cycles to ``whole`` in place.
 
     With the gain g per cycle the change of the state from now to m cycles later is its last change times
-    g (1 - g^m) / (1 - g), and so is the change of the displacement per cycle, Eq. (39).
+    g (1 - g^m) / (1 - g), and so is the change of the displacement per cycle, Eq. (41).
     """
     at, then = walk.at, walk.memory
     turn = np.mod(at.phase - then.phase + np.pi, _TURN) - np.pi
@@ -182,7 +182,7 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
     top = then.top + np.abs(tail) + _SLACK * (distance + np.abs(change))
     never = (advance <= 0.0) & (settled | (linear & (top < walk.length)))
     # A hopping body that got no farther in its last cycle, and is no faster than before it, never will: with
-    # trajectories that do not cross each later cycle gets no farther than the one before it, Eq. (35).
+    # trajectories that do not cross each later cycle gets no farther than the one before it, Eq. (36).
     never |= ~slides & (other <= _SETTLED) & (walked <= 0.0) & (change <= 0.0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         count = np.floor((walk.length - top - walked) / advance) - 1.0
