@@ -47,6 +47,10 @@ MOST_FLIGHTS: Final = 256
 BOUNCE: Final = 0.1
 _MOST_BOUNCES: Final = 8192  # short ones included; restitutions above 0.995 may need more
 
+# [rad] Within a few ulp of K = 1 the load at the landing is rounding; what flights of this length altogether are
+# off by is no more than that.
+_HARDLY_ALOFT: Final = 1e-6
+
 _LOOK_BACK: Final = 8  # flights after which it looks for a cycle, and again whenever they have doubled
 
 
@@ -133,8 +137,10 @@ def bounces(
         cycles[owner] += turns.astype(np.intp)
         end -= _TURN * turns
         landing[owner] = end
-        blur = spread(k, e, (phase, speed), step, after.length, blur)
-        contact[owner] = repeats[owner] = after.contact & blur.within(SHARP)
+        if len(records) > 1 or start is not None:
+            blur = spread(k, e, (phase, speed), step, after.length, blur)
+        sharp = blur.within(SHARP) | (before + flights.length <= _HARDLY_ALOFT)
+        contact[owner] = repeats[owner] = after.contact & sharp
         onward = ~after.contact & (blur.within(LOST) | (start is not None))
         count = len(records)
         if count >= _LOOK_BACK and count & (count - 1) == 0:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.free import free_motion
 from vibro.core.groups import take
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ __all__ = [
 # error is of the order of its square.
 _ACCUMULATED: Final = 1e-8
 
+_NONE: Final = np.zeros(())
 _ROUNDING: Final = 2.0**-52  # [1] of a landing, relative to the terms whose sum vanishes there
 #: [rad, A w n] Standard errors up to which a contact closes a cycle, and above which what comes next may be
 #: chosen by rounding.
@@ -80,7 +82,10 @@ def after_landing(
     impulse = impact + speed
     with np.errstate(divide="ignore", invalid="ignore"):
         rest = np.where(speed > 0.0, 2.0 * speed / (load * (1.0 - restitution)), 0.0)
-    contact = (load >= throw * np.maximum(rest, 0.0)) & (rest <= accumulated)
+    contact = (load >= 0.0) & (rest <= accumulated)
+    bounces = contact & (rest > 0.0)
+    if np.count_nonzero(bounces):
+        contact &= load >= throw * np.maximum(np.cos(phase), 0.0) * np.where(bounces, rest, 0.0)
     length = np.where(contact, rest, 0.0)
     tail = np.where(contact, speed * (1.0 + restitution) / (1.0 - restitution), 0.0)
     return Impact(np.where(contact, 0.0, speed), length, impulse + tail, contact)
@@ -157,11 +162,10 @@ def carried(
 ) -> tuple[Floats, Floats]:
     """Carry small changes of a take-off's phase and speed to the next take-off, to first order, Eq. (34)."""
     d_phase, d_speed = change
-    touch, sine = phase + step.length, np.sin(phase)
-    lever = throw * (np.cos(phase) - np.cos(touch) - step.length * sine)
-    d_end = d_phase + (d_phase * lever + d_speed * step.length) / step.impact
-    d_rate = d_speed + throw * (np.sin(touch) * d_end - sine * d_phase) - (d_end - d_phase)
-    return d_end, -restitution * d_rate
+    lever, swing = free_motion(throw, _NONE, np.cos(phase), -np.sin(phase), _NONE, step.length)
+    late = (d_phase * lever + d_speed * step.length) / step.impact
+    d_rate = d_speed + d_phase * swing + (throw * np.sin(phase + step.length) - 1.0) * late
+    return d_phase + late, -restitution * d_rate
 
 
 class Blur(NamedTuple):
