@@ -47,8 +47,8 @@ MOST_FLIGHTS: Final = 256
 BOUNCE: Final = 0.1
 _MOST_BOUNCES: Final = 8192  # short ones included; restitutions above 0.995 may need more
 
-# [rad] Within a few ulp of K = 1 the load at the landing is rounding; what flights of this length altogether are
-# off by is no more than that.
+# [rad] Within a few ulp of K = 1 the load at the landing is rounding; what flights of this length are
+# altogether off by is no more than that.
 _HARDLY_ALOFT: Final = 1e-6
 
 _LOOK_BACK: Final = 8  # flights after which it looks for a cycle, and again whenever they have doubled

@@ -41,8 +41,8 @@ _SAME: Final = 1e-8  # [1] relative distance below which a cycle repeats within 
 def single_bounces(throw: Floats, restitution: Floats, turns: Counts) -> tuple[Floats, Floats, Bools]:
     """Cycles of one bounce of so many turns: phase and speed of the take-off, and whether they are stable.
 
-    Eq. (37): it lands with the speed 2 pi m / (1 + e), where K cos p = pi m (1 - e) / (1 + e). The phase is NaN
-    where there is no such cycle.
+    Eq. (37): it lands with the speed 2 pi m / (1 + e), where K cos p = pi m (1 - e) / (1 + e). The phase is
+    NaN where there is no such cycle.
     """
     e = restitution
     cosine = np.pi * turns * (1.0 - e) / (throw * (1.0 + e))
