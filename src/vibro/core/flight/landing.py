@@ -35,6 +35,8 @@ __all__ = [
     "spread",
 ]
 
+_TURN: Final = 2.0 * np.pi
+
 # [rad] Bounces whose remaining total length is below this are summed as if the load were constant; the
 # error is of the order of its square.
 _ACCUMULATED: Final = 1e-8
@@ -198,7 +200,10 @@ def spread(
         a, c = carried(throw, restitution, phase, step, (one, none))
         b, d = carried(throw, restitution, phase, step, (none, one))
         s, swing = step.length, throw * np.minimum(step.length, 1.0)
-        late = _ROUNDING * (1.0 + s + s * (speed + swing + 0.5 * s) / step.impact)
+        # a flight from a lift-off within a turn has all digits, however short (``lift_off_flight``)
+        released = (speed == 0.0) & (s <= _TURN) & (np.abs(throw * np.sin(phase) - 1.0) <= 4.0 * _ROUNDING)
+        terms = np.where(released, 0.0, speed + swing + 0.5 * s)
+        late = _ROUNDING * (1.0 + s + s * terms / step.impact)
         fast = _ROUNDING * restitution * (speed + swing + s)
         variance = np.maximum(a * (a * blur.phase + 2.0 * b * blur.both) + b * b * blur.speed, 0.0)
         both = a * c * blur.phase + (a * d + b * c) * blur.both + b * d * blur.speed
