@@ -96,7 +96,7 @@ def _means(scene: Loads, throw: Floats, restitution: Floats, length: int, longes
     owner = np.repeat(np.arange(n), BODIES)
     sample = fly(take(scene, owner), throw[owner], restitution[owner], np.tile(np.arange(BODIES), n), length)
     track = take(track_of(scene), owner)
-    slid, remembers, correction = _slide(track, sample)
+    slid, remembers, correction = _slide(track, sample, balance=longest)
     time, aloft = (x[-2:].reshape(2, n, BODIES) for x in (sample.time, sample.aloft))
     paths = (slid.path + correction).reshape(2, n, BODIES)
     total = time.sum(axis=(0, 2))
@@ -214,13 +214,14 @@ def _follow(track: Track, sample: Sample, bodies: Indices, velocity: Floats) -> 
     return _Slid(*(np.stack(pair) for pair in zip(*parts, strict=True)))
 
 
-def _slide(track: Track, sample: Sample) -> tuple[_Slid, Bools, Floats]:
+def _slide(track: Track, sample: Sample, *, balance: bool) -> tuple[_Slid, Bools, Floats]:
     """Slide through the samples; return also which scenes need longer ones, and corrections of the paths.
 
     Where a body never stops in its sample it is off, the longer the less friction there is, by the error of
     its velocity at the start. All bodies of such a scene get the one velocity over the ground at which
     gravity and friction balance over all their samples. What the balance of each is off by moves that
-    velocity, and with it the mean: this is the correction, whose sum is 0.
+    velocity, and with it the mean: this is the correction, whose sum is 0. It is left out without
+    ``balance``, where longer samples follow.
     """
     everyone = np.arange(sample.impact.size)
     none = np.zeros(everyone.size)
@@ -233,7 +234,7 @@ def _slide(track: Track, sample: Sample) -> tuple[_Slid, Bools, Floats]:
     remembers = (bounded & ~slid.forgets.all(axis=0)).reshape(-1, BODIES)
     needs_longer: Bools = np.asarray(remembers.any(axis=1))
     long = np.flatnonzero(needs_longer)
-    if long.size:
+    if long.size and balance:
         bodies = (long[:, None] * BODIES + np.arange(BODIES)).reshape(-1)
         found, moved = _balanced(track, sample, bodies, velocity[bodies])
         for whole, part in zip(slid, found, strict=True):

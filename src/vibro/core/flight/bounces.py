@@ -47,9 +47,9 @@ MOST_FLIGHTS: Final = 256
 BOUNCE: Final = 0.1
 _MOST_BOUNCES: Final = 8192  # short ones included; restitutions above 0.995 may need more
 
-# [rad] Within a few ulp of K = 1 the load at the landing is rounding; what flights of this length are
+# [rad] Within 1e-11 of K = 1 the load at the landing is rounding; what flights of this length are
 # altogether off by is no more than that.
-_HARDLY_ALOFT: Final = 1e-6
+_HARDLY_ALOFT: Final = 1e-5
 
 _LOOK_BACK: Final = 8  # flights after which it looks for a cycle, and again whenever they have doubled
 
@@ -137,8 +137,7 @@ def bounces(
         cycles[owner] += turns.astype(np.intp)
         end -= _TURN * turns
         landing[owner] = end
-        if len(records) > 1 or start is not None:
-            blur = spread(k, e, (phase, speed), step, after.length, blur)
+        blur = spread(k, e, (phase, speed), step, after.length, blur)
         sharp = blur.within(SHARP) | (before + flights.length <= _HARDLY_ALOFT)
         contact[owner] = repeats[owner] = after.contact & sharp
         onward = ~after.contact & (blur.within(LOST) | (start is not None))
