@@ -47,8 +47,8 @@ MOST_FLIGHTS: Final = 256
 BOUNCE: Final = 0.1
 _MOST_BOUNCES: Final = 8192  # short ones included; restitutions above 0.995 may need more
 
-# [rad] Flights of this length altogether close with any blur: within 1e-10 of K = 1 it is that of K itself, and
-# next to the lift-off the trough hardly presses, in contact or not.
+# [rad] Flights of this length altogether close with any blur: within 1e-10 of K = 1 it is that of K itself,
+# and next to the lift-off the trough hardly presses, in contact or not.
 _HARDLY_ALOFT: Final = 1e-4
 
 _LOOK_BACK: Final = 8  # flights after which it looks for a cycle, and again whenever they have doubled
