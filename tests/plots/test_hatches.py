@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgba
 
 from vibro import Status
 from vibro.plots import map_figures
-from vibro.plots.style import AVERAGED_LABEL, NO_ANSWER_HATCH
+from vibro.plots.style import AVERAGED_AREA_LABEL, AVERAGED_LABEL, COEXISTS_LABEL, NO_ANSWER_HATCH
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
     result = sweep(amplitude="0.1:3", drive_angle="5:60", static_friction=0.4, kinetic_friction=0.02)
     assert (result.cycle.coexists == 1).any()
     for figure in map_figures(result).values():
-        found = patch(only_map(figure), "two steady cycles")
+        found = patch(only_map(figure), COEXISTS_LABEL)
         assert found is not None
         assert found.get_hatch() == "..."
         assert to_rgba(found.get_facecolor())[3] == 0
@@ -84,21 +84,40 @@ def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
         amplitude, angle = (axis.values for axis in result.axes.values())
         points = np.column_stack([amplitude[columns], angle[rows]])
         assert found.get_path().contains_points(points).mean() > 0.98  # those on its edge are cut in half
-        assert "two steady cycles" in legend(figure)
+        assert COEXISTS_LABEL in legend(figure)
 
 
-def test_means_of_irregular_motion_are_marked_where_they_can_be_seen(nut: SweepResult) -> None:
+def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepResult) -> None:
     codes = np.full(nut.shape, Status.OK, np.int8)
     codes[100:200, 150:250] = Status.AVERAGED  # amplitude 0.9 ... 1.7 mm, frequency 28 ... 43 Hz
     codes[300, 50] = Status.AVERAGED
+    dust = np.random.default_rng(1).random((60, 60)) < 0.1
+    codes[290:350, 290:350][dust] = Status.AVERAGED
     velocity = np.full(nut.shape, 0.05)
     cycle = dataclasses.replace(nut.cycle, status=codes, mean_velocity=velocity)
     figures = map_figures(dataclasses.replace(nut, cycle=cycle, length=None))
-    found = path_of(only_map(figures["speed"]), AVERAGED_LABEL)
-    lonely = (nut.axes["frequency"].values[50], nut.axes["amplitude"].values[300])
-    assert found.contains_points([(30, 1.3), (20, 1.3), lonely]).tolist() == [True, False, False]
-    assert AVERAGED_LABEL in legend(figures["speed"])
-    assert patch(only_map(figures["regime"]), AVERAGED_LABEL) is None
+    found = path_of(only_map(figures["speed"]), AVERAGED_AREA_LABEL)
+    assert found.contains_points([(30, 1.3), (20, 1.3), (44.5, 1.3)]).tolist() == [True, False, False]
+    amplitude, frequency = (axis.values for axis in nut.axes.values())
+    rows, columns = np.nonzero(codes == Status.AVERAGED)
+    assert found.contains_points(np.column_stack([frequency[columns], amplitude[rows]])).all()
+    assert AVERAGED_AREA_LABEL in legend(figures["speed"])
+    assert patch(only_map(figures["regime"]), AVERAGED_AREA_LABEL) is None
+
+
+def test_means_of_irregular_motion_are_dots_beside_a_line() -> None:
+    result = sweep(points=201, amplitude="1:4")
+    codes = result.cycle.status.copy()
+    codes[50:60] = Status.AVERAGED
+    cycle = dataclasses.replace(result.cycle, status=codes)
+    figure = map_figures(dataclasses.replace(result, cycle=cycle), ["speed"])["speed"]
+    drawn = {line.get_gid(): line for line in figure.axes[1].lines}
+    speed = 1e3 * result.cycle.mean_velocity
+    np.testing.assert_array_equal(np.asarray(drawn[AVERAGED_LABEL].get_ydata()), speed[50:60])
+    line = np.asarray(drawn["numbers"].get_ydata(), float)
+    assert not np.isin(speed[50:60], line).any()
+    assert np.isin(speed[:50], line).all()
+    assert AVERAGED_LABEL in legend(figure)
 
 
 def test_no_hatch_without_a_reason(climb_pictures: dict[str, Figure], climb: SweepResult) -> None:

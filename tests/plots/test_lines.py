@@ -11,7 +11,7 @@ from drawn import GRAVITY, curve, legend, said, sweep, words
 from matplotlib.colors import to_rgb
 
 from vibro.plots import map_figures
-from vibro.plots.style import REGIME_COLOURS
+from vibro.plots.style import COEXISTS_LABEL, REGIME_COLOURS
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -103,8 +103,8 @@ def test_a_logarithmic_axis() -> None:
 def test_coexisting_cycles() -> None:
     result = sweep(amplitude="0.1:2", drive_angle=30, static_friction=0.4, kinetic_friction=0.02)
     figure = map_figures(result, ["speed"])["speed"]
-    assert "two steady cycles" in legend(figure)
-    hatched = [p for p in figure.axes[1].patches if p.get_gid() == "two steady cycles"]
+    assert COEXISTS_LABEL in legend(figure)
+    hatched = [p for p in figure.axes[1].patches if p.get_gid() == COEXISTS_LABEL]
     assert {p.get_hatch() for p in hatched} == {"..."}
 
 

@@ -37,8 +37,9 @@ __all__ = ["Fields", "clip_line", "without_hidden", "zero_lines", "zero_points",
 # square of the second width around one.
 _SMOOTH_ACROSS: Final = 15
 _SMOOTH_AROUND: Final = 5
-# Irregular motion is marked in patches of at least this width: smaller ones could not be made out.
-_SEEN: Final = 7
+# Irregular motion comes in dust as well as in patches. A hatch is drawn up to this far from each such point,
+# which closes gaps and makes lonely points large enough to be made out: what is not hatched is exact.
+_SEEN: Final = 0.01  # of the side of the map
 
 _EVEN_POINTS: Final = 100  # along an axis, where places for words are looked for
 # Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
@@ -123,13 +124,14 @@ class Fields:
 
     @cached_property
     def averaged(self) -> Floats:
-        """Positive in patches of irregular motion, whose numbers are means over many cycles."""
+        """Positive at irregular motion, whose numbers are means over many cycles, and close to it."""
         cells = self.panel.cycle["status"] == Status.AVERAGED
-        return np.where(dilate(erode(cells, _SEEN, beyond=False), _SEEN), 0.5, -0.5)
+        margin = round(_SEEN * min(cells.shape))
+        return np.where(erode(dilate(cells, 4 * margin + 1), 2 * margin + 1, beyond=True), 0.5, -0.5)
 
     @cached_property
     def coexists(self) -> Floats:
-        """Positive where there are two steady cycles."""
+        """Positive where another motion exists: a cycle, or running away."""
         return np.where(self.panel.cycle["coexists"] > 0, 0.5, -0.5)
 
     @cached_property

@@ -10,8 +10,9 @@ from vibro.core.codes import Regime, Status
 from vibro.plots.fields import without_hidden, zero_lines, zero_region
 from vibro.plots.labels import Labeller
 from vibro.plots.style import (
+    AVERAGED_AREA_LABEL,
     AVERAGED_HATCH,
-    AVERAGED_LABEL,
+    AVERAGED_RINGS,
     COEXISTS_HATCH,
     COEXISTS_LABEL,
     CURVES,
@@ -154,12 +155,14 @@ class MapLayers:
         self._cover(-self.fields.log_ratio["hop"], "no flight", facecolor=REGIME_COLOURS[Regime.NO_SLIP])
 
     def hatch_doubtful(self) -> None:
-        """Hatch, over the colours, where there are two steady cycles and where a number is a mean."""
-        marks = [(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH)]
+        """Hatch, over the colours, where another motion exists and where a number is a mean."""
+        marks = [(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH, NO_ANSWER_INK)]
         if self._has_numbers:
-            marks.append((self.fields.averaged, AVERAGED_LABEL, AVERAGED_HATCH))
-        for field, label, hatch in marks:
-            style = {"facecolor": "none", "hatch": hatch, "edgecolor": NO_ANSWER_INK}
+            field, rings = self.fields.averaged, {"hatch": AVERAGED_RINGS, "edgecolor": "#FFFFFF"}
+            self._fill(field, gid="rings", zorder=_COVERS, facecolor="none", **rings)
+            marks.append((field, AVERAGED_AREA_LABEL, AVERAGED_HATCH, INK))
+        for field, label, hatch, ink in marks:
+            style = {"facecolor": "none", "hatch": hatch, "edgecolor": ink}
             if self._fill(field, gid=label, zorder=_COVERS, **style):
                 self.legend[label] = style
 

@@ -23,6 +23,7 @@ from vibro.plots.frame import (
 from vibro.plots.labels import outline
 from vibro.plots.layers import BEGINS_AT, hiding_fields
 from vibro.plots.style import (
+    AVERAGED_LABEL,
     COEXISTS_HATCH,
     COEXISTS_LABEL,
     CURVES,
@@ -125,7 +126,7 @@ def _figure(result: SweepResult, fields: Fields, heading: str, rows: dict[str, F
     legend: dict[str, dict[str, Any]] = {}
     for a, (label, values) in zip(axes, rows.items(), strict=True):
         _shade(a, bands, legend)
-        _line(a, fields, values)
+        _line(a, fields, values, legend)
         a.set_ylabel(label)
         _critical_lines(a, fields, legend)
         for point in operating_points(result, fields.panel):
@@ -179,16 +180,21 @@ def _critical_lines(axes: Axes, fields: Fields, legend: dict[str, dict[str, Any]
             legend[label] = look
 
 
-def _line(axes: Axes, fields: Fields, values: Floats) -> None:
-    """Draw numbers as a line that is broken where regimes meet, since the numbers jump there."""
+def _line(axes: Axes, fields: Fields, values: Floats, legend: dict[str, dict[str, Any]]) -> None:
+    """Draw numbers as a line, broken where regimes meet, since the numbers jump there; means as dots."""
     x = fields.panel.x.values
+    averaged = fields.panel.cycle["status"][0] == Status.AVERAGED
+    if averaged.any():
+        dots: dict[str, Any] = {"color": INK, "linestyle": "none", "marker": ".", "markersize": 3.0}
+        axes.plot(x[averaged], values[averaged], gid=AVERAGED_LABEL, zorder=3, **dots)
+        legend[AVERAGED_LABEL] = dots
     regime = fields.panel.cycle["regime"][0]
     jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1
     # A value alone in its regime makes no line: few values are marked.
     mark: dict[str, Any] = {"marker": "o", "markersize": 4.0} if x.size <= _MARKED else {}
     axes.plot(
         np.insert(x, jumps, np.nan),
-        np.insert(values, jumps, np.nan),
+        np.insert(np.where(averaged, np.nan, values), jumps, np.nan),
         color=INK,
         linewidth=1.8,
         gid="numbers",

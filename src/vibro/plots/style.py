@@ -13,8 +13,10 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
 
 __all__ = [
+    "AVERAGED_AREA_LABEL",
     "AVERAGED_HATCH",
     "AVERAGED_LABEL",
+    "AVERAGED_RINGS",
     "COEXISTS_HATCH",
     "COEXISTS_LABEL",
     "CURVES",
@@ -51,9 +53,12 @@ NO_ANSWER_HATCH: Final[Mapping[Status, str]] = {
     Status.UNRESOLVED: "+++",
 }
 COEXISTS_HATCH: Final = "..."
-COEXISTS_LABEL: Final = "two steady cycles"
-AVERAGED_HATCH: Final = "oo"
-AVERAGED_LABEL: Final = "mean of a motion without a short period"
+COEXISTS_LABEL: Final = "another motion exists"
+# Dark dots in white rings: on any colour one of them shows.
+AVERAGED_HATCH: Final = ".."
+AVERAGED_RINGS: Final = "oo"
+AVERAGED_LABEL: Final = "mean of motion without a short period"
+AVERAGED_AREA_LABEL: Final = "means of motion without a short period, at least in part"
 
 
 class CurveStyle(NamedTuple):
