@@ -225,7 +225,7 @@ BY_COLUMN: Final[Mapping[str, Quantity]] = {q.column: q for q in _ALL}
 #: The quantities that can be axes of a sweep, in the same order.
 SWEPT: Final = (
     "amplitude", "frequency", "drive_angle", "static_friction", "friction_ratio", "kinetic_friction",
-    "trough_angle",
+    "trough_angle", "restitution",
 )  # fmt: skip
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}

@@ -82,16 +82,16 @@ class SweepResult:
     ----------
     axes : mapping of str to Axis
         The axes that vary, in the order amplitude, frequency, drive_angle, static_friction, kinetic_friction
-        or friction_ratio, trough_angle; values in the user's units. They are the dimensions of ``cycle``, in
-        this order.
+        or friction_ratio, trough_angle, restitution; values in the user's units. They are the dimensions of
+        ``cycle``, in this order.
     fixed : mapping of str to float
-        Every other quantity of the scene, by name, in the user's units, with gravity and restitution. It has
+        Every other quantity of the scene, by name, in the user's units, with gravity. It has
         kinetic_friction or, where that was given instead, friction_ratio.
     cycle : SteadyCycle
         Arrays of the grid's shape.
     limits : CriticalLoads
         Critical loads G of the grid's angles and frictions: arrays of the grid's shape, but of length 1 along
-        amplitude and frequency.
+        amplitude, frequency and restitution.
     length : float or None
         Length of the trough [mm].
     operating_point : mapping of str to float, or None

@@ -49,6 +49,7 @@ def _strokes(block: Block) -> NDArray[np.float64]:
     return _traverse_time(block) * block.values["frequency"]
 
 
+_WHERE_SWEPT: Final = ("friction_ratio", "restitution")
 _TRAVERSE: Final = Column(TRAVERSE_TIME.column, TRAVERSE_TIME.kind.unit, _traverse_time)
 #: What only some tables have.
 WITH_ARRIVAL: Final = Column(ARRIVAL_TIME.column, ARRIVAL_TIME.kind.unit, _arrival)
@@ -61,11 +62,11 @@ def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]
     Parameters
     ----------
     axes : collection of str
-        What is swept: a friction ratio has a column only there.
+        What is swept: a friction ratio and the restitution have a column only there.
     *extra : Column
         What this table has beside the common ones, before ``model``.
     """
-    given = [_given(name) for name in SWEPT if name != "friction_ratio" or name in axes]
+    given = [_given(name) for name in SWEPT if name not in _WHERE_SWEPT or name in axes]
     columns: list[Column] = []
     for result in RESULTS:
         columns += extra if result.name == "model_code" else ()

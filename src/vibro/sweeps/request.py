@@ -213,9 +213,8 @@ def gather(
     problems.settle()
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
-    order = [name for name in (*SWEPT, "gravity", "restitution", "trough_length") if name in named]
     values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
-    return Request(file.name or None, {name: named[name] for name in order}, values)
+    return Request(file.name or None, {name: named[name] for name in QUANTITIES if name in named}, values)
 
 
 def _understood(given: Mapping[str, AxisSpec | InputError], problems: _Problems) -> Specs:
