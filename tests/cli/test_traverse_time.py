@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from commands import NUT, Run, rows_of
+
+from vibro.core.codes import Status
+from vibro.results import SteadyCycle
+from vibro.steady import solve
 
 SCENE = """
 [scene]
@@ -167,10 +175,63 @@ def test_what_only_the_way_into_the_steady_motion_reaches_is_told(run: Run) -> N
     assert not any(line.startswith("exactly") for line in run(*args, "100").stdout.splitlines())
 
 
+IRREGULAR = (
+    "traverse-time", "-A", "7.088276919005166", "-f", "20", "-a", "0.7712478462674884rad",
+    "--mu-s", "0.23929552573721188", "--mu-d", "0.1817686890112862", "--restitution", "0.6112762739020561",
+    "-L", "4562.80220557782",
+)  # fmt: skip
+
+
 def test_an_arrival_that_rounding_hides_is_unknown(run: Run) -> None:
-    args = ("traverse-time", *NUT, "-A", "8", "--restitution", "0.3", "-L", "600")
-    assert "exactly        unknown: the motion does not repeat" in run(*args).stdout
+    result = run(*IRREGULAR)
+    assert result.exit_code == 0
+    told = dict(re.split(r"  +", line, maxsplit=1) for line in result.stdout.splitlines())
+    assert told["status"].startswith("averaged (")
+    assert told["exactly"].startswith("unknown: flights amplify rounding, which grows past 1e-9 rad")
+    assert told["exactly"].endswith("; a body may differ from the mean by more than its error")
+    assert "why" not in told
+    found = re.fullmatch(r"(\S+) s \+- (\S+) s \(standard error\) over 4562.8 mm", told["traverse time"])
+    assert found is not None
+    mean, error = map(float, found.groups())
+    speed, its_error = map(float, re.findall(r"([\d.]+)(?: mm/s)", told["mean speed"]))
+    assert mean == pytest.approx(4562.80220557782 / speed, rel=1e-5)
+    assert error / mean == pytest.approx(its_error / speed, rel=0.11)  # two digits each
+    assert told["strokes"].endswith("(standard error)")
+
+
+def test_an_arrival_on_the_way_into_a_cycle_may_be_unknown_too(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unknown(scene: Any, length: Any) -> Any:
+        return np.full(np.broadcast_shapes(scene.shape, np.shape(length)), np.nan)
+
+    monkeypatch.setattr("vibro.sweeps.run.arrival_time", unknown)
+    args = ("traverse-time", *NUT, "-A", "4", "-L", "600")
     assert json.loads(run(*args, "--json").stdout)["arrival_time_s"] is None
+    text = run(*args).stdout
+    lines = text.splitlines()
+    assert re.fullmatch(r"traverse time  [\d.]+ s over 600 mm", lines[0])
+    assert lines[1].startswith("exactly        unknown: flights amplify rounding")
+    assert "standard error" not in text
+
+
+def test_which_way_an_uncertain_mean_goes_is_left_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def backwards(*args: Any, error: float, **how: Any) -> SteadyCycle:
+        cycle = solve(*args, **how)
+        speed = -np.asarray(cycle.mean_velocity)
+        return dataclasses.replace(
+            cycle,
+            status=np.array(Status.AVERAGED),
+            mean_velocity=speed,
+            mean_velocity_error=np.abs(speed) * error,
+        )
+
+    for error, answer in (
+        (0.5, "unknown: the standard error"),
+        (0.1, "never: the body is conveyed backwards"),
+    ):
+        monkeypatch.setattr("vibro.sweeps.grid.solve", partial(backwards, error=error))
+        assert f"traverse time  {answer}" in run("traverse-time", *NUT, "-A", "4", "-L", "600").stdout
 
 
 def test_a_sweep_has_exact_arrivals_on_request(run: Run) -> None:

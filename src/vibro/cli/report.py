@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from vibro.motion.settled import CyclePhase
     from vibro.results.sweep import Block
 
-__all__ = ["OneScene", "aligned", "number"]
+__all__ = ["OneScene", "aligned", "estimate", "number"]
 
 _MOST_PHASES: Final = 40  # a longer table says nothing
+_LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 
 
 class OneScene:
@@ -61,6 +62,17 @@ class OneScene:
         return time if math.isfinite(time) else None
 
     @property
+    def hops(self) -> bool:
+        """Whether the body leaves the trough."""
+        return Regime(int(self._cycle.regime)) is Regime.HOPPING
+
+    @property
+    def relative_error(self) -> float:
+        """Standard error of the mean speed over its size; 0 where it is no mean [1]."""
+        error = float(self._cycle.mean_velocity_error)
+        return error / abs(float(self._cycle.mean_velocity)) if error > 0.0 else 0.0
+
+    @property
     def arrival_time(self) -> float:
         """Time from rest at trough phase 0 to the arrival; inf where there is none, NaN if unknown [s]."""
         return math.nan if self._arrival is None else float(self._arrival.item())
@@ -80,13 +92,23 @@ class OneScene:
         ]
         if status is not Status.OK:
             facts.append(("status", f"{status.label} ({status.message})"))
-        if self._cycle.coexists > 0:
-            facts.append(("note", "a disturbed body can settle into another steady cycle than one from rest"))
-        speed, error = self.result("mean_velocity"), self.result("mean_velocity_error")
-        spread = f" +- {error:.2g} mm/s (standard error)" if error > 0.0 else ""
-        known = number(speed, "mm/s") + spread
+        if note := self._other_motions():
+            facts.append(("note", note))
+        speed = self.result("mean_velocity")
+        known = estimate(speed, self.result("mean_velocity_error"), "mm/s")
         facts.append(("mean speed", "unknown" if math.isnan(speed) else known))
         return facts
+
+    def _other_motions(self) -> str:
+        """Say what else a body does that is disturbed; nothing where that was not looked at, or is usual."""
+        if self._cycle.coexists > 0:
+            loads = self.scene.arrays().loads()
+            if abs(loads.tangential) > loads.kinetic_friction * loads.normal:
+                return "a body pushed downhill runs away: gravity along the trough exceeds kinetic friction"
+            return "a disturbed body can settle into another steady motion than one from rest"
+        if self._cycle.coexists == 0 and self.hops:
+            return "no other steady motion was found, within 64 flights from 64 disturbed starts"
+        return ""
 
     def numbers(self) -> list[tuple[str, str]]:
         """Return the other numbers of the cycle, as pairs of a name and a text; none if unknown."""
@@ -110,6 +132,8 @@ class OneScene:
         speed = self.result("mean_velocity")
         if math.isnan(speed):
             return f"unknown: {Status(int(self._cycle.status)).message}"
+        if self.relative_error > _LEAST_CERTAIN:
+            return "unknown: the standard error leaves open which way the mean speed goes"
         if speed < 0:
             return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
         if Regime(int(self._cycle.regime)) is not Regime.NO_SLIP:
@@ -129,7 +153,7 @@ class OneScene:
 
     def phases(self) -> tuple[CyclePhase, ...]:
         """Return the cycle's phases; none where they are not modelled, or too many."""
-        if Regime(int(self._cycle.regime)) is Regime.HOPPING and not self._cycle.flight_fraction > 0.0:
+        if self.hops and not self._cycle.flight_fraction > 0.0:
             return ()
         phases = cycle_phases(self.scene)
         return phases if len(phases) <= _MOST_PHASES else ()
@@ -137,6 +161,12 @@ class OneScene:
 
 def _cycles(count: float) -> str:
     return "every drive cycle" if count == 1.0 else f"every {count:.0f} drive cycles"
+
+
+def estimate(value: float, error: float, unit: str = "") -> str:
+    """Write a number for people, with its standard error where it is a mean."""
+    spread = f" +- {error:.2g} {unit}".rstrip() + " (standard error)" if error > 0.0 else ""
+    return number(value, unit) + spread
 
 
 def number(value: float, unit: str = "") -> str:

@@ -56,14 +56,15 @@ def traverse_time_command(
 
 
 def _report(scene: OneScene) -> str:
-    from vibro.cli.report import aligned, number
+    from vibro.cli.report import aligned, estimate, number
 
     steady = scene.traverse_time
     if steady is None:
         answer, strokes = scene.why_never(), []
     else:
-        answer = f"{number(steady, 's')} over {number(scene.length, 'mm')}"
-        strokes = [("strokes", number(steady * scene.given["frequency"]))]
+        error, frequency = steady * scene.relative_error, scene.given["frequency"]
+        answer = f"{estimate(steady, error, 's')} over {number(scene.length, 'mm')}"
+        strokes = [("strokes", estimate(steady * frequency, error * frequency))]
     rows = [("traverse time", answer), *_exactly(scene, steady), *scene.facts(), *strokes]
     return aligned(rows, right=False)
 
@@ -74,17 +75,25 @@ def _exactly(scene: OneScene, steady: float | None) -> list[tuple[str, str]]:
 
     time, frequency = scene.arrival_time, scene.given["frequency"]
     if not math.isfinite(time):
-        never = steady is None and not math.isnan(time)
-        # without a mean speed the row above has said why
-        unknown = "unknown: the motion does not repeat, and rounding grows in it"
-        return [] if never or steady is None else [("exactly", unknown)]
+        # without a time at the mean speed the row above has said why
+        return [] if steady is None else [("exactly", f"unknown: {_why_not(scene)}")]
     rows = [("exactly", f"{number(time, 's')} from rest at trough phase 0")]
     if steady is None:
-        return [
-            *rows,
-            ("why", "the body gets so far before it settles; its steady motion would not take it there"),
-        ]
+        why = "the body gets so far before it settles; its steady motion would not take it there"
+        if scene.relative_error:
+            why = "the body gets so far on its way; its mean speed would not take it there"
+        return [*rows, ("why", why)]
     apart = (time - steady) * frequency
     text = f"{number(abs(apart))} drive cycles {'later' if apart > 0 else 'earlier'} than at the mean speed"
     why = "the start from rest, and an arrival within a cycle, whose speed is not the mean"
+    if scene.relative_error:
+        why = "the motion has no short period, and over this length its speed is not the mean"
     return [*rows, ("why", f"{text}: {why}")]
+
+
+def _why_not(scene: OneScene) -> str:
+    """Say why nobody knows when a body arrives whose mean speed is known."""
+    if scene.hops:
+        bodies = "; a body may differ from the mean by more than its error" if scene.relative_error else ""
+        return f"flights amplify rounding, which grows past 1e-9 rad before the body arrives{bodies}"
+    return "the body needs too many slides to settle"

@@ -43,7 +43,7 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     array
         Of the common shape; inf where the body never gets there: it rests for ever, or its steady cycle has
         no net advance and the transient stays short of the length. NaN where nobody knows: infeasible
-        scenes, and motions without a short period, in which rounding has grown past 1e-10 rad [s].
+        scenes, and bodies whose flights amplify rounding until it has grown past 1e-9 rad [s].
 
     Raises
     ------
