@@ -247,6 +247,33 @@ def test_numbers_that_were_not_asked_for_are_not_there(run: Run, args: tuple[str
     assert json.loads(run("solve", *NUT, *args, "--json").stdout)["mean_velocity_mm_s"] is None
 
 
+TWO_CYCLES = ("-A", "1.647208", "-f", "15", "-a", "0.7034rad", "--mu-s", "0.457783", "--mu-d", "0.0429106")
+"""The scene of docs/theory.md that conveys a pushed body otherwise."""
+STEEP = (*NUT, "-a", "55", "--trough-angle", "31")
+"""Gravity along the trough exceeds kinetic friction."""
+
+
+@pytest.mark.parametrize(
+    ("args", "coexists", "note"),
+    [
+        (NUT, 0, None),
+        (TWO_CYCLES, 1, "settle into another steady motion"),
+        ((*NUT, "-A", "0.1", "--trough-angle", "31"), 1, "a body pushed downhill runs away"),
+        ((*NUT, "-A", "4"), None, None),
+        ((*NUT, "-A", "4", "--coexist"), 0, "no other steady motion was found"),
+        ((*NUT, "-A", "4.4", "--restitution", "0.4", "--coexist"), 1, "settle into another steady motion"),
+        ((*STEEP, "-A", "6"), None, None),
+        ((*STEEP, "-A", "6", "--coexist"), 1, "a body pushed downhill runs away"),
+    ],
+)
+def test_other_motions_are_told_where_they_were_looked_for(
+    run: Run, args: tuple[str, ...], coexists: int | None, note: str | None
+) -> None:
+    assert json.loads(run("solve", *args, "--json").stdout)["coexists"] == coexists
+    told = facts(run("solve", *args).stdout).get("note")
+    assert told is None if note is None else note in str(told)
+
+
 def test_minus_o_writes_the_row_beside_the_report(run: Run) -> None:
     result = run("solve", *NUT, "-o", "out/nut", "--json")
     assert result.exit_code == 0

@@ -123,6 +123,8 @@ def test_more_cells_than_memory_holds_are_refused_with_their_size() -> None:
 def test_a_text_is_no_switch() -> None:
     with pytest.raises(InputError, match="flight = 'off': must be True or False"):
         vibro.sweep(NUT_FILE, flight="off")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="coexistence = 'no': must be True or False"):
+        vibro.sweep(NUT_FILE, coexistence="no")  # type: ignore[arg-type]
 
 
 def test_regimes_alone_and_contact_alone() -> None:
@@ -139,6 +141,26 @@ def test_what_was_not_looked_at_is_no_number() -> None:
     t = vibro.sweep(amplitude_mm="0.5:4:3", frequency_hz=15, flight=False, **NUT)
     assert t.cycle.coexists.tolist() == [0, 0, -1]
     assert t.to_frame()["coexists"].isna().tolist() == [False, False, True]
+
+
+def test_other_motions_are_looked_for_on_request() -> None:
+    slopes = {**NUT, "drive_angle_deg": 55, "trough_angle_deg": [0.0, 31.0], "amplitude_mm": [0.1, 6]}
+    assert vibro.sweep(frequency_hz=15, **slopes).cycle.coexists.tolist() == [[0, 1], [-1, -1]]
+    t = vibro.sweep(frequency_hz=15, coexistence=True, **slopes)
+    assert t.cycle.coexists.tolist() == [[0, 1], [0, 1]]
+    assert t.to_frame()["coexists"].tolist() == [0, 1, 0, 1]
+
+
+def test_restitution_is_an_axis() -> None:
+    t = vibro.sweep(amplitude_mm="1:5:9", frequency_hz=15, restitution="0:0.2:5", **NUT)
+    np.testing.assert_array_equal(t.axes["restitution"], [0, 0.05, 0.1, 0.15, 0.2])
+    assert t.to_frame()["restitution"].tolist() == t.axes["restitution"].tolist() * 9
+    assert "restitution" not in vibro.sweep(amplitude_mm="1:5:9", frequency_hz=15, **NUT).to_frame().columns
+    axes = t.draw("regime").axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude $A$ [mm]", "restitution $e$")
+    (hop,) = [line for line in axes.lines if line.get_gid() == "hop"]
+    np.testing.assert_allclose(np.asarray(hop.get_xdata(), float)[:-1], 3.22905, rtol=1e-5)
+    assert t.draw("speed", at={"e": 0.1}).axes[-1].get_xlabel() == "amplitude $A$ [mm]"
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from vibro.cli.console import Console
-from vibro.cli.options import Flight, FlightOption, LevelOption, Options, picture_formats
+from vibro.cli.options import (
+    CoexistOption,
+    Flight,
+    FlightOption,
+    LevelOption,
+    Options,
+    picture_formats,
+    refuse_without_flight,
+)
 from vibro.core.codes import Level
 from vibro.errors import InputError
 
@@ -53,6 +61,7 @@ def map_command(
     ] = "png",
     flight: FlightOption = Flight.ON,
     accuracy: LevelOption = Level.EXACT,
+    coexist: CoexistOption = False,
 ) -> int:
     """Map the regimes, speeds and traverse times of a scene over any of its quantities.
 
@@ -69,13 +78,12 @@ def map_command(
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     shown = _shown(show or [])
-    if shown and (flight is Flight.OFF or accuracy is Level.REGIMES):
-        raise InputError(
-            f"--show {','.join(shown)}: no flight is modelled with --flight off or --accuracy regimes",
-            hint="leave one of them out",
-        )
+    if shown:
+        refuse_without_flight(f"--show {','.join(shown)}", flight, accuracy)
+    if coexist:
+        refuse_without_flight("--coexist", flight, accuracy)
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
-    grid = make_grid(request, console, level=accuracy, flight=flight)
+    grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
     columns = columns_of(grid.axes)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
     name = request.name or "vibro-map"

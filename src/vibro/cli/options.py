@@ -22,12 +22,14 @@ if TYPE_CHECKING:
     from vibro.quantities import Quantity
 
 __all__ = [
+    "CoexistOption",
     "Flight",
     "FlightOption",
     "LevelOption",
     "Options",
     "picture_formats",
     "print_version",
+    "refuse_without_flight",
     "shares_options",
 ]
 
@@ -45,6 +47,23 @@ FlightOption = Annotated[
     Flight, typer.Option("--flight", help="Without flight, cells that hop have a regime but no numbers.")
 ]
 LevelOption = Annotated[Level, typer.Option("--accuracy", help="With regimes alone no speeds are computed.")]
+CoexistOption = Annotated[
+    bool,
+    typer.Option(
+        "--coexist",
+        help="Look for other motions of bodies that hop, to which a push could lead; it takes several ms a"
+        " cell that hops, of tables and of pictures. In contact they are known without.",
+    ),
+]
+
+
+def refuse_without_flight(option: str, flight: Flight, accuracy: Level) -> None:
+    """Refuse an option that is about bodies that hop, where these are not followed."""
+    if flight is Flight.OFF or accuracy is Level.REGIMES:
+        raise InputError(
+            f"{option}: no flight is modelled with --flight off or --accuracy regimes",
+            hint="leave one of them out",
+        )
 
 
 def print_version(wanted: bool) -> None:

@@ -74,11 +74,12 @@ def make_grid(
     *,
     level: Level = Level.EXACT,
     flight: Flight = Flight.ON,
+    coexistence: bool = False,
     arrivals: bool = False,
 ) -> Grid:
     """Spell out the axes of a request, and echo them."""
-    exact = level is Level.EXACT
-    grid = request.grid(level, flight=exact and flight is Flight.ON, arrivals=arrivals)
+    follows = level is Level.EXACT and flight is Flight.ON
+    grid = request.grid(level, flight=follows, coexistence=coexistence, arrivals=arrivals)
     if console is not None:
         for axis in grid.axes.values():
             console.echo(str(axis))

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 import typer  # typer reads the annotations
 
-from vibro.cli.options import Flight, FlightOption, LevelOption, Options
+from vibro.cli.options import (
+    CoexistOption,
+    Flight,
+    FlightOption,
+    LevelOption,
+    Options,
+    refuse_without_flight,
+)
 from vibro.core.codes import Level
 
 if TYPE_CHECKING:
@@ -20,6 +27,7 @@ def solve_command(
     options: Options,
     flight: FlightOption = Flight.ON,
     accuracy: LevelOption = Level.EXACT,
+    coexist: CoexistOption = False,
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
@@ -29,8 +37,10 @@ def solve_command(
     from vibro.cli.request import request_of
     from vibro.sweeps.columns import columns_of
 
+    if coexist:
+        refuse_without_flight("--coexist", flight, accuracy)
     request = request_of(options, context.obj)
-    grid = make_grid(request, level=accuracy, flight=flight)
+    grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
     return answer_one(grid, columns_of(), options, context.obj, request.name or "vibro-solve", _report)
 
 

@@ -35,10 +35,10 @@ class Grid:
     axes : mapping of str to Axis
         The axes that vary, in the order of ``SWEPT``.
     fixed : mapping of str to float
-        Every other quantity of the scene by name, with gravity and restitution.
+        Every other quantity of the scene by name, with gravity.
     length : float or None
         Length of the trough [mm].
-    level, flight : optional
+    level, flight, coexistence : optional
         How every cell is solved, as ``vibro.solve`` takes them (``level`` as ``accuracy``).
     arrivals : bool, optional
         Whether bodies are followed from rest to their arrival.
@@ -49,6 +49,7 @@ class Grid:
     length: float | None
     level: Level = Level.EXACT
     flight: bool = True
+    coexistence: bool = False
     arrivals: bool = False
 
     @property
@@ -84,7 +85,8 @@ class Grid:
 
     def solve(self, values: Mapping[str, Floats]) -> SteadyCycle:
         """Solve the cells of a box, given by its ``values``."""
-        return solve(scene_of(values), accuracy=self.level, flight=self.flight)
+        scene = scene_of(values)
+        return solve(scene, accuracy=self.level, flight=self.flight, coexistence=self.coexistence)
 
     def operating_point(self, own: Mapping[str, float] | None) -> dict[str, float] | None:
         """Return a scene's own value of every axis; None unless it gives all and differs in nothing else."""

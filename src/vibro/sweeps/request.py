@@ -115,9 +115,11 @@ class Request:
         usual = default_count(len(self.varying))
         return {name: self.specs[name].axis(count or usual) for name in self.varying}
 
-    def grid(self, level: Level, *, flight: bool = True, arrivals: bool = False) -> Grid:
+    def grid(
+        self, level: Level, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
+    ) -> Grid:
         """Make the grid of all combinations."""
-        return Grid(self.axes(), self.fixed, self.length, level, flight, arrivals)
+        return Grid(self.axes(), self.fixed, self.length, level, flight, coexistence, arrivals)
 
 
 class _Problems:

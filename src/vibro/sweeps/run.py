@@ -31,7 +31,8 @@ __all__ = ["sweep_blocks", "sweep_picture"]
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK
 _SOLVED: Final = 4 * BLOCK  # for each core: few enough that an interrupt is noticed at once
-_WALKED_BLOCK: Final = 8_192  # where bodies are followed to their arrival, a hundred times the work
+# where bodies are followed to their arrival, or other motions are looked for: a hundred times the work
+_WALKED_BLOCK: Final = 8_192
 
 # [values of an axis] What a picture of one, two or three axes resolves, whatever the table's axes hold.
 _RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
@@ -50,7 +51,8 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
     Block
         Together the whole grid; the last axis runs fastest.
     """
-    for box in grid_blocks(grid.shape, _WALKED_BLOCK if grid.arrivals else _SOLVED * cores()):
+    walked = grid.arrivals or grid.coexistence
+    for box in grid_blocks(grid.shape, _WALKED_BLOCK if walked else _SOLVED * cores()):
         values = grid.values(box)
         cycle = grid.solve(values)
         arrival = _arrival(grid, values, cycle) if grid.arrivals else None

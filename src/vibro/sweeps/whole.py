@@ -193,6 +193,7 @@ def sweep(
     *,
     accuracy: Literal["exact", "regimes"] = "exact",
     flight: bool = True,
+    coexistence: bool = False,
     **quantities: Any,
 ) -> Sweep:
     """Solve all combinations of what varies, as ``vibro map`` does, and hold them.
@@ -201,7 +202,7 @@ def sweep(
     ----------
     scene_file : path, optional
         A scene file; its table ``[map]`` counts.
-    accuracy, flight : optional
+    accuracy, flight, coexistence : optional
         As for ``vibro.solve``.
     **quantities
         Keys and values as in a scene file, which they override: ``amplitude_mm``, ``stroke_mm``,
@@ -236,7 +237,8 @@ def sweep(
     request = _request(scene_file, quantities)
     level = level_of(accuracy)
     check_switch("flight", flight)
-    grid = request.grid(level, flight=flight and level is Level.EXACT)
+    check_switch("coexistence", coexistence)
+    grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
     _check_memory(grid)
     return Sweep(grid.solve(grid.values()), grid, request.own, request.name or "")
 

@@ -85,9 +85,10 @@ def averages(scene: Loads, restitution: Floats, length: int, longest: bool) -> H
 
 #: Averages over longer and longer samples, with the number of scenes that fit into memory.
 AVERAGES: Final = (
-    (partial(averages, length=32, longest=False), 256),
-    (partial(averages, length=128, longest=False), 128),
-    (partial(averages, length=512, longest=True), 32),
+    (partial(averages, length=12, longest=False), 384),
+    (partial(averages, length=48, longest=False), 96),
+    (partial(averages, length=192, longest=False), 24),
+    (partial(averages, length=768, longest=True), 8),
 )
 
 

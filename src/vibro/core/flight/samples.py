@@ -39,7 +39,7 @@ _PARTS: Final = 4
 _KICK: Final = 1e-4
 _SHOVE: Final = 1e-2  # [1] relative change of speed that parts bodies which do not come to contact
 # [rad] Here the error of summing bounces, of the order of the square of this, is far below that of a mean.
-_ACCUMULATED: Final = 1e-2
+_ACCUMULATED: Final = 5e-2
 _MOST_BOUNCES: Final = 10_000
 _GOLDEN: Final = 0.6180339887498949  # multiples of it are spread evenly over [0, 1), modulo 1
 
