@@ -125,7 +125,8 @@ def solve(
             in_parallel(hops, [left[i : i + size] for i in range(0, left.size, size)])
             left = left[out.status.reshape(-1)[left] == int(Status.UNRESOLVED)]
         if coexistence:
-            known = hopping[~np.isnan(out.mean_velocity.reshape(-1)[hopping])]
+            answered = ~np.isnan(out.mean_velocity.reshape(-1)[hopping])
+            known = hopping[answered & (out.coexists.reshape(-1)[hopping] < 0)]
 
             def look(cells: NDArray[np.intp]) -> None:
                 where = np.unravel_index(cells, grid)

@@ -1,6 +1,6 @@
 """Other motions of hopping scenes than the one from rest: where a disturbed body can settle.
 
-Three kinds: it runs away; it slides otherwise between the same flights; it flies otherwise.
+Two kinds: it slides otherwise between the same flights, or it flies otherwise.
 Lengths in A, speeds in A w, phases in radians.
 """
 
@@ -62,13 +62,10 @@ def coexisting(scene: Loads, restitution: Floats, period: Floats, impact: Floats
     Returns
     -------
     bool array
-        True where a pushed body runs away, as gravity along the trough exceeds kinetic friction (no search
-        is needed); where other relative velocities repeat with the same flights (all of them are found); or
-        where other flights repeat, of those that 64 starts lead to within 64 flights.
+        True where other relative velocities repeat with the same flights (all of them are found), or where
+        other flights repeat, of those that 64 starts lead to within 64 flights.
     """
-    found = np.broadcast_to(
-        np.abs(scene.tangential) > scene.kinetic_friction * scene.normal, period.shape
-    ).copy()
+    found = np.zeros(period.shape, np.bool_)
     throw = np.broadcast_to(scene.across / scene.normal, period.shape)
     restitution = np.broadcast_to(restitution, period.shape)
     for search in (_slides_otherwise, _flies_otherwise):

@@ -68,7 +68,7 @@ class HoppingCycles(NamedTuple):
     peak : array
         Largest relative speed along the trough, either way [A w].
     coexists : int8 array
-        -1: other motions are not looked at here.
+        1 where a pushed body may run away; -1 elsewhere, as cycles are not looked for here.
     """
 
     status: Codes
@@ -127,6 +127,10 @@ def one_each(
     if solved.size:
         e = restitution[solved] if restitution.ndim else np.broadcast_to(restitution, solved.size)
         put(out, solved, solve(take(scene, solved), throw[solved], e))
+    if np.count_nonzero(scene.tangential):
+        # Where gravity along the trough exceeds kinetic friction a pushed body may slide on for ever.
+        loose = np.abs(scene.tangential) > scene.kinetic_friction * scene.normal
+        out.coexists[loose & is_answered(out.status)] = 1
     return out
 
 
