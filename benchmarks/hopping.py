@@ -17,7 +17,6 @@ import time
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
@@ -64,7 +63,7 @@ def print_costs(side: int) -> None:
     in_contact = cell_time(throw_map(side, 0.0625, 0.999))
     print(f"{'K':>10} {'e':>5} {'cells':>10} {'hop':>7} {'ns a cell':>11} {'a hopping one':>15} {'ratio':>8}")
     print(f"{'0.06-1':>10} {'':5} {side * side:10} {0:7.0%} {in_contact:11.0f} {'':15} {1:8.3g}")
-    for restitution, share in ((0.0, 1), (0.3, 4)):
+    for restitution, share in ((0.0, 1), (0.3, 4), (0.6, 8)):
         scene = throw_map(side // share, 0.25, 4.0, restitution)
         hop = float((vibro.solve(scene, accuracy="regimes").regime == vibro.Regime.HOPPING).mean())
         mixed = cell_time(scene)
@@ -91,8 +90,7 @@ def print_coexistence(scenes: int) -> None:
             static_friction=mu_s,
             kinetic_friction=mu_s * rng.uniform(low, high, scenes),
         )
-        with patch("vibro.core.flight.orbits._MOST_COEXISTENCE", math.inf):
-            two = int((vibro.solve(scene).coexists > 0).sum())
+        two = int((vibro.solve(scene, coexistence=True).coexists > 0).sum())
         print(f"{f'{low:g}-{high:g}':>12} {scenes:9} {two / scenes:12.4%}")
 
 
