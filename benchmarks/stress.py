@@ -1,11 +1,12 @@
 """Does the steady solve hold at the extremes? Invariants on many scenes, arbitrary precision on some.
 
-Usage: python benchmarks/stress.py [--scenes 20000] [--invariants 1000000] [--processes 2]
+Usage: python benchmarks/stress.py [--scenes 20000] [--invariants 1000000] [--hopping 200] [--processes 2]
 
 Scenes are drawn where floating point is weakest: amplitudes and frequencies up to what doubles hold,
 friction from 0 and 1e-12 to 10, mu_d/mu_s of 0, 1 and all but 1, drive angles of 0, 1e-300 and up to an ulp
 below 90 deg, troughs as steep as the friction angles, loads within a few ulp of each threshold, and
-restitution in every fifth.
+restitution in every fifth. Hopping has its own: neighbours an ulp apart, slow accumulation, no kinetic
+friction, hardly any flight, disturbed starts (hopping_truth.py).
 Results are maxima observed over the scenes drawn, not bounds.
 """
 
@@ -19,6 +20,7 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any, Final, NamedTuple
 
+import hopping_truth
 import mpmath
 import numpy as np
 from extremes import EPS, LARGEST, SMALLEST, Fields, extreme_fields
@@ -259,6 +261,7 @@ def main() -> None:
     parser.add_argument(
         "--invariants", type=int, default=1_000_000, help="scenes whose invariants are checked"
     )
+    parser.add_argument("--hopping", type=int, default=200, help="scenes of each kind that hops")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
@@ -295,7 +298,12 @@ def main() -> None:
     print(f"  wrong patterns farther than 16 eps from a boundary: {len(wrong)}")
     for values, found, true in wrong[:20]:
         print(f"  WRONG {found!r} for {true!r} at {values}")
-    if broken or wrong:
+    hops = True
+    for name in ("ulps", "edges", "starts"):
+        print(f"hopping_truth.py {name}")
+        table, _ = hopping_truth.TABLES[name]
+        hops &= table(arguments.hopping, arguments.seed, arguments.processes)
+    if broken or wrong or not hops:
         raise SystemExit(1)
 
 

@@ -1,0 +1,168 @@
+"""The witnesses of hopping, in doubles and in many digits: against closed forms, SciPy and each other."""
+
+from __future__ import annotations
+
+import math
+
+import bouncing_runs
+import numpy as np
+import pytest
+from bouncing_body import NAMES, TURN, Bodies, Floats
+from bouncing_exact import Settled, follow
+from bouncing_runs import long_run, recurrence
+from integrated import Body
+from numpy.typing import ArrayLike
+from scenes import Groups
+
+Fields = dict[str, Floats]
+
+FREQUENCY = 20.0
+GRAVITY = 9.81
+LENGTH = GRAVITY / (TURN * FREQUENCY) ** 2  # g/w^2
+SPEED = GRAVITY / (TURN * FREQUENCY)  # g/w
+
+# Values that need many digits: period, displacement a turn over A cos(alpha).
+CHAOTIC = (
+    0.0020474208511995144,
+    0.4827495094596426,
+    0.2654692864610031,
+    0.23758149756649322,
+    0.5657701716863576,
+)
+LONG = (
+    0.007718065953433521,
+    0.33669881340850877,
+    0.26965814310580927,
+    0.21193762500279054,
+    0.5545462625724595,
+)
+WITHOUT_CONTACT = (0.00832842715129821, 0.2759119957044087, 0.684972411896944, 0.0, 0.02454508144177142)
+
+
+def scenes(*rows: tuple[float, ...]) -> Fields:
+    """Form scenes from amplitude, drive angle, mu_s, mu_d and e."""
+    amplitude, alpha, mu_s, mu_d, e = np.array(rows).T
+    return fields(amplitude, alpha, mu_s, mu_d, e, 0.0)
+
+
+def at_throw(
+    throw: ArrayLike, alpha_deg: float, mu_s: float, mu_d: float, e: float = 0.0, beta: float = 0.0
+) -> Fields:
+    alpha = math.radians(alpha_deg)
+    return fields(np.multiply(throw, math.cos(beta) / math.sin(alpha) * LENGTH), alpha, mu_s, mu_d, e, beta)
+
+
+def fields(amplitude: Floats, *others: ArrayLike) -> Fields:
+    alpha, mu_s, mu_d, e, beta = others
+    values = np.broadcast_arrays(amplitude, FREQUENCY, alpha, mu_s, mu_d, beta, GRAVITY, e)
+    return dict(zip(NAMES, values, strict=True))
+
+
+def exactly(values: tuple[float, ...], digits: int = 40) -> Settled:
+    found = follow([field.item() for field in scenes(values).values()], digits)
+    assert found is not None
+    return found
+
+
+def test_flights_last_as_long_as_the_closed_form_says() -> None:
+    turns = np.array([0.01, 0.1, 0.3, 0.6, 0.9, 0.99])
+    angle = TURN * turns
+    cotangent = (np.cos(angle) + 0.5 * angle**2 - 1.0) / (angle - np.sin(angle))
+    found = recurrence(at_throw(np.hypot(cotangent, 1.0), 30.0, 0.5, 0.4))
+    assert found.period.tolist() == [1] * 6
+    assert found.flight_fraction == pytest.approx(turns, rel=1e-9)
+
+
+def test_published_cycles() -> None:
+    in_flight = recurrence(at_throw([1.5, 2.0, 2.5, 3.0], 20.0, 0.74, 0.57))
+    assert in_flight.displacement / LENGTH == pytest.approx(
+        [12.028332, 23.645166, 41.364250, 51.291633], abs=1e-6
+    )
+    amplitude = np.array([0.8, 1.0, 1.3, 1.5, 2.0, 3.0]) * 1e-3
+    in_contact = fields(amplitude, math.radians(20.0), 0.74, 0.57, 0.0, 0.0)
+    in_contact["frequency"] = np.full(amplitude.size, 15.0)
+    speed = recurrence(in_contact).displacement * 15.0 * 1e3
+    assert speed == pytest.approx(
+        [5.454804, 16.263456, 30.743137, 40.590623, 67.617507, 113.297416], abs=1e-6
+    )
+
+
+def test_a_landing_is_the_first() -> None:
+    rng = np.random.default_rng(1)
+    n, throw = 300, 4.0
+    phase, rise = rng.uniform(0.0, TURN, n), rng.uniform(0.0, 6.0, n)
+    after = np.linspace(0.0, TURN, 20_001)[1:]
+    p = phase[:, None]
+    height = (
+        (rise[:, None] + throw * np.cos(p)) * after - throw * (np.sin(p + after) - np.sin(p)) - after**2 / 2.0
+    )
+    first = np.argmax(height < 0.0, axis=1)
+    lands = phase + after[first]
+    # Those that land on a trough which presses up till the end of the turn stay there.
+    stay = (height < 0.0).any(axis=1) & (lands > math.pi) & (lands < TURN - 0.01)
+    assert stay.sum() > 50
+    bodies = Bodies(at_throw(throw, 30.0, 0.5, 0.4), n, start=(phase, rise * SPEED, 0.0))
+    bodies.turn()
+    assert bodies.landings[stay].tolist() == [1] * stay.sum()
+    assert bodies.flying[stay] == pytest.approx(after[first][stay], abs=TURN / 20_000)
+
+
+@pytest.mark.parametrize(("throw", "e"), [(2.2, 0.3), (1.2, 0.5)])
+def test_bodies_move_as_integrated_ones(throw: float, e: float) -> None:
+    bodies = Bodies(at_throw(throw, 30.0, 0.5, 0.4, e))
+    integrated = Body(Groups(2.0 * throw, 30.0, 0.5, 0.4), e)
+    turns = 3
+    for _ in range(turns):
+        bodies.turn()
+    integrated.until(turns * TURN)
+    place, velocity, height, rise = integrated.state
+    found = [*bodies.states(np.array([0]))[0], bodies.place[0] / (2.0 * throw)]
+    assert found == pytest.approx([height, rise, velocity, place], abs=1e-6)
+
+
+def test_doubles_agree_with_digits_where_they_suffice() -> None:
+    found = recurrence(scenes(LONG, WITHOUT_CONTACT))
+    for i, values in enumerate((LONG, WITHOUT_CONTACT)):
+        truth = exactly(values)
+        speed = TURN * FREQUENCY * values[0]
+        assert found.period[i] == truth.period
+        assert found.displacement[i] / values[0] == pytest.approx(truth.displacement, rel=1e-7)
+        assert found.peak[i] / speed == pytest.approx(truth.peak, rel=1e-7)
+        assert found.flight_fraction[i] == pytest.approx(truth.flight_fraction, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("values", "period", "displacement"),
+    [(CHAOTIC, 33, 0.566787), (LONG, 12, 1.999176), (WITHOUT_CONTACT, 2, 6.276968)],
+)
+def test_digits_decide(values: tuple[float, ...], period: int, displacement: float) -> None:
+    truth = exactly(values)
+    assert truth.period == period
+    assert truth.displacement / math.cos(values[1]) == pytest.approx(displacement, abs=1e-5)
+
+
+def test_without_kinetic_friction_a_body_keeps_the_speed_of_its_onset() -> None:
+    amplitude, alpha, mu_s, _, _ = WITHOUT_CONTACT
+    onset = mu_s / (math.cos(alpha) + mu_s * math.sin(alpha)) * LENGTH / amplitude
+    expected = TURN * math.cos(alpha) * math.sqrt(1.0 - onset**2)
+    assert exactly(WITHOUT_CONTACT).displacement == pytest.approx(expected, rel=1e-14)
+
+
+def test_noise_shows_where_rounding_repeats(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bouncing_runs, "FIRST_WINDOW", 32)
+    both = scenes(CHAOTIC, (0.002, 0.5, 0.5, 0.4, 0.0))
+    means, size = long_run(both, copies=8, last=32), both["amplitude"]
+    assert means.error[0] > 1e-3 * size[0]
+    assert means.error[1] < 1e-12 * size[1]
+    assert means.displacement[1] == pytest.approx(recurrence(both).displacement[1], rel=1e-9)
+
+
+def test_a_push_sets_off_a_body_on_a_slope_between_the_angles_of_friction() -> None:
+    slope = at_throw([0.02, 0.05], 20.0, 0.5, 0.2, 0.0, math.atan(-0.3))
+    assert recurrence(slope).displacement.tolist() == [0.0, 0.0]
+    assert recurrence(slope, start=(0.0, 0.0, 2.0 * SPEED)).runs_away.all()
+
+
+def test_digits_refuse_a_body_that_does_not_hop() -> None:
+    with pytest.raises(ValueError, match="hop"):
+        exactly((1e-4, 0.5, 0.5, 0.4, 0.0))
