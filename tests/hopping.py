@@ -7,10 +7,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scenes import at_load, loads_of
 
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+from vibro import Status, steady
+from vibro.core.flight.cycles import HoppingCycles, unresolved
+from vibro.core.groups import Loads, put, take
 
-    from vibro.core.groups import Loads
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+def hopping_cycles(scene: Loads, restitution: NDArray[np.float64]) -> HoppingCycles:
+    """Solve hopping scenes as ``vibro.solve`` does: what a stage leaves unresolved is left to the next."""
+    out = unresolved(np.broadcast(*scene, restitution).size)
+    left = np.arange(out.status.size)
+    for stage, _ in steady._HOPPING:
+        put(out, left, stage(take(scene, left), take((restitution,), left)[0]))
+        left = left[out.status[left] == Status.UNRESOLVED]
+    return out
 
 
 def loads_at_throw(

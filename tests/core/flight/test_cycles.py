@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pytest
-from hopping import loads_at_throw, random_loads
+from hopping import hopping_cycles, loads_at_throw, random_loads
 from scenes import at_load, loads_of
-from scipy import stats
 
 from vibro import Scene, Status, solve
 from vibro.core.codes import Mode, hopping_text
-from vibro.core.contact.legs import track_of
-from vibro.core.flight import bounces as bounce
-from vibro.core.flight import orbits, returns
-from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, hopping_cycles
-from vibro.core.flight.returns import Cells, Return, hops_of, return_map, velocity_from_rest
+from vibro.core.flight import returns
+from vibro.core.flight.bounces import bounces
+from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, entered
+from vibro.core.flight.returns import Return, hops_of, return_map
 from vibro.core.groups import Loads, take
 
 if TYPE_CHECKING:
@@ -40,10 +38,9 @@ def _solve(scene: Loads, restitution: float = 0.0) -> HoppingCycles:
 
 def _return_map(scene: Loads) -> tuple[Callable[[Floats], Return], Floats]:
     """One cycle after the other by hand, and the velocity to start from."""
-    flights = bounce.bounces(scene.across / scene.normal, np.zeros(scene.normal.shape))
-    track = track_of(scene)
-    cells = Cells(track, flights.first, flights.number, flights.landing, flights.rest)
-    return partial(return_map, cells, hops_of(scene, flights)), velocity_from_rest(track)
+    motion = bounces(scene.across / scene.normal, np.zeros(scene.normal.shape))
+    cells, velocity = entered(scene, motion)
+    return partial(return_map, cells, hops_of(scene, motion.cycle)), velocity
 
 
 def _patterns(cycles: HoppingCycles) -> list[str]:
@@ -196,41 +193,6 @@ def test_the_slope_of_the_return_map_is_its_derivative() -> None:
     assert difference[smooth] == pytest.approx(here.slope[smooth], abs=2e-4)
 
 
-def test_low_kinetic_friction_can_leave_two_cycles() -> None:
-    scene = random_loads(3000, 5, most_throw=1.5, least_ratio=0.01)
-    cycles = _solve(scene)
-    flagged = np.flatnonzero(cycles.coexists == 1)
-    assert 5 < flagged.size < 150
-    ratio = scene.kinetic_friction / scene.static_friction
-    assert ratio[flagged].max() < orbits._MOST_COEXISTENCE
-    step_from, _ = _return_map(take(scene, flagged))
-    ends = []
-    for start in (-3.0, 3.0):
-        velocity = np.full(flagged.size, start)
-        for _ in range(400):
-            step = step_from(velocity)
-            velocity = step.velocity
-        ends.append(step.displacement)
-    other = np.maximum(*(np.abs(end - cycles.displacement[flagged]) for end in ends))
-    assert (other > 1e-6).all()
-
-
-def test_a_motion_without_a_cycle_gets_a_mean_and_its_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = loads_at_throw(np.linspace(2.4, 2.5, 12), 30.0, 0.5, 0.4)
-    short = _solve(scene, 0.3)
-    averaged = short.status == Status.AVERAGED
-    assert averaged.sum() >= 8
-    assert np.isnan(short.period[averaged]).all()
-    assert (short.deviation[averaged] > 0.0).all()
-    assert set(np.array(_patterns(short))[averaged]) == {"H..."}
-    monkeypatch.setattr(bounce, "MOST_FLIGHTS", 4096)
-    long = _solve(scene, 0.3)
-    both = averaged & (long.status == Status.AVERAGED)
-    error = np.hypot(short.deviation, long.deviation)
-    assert (np.abs(short.displacement - long.displacement)[both] < 5.0 * error[both]).all()
-    assert (long.deviation[both] < short.deviation[both]).mean() > 0.8
-
-
 def test_bodies_that_nothing_holds_have_no_steady_cycle() -> None:
     mu_s, mu_d = [0.3, 0.3, 0.0, 0.3], [0.2, 0.2, 0.0, 0.2]
     scene = loads_at_throw([1.5, 1.5, 1.5, 2e6], 20.0, mu_s, mu_d, [-20.0, 20.0, 0.0, 0.0])
@@ -263,7 +225,7 @@ def test_impact_and_peak_speeds_are_those_on_the_way() -> None:
     cycles = _solve(scene)
     throw = scene.across / scene.normal
     lift_off = np.arcsin(1.0 / throw)
-    flights = bounce.bounces(throw, np.zeros(50))
+    flights = bounces(throw, np.zeros(50)).cycle
     once = flights.number == 1
     length = flights.length[flights.first]
     rate = scene.across * (np.cos(lift_off) - np.cos(lift_off + length)) - scene.normal * length
@@ -302,27 +264,3 @@ def test_long_patterns_are_cut_and_say_so() -> None:
     for _ in range(40):
         code = returns._append(code, np.int64(Mode.FLIGHT))
     assert hopping_text(int(code[0])) == "H" * 27 + "..."
-
-
-def test_the_error_of_a_mean_is_the_standard_error_of_its_batches() -> None:
-    scene = loads_at_throw([2.42, 2.45, 2.48], 30.0, 0.5, 0.4)
-    restitution = np.full(3, 0.3)
-    cycles = hopping_cycles(scene, restitution)
-    assert (cycles.status == Status.AVERAGED).all()
-    flights = bounce.bounces(scene.across / scene.normal, restitution)
-    hops = hops_of(scene, flights)
-    cells = Cells(track_of(scene), flights.first, flights.number, flights.landing, flights.rest)
-    velocity = orbits.from_rest(cells, hops, flights)[0].velocity
-    paths, times = [], []
-    batch = flights.number // 12
-    for i in range(12):
-        starts = flights.first + i * batch
-        part = return_map(cells._replace(first=starts, number=batch), hops, velocity)
-        assert (part.slope == 0.0).all()  # it stops in each: the start is forgotten
-        velocity = part.velocity
-        paths.append(part.displacement)
-        times.append([hops.length[a : a + m].sum() for a, m in zip(starts, batch, strict=True)])
-    path, time = np.array(paths), np.array(times)
-    residual = path - time * path.sum(axis=0) / time.sum(axis=0)
-    expected = 2.0 * math.pi * stats.sem(residual, axis=0) / time.mean(axis=0)
-    assert cycles.deviation == pytest.approx(expected, rel=1e-9)

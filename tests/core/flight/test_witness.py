@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from hopping import loads_at_throw
+from hopping import hopping_cycles, loads_at_throw
 from integrated import Body
 from scenes import Groups
 
 from vibro import Status
-from vibro.core.flight.cycles import hopping_cycles
 
 TURN = 2.0 * math.pi
 
