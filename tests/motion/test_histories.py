@@ -42,7 +42,7 @@ PATTERNS = [
     ("FB", Groups(2.0, 20.0, 0.74, 0.57)),
     ("FB", Groups(2.859, 19.78, 0.831, 0.6, 10.47)),
 ]
-HOPS = [  # K = 1.5, 2, 2.5, 3 and one that leaves again where it lands
+HOPS = [  # bodies that rest, and two that leave again where they land
     (throw / math.sin(math.radians(20.0)), restitution)
     for throw, restitution in (
         (1.5, 0.0),
@@ -51,7 +51,7 @@ HOPS = [  # K = 1.5, 2, 2.5, 3 and one that leaves again where it lands
         (3.0, 0.0),
         (3.6, 0.0),
         (1.5, 0.3),
-        (2.0, 0.3),
+        (2.25, 0.3),
     )
 ]
 

@@ -182,7 +182,10 @@ def test_coexistence_is_flagged_where_starts_from_other_phases_settle_elsewhere(
     )
     cycle = vibro.solve(scene)
     slips_both_ways = (cycle.status == Status.OK) & (cycle.forward_ratio > 1.0) & (cycle.back_ratio > 1.0)
-    flagged = np.flatnonzero(slips_both_ways & (cycle.coexists == 1))[:12]
+    # a disturbed body may run away where gravity beats kinetic friction: there the walk need not settle
+    steep = abs(math.tan(math.radians(trough_deg))) > scene.kinetic_friction
+    assert (cycle.coexists[slips_both_ways & steep] == 1).all()
+    flagged = np.flatnonzero(slips_both_ways & ~steep & (cycle.coexists == 1))[:12]
     single = np.flatnonzero(slips_both_ways & (cycle.coexists == 0))[:12]
     assert flagged.size == single.size == 12
     scenes = groups_of(scene)

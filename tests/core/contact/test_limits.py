@@ -68,6 +68,7 @@ def drives(request: pytest.FixtureRequest) -> Drives:
 def _sides(drives: Drives, critical: Floats) -> tuple[Any, vibro.SteadyCycle, vibro.SteadyCycle]:
     """Which drives have the transition below the hop, and their cycles just below and above it."""
     reached = (critical > 0.0) & (critical < drives.limits().hop * (1.0 - 10.0 * NEAR))
+    critical = np.where(reached, critical, np.nan)  # not to follow hops that nobody looks at
     return reached, drives.solve(critical * (1.0 - NEAR)), drives.solve(critical * (1.0 + NEAR))
 
 

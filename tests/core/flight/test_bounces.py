@@ -43,9 +43,15 @@ def test_up_to_one_cycle_of_flight_a_plastic_impact_makes_one_flight_a_cycle() -
     assert motion.repeats.all()
 
 
-def test_a_hop_out_of_a_contact_keeps_its_digits_down_to_the_threshold() -> None:
-    motion = bounces(1.0 + np.geomspace(2.3e-16, 1e-6, 60), np.zeros(60))
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.9])
+def test_hops_near_the_threshold_are_the_same_but_for_their_scale(restitution: float) -> None:
+    excess = np.geomspace(1e-15, 1e-7, 33)
+    motion = bounces(1.0 + excess, np.full(33, restitution))
     assert motion.repeats.all()
+    # while K sin p - 1 is a parabola in time, times are in proportion to sqrt(K^2 - 1)
+    scaled = np.bincount(motion.cycle.owner, motion.cycle.length) / np.sqrt((1.0 + excess) ** 2 - 1.0)
+    assert scaled[8:] == pytest.approx(scaled[-1], rel=1e-2)
+    assert (scaled < 2.0 * scaled[-1]).all()
 
 
 def test_above_that_the_body_is_thrown_again_where_it_lands_until_that_doubles() -> None:
