@@ -100,8 +100,8 @@ def _means(scene: Loads, throw: Floats, restitution: Floats, length: int, longes
     slid, remembers, correction = _slide(track, sample, balance=longest)
     time, aloft = (x[-2:].reshape(2, n, BODIES) for x in (sample.time, sample.aloft))
     paths = (slid.path + correction).reshape(2, n, BODIES)
-    total = time.sum(axis=(0, 2))
-    mean = paths.sum(axis=(0, 2)) / total
+    total = _over_all(time)
+    mean = _over_all(paths) / total
     off = (paths - mean[:, None] * time) * (BODIES / total)[:, None]
     own, halves = off.sum(axis=0).var(axis=1, ddof=1), ((off[0] - off[1]) ** 2).mean(axis=1)
     lands = sample.lands.reshape(n, BODIES).any(axis=1)
@@ -126,7 +126,7 @@ def _means(scene: Loads, throw: Floats, restitution: Floats, length: int, longes
         _TURN * mean,
         _TURN * np.sqrt(variance),
         np.full(n, np.nan),
-        aloft.sum(axis=(0, 2)) / total,
+        _over_all(aloft) / total,
         scene.normal * sample.impact.reshape(n, BODIES).max(axis=1),
         slid.peak.max(axis=0).reshape(n, BODIES).max(axis=1),
     )
@@ -175,6 +175,15 @@ def _lot(scene: Loads, throw: Floats, restitution: Floats, means: HoppingCycles)
     means.status[lost], means.pattern[lost] = Status.RUNAWAY, 0
     for numbers in means[2:-1]:
         numbers[lost] = np.nan
+
+
+def _over_all(halves: Floats) -> Floats:
+    """Sum over the halves and the bodies of each scene, of shape (2, scenes, BODIES).
+
+    In one step NumPy would sum in an order that depends on the number of scenes.
+    """
+    total: Floats = halves.sum(axis=0).sum(axis=1)
+    return total
 
 
 class _Slid(NamedTuple):
