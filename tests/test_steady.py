@@ -26,6 +26,7 @@ from vibro import Regime, Scene, SceneError, Status, VibroError, solve, steady
 from vibro.core.codes import MODELS, PATTERNS
 from vibro.core.contact.cycle_legs import cycle_legs
 from vibro.core.contact.slide import slide
+from vibro.errors import InputError
 from vibro.scene import Fields
 
 if TYPE_CHECKING:
@@ -322,6 +323,13 @@ def test_regimes_alone_are_those_of_the_whole_solution() -> None:
 def test_an_accuracy_that_does_not_exist_is_refused() -> None:
     with pytest.raises(VibroError, match="accuracy = 'rough': must be one of exact, regimes"):
         solve(scene_with(), accuracy="rough")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["flight", "coexistence"])
+@pytest.mark.parametrize("value", ["off", 1, None])
+def test_what_only_looks_like_a_switch_is_refused(name: str, value: object) -> None:
+    with pytest.raises(InputError, match=f"{name} = {value!r}: must be True or False"):
+        solve(scene_with(), **{name: value})  # type: ignore[arg-type]
 
 
 # --- traverse time ----------------------------------------------------------------------------------

@@ -198,6 +198,24 @@ def test_motion_without_a_period_is_unknown_once_rounding_has_grown() -> None:
     assert math.isnan(late)
 
 
+def test_an_arrival_that_rounding_chooses_is_unknown() -> None:
+    # true between 214.85 and 220.14 cycles, and what doubles find lies anywhere there and beyond
+    amplitude = [0.007088276919005166]
+    for _ in range(3):
+        amplitude.append(math.nextafter(amplitude[-1], 1.0))
+    scene = vibro.Scene(
+        amplitude=amplitude,
+        frequency=20,
+        drive_angle=0.7712478462674884,
+        static_friction=0.23929552573721188,
+        kinetic_friction=0.1817686890112862,
+        restitution=0.6112762739020561,
+    )
+    assert np.isnan(vibro.arrival_time(scene, 4.56280220557782)).all()
+    # the first moments are known
+    assert np.isfinite(vibro.arrival_time(scene, 1e-3)).all()
+
+
 def test_infeasible_cells_are_unknown() -> None:
     scene = vibro.Scene.allowing_infeasible(
         amplitude=2e-3, frequency=15, drive_angle=0.3, static_friction=[0.2, 0.4], kinetic_friction=0.3

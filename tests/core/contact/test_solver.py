@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import Groups, at_load, random_scenes, replaced
+from scenes import Groups, at_load, random_scenes
 
 import vibro
 from vibro import Regime, Status

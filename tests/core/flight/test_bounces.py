@@ -94,26 +94,6 @@ def test_accumulated_bounces_are_summed_as_if_one_flew_them_all(restitution: flo
     assert after.impulse == pytest.approx(impulse, rel=1e-12)
 
 
-def test_bounces_are_not_summed_where_the_trough_falls_away_before_they_end() -> None:
-    # the load 1 - K sin p vanishes at the lift-off, so that bounces of one length accumulate before it or not
-    throw, restitution = 1.5, 0.5
-    lift_off = math.asin(1.0 / throw)
-    before = np.geomspace(1e-12, 1e-2, 41)
-    phase = lift_off - before
-    load = 1.0 - throw * np.sin(phase)
-    length = np.full(41, 1e-9)
-    impact = 0.5 * length * load * (1.0 - restitution) / restitution
-    after = after_landing(np.full(41, throw), phase, impact, np.full(41, restitution))
-    # at most K rad: the load sinks by K a radian
-    assert after.contact[load >= 1.001 * throw * length].all()
-    assert not after.contact[load <= 0.999 * throw * length].any()
-    # whatever is summed ends on the trough
-    assert (before[after.contact] > length[after.contact]).all()
-    bounced = ~after.contact
-    assert after.take_off[bounced] == pytest.approx(restitution * impact[bounced])
-    assert (after.length[bounced] == 0.0).all()
-
-
 def test_summing_earlier_changes_nothing_but_what_the_cut_says() -> None:
     throw, restitution = np.linspace(1.01, 1.8, 60), np.full(60, 0.3)
     motion = bounces(throw, restitution)

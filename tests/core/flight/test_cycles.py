@@ -19,7 +19,7 @@ from vibro.core.flight import returns
 from vibro.core.flight.bounces import bounces
 from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, entered
 from vibro.core.flight.returns import Return, hops_of, return_map
-from vibro.core.groups import Loads, take
+from vibro.core.groups import Loads
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -99,7 +99,7 @@ def test_orbits_on_slopes_end_where_the_plain_walk_does() -> None:
     motion = bounces(scene.across / scene.normal, np.zeros(count))
     hops = hops_of(scene, motion.cycle)
     cells, velocity = entered(scene, motion)
-    end = from_rest(cells, hops, velocity, span_of(cells, TURN * motion.cycles))
+    end = from_rest(cells, hops, velocity, span_of(cells, np.multiply(TURN, motion.cycles)))
     for _ in range(1000):
         walked = return_map(cells, hops, velocity)
         change, velocity = np.abs(walked.velocity - velocity), walked.velocity
@@ -259,7 +259,7 @@ def test_bodies_from_anywhere_settle_where_it_is_said() -> None:
     motion = bounces(scene.across / scene.normal, restitution)
     hops = hops_of(scene, motion.cycle)
     cells, start = entered(scene, motion)
-    found = from_rest(cells, hops, start, span_of(cells, TURN * motion.cycles))
+    found = from_rest(cells, hops, start, span_of(cells, np.multiply(TURN, motion.cycles)))
 
     bound = 2.0 * np.broadcast_to(scene.along, count)
     starts = np.array([start, *(bound * f for f in np.linspace(-1.0, 1.0, 10))])
@@ -278,6 +278,8 @@ def test_bodies_from_anywhere_settle_where_it_is_said() -> None:
     np.testing.assert_allclose(found.velocity[known], ends[0][known], rtol=0.0, atol=1e-10)
     apart = np.ptp(ends, axis=0) > 1e-7
     none = np.zeros(count)
-    others = _slides_otherwise(scene, scene.across / scene.normal, restitution, motion.cycles + 0.0, none)
+    others = _slides_otherwise(
+        scene, scene.across / scene.normal, restitution, motion.cycles.astype(np.float64), none
+    )
     assert others[known].tolist() == apart[known].tolist()
     assert apart[known].sum() > 20

@@ -1,0 +1,146 @@
+"""Hopping scenes as ``solve`` tells them: exact, or a mean where rounding would choose the motion."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scenes import at_load, loads_of, replaced
+
+import vibro
+from vibro import Scene, Status
+from vibro.core.flight.cycles import HoppingCycles, cycles
+
+FREQUENCY = 20.0
+ANGULAR = 2.0 * math.pi * FREQUENCY
+
+
+def _scene(amplitude: float, drive: float, mu_s: float, mu_d: float, restitution: float = 0.0) -> Scene:
+    return Scene(
+        amplitude=amplitude,
+        frequency=FREQUENCY,
+        drive_angle=drive,
+        static_friction=mu_s,
+        kinetic_friction=mu_d,
+        restitution=restitution,
+    )
+
+
+# --- peak speeds ------------------------------------------------------------------------------------
+
+
+def test_the_peak_of_a_hop_is_no_speed_from_before_its_take_off() -> None:
+    cycle = vibro.solve(
+        _scene(0.0006307198628055661, 1.4007303478064574, 1.1189054618278202, 0.9411474078945082)
+    )
+    assert cycle.status == Status.OK
+    assert float(cycle.peak_velocity) == pytest.approx(0.0100291, rel=1e-5)
+
+
+@pytest.mark.parametrize(("most_restitution", "seed"), [(0.0, 1), (0.5, 2)])
+def test_peaks_are_those_of_the_motion_sampled_finely(most_restitution: float, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    throw = np.concatenate((1.0 + 10.0 ** random.uniform(-4.0, -1.5, 10), random.uniform(1.0, 3.2, 10)))
+    drive, mu_s = random.uniform(10.0, 80.0, 20), random.uniform(0.2, 1.2, 20)
+    load, mu_d = throw / np.sin(np.radians(drive)), mu_s * random.uniform(0.6, 1.0, 20)
+    restitution = most_restitution * random.random(20)
+    seen = 0
+    for row in zip(load, drive, mu_s, mu_d, restitution, strict=True):
+        scene = replaced(at_load(*row[:4]), restitution=row[4])
+        cycle = vibro.solve(scene)
+        if cycle.status != Status.OK:
+            continue
+        history = vibro.simulate(scene, cycles=300)
+        if not history.settles_at < history.end:
+            continue
+        seen += 1
+        period = int(cycle.period_cycles)
+        end = history.settles_at + period / float(scene.frequency)
+        times = np.linspace(history.settles_at, end, 4000 * period)
+        sampled = np.abs(history.sample(times).velocity).max()
+        # speeds jump at impacts: those on either side of each are told
+        phases = [p for p in history.phases if history.settles_at <= p.start < end]
+        ends = max(max(abs(p.start_velocity), abs(p.end_velocity)) for p in phases)
+        assert float(cycle.peak_velocity) == pytest.approx(max(sampled, ends), rel=1e-5), row
+    assert seen >= 14
+
+
+# --- chains of bounces ------------------------------------------------------------------------------
+
+
+def test_a_long_chain_of_bounces_that_accumulates_is_one_event() -> None:
+    cycle = vibro.solve(_scene(0.001254875524558309, math.pi / 6, 0.5, 0.4, 0.95))
+    assert cycle.status == Status.OK
+    assert cycle.period_cycles == 1
+    assert f"{cycle.mean_velocity:.6f}" == "0.064459"
+    assert f"{cycle.flight_fraction:.4f}" == "0.2696"
+
+
+# --- where rounding would choose the motion ---------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        (0.0020474208511995144, 0.4827495094596426, 0.2654692864610031, 0.23758149756649322,
+         0.5657701716863576),
+        (0.0018015861452903238, 0.516812434649499, 0.3513152396429374, 0.33490215540735446,
+         0.7499557923333563),
+        (0.007718065953433521, 0.33669881340850877, 0.26965814310580927, 0.21193762500279054,
+         0.5545462625724595),
+    ],
+)  # fmt: skip
+def test_where_rounding_would_choose_the_cycle_there_is_a_mean(
+    values: tuple[float, float, float, float, float],
+) -> None:
+    cycle = vibro.solve(_scene(*values))
+    assert cycle.status == Status.AVERAGED
+    assert math.isfinite(cycle.mean_velocity)
+    assert cycle.mean_velocity_error > 0.0
+    assert math.isnan(cycle.period_cycles)
+
+
+def _level_scenes(count: int, seed: int, least: float, most: float, steps: int = 0) -> HoppingCycles:
+    """Draw level scenes with restitutions in a range, at some ulp of the amplitude."""
+    random = np.random.default_rng(seed)
+    throw, restitution = random.uniform(1.0, 6.0, count), random.uniform(least, most, count)
+    mu_s, drive = random.uniform(0.2, 0.9, count), random.uniform(10.0, 50.0, count)
+    scene = at_load(throw / np.sin(np.radians(drive)), drive, mu_s, mu_s * random.uniform(0.6, 1.0, count))
+    amplitude = np.asarray(scene.amplitude)
+    return cycles(loads_of(replaced(scene, amplitude=amplitude + steps * np.spacing(amplitude))), restitution)
+
+
+def test_scenes_that_are_ok_at_neighbouring_amplitudes_agree() -> None:
+    several = [_level_scenes(200, 1, 0.0, 0.9, steps) for steps in range(4)]
+    told = np.all([x.status == Status.OK for x in several], axis=0)
+    assert told.sum() > 80
+    paths = np.array([x.displacement[told] for x in several])
+    assert (np.ptp(paths, axis=0) <= 1e-6 * np.abs(paths).max(axis=0)).all()
+    assert (np.ptp([x.period[told] for x in several], axis=0) == 0.0).all()
+
+
+def test_with_little_bouncing_most_cycles_are_told() -> None:
+    assert (_level_scenes(150, 2, 0.0, 0.2).status == Status.OK).mean() >= 0.9
+
+
+# --- no friction ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "drive", "mu_s", "restitution", "displacement"),
+    [
+        (0.00832842715129821, 0.2759119957044087, 0.684972411896944, 0.02454508144177142, "80.9690"),
+        (0.002800464550237822, 0.9688820618904932, 0.7351274461536152, 0.04050056452565116, "15.8819"),
+    ],
+)
+def test_without_kinetic_friction_a_body_keeps_the_speed_it_was_thrown_with(
+    amplitude: float, drive: float, mu_s: float, restitution: float, displacement: str
+) -> None:
+    scene = _scene(amplitude, drive, mu_s, 0.0, restitution)
+    cycle = vibro.solve(scene)
+    assert cycle.status == Status.OK
+    unit = 9.81 / ANGULAR**2
+    assert f"{cycle.displacement_per_cycle / unit:.4f}" == displacement
+    history = vibro.simulate(scene, cycles=1000)
+    assert history.cycle_displacement == pytest.approx(float(cycle.displacement_per_cycle), rel=1e-9)
