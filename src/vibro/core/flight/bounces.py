@@ -47,9 +47,9 @@ MOST_FLIGHTS: Final = 256
 BOUNCE: Final = 0.1
 _MOST_BOUNCES: Final = 8192  # short ones included; restitutions above 0.995 may need more
 
-# [rad] Flights of this length altogether close with any blur: within 1e-10 of K = 1 it is that of K itself,
-# and next to the lift-off the trough hardly presses, in contact or not.
-_HARDLY_ALOFT: Final = 1e-4
+# [rad] Rounding is no matter in hops that end in contact this soon after their lift-off. The load grows with
+# the square of that time s, so that friction would bring a velocity of s^3 / 6 at most in it: ``SHARP``.
+_SHORT: Final = 1.8e-3
 
 _LOOK_BACK: Final = 8  # flights after which it looks for a cycle, and again whenever they have doubled
 
@@ -138,9 +138,9 @@ def bounces(
         end -= _TURN * turns
         landing[owner] = end
         blur = spread(k, e, (phase, speed), step, after.length, blur)
-        sharp = blur.within(SHARP) | (before + flights.length <= _HARDLY_ALOFT)
-        contact[owner] = repeats[owner] = after.contact & sharp
-        onward = ~after.contact & (blur.within(LOST) | (start is not None))
+        short = (before + flights.length <= _SHORT) & (start is None)
+        contact[owner] = repeats[owner] = after.contact & (blur.within(SHARP) | short)
+        onward = ~after.contact & (blur.within(LOST) | short | (start is not None))
         count = len(records)
         if count >= _LOOK_BACK and count & (count - 1) == 0:
             guess = near_repeat(records) * onward
