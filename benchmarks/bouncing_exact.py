@@ -19,8 +19,8 @@ MOST_CYCLES: Final = 3000
 MOST_LANDINGS: Final = 40_000
 LEAST_BOUNCE: Final = 1e-12  # slower bounces on a trough that presses up count as contact: errors are squares
 SAME: Final = 1e-18  # smaller differences of states count as none
+SAME_CYCLE: Final = 1e-9  # differences of states on the same cycle, once it nearly repeats
 NEARLY_SAME: Final = 1e-3  # the same after the most cycles: one that attracts slowly
-FLIPPING: Final = 1e3  # times the smallest difference, and still the same state
 AGREED: Final = 1e-15  # relative, of displacements with some digits and with twice as many
 _LANDINGS_BACK: Final = 64  # of a cycle without contact
 _SHORT: Final = 1e-3  # [A w] a slower take-off makes a short flight, nearly a parabola
@@ -194,10 +194,13 @@ class _Body:
             candidates, self.last_lift = [self.last_lift], last
         else:
             candidates = list(range(last - 1, max(last - _LANDINGS_BACK, self.last_lift), -1))
-        if not any(here.change(self.visits[i]) < within for i in candidates):
+        changes = [here.change(self.visits[i]) for i in candidates]
+        if not min(changes, default=math.inf) < within:
             return None
-        # A cycle that attracts slowly, from both sides in turn, seems to repeat after two periods first.
-        first = next(i for i in candidates if here.change(self.visits[i]) < FLIPPING * within)
+        # Where a cycle attracts in turns from either side, twice its period is the first to change so little.
+        first = next(
+            i for i, change in zip(candidates, changes, strict=True) if change < max(within, SAME_CYCLE)
+        )
         before = self.visits[first]
         period = here.cycle - before.cycle
         return Settled(

@@ -127,7 +127,7 @@ def test_bounces_are_not_summed_where_the_trough_falls_away_before_they_end() ->
     fall = throw * np.cos(phase) * length  # of the load, until the bounces end
     assert after.contact[load >= 1.001 * fall].all()
     assert not after.contact[load <= 0.999 * fall].any()
-    assert (before[after.contact] > length[after.contact]).all()
+    assert (before[after.contact] >= 0.999 * length[after.contact]).all()
     bounced = ~after.contact
     assert after.take_off[bounced] == pytest.approx(restitution * impact[bounced])
     assert (after.length[bounced] == 0.0).all()
