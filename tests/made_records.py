@@ -39,55 +39,65 @@ def nut(amplitude_mm: float = 1.0, **others: Any) -> vibro.Scene:
 
 
 class Walked:
-    """The settled motion of a flat scene by the walk from slide to slide, over trough time."""
+    """The settled motion of a scene by the walk from slide to slide, over trough time."""
 
     def __init__(self, scene: vibro.Scene) -> None:
-        self.amplitude = float(scene.amplitude)
-        alpha = float(scene.drive_angle)
-        load = self.amplitude * RATE**2 / GRAVITY
+        amplitude, gravity = float(scene.amplitude), float(scene.gravity)
+        alpha, beta = float(scene.drive_angle), float(scene.trough_angle)
         mu_s, mu_d = float(scene.static_friction), float(scene.kinetic_friction)
-        body = Body(Groups(load, math.degrees(alpha), mu_s, mu_d))
+        self.rate = 2.0 * math.pi * float(scene.frequency)
+        self.period = 1.0 / float(scene.frequency)
+        drive = amplitude * self.rate**2
+        body = Body(Groups(drive / gravity, math.degrees(alpha), mu_s, mu_d, math.degrees(beta)))
         self.pattern, advance = body.settle()
-        unit = GRAVITY / RATE**2
-        self.advance = advance * unit
+        self.advance = advance * gravity / self.rate**2
         self.slides = []
         count = self.pattern.count("F") + self.pattern.count("B")
         walk = body.walk(0.0)
         settled = [next(walk) for _ in range(400)][-count:] if count else []
         for slide in settled:
-            self.slides.append((slide.way, slide.start / RATE, slide.length / RATE))
-        self.drag = dict.fromkeys((1, -1), mu_d)
-        self.pull = {
-            way: (math.cos(alpha) + way * mu_d * math.sin(alpha)) * self.amplitude * RATE**2
-            for way in (1, -1)
-        }
-        self.inertia = self.amplitude * RATE**2 * math.cos(alpha)
+            self.slides.append((slide.way, slide.start / self.rate, slide.length / self.rate))
+        # relative acceleration of a slide: pull sin(w t) - drag
+        self.pull = {way: (math.cos(alpha) + way * mu_d * math.sin(alpha)) * drive for way in (1, -1)}
+        self.drag = {way: gravity * (way * mu_d * math.cos(beta) + math.sin(beta)) for way in (1, -1)}
+        self.inertia, self.weight = drive * math.cos(alpha), gravity * math.sin(beta)
 
     def acceleration(self, time: Floats) -> Floats:
         """Relative acceleration [m/s^2]."""
         result = np.zeros_like(time)
         for way, start, length in self.slides:
-            slides = (time - start) % PERIOD < length
-            value = self.pull[way] * np.sin(RATE * time) - way * self.drag[way] * GRAVITY
-            result[slides] = value[slides]
+            slides = (time - start) % self.period < length
+            result[slides] = (self.pull[way] * np.sin(self.rate * time) - self.drag[way])[slides]
         return result
+
+    def friction(self, time: Floats) -> Floats:
+        """Friction on the body per unit mass [m/s^2]."""
+        return self.acceleration(time) - self.inertia * np.sin(self.rate * time) + self.weight
 
     def velocity(self, time: Floats) -> Floats:
         """Relative velocity [m/s]."""
         result = np.zeros_like(time)
         for way, start, length in self.slides:
-            since = (time - start) % PERIOD
+            since = (time - start) % self.period
             slides = since < length
-            turned = self.pull[way] / RATE * (np.cos(RATE * start) - np.cos(RATE * (start + since)))
-            result[slides] = (turned - way * self.drag[way] * GRAVITY * since)[slides]
+            turned = np.cos(self.rate * start) - np.cos(self.rate * (start + since))
+            result[slides] = (self.pull[way] / self.rate * turned - self.drag[way] * since)[slides]
         return result
 
     def displacement(self, time: Floats) -> Floats:
-        """Relative displacement by summing up the velocity finely [m]; 0 at the first time."""
-        fine = np.linspace(time[0], time[-1], 400_001)
-        velocity = self.velocity(fine)
-        steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(fine)
-        return np.asarray(np.interp(time, fine, np.concatenate([[0.0], np.cumsum(steps)])))
+        """Relative displacement [m]; 0 at the first time."""
+        result = np.zeros_like(time)
+        for way, start, length in self.slides:
+            turns = np.floor((time - start) / self.period)
+            since = np.minimum(time - start - turns * self.period, length)
+            result += self._path(way, start, since) + turns * self._path(way, start, length)
+        return np.asarray(result - result[0])
+
+    def _path(self, way: int, start: float, since: Any) -> Any:
+        """Displacement since the start of a slide [m]."""
+        turned = np.sin(self.rate * (start + since)) - math.sin(self.rate * start)
+        swing = since * math.cos(self.rate * start) - turned / self.rate
+        return self.pull[way] / self.rate * swing - 0.5 * self.drag[way] * since**2
 
     def observe(
         self, *signals: str, noise: float = 1.0, trigger: float = 0.0137, cycles: int = 20, seed: int = 1
@@ -98,9 +108,6 @@ class Walked:
         trough = time + trigger
         values = {}
         for name in signals:
-            if name == "friction":
-                exact = self.acceleration(trough) - self.inertia * np.sin(RATE * trough)
-            else:
-                exact = getattr(self, name)(trough)
+            exact = getattr(self, name)(trough)
             values[name] = exact + noise * NOISE[name] * random.standard_normal(time.size)
         return Observation(time, values, FREQUENCY)
