@@ -1,0 +1,185 @@
+"""The steady motions of many scenes at once, sampled at one record's times: what a search needs of the model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.core.codes import PATTERNS, Pattern, Regime, is_answered
+from vibro.core.contact.cycle import never_at_rest, resting_start
+from vibro.core.contact.onset import thresholds
+from vibro.core.contact.slide import slide, start_inside
+from vibro.core.groups import Loads, take
+from vibro.errors import VibroError
+from vibro.motion.settled import settled_motion
+from vibro.records.alignment import computed
+from vibro.scene import Scene
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.core.contact.slide import Onset
+    from vibro.motion.settled import SettledMotion
+
+    Floats = NDArray[np.float64]
+    Labels = NDArray[np.str_]
+
+__all__ = ["HOPS", "Cycles", "labels_of", "steady_cycles"]
+
+HOPS: Final = "H"  # label of every scene that hops: its many patterns follow each other too closely
+_TURN: Final = 2.0 * math.pi
+_WAYS: Final = (1, -1)
+_TEXTS: Final = np.array(PATTERNS)
+
+
+@dataclass(frozen=True, eq=False)
+class Cycles:
+    """Steady cycles of M scenes.
+
+    Attributes
+    ----------
+    labels : str array, shape (M,)
+        Pattern of each, or ``HOPS``; empty where there is no steady cycle.
+    values : mapping of str to array
+        The fields of the scenes, each of shape (M,).
+    starts, lengths, loads, resistances : array, shape (2, M)
+        Of the forward and the back slide: phase of the start, counted from a zero of the load, and length
+        [rad]; amplitude of the load and its resistance, as in ``Onset``. The length is 0 without a slide.
+    hopping : mapping of int to SettledMotion
+        Scenes that hop.
+    """
+
+    labels: Labels
+    values: Mapping[str, Floats]
+    starts: Floats
+    lengths: Floats
+    loads: Floats
+    resistances: Floats
+    hopping: Mapping[int, SettledMotion]
+
+    def signals(self, names: Iterable[str], time: Floats, shift: Floats, window: float) -> dict[str, Floats]:
+        """Sample signals as ``alignment.computed`` does.
+
+        Parameters
+        ----------
+        names : iterable of str
+            Signals of ``Observation``.
+        time : array, shape (N,)
+            On the record's clock [s].
+        shift : array, shape (M,)
+            Trough time at the clock's zero, for each scene [s].
+        window : float
+            Width of the averages of accelerations and friction [s].
+
+        Returns
+        -------
+        dict of str to array, shape (M, N)
+            Of scenes without a steady cycle, those of a body at rest.
+        """
+        names = list(names)
+        rate = _TURN * self.values["frequency"][:, None]
+        phase = rate * (time + shift[:, None])
+        result = {}
+        if "displacement" in names:
+            result["displacement"] = self._displacements(phase)
+        if "velocity" in names:
+            result["velocity"] = self._velocities(phase)
+        if {"acceleration", "friction"} & set(names):
+            half = 0.5 * window * rate
+            result["acceleration"] = (self._velocities(phase + half) - self._velocities(phase - half)) / window
+            drive = self.values["amplitude"] * rate[:, 0] ** 2 * np.cos(self.values["drive_angle"])
+            weight = self.values["gravity"] * np.sin(self.values["trough_angle"])
+            inertial = drive[:, None] * np.sin(phase) - weight[:, None]
+            result["friction"] = result["acceleration"] - inertial
+        for scene, motion in self.hopping.items():
+            for name, values in computed(motion, names, time + shift[scene], window).items():
+                result[name][scene] = values
+        return {name: result[name] for name in names}
+
+    def _velocities(self, phase: Floats) -> Floats:
+        speed = self.values["amplitude"] * _TURN * self.values["frequency"]
+        total = np.zeros_like(phase)
+        for row, way in enumerate(_WAYS):
+            if not self.lengths[row].any():
+                continue
+            start, length, load, k = self._slide(row)
+            since = np.minimum((phase - start - 0.5 * math.pi * (1 - way)) % _TURN, length)
+            swing = np.cos(start) - np.cos(start + since) - k * since
+            total += np.where(since < length, way * speed[:, None] * load * swing, 0.0)
+        return total
+
+    def _displacements(self, phase: Floats) -> Floats:
+        total = np.zeros_like(phase)
+        for row, way in enumerate(_WAYS):
+            if not self.lengths[row].any():
+                continue
+            start, length, load, k = self._slide(row)
+            turns, since = np.divmod(phase - start - 0.5 * math.pi * (1 - way), _TURN)
+
+            def path(since: Floats, start: Floats = start, k: Floats = k) -> Floats:
+                turned = np.sin(start + since) - np.sin(start)
+                return np.asarray(since * np.cos(start) - turned - 0.5 * k * since * since)
+
+            size = way * self.values["amplitude"][:, None] * load
+            total += size * (path(np.minimum(since, length)) + turns * path(length))
+        return total
+
+    def _slide(self, row: int) -> tuple[Floats, Floats, Floats, Floats]:
+        columns = (self.starts, self.lengths, self.loads, self.resistances)
+        start, length, load, k = (column[row][:, None] for column in columns)
+        return start, length, load, k
+
+
+def labels_of(values: Mapping[str, Floats]) -> Labels:
+    """Pattern of each scene, ``HOPS``, or empty where there is no steady cycle; ``values`` as in ``Cycles``."""
+    cycle = solve(Scene.allowing_infeasible(**values), flight=False)
+    labels = np.where(is_answered(cycle.status), _TEXTS[cycle.pattern_code], "")
+    return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
+
+
+def steady_cycles(values: Mapping[str, Floats]) -> Cycles:
+    """Solve the steady cycles of scenes, given by all their fields, each of shape (M,) [SI]."""
+    labels = labels_of(values)
+    slides = np.zeros((4, 2, labels.size))
+    groups = Scene.allowing_infeasible(**values).flat().loads()
+    scenes = Loads(*(np.broadcast_to(member, labels.shape) for member in groups))
+    for label in set(labels.tolist()) - {"", "_", HOPS}:
+        cells = np.flatnonzero(labels == label)
+        for row, columns in _slides(take(scenes, cells), label).items():
+            slides[:, row, cells] = columns
+    hopping = {}
+    for cell in np.flatnonzero(labels == HOPS).tolist():
+        try:
+            hopping[cell] = settled_motion(Scene(**{name: float(v[cell]) for name, v in values.items()}))
+        except VibroError:  # it repeats its motion only every few cycles, or never
+            labels[cell] = ""
+    return Cycles(labels, values, *slides, hopping)
+
+
+def _slides(scene: Loads, pattern: str) -> dict[int, tuple[Floats, ...]]:
+    """Slides of scenes with one pattern, by row; see ``core.contact.cycle_legs``."""
+    margins = thresholds(scene).margins
+    rows = [row for row, kind in enumerate("FB") if kind in pattern]
+    resting = {row: resting_start(scene, margins, _WAYS[row]) for row in rows}
+    onsets: dict[int, Onset] = {row: start.onset for row, start in resting.items()}
+    if pattern == Pattern.FB.name:
+        cycle, _ = never_at_rest(scene, resting[0], resting[1])
+        m, x = math.pi - np.arcsin(cycle.sin_m), 0.5 * math.pi + cycle.y
+        onsets = {
+            0: start_inside(0.5 * math.pi - (m - x), onsets[0].k),
+            1: start_inside(1.5 * math.pi - (m + x), onsets[1].k),
+        }
+    elif pattern in (Pattern.FB_.name, Pattern.F_B.name):
+        first, second = (0, 1) if pattern == Pattern.FB_.name else (1, 0)
+        end = 0.5 * math.pi - onsets[first].c + 2.0 * slide(onsets[first]).x
+        onsets[second] = start_inside(1.5 * math.pi - end, onsets[second].k)
+    return {
+        row: (0.5 * math.pi - onset.c, 2.0 * slide(onset).x, resting[row].load, onset.k)
+        for row, onset in onsets.items()
+    }

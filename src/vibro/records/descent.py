@@ -1,0 +1,197 @@
+"""The least misfit of one pattern: damped Gauss-Newton steps inside it, and along its edges.
+
+A slide begins with a finite length where its load passes static friction, so that the misfit jumps from
+pattern to pattern, and its least value may lie on the edge of one, where no derivative vanishes. Inside a
+pattern the motion is smooth. A step that would leave it is replaced by one along the edge: one coordinate
+follows the edge, and the others move.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.records.misfits import Problem
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Minimum", "descend", "derivatives", "nearest_inside"]
+
+_STEP: Final = 1e-6  # relative step of the derivatives: the model's noise is 1e-15, its curvature of order 1
+_LEAST_SCALE: Final = 1e-3  # [1, rad] a coordinate counts as at least this large
+_DAMPINGS: Final = np.array([1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0])  # of the normalised equations
+_MOST_STEPS: Final = 40
+_PLACES: Final = 33  # points between which an edge is looked for, in each round
+_ROUNDS: Final = 6
+_IDLE: Final = 1e-9  # an effect below this fraction of the others' counts as none
+
+
+class Minimum(NamedTuple):
+    """A point of least misfit within a pattern, and its sum of squares."""
+
+    label: str
+    point: Floats
+    squares: float
+
+
+def descend(
+    problem: Problem, label: str, start: Floats, free: list[int], enough: float, most: int = _MOST_STEPS
+) -> Minimum:
+    """Descend to the least misfit of a pattern.
+
+    Parameters
+    ----------
+    problem : Problem
+        The misfit.
+    label : str
+        The pattern.
+    start : array, shape (P + 1,)
+        Where it begins; if it lies outside the pattern, the sum of squares is inf.
+    free : list of int
+        Coordinates that may move.
+    enough : float
+        Decrease of the sum of squares below which the search ends.
+    most : int
+        Number of steps after which it ends in any case.
+    """
+    best = Minimum(label, start, float(problem.misfits(start[None]).squares(label)[0]))
+    for _ in range(most if np.isfinite(best.squares) else 0):
+        found = _best_step(problem, best, free, enough)
+        gain = best.squares - found.squares
+        if gain > 0.0:
+            best = found
+        if not gain > enough:
+            break
+    return best
+
+
+def derivatives(problem: Problem, label: str, point: Floats, free: list[int]) -> tuple[Floats, Floats]:
+    """Residuals at a point, shape (K,), and their derivatives, shape (K, len(free)), 0 in a corner of an edge."""
+    steps = np.zeros((len(free), point.size))
+    steps[range(len(free)), free] = _STEP * _scale(point)[free]
+    misfits = problem.misfits(np.concatenate([point[None], point + steps, point - steps]))
+    return misfits.residuals[0], _differences(misfits.residuals, misfits.labels == label, steps[range(len(free)), free])
+
+
+def nearest_inside(problem: Problem, label: str, point: Floats, movable: list[int]) -> Floats | None:
+    """Move one coordinate of a point as little as needed to bring it into the pattern; None if none does."""
+    if problem.labels(point[None])[0] == label:
+        return point
+    distances = np.geomspace(1e-7, 0.5, 60)
+    distances = np.concatenate([distances, -distances])
+    points = [point + np.outer(distances * _scale(point)[q], np.eye(point.size)[q]) for q in movable]
+    if not points:
+        return None
+    inside = problem.labels(np.concatenate(points)).reshape(len(movable), -1) == label
+    # A coordinate that must move least in its own scale comes first, but the misfit has the last word.
+    found = []
+    for row, candidates in zip(inside, points, strict=True):
+        if row.any():
+            found.append(candidates[int(np.argmin(np.where(row, np.abs(distances), np.inf)))])
+    if not found:
+        return None
+    return found[int(np.argmin(problem.misfits(np.array(found)).squares(label)))]
+
+
+def _scale(point: Floats) -> Floats:
+    scale = np.maximum(np.abs(point), _LEAST_SCALE)
+    scale[-1] = 1.0
+    return np.asarray(scale)
+
+
+def _differences(residuals: Floats, inside: NDArray[np.bool_], sizes: Floats) -> Floats:
+    """Central differences, one-sided at an edge, none in a corner."""
+    count = sizes.size
+    ahead, behind = inside[1 : count + 1], inside[count + 1 :]
+    upper = np.where(ahead[:, None], residuals[1 : count + 1], residuals[0])
+    lower = np.where(behind[:, None], residuals[count + 1 :], residuals[0])
+    widths = sizes * np.maximum(ahead.astype(float) + behind, 1.0)
+    return np.asarray(((upper - lower) / widths[:, None]).T)
+
+
+def _steps(residual: Floats, jacobian: Floats) -> Floats:
+    """Damped steps, shape (dampings, columns); 0 in coordinates without an effect."""
+    sizes = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
+    acting = sizes > 0.0
+    steps = np.zeros((_DAMPINGS.size, sizes.size))
+    if acting.any():
+        normed = jacobian[:, acting] / sizes[acting]
+        values, vectors = np.linalg.eigh(normed.T @ normed)
+        slope = vectors.T @ (normed.T @ residual)
+        damped = -slope / (np.maximum(values, 0.0) + _DAMPINGS[:, None])
+        steps[:, acting] = (damped @ vectors.T) / sizes[acting]
+    return steps
+
+
+def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) -> Minimum:
+    residual, jacobian = derivatives(problem, at.label, at.point, free)
+    steps = _steps(residual, jacobian)
+    points = np.repeat(at.point[None], steps.shape[0], axis=0)
+    points[:, free] += steps
+    misfits = problem.misfits(points)
+    squares = misfits.squares(at.label)
+    place = int(np.argmin(squares))
+    best = Minimum(at.label, points[place], float(squares[place]))
+    if misfits.labels[0] == at.label:
+        return best
+    for column, coordinate in enumerate(free):
+        step = float(steps[0, column])
+        if coordinate == at.point.size - 1 or step == 0.0:
+            continue
+        along = _step_along_edge(problem, at, [f for f in free if f != coordinate], coordinate, step)
+        if along is not None and along.squares < best.squares - enough:
+            return along
+    return best
+
+
+def _step_along_edge(
+    problem: Problem, at: Minimum, free: list[int], follower: int, step: float
+) -> Minimum | None:
+    """One step along the edge that bounds a coordinate, the follower, on the side of ``step``."""
+    reach = np.sign(step) * max(2.0 * abs(step), 1e-4 * _scale(at.point)[follower])
+    reach = np.clip(reach, -_scale(at.point)[follower], _scale(at.point)[follower])
+    sizes = _STEP * _scale(at.point)[free]
+    moved = np.zeros((len(free), at.point.size))
+    moved[range(len(free)), free] = sizes
+    points = _to_edge(problem, at.label, np.concatenate([at.point[None], at.point + moved, at.point - moved]), follower, reach)
+    misfits = problem.misfits(points)
+    inside = misfits.labels == at.label
+    if not inside[0]:
+        return None
+    jacobian = _differences(misfits.residuals, inside, sizes)
+    steps = _steps(misfits.residuals[0], jacobian)
+    trials = np.repeat(points[:1], steps.shape[0], axis=0)
+    trials[:, free] += steps
+    trials = np.concatenate([points[:1], _to_edge(problem, at.label, trials, follower, reach)])
+    squares = problem.misfits(trials).squares(at.label)
+    place = int(np.argmin(squares))
+    return Minimum(at.label, trials[place], float(squares[place]))
+
+
+def _to_edge(problem: Problem, label: str, points: Floats, follower: int, reach: float) -> Floats:
+    """Move one coordinate of each point to the nearest edge of the pattern on one side, just inside.
+
+    Points from which no edge lies within ``reach``, to either side, stay.
+    """
+    low, high = np.full(points.shape[0], -reach), np.full(points.shape[0], reach)
+    shares = np.linspace(0.0, 1.0, _PLACES)
+    found = np.ones(points.shape[0], np.bool_)
+    for turn in range(_ROUNDS):
+        places = low[:, None] + (high - low)[:, None] * shares
+        trials = np.repeat(points, _PLACES, axis=0)
+        trials[:, follower] += places.ravel()
+        inside = (problem.labels(trials) == label).reshape(places.shape)
+        leaves = inside[:, :-1] & ~inside[:, 1:]
+        if not turn:
+            found = leaves.any(axis=1)
+        near = np.where(leaves, np.abs(places[:, :-1]), np.inf)
+        column = np.argmin(near, axis=1)
+        rows = np.arange(points.shape[0])
+        low, high = places[rows, column], places[rows, column + 1]
+    moved = points.copy()
+    moved[found, follower] += low[found]
+    return moved

@@ -1,0 +1,160 @@
+"""Intervals of confidence from the profile of the misfit, across the patterns that fit."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.records.descent import derivatives, descend, nearest_inside
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from vibro.records.descent import Minimum
+    from vibro.records.misfits import Problem
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["ENOUGH", "Profile", "profile", "spread_of"]
+
+ENOUGH: Final = 2e-3  # decrease of the sum of squares, in variances, below which a descent ends
+_CLOSE: Final = 0.03  # of the threshold: the misfit at an end of an interval may miss it by this
+_NARROW: Final = 0.02  # of the distance to the estimate: an end at an edge of a pattern is found to this
+_FIRST: Final = 0.02  # relative first step where the derivatives give none
+_MOST: Final = 24  # points that are tried for one end
+_GAP: Final = 0.02  # of the hull: intervals closer to each other than this are one
+
+
+class Profile(NamedTuple):
+    """Values of one quantity that fit, and the best point that was met on the way."""
+
+    intervals: tuple[tuple[float, float], ...]
+    best: Minimum
+
+
+class _Tried(NamedTuple):
+    value: float
+    root: float  # of the sum of squares above the least one; inf where the pattern has no such value
+    point: Floats
+
+
+def spread_of(problem: Problem, minimum: Minimum) -> Floats:
+    """Covariance of the coordinates at a minimum, inside its pattern, shape (P + 1, P + 1).
+
+    Coordinates without an effect have neither variance nor covariance.
+    """
+    free = list(range(minimum.point.size))
+    _, jacobian = derivatives(problem, minimum.label, minimum.point, free)
+    sizes = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
+    sizes = np.where(sizes > 0.0, sizes, np.inf)
+    normed = jacobian / sizes
+    return np.asarray(np.linalg.pinv(normed.T @ normed, rcond=1e-12, hermitian=True) / np.outer(sizes, sizes))
+
+
+def profile(
+    problem: Problem, minima: Sequence[Minimum], least: float, threshold: float, column: int
+) -> Profile:
+    """Find all values of one quantity with which the record can still be fitted.
+
+    In each pattern the quantity is moved away from the minimum, the others refitted, until the sum of squares
+    exceeds the least one by the threshold, or the pattern ends.
+
+    Parameters
+    ----------
+    problem : Problem
+        The misfit.
+    minima : sequence of Minimum
+        Of each pattern, those within the threshold.
+    least : float
+        Least sum of squares of all.
+    threshold : float
+        Increase of the sum of squares that counts as too much.
+    column : int
+        Of the quantity among the coordinates.
+    """
+    pieces: list[tuple[float, float]] = []
+    best = minima[0]
+    for minimum in minima:
+        ends = []
+        spread = spread_of(problem, minimum)
+        for way in (-1.0, 1.0):
+            end, met = _end(problem, minimum, spread, least, threshold, column, way)
+            ends.append(end)
+            best = min(best, met, key=lambda m: m.squares)
+        pieces.append((ends[0], ends[1]))
+    return Profile(_merged(pieces), best)
+
+
+def _merged(pieces: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    pieces = sorted(pieces)
+    hull = max(high for _, high in pieces) - pieces[0][0]
+    merged = pieces[:1]
+    for low, high in pieces[1:]:
+        if low - merged[-1][1] <= _GAP * hull:
+            merged[-1] = (merged[-1][0], max(high, merged[-1][1]))
+        else:
+            merged.append((low, high))
+    return tuple(merged)
+
+
+def _end(
+    problem: Problem,
+    minimum: Minimum,
+    spread: Floats,
+    least: float,
+    threshold: float,
+    column: int,
+    way: float,
+) -> tuple[float, Minimum]:
+    """Return the last value that fits on one side, and the best point met."""
+    free = [place for place in range(minimum.point.size) if place != column]
+    movable = [place for place in free if place != minimum.point.size - 1]
+    origin = float(minimum.point[column])
+    variance = float(spread[column, column])
+    aim = math.sqrt(threshold)
+    first = math.sqrt(max(minimum.squares - least, 0.0))
+    inside, outside = _Tried(origin, first, minimum.point), None
+    best = minimum
+    step = math.sqrt(variance) * math.sqrt(max(threshold - first**2, 0.01)) if variance else math.inf
+    step = min(max(step, 1e-12 * abs(origin)), _FIRST * abs(origin) if math.isinf(step) else 0.5 * abs(origin))
+    for _ in range(_MOST):
+        if outside is None:
+            value = inside.value + way * step
+            step *= 2.0
+        else:
+            gap = outside.value - inside.value
+            if abs(gap) <= _NARROW * abs(outside.value - origin):
+                break
+            share = 0.5
+            if math.isfinite(outside.root):
+                share = min(max((aim - inside.root) / (outside.root - inside.root), 0.05), 0.95)
+            value = inside.value + share * gap
+        start = inside.point.copy()
+        if variance:
+            start += spread[:, column] / variance * (value - inside.value)
+        start[column] = value
+        begun = nearest_inside(problem, minimum.label, start, movable)
+        if begun is None:
+            start = inside.point.copy()
+            start[column] = value
+            begun = nearest_inside(problem, minimum.label, start, movable)
+        tried = _Tried(value, math.inf, start)
+        if begun is not None:
+            found = descend(problem, minimum.label, begun, free, ENOUGH)
+            best = min(best, found, key=lambda m: m.squares)
+            tried = _Tried(value, math.sqrt(max(found.squares - least, 0.0)), found.point)
+        if abs(tried.root**2 - threshold) <= _CLOSE * threshold:
+            return value, best
+        if tried.root < aim:
+            inside = tried
+            if outside is None and tried.root > first:
+                # as if the misfit grew with the square of the distance
+                growth = (aim - first) / (tried.root - first)
+                step = min(max(growth - 1.0, 0.1), 2.0) * abs(value - origin)
+        else:
+            outside = tried
+    return (outside or inside).value, best

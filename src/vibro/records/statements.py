@@ -1,0 +1,138 @@
+"""A fit in words: what each estimate comes from, and what the data cannot identify."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.quantities import QUANTITIES
+from vibro.records.cycles import HOPS
+from vibro.records.descent import derivatives
+from vibro.motion.settled import settled_motion
+from vibro.scene import Scene
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from vibro.records.descent import Minimum
+    from vibro.records.fitting import Parameter
+    from vibro.records.misfits import Problem
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["statements"]
+
+# A combination whose relative standard error exceeds this counts as unknown.
+_UNKNOWN: Final = 0.3
+_SHARE: Final = 0.05  # of an unknown combination: a parameter with a smaller share is not part of it
+_AT_LIMIT: Final = 1e-4  # of the range of what is tried
+_HALVINGS: Final = 30
+
+
+def statements(problem: Problem, minima: Sequence[Minimum], parameters: Sequence[Parameter]) -> list[str]:
+    """Say what the estimates come from, what cannot be identified, and what ended at a bound.
+
+    Parameters
+    ----------
+    problem : Problem
+        The misfit.
+    minima : sequence of Minimum
+        Of the patterns that fit, the best first.
+    parameters : sequence of Parameter
+        The estimates.
+    """
+    best = minima[0]
+    values = problem.fixed | {p.name: p.value for p in parameters}
+    pattern = settled_motion(Scene(**values)).pattern if best.label == HOPS else best.label
+    lost = {p.name for p in parameters if not p.identified}
+    if "F" not in pattern and "B" not in pattern:
+        said = ", ".join(QUANTITIES[p.name].letter for p in parameters if p.name in lost)
+        return [f"the fitted body rests: beyond that, the data cannot identify {said}"] if said else []
+    found = []
+    rests = "_" in pattern
+    told = [n for n in ("static_friction", "kinetic_friction") if n in problem.names and n not in lost]
+    if rests and told:
+        effects = {"static_friction": "mu_s sets the start of a slide", "kinetic_friction": "mu_d its end"}
+        if told == ["kinetic_friction"]:
+            effects["kinetic_friction"] = "mu_d sets the end of a slide"
+        found.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
+    others = [m.label for m in minima[1:]]
+    if others:
+        found.append(f"other patterns fit too, {' and '.join(others)}: the intervals hold the values of each")
+    found += _unidentified(problem, best, pattern, {p.name: p for p in parameters if p.name in lost})
+    return found + _limits(problem, parameters, values)
+
+
+def _unidentified(
+    problem: Problem, best: Minimum, pattern: str, lost: dict[str, Parameter]
+) -> list[str]:
+    """Say of each quantity without an estimate why it has none."""
+    found = []
+    left = set(lost)
+    for group in _groups(problem, best):
+        if not left & set(group):
+            continue
+        left -= set(group)
+        *first, last = (QUANTITIES[name].letter for name in group)
+        symbols = f"{', '.join(first)} and {last}" if first else last
+        if group == ("static_friction",) and "_" not in pattern:
+            highest = _highest_static_friction(problem, best)
+            found.append(
+                f"the data cannot identify mu_s: in pattern {pattern} the body never rests, and mu_s has no"
+                f" effect at all, from mu_d up to {highest:.4g}"
+            )
+        elif len(group) == 1:
+            found.append(f"the data cannot identify {symbols}: its effect is smaller than the misfit")
+        else:
+            found.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")
+    for name in sorted(left):
+        why = "a wide range of values fits" if lost[name].intervals else "no end of the values that fit was found"
+        found.append(f"the data cannot identify {QUANTITIES[name].letter}: {why}")
+    return found
+
+
+def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
+    """Combinations of quantities that the data do not determine.
+
+    They are singular directions of the relative sensitivities, without the effect of the trigger time.
+    """
+    _, jacobian = derivatives(problem, best.label, best.point, list(range(best.point.size)))
+    clock, free = jacobian[:, -1:], jacobian[:, :-1]
+    power = float((clock**2).sum())
+    if power > 0.0:
+        free = free - clock @ (clock.T @ free) / power
+    _, singular, directions = np.linalg.svd(free * np.abs(best.point[:-1]), full_matrices=False)
+    return [
+        tuple(name for name, share in zip(problem.names, direction, strict=True) if abs(share) > _SHARE)
+        for direction in directions[singular * _UNKNOWN < 1.0]
+    ]
+
+
+def _limits(problem: Problem, parameters: Sequence[Parameter], values: dict[str, float]) -> list[str]:
+    found = []
+    for p, low, high in zip(parameters, *problem.bounds, strict=True):
+        within = _AT_LIMIT * (high - low)
+        equal = values["static_friction"] - values["kinetic_friction"] < within
+        both = {"static_friction", "kinetic_friction"} <= set(problem.names)
+        if not p.identified:
+            continue
+        if equal and (p.name == "static_friction" or (p.name == "kinetic_friction" and not both)):
+            found.append(f"{QUANTITIES[p.name].letter} is at its limit, mu_d = mu_s")
+        for distance, limit in ((p.value - low, "lowest"), (high - p.value, "highest")):
+            if distance < within:
+                found.append(f"{QUANTITIES[p.name].letter} is at its limit, the {limit} value that is tried")
+    return found
+
+
+def _highest_static_friction(problem: Problem, best: Minimum) -> float:
+    """Largest static friction that gives the fitted pattern, by bisection."""
+    column = problem.names.index("static_friction")
+    point = best.point.copy()
+    low, high = float(point[column]), float(problem.bounds[1, column])
+    for _ in range(_HALVINGS):
+        point[column] = 0.5 * (low + high)
+        low, high = (point[column], high) if problem.labels(point[None])[0] == best.label else (low, point[column])
+    return low
