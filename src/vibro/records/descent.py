@@ -25,9 +25,11 @@ _STEP: Final = 1e-6  # relative step of the derivatives: the model's noise is 1e
 _LEAST_SCALE: Final = 1e-3  # [1, rad] a coordinate counts as at least this large
 _DAMPINGS: Final = np.array([1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0])  # of the normalised equations
 _MOST_STEPS: Final = 40
+_FAIR: Final = 0.3  # share of the decrease that a whole step promises: with less, edges are looked for
+_PATIENCE: Final = 5.0  # steps as large as the last one that a descent may still need
 _PLACES: Final = 33  # points between which an edge is looked for, in each round
-_ROUNDS: Final = 6
-_IDLE: Final = 1e-9  # an effect below this fraction of the others' counts as none
+_ROUNDS: Final = 6  # at most
+_SHARP: Final = 1e-9  # of a coordinate's scale: an edge is found to this
 
 
 class Minimum(NamedTuple):
@@ -39,7 +41,7 @@ class Minimum(NamedTuple):
 
 
 def descend(
-    problem: Problem, label: str, start: Floats, free: list[int], enough: float, most: int = _MOST_STEPS
+    problem: Problem, label: str, start: Floats, free: list[int], enough: float, aim: float = np.inf
 ) -> Minimum:
     """Descend to the least misfit of a pattern.
 
@@ -55,16 +57,16 @@ def descend(
         Coordinates that may move.
     enough : float
         Decrease of the sum of squares below which the search ends.
-    most : int
-        Number of steps after which it ends in any case.
+    aim : float
+        A sum of squares that matters: a descent that would not reach it with many more such steps ends.
     """
     best = Minimum(label, start, float(problem.misfits(start[None]).squares(label)[0]))
-    for _ in range(most if np.isfinite(best.squares) else 0):
+    for _ in range(_MOST_STEPS if np.isfinite(best.squares) else 0):
         found = _best_step(problem, best, free, enough)
         gain = best.squares - found.squares
         if gain > 0.0:
             best = found
-        if not gain > enough:
+        if not gain > max(enough, (best.squares - aim) / _PATIENCE):
             break
     return best
 
@@ -136,7 +138,8 @@ def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) ->
     squares = misfits.squares(at.label)
     place = int(np.argmin(squares))
     best = Minimum(at.label, points[place], float(squares[place]))
-    if misfits.labels[0] == at.label:
+    hoped = at.squares - float(np.square(residual + jacobian @ steps[0]).sum())
+    if misfits.labels[0] == at.label or at.squares - best.squares > _FAIR * hoped:
         return best
     for column, coordinate in enumerate(free):
         step = float(steps[0, column])
@@ -192,6 +195,8 @@ def _to_edge(problem: Problem, label: str, points: Floats, follower: int, reach:
         column = np.argmin(near, axis=1)
         rows = np.arange(points.shape[0])
         low, high = places[rows, column], places[rows, column + 1]
+        if float(np.abs(high - low).max()) < _SHARP * float(_scale(points[0])[follower]):
+            break
     moved = points.copy()
     moved[found, follower] += low[found]
     return moved

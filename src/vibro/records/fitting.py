@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -25,12 +25,13 @@ if TYPE_CHECKING:
     from vibro.records.alignment import Observation
 
     Floats = NDArray[np.float64]
+    Intervals = tuple[tuple[float, float], ...]
 
 __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
 _ROUGH: Final = 1.0  # decrease of the sum of squares, in variances, below which a first descent ends
-_FIRST_STEPS: Final = 5  # of every descent, before the hopeless ones are given up
-_HOPELESS: Final = (1.5, 200.0)  # sum of squares, times and plus, beyond that of the best pattern
+_NEAR: Final = 4.0  # sum of squares beyond that of the best pattern, in variances, that matters
+_BETTER: Final = 0.1  # of the threshold: a point this much better than the best is a new start
 _WEIGHINGS: Final = 3
 _NEIGHBOURS: Final = 400  # points around a minimum at which other patterns are looked for
 _WIDEST: Final = 4.0  # standard deviations of these points, at most
@@ -133,70 +134,66 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
             )
     problem = Problem(scene, observation.middle, names)
     minima = _first_minima(problem)
+    rest = next((m for m in minima if m.label == "_" and m.squares <= minima[0].squares + _REST), None)
+    if rest is not None:
+        return _told(problem, [rest], [()] * len(names))
     for _ in range(_RESTARTS):
         minima = _weighed_minima(problem, minima)
-        best = minima[0]
-        freedom = max(problem.count - len(names) - 1.0, 1.0)
-        threshold = float(stdtrit(freedom, 0.5 + 0.5 * _CONFIDENCE)) ** 2
-        if any(m.label == "_" and m.squares <= best.squares + _REST for m in minima):
-            best = next(m for m in minima if m.label == "_")
-            parameters = [Parameter(n, v, (), False) for n, v in _values(problem, best).items()]
-            minima = [best]
-            break
-        fitting = [m for m in minima if m.squares <= best.squares + threshold]
-        profiles = [profile(problem, fitting, best.squares, threshold, i) for i in range(len(names))]
-        parameters = [
-            _parameter(problem, best, i, found.intervals) for i, found in enumerate(profiles)
-        ]
+        least = minima[0].squares
+        threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * _CONFIDENCE)) ** 2
+        fitting = [m for m in minima if m.squares <= least + threshold]
+        profiles = [profile(problem, fitting, least, threshold, column) for column in range(len(names))]
         better = min((found.best for found in profiles), key=lambda m: m.squares)
-        if better.squares > best.squares - 0.1 * threshold:
-            minima = fitting
+        if better.squares > least - _BETTER * threshold:
             break
-        minima = _least(problem, [better, *minima])
-    said = statements(problem, minima, parameters)
-    return Fit(Scene(**problem.fixed | _values(problem, best)), tuple(parameters), tuple(said))
+        minima = _least([better, *minima])
+    return _told(problem, fitting, [found.intervals for found in profiles])
 
 
-def _values(problem: Problem, minimum: Minimum) -> dict[str, float]:
-    return dict(zip(problem.names, minimum.point.tolist(), strict=False))
+def _told(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]) -> Fit:
+    """Choose the best pattern of those that fit, and judge each quantity."""
+    spreads = [spread_of(problem, minimum) for minimum in fitting]
+    # A pattern in which fewer quantities act needs fewer to be adjusted: each takes 2 off, as in Akaike's
+    # criterion. Else one that ends where another begins would be pinned there by the noise.
+    costs = [m.squares + 2.0 * np.count_nonzero(s.diagonal()) for m, s in zip(fitting, spreads, strict=True)]
+    best = fitting.pop(int(np.argmin(costs)))
+    fitting.insert(0, best)
+    parameters = []
+    for column, (name, found) in enumerate(zip(problem.names, intervals, strict=True)):
+        value = float(best.point[column])
+        parameter = Parameter(name, value, _bounded(found, *problem.bounds[:, column]), False)
+        acts = all(spread[column, column] > 0.0 for spread in spreads)
+        if acts and 0.5 * (parameter.high - parameter.low) <= _WIDE * abs(value):
+            parameter = replace(parameter, identified=True)
+        parameters.append(parameter)
+    estimates = {p.name: p.value for p in parameters}
+    said = statements(problem, fitting, parameters)
+    return Fit(Scene(**problem.fixed | estimates), tuple(parameters), tuple(said))
 
 
-def _parameter(
-    problem: Problem, best: Minimum, column: int, intervals: tuple[tuple[float, float], ...]
-) -> Parameter:
-    value = float(best.point[column])
-    (low, *_), (*_, high) = intervals[0], intervals[-1]
-    least, most = problem.bounds[:, column]
-    if low <= least * (1.0 + _AT_BOUND) or high >= most * (1.0 - _AT_BOUND):
-        intervals = ()
-    idle = not spread_of(problem, best)[column, column]
-    identified = bool(intervals) and not idle and 0.5 * (high - low) <= _WIDE * abs(value)
-    return Parameter(problem.names[column], value, intervals, identified)
+def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
+    """Drop intervals that reach what is tried: they have no end."""
+    if intervals and intervals[0][0] > least * (1.0 + _AT_BOUND) and intervals[-1][1] < most * (1.0 - _AT_BOUND):
+        return intervals
+    return ()
 
 
 def _first_minima(problem: Problem) -> list[Minimum]:
     """Descend from the most promising starts in each pattern; return the least misfit of each."""
     everything = list(range(len(problem.names) + 1))
-    first = [
-        descend(problem, label, point, everything, _ROUGH, _FIRST_STEPS) for label, point in starts(problem)
-    ]
-    if not first:
+    minima: list[Minimum] = []
+    for label, point in starts(problem):
+        aim = min((m.squares for m in minima), default=math.inf)
+        minima.append(descend(problem, label, point, everything, _ROUGH, aim))
+    if not minima:
         raise InputError(
             "--fit: no value that was tried gives a steady motion to compare with",
             hint="check the other quantities of the scene",
         )
-    times, plus = _HOPELESS
-    limit = times * min(m.squares for m in first) + plus
-    return _least(
-        problem,
-        [
-            descend(problem, m.label, m.point, everything, _ROUGH) if m.squares <= limit else m
-            for m in first
-        ],
-    )
+    return _least(minima)
 
 
-def _least(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]:
+def _least(minima: Iterable[Minimum]) -> list[Minimum]:
     """Keep the least of each pattern, in the order of their misfits."""
     kept: dict[str, Minimum] = {}
     for minimum in sorted(minima, key=lambda m: m.squares):
@@ -208,17 +205,14 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
     """Weight the signals by the misfit of the best pattern, and minimise that of all again."""
     everything = list(range(len(problem.names) + 1))
     for _ in range(_WEIGHINGS):
-        best = minima[0]
-        problem.weigh(best.point)
-        best = descend(problem, best.label, best.point, everything, ENOUGH)
-        limit = best.squares + _HOPELESS[1]
-        others = [Minimum(m.label, m.point, float(problem.misfits(m.point[None]).squares()[0])) for m in minima[1:]]
-        others += _neighbours(problem, best)
-        minima = [best]
-        for other in _least(problem, others):
-            if other.squares <= limit:
-                minima.append(descend(problem, other.label, other.point, everything, ENOUGH))
-        minima = _least(problem, minima)
+        problem.weigh(minima[0].point)
+        best = descend(problem, minima[0].label, minima[0].point, everything, ENOUGH)
+        squares = problem.misfits(np.array([m.point for m in minima[1:]])).squares() if minima[1:] else []
+        others = [m._replace(squares=float(s)) for m, s in zip(minima[1:], squares, strict=True)]
+        found = [best]
+        for other in _least([*others, *_neighbours(problem, best)]):
+            found.append(descend(problem, other.label, other.point, everything, ENOUGH, best.squares + _NEAR))
+        minima = _least(found)
         if minima[0].squares >= best.squares - ENOUGH:
             break
     return minima

@@ -147,7 +147,7 @@ class Problem:
             shape = used / np.sqrt(_variances(observation, residual, delays))
             count = independent_samples(observation.time, shape * residual, observation.frequency)
             self._weigh(name, shape, residual, count)
-            self.count += count - self._sensors[name].shape[1]
+            self.count += count
 
     def _weigh(self, name: str, shape: Floats, residual: Floats, count: float) -> None:
         signal = self.observation.signals[name]

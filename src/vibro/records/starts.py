@@ -37,7 +37,7 @@ _AT_ONCE: Final = 512  # scenes
 
 
 def starts(problem: Problem) -> list[tuple[str, Floats]]:
-    """Return the best few points of each pattern on a grid, the scene's own among them, with their labels."""
+    """Return the best few points of each pattern on a grid, with their labels, the most promising first."""
     values = _candidates(problem)
     points = np.array([values[name] for name in problem.names]).T
     labels = problem.labels(points)
@@ -53,8 +53,8 @@ def starts(problem: Problem) -> list[tuple[str, Floats]]:
     for label in dict.fromkeys(labels.tolist()):
         cells = np.flatnonzero(labels == label)
         for cell in cells[np.argsort(squares[cells])][:_TRIED]:
-            found.append((label, np.append(points[cell], shifts[cell])))
-    return found
+            found.append((float(squares[cell]), label, np.append(points[cell], shifts[cell])))
+    return [(label, point) for _, label, point in sorted(found, key=lambda start: start[0])]
 
 
 def _candidates(problem: Problem) -> dict[str, Floats]:

@@ -59,11 +59,11 @@ def statements(problem: Problem, minima: Sequence[Minimum], parameters: Sequence
         if told == ["kinetic_friction"]:
             effects["kinetic_friction"] = "mu_d sets the end of a slide"
         found.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
-    others = [m.label for m in minima[1:]]
-    if others:
-        found.append(f"other patterns fit too, {' and '.join(others)}: the intervals hold the values of each")
+    if any(len(p.intervals) > 1 for p in parameters):
+        others = " and ".join(m.label for m in minima[1:])
+        found.append(f"pattern {others} fits too: an interval in pieces holds the values of each")
     found += _unidentified(problem, best, pattern, {p.name: p for p in parameters if p.name in lost})
-    return found + _limits(problem, parameters, values)
+    return found + _limits(problem, pattern, parameters, values)
 
 
 def _unidentified(
@@ -111,19 +111,23 @@ def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
     ]
 
 
-def _limits(problem: Problem, parameters: Sequence[Parameter], values: dict[str, float]) -> list[str]:
+def _limits(
+    problem: Problem, pattern: str, parameters: Sequence[Parameter], values: dict[str, float]
+) -> list[str]:
+    """Say which estimates ended at a limit."""
     found = []
+    both = {"static_friction", "kinetic_friction"} <= set(problem.names)
     for p, low, high in zip(parameters, *problem.bounds, strict=True):
+        if p.name == "static_friction" and "_" not in pattern:
+            continue  # it has no effect: its value means nothing
         within = _AT_LIMIT * (high - low)
-        equal = values["static_friction"] - values["kinetic_friction"] < within
-        both = {"static_friction", "kinetic_friction"} <= set(problem.names)
-        if not p.identified:
-            continue
-        if equal and (p.name == "static_friction" or (p.name == "kinetic_friction" and not both)):
-            found.append(f"{QUANTITIES[p.name].letter} is at its limit, mu_d = mu_s")
-        for distance, limit in ((p.value - low, "lowest"), (high - p.value, "highest")):
-            if distance < within:
-                found.append(f"{QUANTITIES[p.name].letter} is at its limit, the {limit} value that is tried")
+        limits = [
+            (p.value - low, f"the lowest value that is tried, {low:.4g}"),
+            (high - p.value, f"the highest value that is tried, {high:.4g}"),
+        ]
+        if p.name == "static_friction" or (p.name == "kinetic_friction" and not both):
+            limits.append((values["static_friction"] - values["kinetic_friction"], "mu_d = mu_s"))
+        found += [f"{QUANTITIES[p.name].letter} is at its limit, {what}" for d, what in limits if d < within]
     return found
 
 
