@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -16,6 +17,7 @@ from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from vibro.records.comparison import Row
+    from vibro.records.fitting import Parameter
     from vibro.records.tables import ComparisonTables
     from vibro.scene import Scene
 
@@ -210,10 +212,9 @@ class _Report:
         if self.fit is not None:
             rows = []
             for p, (unit, size) in self.tables.parameters():
-                interval = f"{p.low / size:.4g} ... {p.high / size:.4g}" if p.identified else "not identified"
                 own = float(getattr(self.scene, p.name)) / size
                 label = f"{QUANTITIES[p.name].letter} {f'[{unit}]' if unit else ''}".strip()
-                rows.append((label, f"{p.value / size:.4g}" if p.identified else "-", interval, f"{own:.6g}"))
+                rows.append((label, *_estimated(p, size), f"{own:.6g}"))
             parts.append(aligned([("fitted", "estimate", "95 % interval", "scene"), *rows]))
             parts += ["\n".join(self.fit.statements)] if self.fit.statements else []
         return "\n\n".join(parts)
@@ -252,6 +253,17 @@ class _Report:
             relative = row.kind != "time" and row.computed != 0.0
             difference = f"{100.0 * off / (row.computed / size):+.1f} %" if relative else f"{off:+.3g}"
         return f"{row.label} [{unit}]", text, computed, difference
+
+
+def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
+    """Write an estimate and its intervals, to two digits of the narrowest interval's half."""
+    pieces = [(low / size, high / size) for low, high in parameter.intervals]
+    if not pieces:
+        return "-", "not identified"
+    half = max(min(0.5 * (high - low) for low, high in pieces), sys.float_info.epsilon * abs(pieces[-1][1]))
+    digits = max(0, 1 - math.floor(math.log10(half)))
+    interval = " or ".join(f"{low:.{digits}f} ... {high:.{digits}f}" for low, high in pieces)
+    return f"{parameter.value / size:.{digits}f}" if parameter.identified else "-", interval
 
 
 def _uncertain(value: float, error: float) -> str:

@@ -22,14 +22,16 @@ if TYPE_CHECKING:
 __all__ = ["Minimum", "descend", "derivatives", "nearest_inside"]
 
 _STEP: Final = 1e-6  # relative step of the derivatives: the model's noise is 1e-15, its curvature of order 1
+_IDLE: Final = 1e-6  # of the largest effect of a coordinate: less is rounding, and counts as none
 _LEAST_SCALE: Final = 1e-3  # [1, rad] a coordinate counts as at least this large
 _DAMPINGS: Final = np.array([1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0])  # of the normalised equations
 _MOST_STEPS: Final = 40
 _FAIR: Final = 0.3  # share of the decrease that a whole step promises: with less, edges are looked for
 _PATIENCE: Final = 5.0  # steps as large as the last one that a descent may still need
-_PLACES: Final = 33  # points between which an edge is looked for, in each round
+_PLACES: Final = 65  # points between which an edge is looked for, in each round
 _ROUNDS: Final = 6  # at most
-_SHARP: Final = 1e-9  # of a coordinate's scale: an edge is found to this
+_SHARP: Final = 1e-6  # of a coordinate's scale: an edge is found to this
+_STEP_ALONG: Final = 1e-4  # relative step of the derivatives along an edge, which is known less sharply
 
 
 class Minimum(NamedTuple):
@@ -72,11 +74,15 @@ def descend(
 
 
 def derivatives(problem: Problem, label: str, point: Floats, free: list[int]) -> tuple[Floats, Floats]:
-    """Residuals at a point, shape (K,), and their derivatives, shape (K, len(free)), 0 in a corner of an edge."""
+    """Residuals at a point, shape (K,), and their derivatives, shape (K, len(free)); 0 without an effect."""
     steps = np.zeros((len(free), point.size))
     steps[range(len(free)), free] = _STEP * _scale(point)[free]
     misfits = problem.misfits(np.concatenate([point[None], point + steps, point - steps]))
-    return misfits.residuals[0], _differences(misfits.residuals, misfits.labels == label, steps[range(len(free)), free])
+    sizes = steps[range(len(free)), free]
+    jacobian = _differences(misfits.residuals, misfits.labels == label, sizes)
+    effects = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian)) * sizes
+    jacobian[:, effects < _IDLE * effects.max(initial=0.0)] = 0.0
+    return misfits.residuals[0], jacobian
 
 
 def nearest_inside(problem: Problem, label: str, point: Floats, movable: list[int]) -> Floats | None:
@@ -157,7 +163,7 @@ def _step_along_edge(
     """One step along the edge that bounds a coordinate, the follower, on the side of ``step``."""
     reach = np.sign(step) * max(2.0 * abs(step), 1e-4 * _scale(at.point)[follower])
     reach = np.clip(reach, -_scale(at.point)[follower], _scale(at.point)[follower])
-    sizes = _STEP * _scale(at.point)[free]
+    sizes = _STEP_ALONG * _scale(at.point)[free]
     moved = np.zeros((len(free), at.point.size))
     moved[range(len(free)), free] = sizes
     points = _to_edge(problem, at.label, np.concatenate([at.point[None], at.point + moved, at.point - moved]), follower, reach)

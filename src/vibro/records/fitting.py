@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
 _ROUGH: Final = 1.0  # decrease of the sum of squares, in variances, below which a first descent ends
-_NEAR: Final = 4.0  # sum of squares beyond that of the best pattern, in variances, that matters
+# A pattern is excluded that fits worse by this, in variances: 4 sigma. The values of another pattern may lie
+# far away, so that excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
+_EXCLUDED: Final = 16.0
 _BETTER: Final = 0.1  # of the threshold: a point this much better than the best is a new start
 _WEIGHINGS: Final = 3
 _NEIGHBOURS: Final = 400  # points around a minimum at which other patterns are looked for
@@ -141,8 +143,8 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
         minima = _weighed_minima(problem, minima)
         least = minima[0].squares
         threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * _CONFIDENCE)) ** 2
-        fitting = [m for m in minima if m.squares <= least + threshold]
-        profiles = [profile(problem, fitting, least, threshold, column) for column in range(len(names))]
+        fitting = [m for m in minima if m.squares <= least + _EXCLUDED]
+        profiles = [profile(problem, fitting, threshold, column) for column in range(len(names))]
         better = min((found.best for found in profiles), key=lambda m: m.squares)
         if better.squares > least - _BETTER * threshold:
             break
@@ -211,7 +213,7 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
         others = [m._replace(squares=float(s)) for m, s in zip(minima[1:], squares, strict=True)]
         found = [best]
         for other in _least([*others, *_neighbours(problem, best)]):
-            found.append(descend(problem, other.label, other.point, everything, ENOUGH, best.squares + _NEAR))
+            found.append(descend(problem, other.label, other.point, everything, ENOUGH, best.squares + _EXCLUDED))
         minima = _least(found)
         if minima[0].squares >= best.squares - ENOUGH:
             break

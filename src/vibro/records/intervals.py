@@ -38,7 +38,7 @@ class Profile(NamedTuple):
 
 class _Tried(NamedTuple):
     value: float
-    root: float  # of the sum of squares above the least one; inf where the pattern has no such value
+    root: float  # of the sum of squares above the minimum's; inf where the pattern has no such value
     point: Floats
 
 
@@ -56,21 +56,19 @@ def spread_of(problem: Problem, minimum: Minimum) -> Floats:
 
 
 def profile(
-    problem: Problem, minima: Sequence[Minimum], least: float, threshold: float, column: int
+    problem: Problem, minima: Sequence[Minimum], threshold: float, column: int
 ) -> Profile:
     """Find all values of one quantity with which the record can still be fitted.
 
     In each pattern the quantity is moved away from the minimum, the others refitted, until the sum of squares
-    exceeds the least one by the threshold, or the pattern ends.
+    exceeds that of the minimum by the threshold, or the pattern ends.
 
     Parameters
     ----------
     problem : Problem
         The misfit.
     minima : sequence of Minimum
-        Of each pattern, those within the threshold.
-    least : float
-        Least sum of squares of all.
+        Of each pattern that fits.
     threshold : float
         Increase of the sum of squares that counts as too much.
     column : int
@@ -82,7 +80,7 @@ def profile(
         ends = []
         spread = spread_of(problem, minimum)
         for way in (-1.0, 1.0):
-            end, met = _end(problem, minimum, spread, least, threshold, column, way)
+            end, met = _end(problem, minimum, spread, threshold, column, way)
             ends.append(end)
             best = min(best, met, key=lambda m: m.squares)
         pieces.append((ends[0], ends[1]))
@@ -105,7 +103,6 @@ def _end(
     problem: Problem,
     minimum: Minimum,
     spread: Floats,
-    least: float,
     threshold: float,
     column: int,
     way: float,
@@ -116,10 +113,9 @@ def _end(
     origin = float(minimum.point[column])
     variance = float(spread[column, column])
     aim = math.sqrt(threshold)
-    first = math.sqrt(max(minimum.squares - least, 0.0))
-    inside, outside = _Tried(origin, first, minimum.point), None
+    inside, outside = _Tried(origin, 0.0, minimum.point), None
     best = minimum
-    step = math.sqrt(variance) * math.sqrt(max(threshold - first**2, 0.01)) if variance else math.inf
+    step = math.sqrt(variance) * aim if variance else math.inf
     step = min(max(step, 1e-12 * abs(origin)), _FIRST * abs(origin) if math.isinf(step) else 0.5 * abs(origin))
     for _ in range(_MOST):
         if outside is None:
@@ -146,15 +142,14 @@ def _end(
         if begun is not None:
             found = descend(problem, minimum.label, begun, free, ENOUGH)
             best = min(best, found, key=lambda m: m.squares)
-            tried = _Tried(value, math.sqrt(max(found.squares - least, 0.0)), found.point)
+            tried = _Tried(value, math.sqrt(max(found.squares - minimum.squares, 0.0)), found.point)
         if abs(tried.root**2 - threshold) <= _CLOSE * threshold:
             return value, best
         if tried.root < aim:
             inside = tried
-            if outside is None and tried.root > first:
+            if outside is None and tried.root > 0.0:
                 # as if the misfit grew with the square of the distance
-                growth = (aim - first) / (tried.root - first)
-                step = min(max(growth - 1.0, 0.1), 2.0) * abs(value - origin)
+                step = min(max(aim / tried.root - 1.0, 0.1), 2.0) * abs(value - origin)
         else:
             outside = tried
     return (outside or inside).value, best

@@ -120,6 +120,7 @@ class ComparisonTables:
                     "estimate": _number(p.value / size if p.identified else math.nan),
                     "low": _number(p.low / size),
                     "high": _number(p.high / size),
+                    "intervals": [[low / size, high / size] for low, high in p.intervals],
                 }
                 for p, (unit, size) in self.parameters()
             }
