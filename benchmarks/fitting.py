@@ -12,8 +12,8 @@ below the hop. A record has 6 cycles of 50-200 samples from a random trigger tim
   jitter         the velocity, each sample taken early or late by a normal 0.3 sample times
   offset         the velocity with an offset of 3 % of its peak, and a drift of as much over the record
 
-mu_s and mu_d are fitted from a scene whose coefficients are up to 30 % wrong. Of each kind the table counts the
-values asked for; the refused ones, which the fit gives no interval; the points, which have an estimate; the
+mu_s and mu_d are fitted from a scene whose coefficients are up to 30 % wrong. Of each kind the table counts
+the values asked for; the refused ones, which have no interval; the points, which have an estimate; the
 ranges, which have an interval alone; and what share of points, and of all that is answered, holds the true value.
 Beyond is the largest distance of a true value from the nearest interval of its answer, over half the hull of
 these intervals. Width is the median half-width of the points, relative to the true value.
@@ -60,7 +60,7 @@ class Answer(NamedTuple):
 
     @property
     def beyond(self) -> float:
-        """Distance of the true value from the nearest interval over half the hull; 0 inside, NaN if refused."""
+        """Distance of the true value from the nearest interval over half the hull; NaN if refused."""
         pieces = self.parameter.intervals
         if not pieces:
             return math.nan
@@ -161,9 +161,7 @@ def main() -> None:
     answers = list(fitted(arguments.records, arguments.seed))
     print_table(answers, "kind")
     print_table(answers, "pattern")
-    reasons = Counter(
-        " / ".join(a.statements) or "no reason" for a in answers if not a.parameter.intervals
-    )
+    reasons = Counter(" / ".join(a.statements) or "no reason" for a in answers if not a.parameter.intervals)
     print("refused because:")
     for reason, count in reasons.most_common():
         print(f"{count:5}  {reason}")

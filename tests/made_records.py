@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from event_walk import Body
 from numpy.typing import NDArray
-from scenes import GRAVITY, Groups
+from scenes import Groups
 
 import vibro
 from vibro.records.alignment import Observation

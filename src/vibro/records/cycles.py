@@ -1,4 +1,4 @@
-"""The steady motions of many scenes at once, sampled at one record's times: what a search needs of the model."""
+"""The steady motions of many scenes at once, at the times of one record: what a search needs of the model."""
 
 from __future__ import annotations
 
@@ -92,7 +92,9 @@ class Cycles:
             result["velocity"] = self._velocities(phase)
         if {"acceleration", "friction"} & set(names):
             half = 0.5 * window * rate
-            result["acceleration"] = (self._velocities(phase + half) - self._velocities(phase - half)) / window
+            result["acceleration"] = (
+                self._velocities(phase + half) - self._velocities(phase - half)
+            ) / window
             drive = self.values["amplitude"] * rate[:, 0] ** 2 * np.cos(self.values["drive_angle"])
             weight = self.values["gravity"] * np.sin(self.values["trough_angle"])
             inertial = drive[:, None] * np.sin(phase) - weight[:, None]
@@ -137,14 +139,22 @@ class Cycles:
 
 
 def labels_of(values: Mapping[str, Floats]) -> Labels:
-    """Pattern of each scene, ``HOPS``, or empty where there is no steady cycle; ``values`` as in ``Cycles``."""
+    """Label scenes as ``Cycles`` does, from all their fields, each of shape (M,) [SI]."""
     cycle = solve(Scene.allowing_infeasible(**values), flight=False)
     labels = np.where(is_answered(cycle.status), _TEXTS[cycle.pattern_code], "")
     return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
 
 
-def steady_cycles(values: Mapping[str, Floats]) -> Cycles:
-    """Solve the steady cycles of scenes, given by all their fields, each of shape (M,) [SI]."""
+def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
+    """Solve the steady cycles of scenes.
+
+    Parameters
+    ----------
+    values : mapping of str to array
+        All fields of the scenes, each of shape (M,) [SI].
+    hops : bool
+        Whether scenes that hop are solved; else they have their label, and the signals of a body at rest.
+    """
     labels = labels_of(values)
     slides = np.zeros((4, 2, labels.size))
     groups = Scene.allowing_infeasible(**values).flat().loads()
@@ -154,12 +164,12 @@ def steady_cycles(values: Mapping[str, Floats]) -> Cycles:
         for row, columns in _slides(take(scenes, cells), label).items():
             slides[:, row, cells] = columns
     hopping = {}
-    for cell in np.flatnonzero(labels == HOPS).tolist():
+    for cell in np.flatnonzero(labels == HOPS).tolist() if hops else ():
         try:
             hopping[cell] = settled_motion(Scene(**{name: float(v[cell]) for name, v in values.items()}))
         except VibroError:  # it repeats its motion only every few cycles, or never
             labels[cell] = ""
-    return Cycles(labels, values, *slides, hopping)
+    return Cycles(labels, values, slides[0], slides[1], slides[2], slides[3], hopping)
 
 
 def _slides(scene: Loads, pattern: str) -> dict[int, tuple[Floats, ...]]:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Minimum", "descend", "derivatives", "nearest_inside"]
+__all__ = ["Minimum", "derivatives", "descend", "nearest_inside", "to_edge"]
 
 _STEP: Final = 1e-6  # relative step of the derivatives: the model's noise is 1e-15, its curvature of order 1
 _IDLE: Final = 1e-6  # of the largest effect of a coordinate: less is rounding, and counts as none
@@ -62,7 +62,7 @@ def descend(
     aim : float
         A sum of squares that matters: a descent that would not reach it with many more such steps ends.
     """
-    best = Minimum(label, start, float(problem.misfits(start[None]).squares(label)[0]))
+    best = Minimum(label, start, float(problem.misfits(label, start[None]).squares[0]))
     for _ in range(_MOST_STEPS if np.isfinite(best.squares) else 0):
         found = _best_step(problem, best, free, enough)
         gain = best.squares - found.squares
@@ -77,9 +77,9 @@ def derivatives(problem: Problem, label: str, point: Floats, free: list[int]) ->
     """Residuals at a point, shape (K,), and their derivatives, shape (K, len(free)); 0 without an effect."""
     steps = np.zeros((len(free), point.size))
     steps[range(len(free)), free] = _STEP * _scale(point)[free]
-    misfits = problem.misfits(np.concatenate([point[None], point + steps, point - steps]))
+    misfits = problem.misfits(label, np.concatenate([point[None], point + steps, point - steps]))
     sizes = steps[range(len(free)), free]
-    jacobian = _differences(misfits.residuals, misfits.labels == label, sizes)
+    jacobian = _differences(misfits.residuals, misfits.inside, sizes)
     effects = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian)) * sizes
     jacobian[:, effects < _IDLE * effects.max(initial=0.0)] = 0.0
     return misfits.residuals[0], jacobian
@@ -102,7 +102,8 @@ def nearest_inside(problem: Problem, label: str, point: Floats, movable: list[in
             found.append(candidates[int(np.argmin(np.where(row, np.abs(distances), np.inf)))])
     if not found:
         return None
-    return found[int(np.argmin(problem.misfits(np.array(found)).squares(label)))]
+    best: Floats = found[int(np.argmin(problem.misfits(label, np.array(found)).squares))]
+    return best
 
 
 def _scale(point: Floats) -> Floats:
@@ -140,12 +141,12 @@ def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) ->
     steps = _steps(residual, jacobian)
     points = np.repeat(at.point[None], steps.shape[0], axis=0)
     points[:, free] += steps
-    misfits = problem.misfits(points)
-    squares = misfits.squares(at.label)
+    misfits = problem.misfits(at.label, points)
+    squares = misfits.squares
     place = int(np.argmin(squares))
     best = Minimum(at.label, points[place], float(squares[place]))
     hoped = at.squares - float(np.square(residual + jacobian @ steps[0]).sum())
-    if misfits.labels[0] == at.label or at.squares - best.squares > _FAIR * hoped:
+    if misfits.inside[0] or at.squares - best.squares > _FAIR * hoped:
         return best
     for column, coordinate in enumerate(free):
         step = float(steps[0, column])
@@ -161,30 +162,44 @@ def _step_along_edge(
     problem: Problem, at: Minimum, free: list[int], follower: int, step: float
 ) -> Minimum | None:
     """One step along the edge that bounds a coordinate, the follower, on the side of ``step``."""
-    reach = np.sign(step) * max(2.0 * abs(step), 1e-4 * _scale(at.point)[follower])
-    reach = np.clip(reach, -_scale(at.point)[follower], _scale(at.point)[follower])
+    reach = float(np.sign(step) * max(2.0 * abs(step), 1e-4 * _scale(at.point)[follower]))
+    reach = float(np.clip(reach, -_scale(at.point)[follower], _scale(at.point)[follower]))
     sizes = _STEP_ALONG * _scale(at.point)[free]
     moved = np.zeros((len(free), at.point.size))
     moved[range(len(free)), free] = sizes
-    points = _to_edge(problem, at.label, np.concatenate([at.point[None], at.point + moved, at.point - moved]), follower, reach)
-    misfits = problem.misfits(points)
-    inside = misfits.labels == at.label
-    if not inside[0]:
+    points = to_edge(
+        problem,
+        at.label,
+        np.concatenate([at.point[None], at.point + moved, at.point - moved]),
+        follower,
+        reach,
+    )
+    misfits = problem.misfits(at.label, points)
+    if not misfits.inside[0]:
         return None
-    jacobian = _differences(misfits.residuals, inside, sizes)
+    jacobian = _differences(misfits.residuals, misfits.inside, sizes)
     steps = _steps(misfits.residuals[0], jacobian)
     trials = np.repeat(points[:1], steps.shape[0], axis=0)
     trials[:, free] += steps
-    trials = np.concatenate([points[:1], _to_edge(problem, at.label, trials, follower, reach)])
-    squares = problem.misfits(trials).squares(at.label)
+    trials = np.concatenate([points[:1], to_edge(problem, at.label, trials, follower, reach)])
+    squares = problem.misfits(at.label, trials).squares
     place = int(np.argmin(squares))
     return Minimum(at.label, trials[place], float(squares[place]))
 
 
-def _to_edge(problem: Problem, label: str, points: Floats, follower: int, reach: float) -> Floats:
-    """Move one coordinate of each point to the nearest edge of the pattern on one side, just inside.
+def to_edge(problem: Problem, label: str, points: Floats, follower: int, reach: float) -> Floats:
+    """Move one coordinate of each point to the nearest edge where it leaves the pattern, just inside.
 
-    Points from which no edge lies within ``reach``, to either side, stay.
+    Parameters
+    ----------
+    problem, label : Problem, str
+        The misfit, and the pattern.
+    points : array, shape (M, P + 1)
+        From which no edge lies within ``reach``, to either side, stay.
+    follower : int
+        The coordinate.
+    reach : float
+        Farthest distance; its sign tells on which side of the pattern the edge lies.
     """
     low, high = np.full(points.shape[0], -reach), np.full(points.shape[0], reach)
     shares = np.linspace(0.0, 1.0, _PLACES)

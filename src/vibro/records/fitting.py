@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from scipy.special import stdtrit
 
 from vibro.errors import InputError
-from vibro.records.descent import Minimum, descend
+from vibro.records.cycles import HOPS
+from vibro.records.descent import Minimum, descend, to_edge
 from vibro.records.intervals import ENOUGH, profile, spread_of
 from vibro.records.misfits import FITTABLE, Problem
 from vibro.records.starts import starts
@@ -37,10 +39,13 @@ _BETTER: Final = 0.1  # of the threshold: a point this much better than the best
 _WEIGHINGS: Final = 3
 _NEIGHBOURS: Final = 400  # points around a minimum at which other patterns are looked for
 _WIDEST: Final = 4.0  # standard deviations of these points, at most
+_ACROSS: Final = np.geomspace(1e-5, 0.3, 40)  # relative distances from an edge
+_FARTHEST: Final = 0.3  # relative distance of these points
 _KEPT: Final = 24  # of them, of each pattern
 _RESTARTS: Final = 3  # from a better point than the search had found
 _CONFIDENCE: Final = 0.95
-_REST: Final = 25.0  # a motion must fit this much better than rest, in variances, to be one: 5 sigma
+# A motion must fit this much better than rest to be one, in variances: 5 sigma.
+_STANDS_OUT: Final = 25.0
 # An interval whose half exceeds this share of the estimate leaves no estimate: 30 % of standard error.
 _WIDE: Final = 0.6
 _AT_BOUND: Final = 1e-3  # relative: an interval that reaches this near what is tried has no end
@@ -136,35 +141,44 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
             )
     problem = Problem(scene, observation.middle, names)
     minima = _first_minima(problem)
-    rest = next((m for m in minima if m.label == "_" and m.squares <= minima[0].squares + _REST), None)
+    rest = next((m for m in minima if m.label == "_" and m.squares <= minima[0].squares + _STANDS_OUT), None)
     if rest is not None:
-        return _told(problem, [rest], [()] * len(names))
+        return _told(problem, [rest], [()] * len(names), 0.0)
     for _ in range(_RESTARTS):
         minima = _weighed_minima(problem, minima)
-        least = minima[0].squares
         threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * _CONFIDENCE)) ** 2
-        fitting = [m for m in minima if m.squares <= least + _EXCLUDED]
+        fitting = [m for m in minima if m.squares <= minima[0].squares + _EXCLUDED]
         profiles = [profile(problem, fitting, threshold, column) for column in range(len(names))]
         better = min((found.best for found in profiles), key=lambda m: m.squares)
-        if better.squares > least - _BETTER * threshold:
+        if better.squares > minima[0].squares - _BETTER * threshold:
             break
         minima = _least([better, *minima])
-    return _told(problem, fitting, [found.intervals for found in profiles])
+    return _told(problem, fitting, [p.intervals for p in profiles], threshold)
 
 
-def _told(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]) -> Fit:
+def _all(problem: Problem) -> list[int]:
+    """Coordinates of a point: the quantities and the shift."""
+    return list(range(len(problem.names) + 1))
+
+
+def _told(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:
     """Choose the best pattern of those that fit, and judge each quantity."""
     spreads = [spread_of(problem, minimum) for minimum in fitting]
     # A pattern in which fewer quantities act needs fewer to be adjusted: each takes 2 off, as in Akaike's
     # criterion. Else one that ends where another begins would be pinned there by the noise.
     costs = [m.squares + 2.0 * np.count_nonzero(s.diagonal()) for m, s in zip(fitting, spreads, strict=True)]
-    best = fitting.pop(int(np.argmin(costs)))
-    fitting.insert(0, best)
+    order = np.argsort(costs)
+    fitting, spreads = [fitting[i] for i in order], [spreads[i] for i in order]
+    best, least = fitting[0], min(m.squares for m in fitting)
     parameters = []
     for column, (name, found) in enumerate(zip(problem.names, intervals, strict=True)):
         value = float(best.point[column])
         parameter = Parameter(name, value, _bounded(found, *problem.bounds[:, column]), False)
-        acts = all(spread[column, column] > 0.0 for spread in spreads)
+        acts = all(
+            spread[column, column] > 0.0
+            for minimum, spread in zip(fitting, spreads, strict=True)
+            if minimum.squares <= least + threshold
+        )
         if acts and 0.5 * (parameter.high - parameter.low) <= _WIDE * abs(value):
             parameter = replace(parameter, identified=True)
         parameters.append(parameter)
@@ -175,18 +189,21 @@ def _told(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]) 
 
 def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
     """Drop intervals that reach what is tried: they have no end."""
-    if intervals and intervals[0][0] > least * (1.0 + _AT_BOUND) and intervals[-1][1] < most * (1.0 - _AT_BOUND):
+    if (
+        intervals
+        and intervals[0][0] > least * (1.0 + _AT_BOUND)
+        and intervals[-1][1] < most * (1.0 - _AT_BOUND)
+    ):
         return intervals
     return ()
 
 
 def _first_minima(problem: Problem) -> list[Minimum]:
     """Descend from the most promising starts in each pattern; return the least misfit of each."""
-    everything = list(range(len(problem.names) + 1))
     minima: list[Minimum] = []
     for label, point in starts(problem):
         aim = min((m.squares for m in minima), default=math.inf)
-        minima.append(descend(problem, label, point, everything, _ROUGH, aim))
+        minima.append(descend(problem, label, point, _all(problem), _ROUGH, aim))
     if not minima:
         raise InputError(
             "--fit: no value that was tried gives a steady motion to compare with",
@@ -205,15 +222,15 @@ def _least(minima: Iterable[Minimum]) -> list[Minimum]:
 
 def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
     """Weight the signals by the misfit of the best pattern, and minimise that of all again."""
-    everything = list(range(len(problem.names) + 1))
     for _ in range(_WEIGHINGS):
         problem.weigh(minima[0].point)
-        best = descend(problem, minima[0].label, minima[0].point, everything, ENOUGH)
-        squares = problem.misfits(np.array([m.point for m in minima[1:]])).squares() if minima[1:] else []
-        others = [m._replace(squares=float(s)) for m, s in zip(minima[1:], squares, strict=True)]
+        best = descend(problem, minima[0].label, minima[0].point, _all(problem), ENOUGH)
+        others = [descend(problem, m.label, m.point, [], ENOUGH) for m in minima[1:]]  # their misfits alone
         found = [best]
         for other in _least([*others, *_neighbours(problem, best)]):
-            found.append(descend(problem, other.label, other.point, everything, ENOUGH, best.squares + _EXCLUDED))
+            found.append(
+                descend(problem, other.label, other.point, _all(problem), ENOUGH, best.squares + _EXCLUDED)
+            )
         minima = _least(found)
         if minima[0].squares >= best.squares - ENOUGH:
             break
@@ -221,19 +238,25 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
 
 
 def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
-    """Points of other patterns beside a minimum, as far as the data could mistake it."""
+    """Points of other patterns: as far as the data could mistake the minimum, and across its edges."""
     values, vectors = np.linalg.eigh(spread_of(problem, minimum))
-    sizes = np.sqrt(np.maximum(values, 0.0))
-    random = np.random.default_rng(1)
-    draws = random.standard_normal((_NEIGHBOURS, values.size)) * np.linspace(0.0, _WIDEST, _NEIGHBOURS)[:, None]
-    scale = np.maximum(np.abs(minimum.point), 0.1)
-    moves = np.clip((draws * sizes) @ vectors.T, -0.3 * scale, 0.3 * scale)
-    points = minimum.point + moves
+    size, scale = values.size, np.maximum(np.abs(minimum.point), 0.1)
+    reach = np.linspace(0.0, _WIDEST, _NEIGHBOURS)[:, None] * np.sqrt(np.maximum(values, 0.0))
+    random = np.random.default_rng(1).standard_normal((_NEIGHBOURS, size))
+    cloud = np.clip((random * reach) @ vectors.T, -_FARTHEST * scale, _FARTHEST * scale)
+    parts = [minimum.point + cloud]
+    for column, way in product(range(size - 1), (1.0, -1.0)):
+        across = way * scale[column]
+        edge = to_edge(problem, minimum.label, minimum.point[None], column, across)
+        parts.append(edge + np.outer(_ACROSS * across, np.eye(size)[column]))
+    points = np.concatenate(parts)
     labels = problem.labels(points)
     found = []
-    for label in set(labels.tolist()) - {""}:
-        cells = np.flatnonzero(labels == label)[:_KEPT]
-        squares = problem.misfits(points[cells]).squares(label)
+    # Scenes that hop take too long for a guess: they are starts of the search alone.
+    for label in set(labels.tolist()) - {"", HOPS}:
+        cells = np.flatnonzero(labels == label)
+        cells = np.concatenate([cells[:_KEPT], cells[cells >= _NEIGHBOURS][:_KEPT]])
+        squares = problem.misfits(label, points[cells]).squares
         place = int(np.argmin(squares))
         found.append(Minimum(label, points[cells[place]], float(squares[place])))
     return found

@@ -55,9 +55,7 @@ def spread_of(problem: Problem, minimum: Minimum) -> Floats:
     return np.asarray(np.linalg.pinv(normed.T @ normed, rcond=1e-12, hermitian=True) / np.outer(sizes, sizes))
 
 
-def profile(
-    problem: Problem, minima: Sequence[Minimum], threshold: float, column: int
-) -> Profile:
+def profile(problem: Problem, minima: Sequence[Minimum], threshold: float, column: int) -> Profile:
     """Find all values of one quantity with which the record can still be fitted.
 
     In each pattern the quantity is moved away from the minimum, the others refitted, until the sum of squares
@@ -116,7 +114,9 @@ def _end(
     inside, outside = _Tried(origin, 0.0, minimum.point), None
     best = minimum
     step = math.sqrt(variance) * aim if variance else math.inf
-    step = min(max(step, 1e-12 * abs(origin)), _FIRST * abs(origin) if math.isinf(step) else 0.5 * abs(origin))
+    step = min(
+        max(step, 1e-12 * abs(origin)), _FIRST * abs(origin) if math.isinf(step) else 0.5 * abs(origin)
+    )
     for _ in range(_MOST):
         if outside is None:
             value = inside.value + way * step

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
-from vibro.records.cycles import labels_of, steady_cycles
+from vibro.records.cycles import HOPS, labels_of, steady_cycles
 from vibro.records.folding import fold, independent_samples
 
 if TYPE_CHECKING:
@@ -33,8 +33,8 @@ _BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
     "amplitude": (0.2, 5.0),
     "drive_angle": (math.radians(0.5), math.radians(80.0)),
 }
-# What a sensor adds by itself, as powers of the time: an offset, and for all but a displacement a slow drift.
-# The slope of a displacement is the conveying speed: a sensor of displacement does not invent one.
+# What a sensor adds by itself, as the number of powers of the time: an offset, and for all but a displacement
+# a slow drift. The slope of a displacement is the conveying speed, which no sensor of displacement invents.
 _POWERS: Final = {"displacement": 1, "velocity": 2, "acceleration": 2, "friction": 2}
 # Signals that jump where a slide starts or ends.
 _JUMPING: Final = ("acceleration", "friction")
@@ -57,15 +57,15 @@ def bounds_of(scene: Scene, names: Sequence[str]) -> Floats:
 
 
 class Misfits(NamedTuple):
-    """Of M points: their patterns, and their weighted residuals, of shape (M, K)."""
+    """Of M points: whether they have the pattern that was asked for, and weighted residuals, (M, K)."""
 
-    labels: Labels
+    inside: NDArray[np.bool_]
     residuals: Floats
 
-    def squares(self, label: str | None = None) -> Floats:
-        """Sum of squares of each point; inf where there is no steady cycle, or not of this pattern."""
-        sums = np.einsum("ij,ij->i", self.residuals, self.residuals)
-        return np.where((self.labels != "") & ((label is None) | (self.labels == label)), sums, np.inf)
+    @property
+    def squares(self) -> Floats:
+        """Sum of squares of each point; inf outside the pattern."""
+        return np.where(self.inside, np.einsum("ij,ij->i", self.residuals, self.residuals), np.inf)
 
 
 class Problem:
@@ -103,10 +103,10 @@ class Problem:
         """Pattern at each point; empty where there is no steady cycle, or beyond the bounds."""
         return self._within(points, labels_of(self.values(self._clipped(points))))
 
-    def misfits(self, points: Floats) -> Misfits:
-        """Evaluate points of shape (M, P + 1)."""
+    def misfits(self, label: str, points: Floats) -> Misfits:
+        """Evaluate points of shape (M, P + 1) that should have one pattern."""
         observation = self.observation
-        cycles = steady_cycles(self.values(self._clipped(points)))
+        cycles = steady_cycles(self.values(self._clipped(points)), hops=label == HOPS)
         shift = points[:, -1] * observation.period
         window = _WINDOW * observation.sample_time
         model = cycles.signals(observation.signals, observation.time, shift, window)
@@ -114,7 +114,7 @@ class Problem:
         for name, measured in observation.signals.items():
             part = (measured - model[name]) * self._weights[name]
             parts.append(part - (part @ self._sensors[name]) @ self._sensors[name].T)
-        return Misfits(self._within(points, cycles.labels), np.concatenate(parts, axis=1))
+        return Misfits(self._within(points, cycles.labels) == label, np.concatenate(parts, axis=1))
 
     def weight(self, name: str) -> float:
         """Weight of a squared residual of a signal, summed over its samples."""
@@ -142,8 +142,9 @@ class Problem:
                 used[_beside_a_jump(cycles.starts, cycles.lengths, observation, float(shift[0]))] = 0.0
             else:
                 delays = ((after - before) / step) ** 2
+            basis = used[:, None] * self._basis(name)
             residual = used * (measured - now)
-            residual -= used * _trend(observation.time, residual, _POWERS[name], used)
+            residual -= basis @ np.linalg.lstsq(basis, residual, rcond=None)[0]
             shape = used / np.sqrt(_variances(observation, residual, delays))
             count = independent_samples(observation.time, shape * residual, observation.frequency)
             self._weigh(name, shape, residual, count)
@@ -156,9 +157,12 @@ class Problem:
         variance = float(scaled @ scaled) / max(size - _POWERS[name] - len(self.names) - 1, 1)
         variance += _LEAST_VARIANCE * float(np.var(shape * signal)) + np.finfo(float).tiny
         self._weights[name] = shape * math.sqrt(count / signal.size / variance)
+        self._sensors[name] = np.linalg.qr(self._basis(name) * self._weights[name][:, None])[0]
+
+    def _basis(self, name: str) -> Floats:
+        """Powers of the time that a sensor may add, shape (N, powers)."""
         time = self.observation.time - self.observation.time.mean()
-        powers = np.vander(time / np.ptp(time), _POWERS[name], increasing=True)
-        self._sensors[name] = np.linalg.qr(powers * self._weights[name][:, None])[0]
+        return np.vander(time / time[-1], _POWERS[name], increasing=True)
 
     def _clipped(self, points: Floats) -> Floats:
         return np.clip(points[:, : len(self.names)], *self.bounds)
@@ -166,10 +170,6 @@ class Problem:
     def _within(self, points: Floats, labels: Labels) -> Labels:
         outside = (points[:, : len(self.names)] != self._clipped(points)).any(axis=1)
         return np.where(outside, "", labels)
-
-
-def _trend(time: Floats, residual: Floats, powers: int, used: Floats) -> Floats:
-    return np.asarray(np.polyval(np.polyfit(time - time.mean(), residual, powers - 1, w=used + 1e-9), time - time.mean()))
 
 
 def _variances(observation: Observation, residual: Floats, delays: Floats) -> Floats:
@@ -190,7 +190,9 @@ def _variances(observation: Observation, residual: Floats, delays: Floats) -> Fl
     return variances if gain > 6.0 else flat
 
 
-def _beside_a_jump(starts: Floats, lengths: Floats, observation: Observation, shift: float) -> NDArray[np.bool_]:
+def _beside_a_jump(
+    starts: Floats, lengths: Floats, observation: Observation, shift: float
+) -> NDArray[np.bool_]:
     """Return which samples lie next to a jump, where it is unknown what a sensor shows."""
     beside = np.zeros(observation.time.size, np.bool_)
     for row, zero in enumerate((0.0, 0.5)):

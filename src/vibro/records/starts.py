@@ -76,7 +76,8 @@ def _candidates(problem: Problem) -> dict[str, Floats]:
 def _rough_squares(problem: Problem, points: Floats) -> tuple[Floats, Floats]:
     """Least sum of squares of each point over all shifts, and that shift in drive cycles.
 
-    One correlation of what each signal repeats in every cycle gives all shifts. Offsets and trends do not count.
+    One correlation of what each signal repeats in every cycle gives all shifts. Offsets and trends do not
+    count.
     """
     observation = problem.observation
     cycles = steady_cycles(problem.values(points))

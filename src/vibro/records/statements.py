@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from vibro.motion.settled import settled_motion
 from vibro.quantities import QUANTITIES
 from vibro.records.cycles import HOPS
 from vibro.records.descent import derivatives
-from vibro.motion.settled import settled_motion
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
@@ -66,9 +66,7 @@ def statements(problem: Problem, minima: Sequence[Minimum], parameters: Sequence
     return found + _limits(problem, pattern, parameters, values)
 
 
-def _unidentified(
-    problem: Problem, best: Minimum, pattern: str, lost: dict[str, Parameter]
-) -> list[str]:
+def _unidentified(problem: Problem, best: Minimum, pattern: str, lost: dict[str, Parameter]) -> list[str]:
     """Say of each quantity without an estimate why it has none."""
     found = []
     left = set(lost)
@@ -89,13 +87,17 @@ def _unidentified(
         else:
             found.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")
     for name in sorted(left):
-        why = "a wide range of values fits" if lost[name].intervals else "no end of the values that fit was found"
+        why = (
+            "a wide range of values fits"
+            if lost[name].intervals
+            else "no end of the values that fit was found"
+        )
         found.append(f"the data cannot identify {QUANTITIES[name].letter}: {why}")
     return found
 
 
 def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
-    """Combinations of quantities that the data do not determine.
+    """Find combinations of quantities that the data do not determine.
 
     They are singular directions of the relative sensitivities, without the effect of the trigger time.
     """
@@ -138,5 +140,7 @@ def _highest_static_friction(problem: Problem, best: Minimum) -> float:
     low, high = float(point[column]), float(problem.bounds[1, column])
     for _ in range(_HALVINGS):
         point[column] = 0.5 * (low + high)
-        low, high = (point[column], high) if problem.labels(point[None])[0] == best.label else (low, point[column])
+        low, high = (
+            (point[column], high) if problem.labels(point[None])[0] == best.label else (low, point[column])
+        )
     return low
