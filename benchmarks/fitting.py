@@ -14,9 +14,9 @@ below the hop. A record has 6 cycles of 50-200 samples from a random trigger tim
 
 mu_s and mu_d are fitted from a scene whose coefficients are up to 30 % wrong. Of each kind the table counts
 the values asked for; the refused ones, which have no interval; the points, which have an estimate; the
-ranges, which have an interval alone; and what share of points, and of all that is answered, holds the true value.
-Beyond is the largest distance of a true value from the nearest interval of its answer, over half the hull of
-these intervals. Width is the median half-width of the points, relative to the true value.
+ranges, which have an interval alone; and what share of points, and of all that is answered, holds the true
+value. Beyond is the largest distance of a true value from the nearest interval of its answer, over half the
+hull of these intervals. Width is the median half-width of the points, relative to the true value.
 """
 
 from __future__ import annotations

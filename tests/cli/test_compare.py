@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import NUT, Run, rows_of
-from made_records import EXAMPLES, STUDY, STUDY_FILE
+from made_records import EXAMPLES, STUDY, STUDY_FILE, Walked, nut
 
 SCENE = EXAMPLES / "safety_nut.toml"
 NAMED = ("--time", "Time [s]", "--displacement", "X [mm]", "--velocity", "V [mm/s]")
@@ -57,12 +57,36 @@ def test_the_fit_is_reported_with_its_statement(run: Run, tmp_path: Path) -> Non
     assert "pattern F_: mu_s sets the start of a slide and mu_d its end" in result.stdout
 
 
+def test_intervals_have_the_digits_that_their_width_needs(run: Run, tmp_path: Path) -> None:
+    """An exact record gives narrow intervals, which four digits would not tell from their estimate."""
+    clock = np.arange(161) / 600.0
+    path = tmp_path / "exact.csv"
+    rows = zip(clock.tolist(), (1e3 * Walked(nut()).velocity(clock + 0.0137)).tolist(), strict=True)
+    path.write_text(
+        "t [s],v [mm/s]\n" + "\n".join(f"{t!r},{v:.4f}" for t, v in rows) + "\n", encoding="utf-8"
+    )
+    lines = lines_of(run("compare", SCENE, path, "--fit", "mu_s,mu_d", "-q").stdout)
+    for name, true in (("mu_s", 0.74), ("mu_d", 0.57)):
+        _, estimate, low, dots, high, scene = lines[name].split()
+        assert dots == "..."
+        assert float(low) < float(estimate) < float(high)
+        assert float(low) <= true <= float(high)
+        assert float(high) - float(low) < 1e-3
+        assert scene == f"{true}"
+    fit = json.loads(run("compare", SCENE, path, "--fit", "mu_s,mu_d", "--json").stdout)["fit"]
+    for parameter in fit.values():
+        pieces = parameter["intervals"]
+        assert [parameter["low"], parameter["high"]] == [pieces[0][0], pieces[-1][1]]
+        assert all(low < high for low, high in pieces)
+
+
 def test_what_cannot_be_identified_is_said(run: Run, tmp_path: Path) -> None:
     path = short_study(tmp_path)
     result = run("compare", SCENE, path, "-A", "0.3", "--fit", "mu_s", "--mu-d", "0.72", "--json")
     assert result.exit_code == 0, result.stderr
     fit = json.loads(result.stdout)["fit"]
     assert fit["static_friction"]["low"] is None
+    assert fit["static_friction"]["intervals"] == []
     resting = run("compare", SCENE, path, "-A", "0.3", "--fit", "mu_s", "--mu-d", "0.72")
     assert "not identified" in resting.stdout
 

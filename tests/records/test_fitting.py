@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from made_records import FREQUENCY, STUDY, STUDY_FILE, Walked, nut
 
@@ -81,6 +82,57 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
         (p,) = found.parameters
         inside += p.low <= 0.57 <= p.high
     assert inside >= 10
+
+
+@pytest.mark.usefixtures("own_start_alone")
+def test_an_offset_and_a_drift_of_the_sensor_are_fitted_too() -> None:
+    walked = Walked(nut(1.2))
+    clean = walked.observe("velocity", cycles=6)
+    peak = float(np.abs(clean.signals["velocity"]).max())
+    drifting = clean.signals["velocity"] + peak * (0.03 + 0.05 * clean.time / clean.time[-1])
+    found = fit(nut(1.2, **WRONG), Observation(clean.time, {"velocity": drifting}, FREQUENCY), SLIP)
+    assert_contains(found, nut(1.2), *SLIP)
+    for p, same in zip(found.parameters, fit(nut(1.2, **WRONG), clean, SLIP).parameters, strict=True):
+        assert p.value == pytest.approx(same.value, rel=1e-4)
+
+
+@pytest.mark.usefixtures("own_start_alone")
+def test_late_and_correlated_samples_widen_the_intervals() -> None:
+    """Jitter of the clock is large where the speed changes; correlated noise is worth fewer samples."""
+    walked = Walked(nut())
+    quiet = walked.observe("velocity", cycles=6, noise=0.1)
+    random = np.random.default_rng(5)
+    late = walked.velocity(quiet.time + 0.0137 + 0.3 / 600.0 * random.standard_normal(quiet.time.size))
+    white = random.standard_normal(quiet.time.size + 50)
+    lasting = np.convolve(white, 0.8 ** np.arange(50), "valid")[: quiet.time.size]  # an AR(1) process
+    exact = walked.velocity(quiet.time + 0.0137)
+    size = 4e-4 / float(np.std(lasting))
+    widths = []
+    for values in (
+        exact + 4e-4 * white[: quiet.time.size],
+        exact + size * lasting,
+        late + 4e-5 * white[: quiet.time.size],
+        quiet.signals["velocity"],
+    ):
+        found = fit(nut(), Observation(quiet.time, {"velocity": values}, FREQUENCY), SLIP)
+        assert_contains(found, nut(), *SLIP)
+        widths.append([p.high - p.low for p in found.parameters])
+    plain, correlated, jittered, quietest = np.array(widths)
+    # an AR(1) process of 0.8 has a ninth of the independent samples
+    assert (correlated > 1.8 * plain).all()
+    assert (jittered > 2.0 * quietest).all()
+
+
+def test_a_value_near_the_onset_of_back_slip_is_not_pinned_there() -> None:
+    """The misfit jumps where back slip begins: both sides of the onset are looked at."""
+    onset = 0.7444
+    for static_friction, pattern in ((onset - 0.003, "F_B_"), (onset + 0.003, "F_")):
+        scene = nut(1.2, static_friction=static_friction)
+        walked = Walked(scene)
+        assert walked.pattern == pattern
+        found = fit(nut(1.2, **WRONG), walked.observe("velocity", cycles=6, noise=2.0), SLIP)
+        for name, p in parameters(found).items():
+            assert any(low <= float(getattr(scene, name)) <= high for low, high in p.intervals)
 
 
 def test_never_at_rest_static_friction_has_no_effect_at_all() -> None:

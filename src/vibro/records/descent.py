@@ -23,7 +23,6 @@ __all__ = ["Minimum", "derivatives", "descend", "nearest_inside", "to_edge"]
 
 _STEP: Final = 1e-6  # relative step of the derivatives: the model's noise is 1e-15, its curvature of order 1
 _IDLE: Final = 1e-6  # of the largest effect of a coordinate: less is rounding, and counts as none
-_LEAST_SCALE: Final = 1e-3  # [1, rad] a coordinate counts as at least this large
 _DAMPINGS: Final = np.array([1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0])  # of the normalised equations
 _MOST_STEPS: Final = 40
 _FAIR: Final = 0.3  # share of the decrease that a whole step promises: with less, edges are looked for
@@ -76,7 +75,7 @@ def descend(
 def derivatives(problem: Problem, label: str, point: Floats, free: list[int]) -> tuple[Floats, Floats]:
     """Residuals at a point, shape (K,), and their derivatives, shape (K, len(free)); 0 without an effect."""
     steps = np.zeros((len(free), point.size))
-    steps[range(len(free)), free] = _STEP * _scale(point)[free]
+    steps[range(len(free)), free] = _STEP * problem.scale(point)[free]
     misfits = problem.misfits(label, np.concatenate([point[None], point + steps, point - steps]))
     sizes = steps[range(len(free)), free]
     jacobian = _differences(misfits.residuals, misfits.inside, sizes)
@@ -91,7 +90,7 @@ def nearest_inside(problem: Problem, label: str, point: Floats, movable: list[in
         return point
     distances = np.geomspace(1e-7, 0.5, 60)
     distances = np.concatenate([distances, -distances])
-    points = [point + np.outer(distances * _scale(point)[q], np.eye(point.size)[q]) for q in movable]
+    points = [point + np.outer(distances * problem.scale(point)[q], np.eye(point.size)[q]) for q in movable]
     if not points:
         return None
     inside = problem.labels(np.concatenate(points)).reshape(len(movable), -1) == label
@@ -104,12 +103,6 @@ def nearest_inside(problem: Problem, label: str, point: Floats, movable: list[in
         return None
     best: Floats = found[int(np.argmin(problem.misfits(label, np.array(found)).squares))]
     return best
-
-
-def _scale(point: Floats) -> Floats:
-    scale = np.maximum(np.abs(point), _LEAST_SCALE)
-    scale[-1] = 1.0
-    return np.asarray(scale)
 
 
 def _differences(residuals: Floats, inside: NDArray[np.bool_], sizes: Floats) -> Floats:
@@ -162,9 +155,9 @@ def _step_along_edge(
     problem: Problem, at: Minimum, free: list[int], follower: int, step: float
 ) -> Minimum | None:
     """One step along the edge that bounds a coordinate, the follower, on the side of ``step``."""
-    reach = float(np.sign(step) * max(2.0 * abs(step), 1e-4 * _scale(at.point)[follower]))
-    reach = float(np.clip(reach, -_scale(at.point)[follower], _scale(at.point)[follower]))
-    sizes = _STEP_ALONG * _scale(at.point)[free]
+    reach = float(np.sign(step) * max(2.0 * abs(step), 1e-4 * problem.scale(at.point)[follower]))
+    reach = float(np.clip(reach, -problem.scale(at.point)[follower], problem.scale(at.point)[follower]))
+    sizes = _STEP_ALONG * problem.scale(at.point)[free]
     moved = np.zeros((len(free), at.point.size))
     moved[range(len(free)), free] = sizes
     points = to_edge(
@@ -216,7 +209,7 @@ def to_edge(problem: Problem, label: str, points: Floats, follower: int, reach: 
         column = np.argmin(near, axis=1)
         rows = np.arange(points.shape[0])
         low, high = places[rows, column], places[rows, column + 1]
-        if float(np.abs(high - low).max()) < _SHARP * float(_scale(points[0])[follower]):
+        if float(np.abs(high - low).max()) < _SHARP * float(problem.scale(points[0])[follower]):
             break
     moved = points.copy()
     moved[found, follower] += low[found]

@@ -38,10 +38,10 @@ _EXCLUDED: Final = 16.0
 _BETTER: Final = 0.1  # of the threshold: a point this much better than the best is a new start
 _WEIGHINGS: Final = 3
 _NEIGHBOURS: Final = 400  # points around a minimum at which other patterns are looked for
-_WIDEST: Final = 4.0  # standard deviations of these points, at most
-_ACROSS: Final = np.geomspace(1e-5, 0.3, 40)  # relative distances from an edge
-_FARTHEST: Final = 0.3  # relative distance of these points
-_KEPT: Final = 24  # of them, of each pattern
+_WIDEST: Final = 4.0  # standard deviations: how far these reach,
+_FARTHEST: Final = 0.3  # and how far in any case, relative
+_ACROSS: Final = np.geomspace(1e-5, 0.3, 40)  # relative distances beyond an edge, for the same
+_KEPT: Final = 24  # of both, of each pattern
 _RESTARTS: Final = 3  # from a better point than the search had found
 _CONFIDENCE: Final = 0.95
 # A motion must fit this much better than rest to be one, in variances: 5 sigma.
@@ -240,7 +240,7 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
 def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
     """Points of other patterns: as far as the data could mistake the minimum, and across its edges."""
     values, vectors = np.linalg.eigh(spread_of(problem, minimum))
-    size, scale = values.size, np.maximum(np.abs(minimum.point), 0.1)
+    size, scale = values.size, problem.scale(minimum.point)
     reach = np.linspace(0.0, _WIDEST, _NEIGHBOURS)[:, None] * np.sqrt(np.maximum(values, 0.0))
     random = np.random.default_rng(1).standard_normal((_NEIGHBOURS, size))
     cloud = np.clip((random * reach) @ vectors.T, -_FARTHEST * scale, _FARTHEST * scale)

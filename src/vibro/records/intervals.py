@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.records.cycles import HOPS
 from vibro.records.descent import derivatives, descend, nearest_inside
 
 if TYPE_CHECKING:
@@ -77,6 +78,12 @@ def profile(problem: Problem, minima: Sequence[Minimum], threshold: float, colum
     for minimum in minima:
         ends = []
         spread = spread_of(problem, minimum)
+        if minimum.label == HOPS:
+            # A point takes up to a tenth of a second: take the curvature at the minimum for the profile.
+            half = math.sqrt(threshold * spread[column, column])
+            value = float(minimum.point[column])
+            pieces.append((value - half, value + half) if half else (-math.inf, math.inf))
+            continue
         for way in (-1.0, 1.0):
             end, met = _end(problem, minimum, spread, threshold, column, way)
             ends.append(end)

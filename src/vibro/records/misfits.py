@@ -40,6 +40,7 @@ _POWERS: Final = {"displacement": 1, "velocity": 2, "acceleration": 2, "friction
 _JUMPING: Final = ("acceleration", "friction")
 _WINDOW: Final = 0.25  # sample times over which the model's jumps are averaged, so that derivatives exist
 _LEAST_VARIANCE: Final = 1e-18  # of a misfit, relative to that of the signal, because data may be exact
+_LEAST_SCALE: Final = 1e-3  # of the greatest value that is tried: a quantity counts as at least this large
 _RANDOM: Final = 0.1  # share of a misfit that must differ from cycle to cycle for its slope to tell of jitter
 _ROUNDS: Final = 3  # of weighting the squares that the variances are regressed on
 
@@ -93,6 +94,11 @@ class Problem:
     def own(self) -> Floats:
         """The scene's own values, within the bounds."""
         return np.clip([self.fixed[name] for name in self.names], *self.bounds)
+
+    def scale(self, point: Floats) -> Floats:
+        """Size of each coordinate of a point, (P + 1,): its own, unless that is far below what is tried."""
+        sizes = np.maximum(np.abs(point[:-1]), _LEAST_SCALE * self.bounds[1])
+        return np.append(sizes, 1.0)
 
     def values(self, points: Floats) -> dict[str, Floats]:
         """Fields of the scenes at points of shape (M, P) or (M, P + 1)."""
@@ -153,7 +159,7 @@ class Problem:
     def _weigh(self, name: str, shape: Floats, residual: Floats, count: float) -> None:
         signal = self.observation.signals[name]
         scaled = shape * residual
-        size = np.count_nonzero(shape)
+        size = int(np.count_nonzero(shape))
         variance = float(scaled @ scaled) / max(size - _POWERS[name] - len(self.names) - 1, 1)
         variance += _LEAST_VARIANCE * float(np.var(shape * signal)) + np.finfo(float).tiny
         self._weights[name] = shape * math.sqrt(count / signal.size / variance)

@@ -59,6 +59,8 @@ def statements(problem: Problem, minima: Sequence[Minimum], parameters: Sequence
         if told == ["kinetic_friction"]:
             effects["kinetic_friction"] = "mu_d sets the end of a slide"
         found.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
+    if best.label == HOPS:
+        found.append("the body hops: intervals are those of small changes, and end at no other pattern")
     if any(len(p.intervals) > 1 for p in parameters):
         others = " and ".join(m.label for m in minima[1:])
         found.append(f"pattern {others} fits too: an interval in pieces holds the values of each")
@@ -77,10 +79,14 @@ def _unidentified(problem: Problem, best: Minimum, pattern: str, lost: dict[str,
         *first, last = (QUANTITIES[name].letter for name in group)
         symbols = f"{', '.join(first)} and {last}" if first else last
         if group == ("static_friction",) and "_" not in pattern:
-            highest = _highest_static_friction(problem, best)
+            until = (
+                ""
+                if best.label == HOPS
+                else f", from mu_d up to {_highest_static_friction(problem, best):.4g}"
+            )
             found.append(
                 f"the data cannot identify mu_s: in pattern {pattern} the body never rests, and mu_s has no"
-                f" effect at all, from mu_d up to {highest:.4g}"
+                f" effect at all{until}"
             )
         elif len(group) == 1:
             found.append(f"the data cannot identify {symbols}: its effect is smaller than the misfit")
