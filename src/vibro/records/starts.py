@@ -30,7 +30,7 @@ _GRID: Final[Mapping[str, tuple[float, ...]]] = {
     "amplitude": (0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 2.0),
     "drive_angle": tuple(math.radians(a) for a in (6.0, 10.0, 15.0, 20.0, 27.0, 35.0, 45.0)),
 }
-_MOST_HOPPING: Final = 60  # scenes with flights, each of which takes as long as a hundred others
+_MOST_HOPPING: Final = 40  # scenes with flights, each of which takes as long as a hundred others
 _PHASES: Final = 128  # shifts that are compared
 _TRIED: Final = 3  # starts in each pattern
 _AT_ONCE: Final = 512  # scenes
