@@ -30,6 +30,7 @@ _PATIENCE: Final = 5.0  # steps as large as the last one that a descent may stil
 _PLACES: Final = 65  # points between which an edge is looked for, in each round
 _ROUNDS: Final = 6  # at most
 _SHARP: Final = 1e-6  # of a coordinate's scale: an edge is found to this
+_DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(1e-7, 0.5, 60)).ravel()  # relative, to a pattern
 _STEP_ALONG: Final = 1e-4  # relative step of the derivatives along an edge, which is known less sharply
 
 
@@ -85,20 +86,19 @@ def derivatives(problem: Problem, label: str, point: Floats, free: list[int]) ->
 
 
 def nearest_inside(problem: Problem, label: str, point: Floats, movable: list[int]) -> Floats | None:
-    """Move one coordinate of a point as little as needed to bring it into the pattern; None if none does."""
+    """Move one coordinate of a point as little as needed to bring it into the pattern.
+
+    Of several such coordinates the one with the least misfit moves; None if there is none.
+    """
     if problem.labels(point[None])[0] == label:
         return point
-    distances = np.geomspace(1e-7, 0.5, 60)
-    distances = np.concatenate([distances, -distances])
-    points = [point + np.outer(distances * problem.scale(point)[q], np.eye(point.size)[q]) for q in movable]
-    if not points:
-        return None
-    inside = problem.labels(np.concatenate(points)).reshape(len(movable), -1) == label
-    # A coordinate that must move least in its own scale comes first, but the misfit has the last word.
     found = []
-    for row, candidates in zip(inside, points, strict=True):
-        if row.any():
-            found.append(candidates[int(np.argmin(np.where(row, np.abs(distances), np.inf)))])
+    for coordinate in movable:
+        points = np.repeat(point[None], _DISTANCES.size, axis=0)
+        points[:, coordinate] += _DISTANCES * problem.scale(point)[coordinate]
+        inside = problem.labels(points) == label
+        if inside.any():
+            found.append(points[np.argmin(np.where(inside, np.abs(_DISTANCES), np.inf))])
     if not found:
         return None
     best: Floats = found[int(np.argmin(problem.misfits(label, np.array(found)).squares))]

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.records.cycles import HOPS
-from vibro.records.descent import derivatives, descend, nearest_inside
+from vibro.records.descent import Minimum, derivatives, descend, nearest_inside
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from vibro.records.descent import Minimum
     from vibro.records.misfits import Problem
 
     Floats = NDArray[np.float64]
@@ -25,8 +24,10 @@ __all__ = ["ENOUGH", "Profile", "profile", "spread_of"]
 ENOUGH: Final = 2e-3  # decrease of the sum of squares, in variances, below which a descent ends
 _CLOSE: Final = 0.03  # of the threshold: the misfit at an end of an interval may miss it by this
 _NARROW: Final = 0.02  # of the distance to the estimate: an end at an edge of a pattern is found to this
-_FIRST: Final = 0.02  # relative first step where the derivatives give none
-_MOST: Final = 24  # points that are tried for one end
+_FIRST: Final = 0.02  # relative first step where the derivatives give none,
+_LEAST: Final = 1e-12  # and the least
+_MOST: Final = 0.5  # and the greatest where they give one
+_TRIES: Final = 24  # points that are tried for one end
 _GAP: Final = 0.02  # of the hull: intervals closer to each other than this are one
 
 
@@ -105,26 +106,18 @@ def _merged(pieces: list[tuple[float, float]]) -> tuple[tuple[float, float], ...
 
 
 def _end(
-    problem: Problem,
-    minimum: Minimum,
-    spread: Floats,
-    threshold: float,
-    column: int,
-    way: float,
+    problem: Problem, minimum: Minimum, spread: Floats, threshold: float, column: int, way: float
 ) -> tuple[float, Minimum]:
-    """Return the last value that fits on one side, and the best point met."""
-    free = [place for place in range(minimum.point.size) if place != column]
-    movable = [place for place in free if place != minimum.point.size - 1]
-    origin = float(minimum.point[column])
-    variance = float(spread[column, column])
+    """Return the last value that fits on one side, infinite if none is the last, and the best point met."""
+    origin, variance = float(minimum.point[column]), float(spread[column, column])
+    path = spread[:, column] / variance if variance else np.zeros(minimum.point.size)
     aim = math.sqrt(threshold)
-    inside, outside = _Tried(origin, 0.0, minimum.point), None
-    best = minimum
-    step = math.sqrt(variance) * aim if variance else math.inf
-    step = min(
-        max(step, 1e-12 * abs(origin)), _FIRST * abs(origin) if math.isinf(step) else 0.5 * abs(origin)
-    )
-    for _ in range(_MOST):
+    step = _FIRST * abs(origin)
+    if variance:
+        step = min(max(math.sqrt(variance) * aim, _LEAST * abs(origin)), _MOST * abs(origin))
+    inside, best = _Tried(origin, 0.0, minimum.point), minimum
+    outside: _Tried | None = None
+    for _ in range(_TRIES):
         if outside is None:
             value = inside.value + way * step
             step *= 2.0
@@ -136,27 +129,31 @@ def _end(
             if math.isfinite(outside.root):
                 share = min(max((aim - inside.root) / (outside.root - inside.root), 0.05), 0.95)
             value = inside.value + share * gap
-        start = inside.point.copy()
-        if variance:
-            start += spread[:, column] / variance * (value - inside.value)
-        start[column] = value
-        begun = nearest_inside(problem, minimum.label, start, movable)
-        if begun is None:
-            start = inside.point.copy()
-            start[column] = value
-            begun = nearest_inside(problem, minimum.label, start, movable)
-        tried = _Tried(value, math.inf, start)
-        if begun is not None:
-            found = descend(problem, minimum.label, begun, free, ENOUGH)
-            best = min(best, found, key=lambda m: m.squares)
-            tried = _Tried(value, math.sqrt(max(found.squares - minimum.squares, 0.0)), found.point)
+        found = _refitted(problem, minimum.label, inside, path, column, value)
+        best = min(best, found, key=lambda m: m.squares)
+        tried = _Tried(value, math.sqrt(max(found.squares - minimum.squares, 0.0)), found.point)
         if abs(tried.root**2 - threshold) <= _CLOSE * threshold:
             return value, best
-        if tried.root < aim:
-            inside = tried
-            if outside is None and tried.root > 0.0:
-                # as if the misfit grew with the square of the distance
-                step = min(max(aim / tried.root - 1.0, 0.1), 2.0) * abs(value - origin)
-        else:
+        if tried.root >= aim:
             outside = tried
-    return (outside or inside).value, best
+            continue
+        inside = tried
+        if outside is None and tried.root > 0.0:
+            # as if the misfit grew with the square of the distance
+            step = min(max(aim / tried.root - 1.0, 0.1), 2.0) * abs(value - origin)
+    return (outside.value if outside else way * math.inf), best
+
+
+def _refitted(problem: Problem, label: str, near: _Tried, path: Floats, column: int, value: float) -> Minimum:
+    """Set a quantity to a value, and fit the others again; inf where the pattern has no such value.
+
+    They begin where the quantity takes them by the slopes at the minimum, or else where they were.
+    """
+    free = [place for place in range(near.point.size) if place != column]
+    for slopes in (path, np.zeros(path.size)):
+        start = near.point + slopes * (value - near.value)
+        start[column] = value
+        begun = nearest_inside(problem, label, start, free[:-1])
+        if begun is not None:
+            return descend(problem, label, begun, free, ENOUGH)
+    return Minimum(label, start, math.inf)

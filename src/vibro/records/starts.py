@@ -52,6 +52,7 @@ def starts(problem: Problem) -> list[tuple[str, Floats]]:
     found = []
     for label in dict.fromkeys(labels.tolist()):
         cells = np.flatnonzero(labels == label)
+        cells = cells[np.isfinite(squares[cells])]
         for cell in cells[np.argsort(squares[cells])][:_TRIED]:
             found.append((float(squares[cell]), label, np.append(points[cell], shifts[cell])))
     return [(label, point) for _, label, point in sorted(found, key=lambda start: start[0])]

@@ -62,8 +62,8 @@ def statements(problem: Problem, minima: Sequence[Minimum], parameters: Sequence
     if best.label == HOPS:
         found.append("the body hops: intervals are those of small changes, and end at no other pattern")
     if any(len(p.intervals) > 1 for p in parameters):
-        others = " and ".join(m.label for m in minima[1:])
-        found.append(f"pattern {others} fits too: an interval in pieces holds the values of each")
+        labels = " and ".join(m.label for m in minima)
+        found.append(f"patterns {labels} fit: an interval in pieces holds the values of each")
     found += _unidentified(problem, best, pattern, {p.name: p for p in parameters if p.name in lost})
     return found + _limits(problem, pattern, parameters, values)
 
