@@ -51,7 +51,7 @@ _CAPTURED: Final = 2.0
 _MOST_TURNS: Final = 64
 _FIRST_REACH: Final = 0.25  # [A w cos alpha] first step in search of the velocity of balance
 _BALANCED: Final = 0.1  # [1] imbalance left, over its statistical error
-_MOST_STEPS: Final = 60
+_MOST_STEPS: Final = 24
 
 
 def averages(scene: Loads, restitution: Floats, length: int, longest: bool) -> HoppingCycles:
@@ -87,8 +87,7 @@ def averages(scene: Loads, restitution: Floats, length: int, longest: bool) -> H
 AVERAGES: Final = (
     (partial(averages, length=12, longest=False), 384),
     (partial(averages, length=48, longest=False), 96),
-    (partial(averages, length=192, longest=False), 24),
-    (partial(averages, length=768, longest=True), 8),
+    (partial(averages, length=240, longest=True), 24),
 )
 
 
@@ -111,15 +110,13 @@ def _means(scene: Loads, throw: Floats, restitution: Floats, length: int, longes
     variance = np.where(ratio > _DRIFTS, own, 0.5 * (own + halves)) / BODIES
     differ = lands | (ratio > _PARTED)
     variance += np.where(differ, _STUDENT * np.maximum(own - halves, 0.0), 0.0)
-    drifts = remembers | (~lands & (ratio > _DRIFTS))
+    runs, undecided = _running(scene, sample, slid)
+    drifts = remembers | (~lands & (ratio > _DRIFTS)) | undecided
 
     out = unresolved(n)
     ends = sample.ends.reshape(n, BODIES).all(axis=1)
-    # without enough friction to hold it, and without a stop, a body is gone
-    loose = np.abs(scene.tangential) > scene.kinetic_friction * scene.normal
-    runs = loose & ~slid.forgets[1].reshape(n, BODIES).all(axis=1)
     out.status[ends & (longest | ~drifts)] = Status.AVERAGED
-    out.status[ends & runs] = Status.RUNAWAY
+    out.status[ends & (runs | (undecided & longest))] = Status.RUNAWAY
     known = out.status == Status.AVERAGED
     out.pattern[known] = -np.int64(Mode.FLIGHT)
     numbers = (
@@ -177,6 +174,20 @@ def _lot(scene: Loads, throw: Floats, restitution: Floats, means: HoppingCycles)
         numbers[lost] = np.nan
 
 
+def _running(scene: Loads, sample: Sample, slid: _Slid) -> tuple[Bools, Bools]:
+    """Tell in which scenes bodies run away, and in which they might, as they have not stopped again.
+
+    Where friction is too weak to hold gravity every flight without a stop adds speed downhill. The drive takes
+    no more than twice its own speed from that, and one landing no more than its friction.
+    """
+    grip = scene.kinetic_friction * scene.normal
+    loose = np.broadcast_to(np.abs(scene.tangential) > grip, sample.impact.size // BODIES)
+    speed = (-np.sign(scene.tangential) * slid.velocity[1].reshape(-1, BODIES).T).T
+    out_of_reach = 2.0 * (scene.along + grip * sample.impact.reshape(-1, BODIES).max(axis=1))
+    away = loose & (speed.max(axis=1) > out_of_reach)
+    return away, loose & ~away & ~slid.forgets[1].reshape(-1, BODIES).all(axis=1)
+
+
 def _over_all(halves: Floats) -> Floats:
     """Sum over the halves and the bodies of each scene, of shape (2, scenes, BODIES).
 
@@ -197,6 +208,8 @@ class _Slid(NamedTuple):
         Change of the velocity over the ground.
     peak : array
         Largest speed relative to the trough.
+    velocity : array
+        At the end, relative to the trough.
     forgets : bool array
         Whether the body stops, so that it forgets its velocity.
     """
@@ -204,6 +217,7 @@ class _Slid(NamedTuple):
     path: Floats
     gain: Floats
     peak: Floats
+    velocity: Floats
     forgets: Bools
 
 
@@ -219,7 +233,7 @@ def _follow(track: Track, sample: Sample, bodies: Indices, velocity: Floats) -> 
         fall = -scene.tangential * sample.time[i, bodies]
         stops = has_stop(leg)
         gain = np.where(stops, leg.velocity - velocity - scene.along * turned, fall + leg.friction)
-        parts.append((leg.displacement, gain, leg.peak, stops))
+        parts.append((leg.displacement, gain, leg.peak, leg.velocity, stops))
         velocity = leg.velocity
     return _Slid(*(np.stack(pair) for pair in zip(*parts, strict=True)))
 
