@@ -75,7 +75,7 @@ def test_an_average_has_an_error_and_no_period() -> None:
 
 def test_the_error_shrinks_with_the_root_of_the_sample() -> None:
     scene, e = loads_at_throw(np.linspace(2.4, 2.5, 12), 30.0, 0.5, 0.4), np.full(12, 0.3)
-    short, long = (averages(scene, e, length=n, longest=True) for n in (12, 108))
+    short, long = (averages(scene, e, length=n, longest=True) for n in (8, 72))
     error = np.hypot(short.deviation, long.deviation)
     assert (np.abs(short.displacement - long.displacement) < 5.0 * error).all()
     ratio = np.sqrt((short.deviation**2).mean() / (long.deviation**2).mean())
@@ -87,12 +87,12 @@ def test_a_mean_is_the_same_whatever_is_solved_with_it() -> None:
     throw, mu_d = np.array([2.42, 3.3, 2.46, 5.1, 1.7]), np.array([0.4, 0.3, 1e-6, 0.4, 1e-3])
     scene = loads_at_throw(throw, 30.0, 0.5, mu_d)
     restitution = np.array([0.3, 0.5, 0.3, 0.8, 0.7])
-    together = averages(scene, restitution, length=12, longest=True)
+    together = averages(scene, restitution, length=6, longest=True)
     assert (together.status == Status.AVERAGED).all()
     order = np.array([3, 0, 4, 2, 1])
-    turned = averages(take(scene, order), restitution[order], length=12, longest=True)
+    turned = averages(take(scene, order), restitution[order], length=6, longest=True)
     for i in range(5):
-        alone = averages(take(scene, np.array([i])), restitution[i : i + 1], length=12, longest=True)
+        alone = averages(take(scene, np.array([i])), restitution[i : i + 1], length=6, longest=True)
         for name in HoppingCycles._fields:
             value = getattr(together, name)[i]
             assert np.array_equal(getattr(alone, name)[0], value, equal_nan=True), name
@@ -105,12 +105,11 @@ def test_bounces_that_hardly_lose_anything_have_a_true_mean() -> None:
     mean = hopping_cycles(scene, e)
     assert (mean.status == Status.AVERAGED).all()
     # their energy takes some 1 / (1 - e) cycles to settle
-    walked, error = _walked(scene, e, 3000.0, 3000.0)
+    walked, error = _walked(scene, e, 2000.0, 2000.0)
     assert (np.abs(mean.displacement - walked) < 5.0 * np.hypot(mean.deviation, error)).all()
 
 
 def test_bodies_that_gravity_drives_on_without_a_stop_run_away() -> None:
-    throw, restitution = np.repeat([1.5, 2.45, 4.0], 3), np.tile([0.0, 0.3, 0.6], 3)
-    for trough in (-15.0, 15.0):
-        scene = loads_at_throw(throw, 30.0, 0.5, 0.2, trough)
-        assert (hopping_cycles(scene, restitution).status == Status.RUNAWAY).all()
+    throw, restitution = np.repeat([1.5, 2.45, 4.0], 4), np.tile([0.0, 0.3], 6)
+    scene = loads_at_throw(throw, 30.0, 0.5, 0.2, np.tile([-15.0, -15.0, 15.0, 15.0], 3))
+    assert (hopping_cycles(scene, restitution).status == Status.RUNAWAY).all()

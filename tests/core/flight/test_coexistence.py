@@ -94,8 +94,8 @@ def test_means_are_looked_at_too() -> None:
 
 
 def test_low_kinetic_friction_can_leave_two_cycles() -> None:
-    scene = random_loads(1500, 5, most_throw=1.5, least_ratio=0.01)
-    found = cycles(scene, np.zeros(1500))
+    scene = random_loads(800, 5, most_throw=1.5, least_ratio=0.01)
+    found = cycles(scene, np.zeros(800))
     assert (found.status == Status.OK).all()
     looked_at = np.flatnonzero(scene.kinetic_friction < 0.4 * scene.static_friction)
     others = coexisting(
