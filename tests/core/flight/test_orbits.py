@@ -253,7 +253,7 @@ def test_several_stops_may_lead_to_another_cycle(
 
 
 def test_bodies_from_anywhere_settle_where_it_is_said() -> None:
-    count = 1200
+    count = 2000
     scene = random_loads(count, 5, most_throw=2.5, least_ratio=0.03)
     restitution = np.random.default_rng(5).uniform(0.0, 0.6, count)
     motion = bounces(scene.across / scene.normal, restitution)
@@ -282,4 +282,4 @@ def test_bodies_from_anywhere_settle_where_it_is_said() -> None:
         scene, scene.across / scene.normal, restitution, motion.cycles.astype(np.float64), none
     )
     assert others[known].tolist() == apart[known].tolist()
-    assert apart[known].sum() > 10
+    assert apart[known].sum() > 20
