@@ -35,6 +35,7 @@ _ROUGH: Final = 1.0  # decrease of the sum of squares, in variances, below which
 # A pattern is excluded that fits worse by this, in variances: 4 sigma. The values of another pattern may lie
 # far away, so that excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
 _EXCLUDED: Final = 16.0
+_EXPLAINED: Final = 1.5  # sum of squares over the number of samples, in variances of the noise
 _BETTER: Final = 0.1  # of the threshold: a point this much better than the best is a new start
 _WEIGHINGS: Final = 3
 _NEIGHBOURS: Final = 400  # points around a minimum at which other patterns are looked for
@@ -199,11 +200,18 @@ def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
 
 
 def _first_minima(problem: Problem) -> list[Minimum]:
-    """Descend from the most promising starts in each pattern; return the least misfit of each."""
+    """Descend from the most promising starts in each pattern; return the least misfit of each.
+
+    A scene that hops takes as long as a hundred others. A record that is explained to its noise without one
+    needs none.
+    """
     minima: list[Minimum] = []
-    for label, point in starts(problem):
+    for hops in (False, True):
         aim = min((m.squares for m in minima), default=math.inf)
-        minima.append(descend(problem, label, point, _all(problem), _ROUGH, aim))
+        if aim > _EXPLAINED * problem.count:
+            for label, point in starts(problem, hops=hops):
+                minima.append(descend(problem, label, point, _all(problem), _ROUGH, aim))
+                aim = min(aim, minima[-1].squares)
     if not minima:
         raise InputError(
             "--fit: no value that was tried gives a steady motion to compare with",

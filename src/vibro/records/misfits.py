@@ -89,6 +89,7 @@ class Problem:
             rest = values - folded.periodic(observation.time)
             rest = rest - np.polyval(np.polyfit(observation.time, rest, folded.trends), observation.time)
             self._weigh(name, np.ones(values.size), rest, values.size)
+            self.count += values.size
 
     @property
     def own(self) -> Floats:

@@ -36,14 +36,22 @@ _TRIED: Final = 3  # starts in each pattern
 _AT_ONCE: Final = 512  # scenes
 
 
-def starts(problem: Problem) -> list[tuple[str, Floats]]:
-    """Return the best few points of each pattern on a grid, with their labels, the most promising first."""
+def starts(problem: Problem, *, hops: bool) -> list[tuple[str, Floats]]:
+    """Return the best few points of each pattern on a grid, with their labels, the most promising first.
+
+    Parameters
+    ----------
+    problem : Problem
+        The misfit.
+    hops : bool
+        Whether to return scenes that hop, instead of those in contact.
+    """
     values = _candidates(problem)
     points = np.array([values[name] for name in problem.names]).T
     labels = problem.labels(points)
-    hopping = np.flatnonzero(labels == HOPS)
-    labels[hopping[1:][np.arange(hopping.size - 1) % max(hopping.size // _MOST_HOPPING, 1) > 0]] = ""
-    kept = np.flatnonzero(labels != "")
+    kept = np.flatnonzero((labels != "") & ((labels == HOPS) == hops))
+    if hops:
+        kept = kept[:: max(kept.size // _MOST_HOPPING, 1)]
     points, labels = points[kept], labels[kept]
     squares, shifts = np.empty(kept.size), np.empty(kept.size)
     for first in range(0, kept.size, _AT_ONCE):

@@ -177,8 +177,8 @@ def _lot(scene: Loads, throw: Floats, restitution: Floats, means: HoppingCycles)
 def _running(scene: Loads, sample: Sample, slid: _Slid) -> tuple[Bools, Bools]:
     """Tell in which scenes bodies run away, and in which they might, as they have not stopped again.
 
-    Where friction is too weak to hold gravity every flight without a stop adds speed downhill. The drive takes
-    no more than twice its own speed from that, and one landing no more than its friction.
+    Where friction is too weak to hold gravity every flight without a stop adds speed downhill. The drive
+    takes no more than twice its own speed from that, and one landing no more than its friction.
     """
     grip = scene.kinetic_friction * scene.normal
     loose = np.broadcast_to(np.abs(scene.tangential) > grip, sample.impact.size // BODIES)
