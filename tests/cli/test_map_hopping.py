@@ -1,0 +1,83 @@
+"""What ``vibro map`` and ``vibro solve`` tell of hopping: other motions, restitution as an axis."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from commands import NUT, Run, rows_of
+
+SCENE = """
+[scene]
+amplitude_mm = 1
+frequency_hz = 15
+drive_angle_deg = 20
+static_friction = 0.74
+kinetic_friction = 0.57
+"""
+
+
+@pytest.mark.parametrize("command", ["solve", "map"])
+@pytest.mark.parametrize("args", [("--flight", "off"), ("--accuracy", "regimes")])
+def test_other_motions_of_what_is_not_followed_are_refused(
+    run: Run, command: str, args: tuple[str, str]
+) -> None:
+    result = run(command, *NUT, "-A", "4" if command == "solve" else "4,5", "--coexist", *args)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.splitlines() == [
+        "error: --coexist: no flight is modelled with --flight off or --accuracy regimes",
+        "hint: leave one of them out",
+    ]
+    assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["solve", "map"])
+def test_the_help_says_what_other_motions_cost(run: Run, command: str) -> None:
+    text = " ".join(run(command, "--help").stdout.replace("│", " ").split())
+    assert "several ms a cell that hops" in text
+
+
+def test_other_motions_are_looked_for_on_request(run: Run) -> None:
+    slopes = ("map", *NUT, "-A", "0.1,6", "-a", "55", "--trough-angle", "0:31:2")
+    flags = [row["coexists"] for row in rows_of(run(*slopes, "-o", "-").stdout)]
+    assert flags == ["0", "1", "", "1"]
+    flags = [row["coexists"] for row in rows_of(run(*slopes, "--coexist", "-o", "-").stdout)]
+    assert flags == ["0", "1", "0", "1"]
+
+
+def test_the_sidecar_says_whether_other_motions_were_looked_for(run: Run) -> None:
+    for more, looked in (((), False), (("--coexist",), True)):
+        assert run("solve", *NUT, "-o", "nut", "--force", *more).exit_code == 0
+        assert json.loads(Path("nut.json").read_text(encoding="utf-8"))["coexistence"] is looked
+
+
+def test_restitution_is_an_axis(run: Run) -> None:
+    Path("hop.toml").write_text(
+        SCENE + '\n[map]\namplitude_mm = [1, 4.5]\nrestitution = "0:0.2:3"\n', encoding="utf-8"
+    )
+    rows = rows_of(run("map", "hop.toml", "-o", "-", "--at", "restitution=0.1").stdout)
+    columns = list(rows[0])
+    assert columns[columns.index("restitution") - 1] == "trough_angle_deg"
+    assert [row["restitution"] for row in rows] == ["0", "0.1", "0.2"] * 2
+    speeds = [row["mean_velocity_mm_s"] for row in rows]
+    assert len(set(speeds[:3])) == 1  # it does not leave the trough
+    assert len(set(speeds[3:])) == 3
+    for row in rows[3:]:
+        alone = run("solve", *NUT, "-A", "4.5", "--restitution", row["restitution"], "-o", "-").stdout
+        (same,) = rows_of(alone)
+        assert {name: row[name] for name in same} == same
+
+
+@pytest.mark.parametrize(
+    ("args", "problem"),
+    [
+        (("--restitution", "0:1:5"), "restitution = 1: must be in [0, 1)"),
+        (("--restitution", "0:.9:5", "--at", "e=.95"), "restitution = 0.95 lies outside of the sweep"),
+    ],
+)
+def test_restitutions_that_there_are_not(run: Run, args: tuple[str, ...], problem: str) -> None:
+    result = run("map", *NUT, "-A", "1,4", *args, "-o", "-")
+    assert result.exit_code == 2
+    assert f"error: {problem}" in result.stderr.splitlines()
