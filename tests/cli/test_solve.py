@@ -262,7 +262,7 @@ STEEP = (*NUT, "-a", "55", "--trough-angle", "31")
         ((*NUT, "-A", "4"), None, None),
         ((*NUT, "-A", "4", "--coexist"), 0, "no other steady motion was found"),
         ((*NUT, "-A", "4.4", "--restitution", "0.4", "--coexist"), 1, "settle into another steady motion"),
-        ((*STEEP, "-A", "6"), None, None),
+        ((*STEEP, "-A", "6"), 1, "a body pushed downhill runs away"),
         ((*STEEP, "-A", "6", "--coexist"), 1, "a body pushed downhill runs away"),
     ],
 )
