@@ -168,10 +168,10 @@ def _lot(scene: Loads, throw: Floats, restitution: Floats, means: HoppingCycles)
     means.flight_fraction[several] = 1.0 + (share - 1.0) / motions[several]
     np.maximum.at(means.impact, owner, loads.normal * impact)
     np.maximum.at(means.peak, owner, end.cycle.peak)
-    lost = np.unique(owner[~is_answered(end.status)])
-    means.status[lost], means.pattern[lost] = Status.RUNAWAY, 0
+    lost = np.flatnonzero(~is_answered(end.status))
+    means.status[owner[lost]], means.pattern[owner[lost]] = end.status[lost], 0
     for numbers in means[2:-1]:
-        numbers[lost] = np.nan
+        numbers[owner[lost]] = np.nan
 
 
 def _running(scene: Loads, sample: Sample, slid: _Slid) -> tuple[Bools, Bools]:
@@ -198,7 +198,7 @@ def _over_all(halves: Floats) -> Floats:
 
 
 class _Slid(NamedTuple):
-    """Bodies followed along the trough through the halves of their samples; all but one of shape (2, bodies).
+    """Bodies followed along the trough through the halves of their samples; all of shape (2, bodies).
 
     Attributes
     ----------
