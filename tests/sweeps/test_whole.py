@@ -145,7 +145,7 @@ def test_what_was_not_looked_at_is_no_number() -> None:
 
 def test_other_motions_are_looked_for_on_request() -> None:
     slopes = {**NUT, "drive_angle_deg": 55, "trough_angle_deg": [0.0, 31.0], "amplitude_mm": [0.1, 6]}
-    assert vibro.sweep(frequency_hz=15, **slopes).cycle.coexists.tolist() == [[0, 1], [-1, -1]]
+    assert vibro.sweep(frequency_hz=15, **slopes).cycle.coexists.tolist() == [[0, 1], [-1, 1]]
     t = vibro.sweep(frequency_hz=15, coexistence=True, **slopes)
     assert t.cycle.coexists.tolist() == [[0, 1], [0, 1]]
     assert t.to_frame()["coexists"].tolist() == [0, 1, 0, 1]
