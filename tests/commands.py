@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
+import pytest
 from typer.testing import Result
 
 Run = Callable[..., Result]
@@ -14,6 +18,25 @@ NUT = ("-A", "1", "-f", "15", "-a", "20", "--mu-s", "0.74", "--mu-d", "0.57")
 """The paper's scene."""
 
 NUT_ANGLE_AND_FRICTION = NUT[4:]
+
+SMALL = ("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
+TABLE = ("traverse-time", *SMALL[1:], "-L", "600")
+"""A table and its sidecar, without pictures, which take most of a small run's time."""
+
+LONG = ("map", "-A", "0.1:3:3000", "-f", "5:60:3000", *NUT_ANGLE_AND_FRICTION)
+
+VIBRO = (sys.executable, "-m", "vibro")
+"""The program, in a process of its own."""
+
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals, limits and terminals")
+
+
+def started(*args: str, cwd: Path, program: tuple[str, ...] = VIBRO) -> subprocess.Popen[str]:
+    """Start the program."""
+    return subprocess.Popen(
+        [*program, *args],
+        cwd=cwd, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
 
 
 def rows_of(text: str) -> list[dict[str, str]]:

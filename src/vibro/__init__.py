@@ -5,10 +5,10 @@ The public names load their modules on first use, so that ``vibro --help`` impor
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # typing and importlib take time in which a run could not be interrupted properly
 if TYPE_CHECKING:
+    from typing import Any
+
     from vibro.core.codes import Regime, Status
     from vibro.errors import FileError, InputError, SceneError, VibroError
     from vibro.limits import critical_loads, transitions
@@ -63,6 +63,8 @@ _HOMES = {
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
     value = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value

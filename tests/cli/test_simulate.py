@@ -46,15 +46,19 @@ def test_the_files(run: Run) -> None:
     assert content["scene"]["kinetic_friction"] == 0.57
 
 
-def test_the_default_name_is_that_of_the_scene(run: Run) -> None:
-    run("simulate", SCENE, *PLAIN, "--cycles", "1")
-    assert Path("safety_nut-history.csv").exists()
-    run("simulate", *NUT, *PLAIN, "--cycles", "1")
-    assert Path("vibro-history.csv").exists()
+def test_files_are_written_where_that_is_asked_for(run: Run) -> None:
+    for _ in range(2):
+        for more in ((), ("--json",)):
+            assert run("simulate", SCENE, *PLAIN, "--cycles", "1", *more).exit_code == 0
+    assert list(Path().iterdir()) == []
+    run("simulate", SCENE, *PLAIN, "--cycles", "1", "-o", "out/")
+    assert Path("out/safety_nut-history.csv").exists()
+    run("simulate", *NUT, *PLAIN, "--cycles", "1", "-o", "out/")
+    assert Path("out/vibro-history.csv").exists()
 
 
 def test_json_holds_every_phase(run: Run) -> None:
-    result = run("simulate", SCENE, *PLAIN, "--cycles", "30", "--json")
+    result = run("simulate", SCENE, *PLAIN, "--cycles", "30", "--json", "-o", "nut")
     answer = json.loads(result.stdout)
     assert len(answer["phases"]) == 61
     assert answer["phases"][1]["end_position_mm"] == pytest.approx(1.0842304, rel=1e-7)
@@ -62,11 +66,10 @@ def test_json_holds_every_phase(run: Run) -> None:
 
 
 def test_long_runs_print_the_first_phases(run: Run) -> None:
-    result = run("simulate", SCENE, "--cycles", "1000", "--samples-per-cycle", "0", *PLAIN)
+    result = run("simulate", SCENE, "--cycles", "1000", "--samples-per-cycle", "0", *PLAIN, "-o", "nut")
     assert "... 1977 more phases" in result.stdout
     assert "1084.23 mm along the trough" in result.stdout
-    rows = table_of("safety_nut-history.csv")
-    assert len(rows) == 2002
+    assert len(table_of("nut.csv")) == 2002
 
 
 def test_a_duration_and_another_start(run: Run) -> None:

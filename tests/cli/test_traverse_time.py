@@ -119,7 +119,7 @@ def test_the_scene_files_axes_count_only_with_sweep(run: Run) -> None:
     Path("nut.toml").write_text(SCENE, encoding="utf-8")
     single = run("traverse-time", "nut.toml")
     assert single.stdout.startswith("traverse time  36.8925 s")
-    swept = run("traverse-time", "nut.toml", "--sweep")
+    swept = run("traverse-time", "nut.toml", "--sweep", "-o", "./")
     assert swept.exit_code == 0
     assert swept.stdout == ""
     assert "amplitude: 3 values, 0.5, 1, 1.5 mm" in swept.stderr
@@ -130,6 +130,20 @@ def test_the_scene_files_axes_count_only_with_sweep(run: Run) -> None:
     assert sorted(path.name for path in Path().iterdir()) == [
         "nut-traverse-time.csv", "nut-traverse-time.json", "nut.toml",
     ]  # fmt: skip
+
+
+def test_a_sweep_is_printed_where_no_file_is_asked_for(run: Run) -> None:
+    args = ("traverse-time", *NUT, "-A", "0.5,1,4", "-f", "1,15", "-L", "600")
+    table, content = run(*args), run(*args, "--json")
+    assert table.exit_code == content.exit_code == 0
+    assert table.stdout == run(*args, "-o", "-").stdout
+    rows, cells = rows_of(table.stdout), json.loads(content.stdout)
+    assert len(cells) == len(rows) == 6
+    for row, cell in zip(rows, cells, strict=True):
+        assert list(cell) == list(row)
+        for name, value in cell.items():
+            assert row[name] == ("" if value is None else str(value).removesuffix(".0"))
+    assert list(Path().iterdir()) == []
 
 
 def test_an_axis_among_the_options_sweeps(run: Run) -> None:

@@ -19,7 +19,7 @@ from vibro.files import tables
 from vibro.files.tables import CsvFormat
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block
-from vibro.sweeps.columns import WITH_STROKES, columns_of, record, to_frame
+from vibro.sweeps.columns import WITH_STROKES, columns_of, records, to_frame
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import sweep_blocks
 
@@ -167,17 +167,18 @@ def test_no_number_is_an_empty_cell_and_null() -> None:
     ]
     assert [row["status"] for row in rows] == ["ok", "infeasible", "ok", "infeasible"]
     assert rows[1]["mean_velocity_mm_s"] == rows[1]["throw_number"] == rows[0]["traverse_time_s"] == ""
-    assert record(COLUMNS, block, 1)["mean_velocity_mm_s"] is None
-    assert record(COLUMNS, block, 1)["regime"] == ""
-    assert record(COLUMNS, block, 1)["throw_number"] is None
+    infeasible = list(records(COLUMNS, block))[1]
+    assert infeasible["mean_velocity_mm_s"] is None
+    assert infeasible["regime"] == ""
+    assert infeasible["throw_number"] is None
 
 
 @pytest.mark.parametrize("length", [None, 600.0])
 def test_record_frame_and_csv_agree(length: float | None) -> None:
     block = one_block(length, amplitude="0.2:4:7", frequency="15")
     frame, table = to_frame(COLUMNS, block), read(csv_of(block, CsvFormat()), CsvFormat())
-    for i in range(len(frame)):
-        for name, value in record(COLUMNS, block, i).items():
+    for i, record in enumerate(records(COLUMNS, block)):
+        for name, value in record.items():
             if value is None:
                 assert pd.isna(frame[name].iloc[i])
                 assert table[name][i] == ""

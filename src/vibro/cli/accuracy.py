@@ -15,6 +15,8 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.figure import Figure
+
     from vibro.accuracy.trade import Row, Trade
     from vibro.cli.console import Console
     from vibro.files.tables import TableColumns
@@ -57,14 +59,13 @@ def accuracy_command(
     Scenes are drawn evenly from axes, in the syntax of vibro map; those that hop are left out. Without
     any, from A 0.1:3 mm, f 5:60 Hz (both log), drive angle 2:45 deg, mu_s 0.1:1 and mu_d/mu_s 0.4:1.
     Errors are against arbitrary precision if mpmath is installed (pip install vibro[accuracy]), else
-    against converged event-driven simulation. The table goes to STEM.csv and STEM.json, the picture to
-    STEM.png.
+    against converged event-driven simulation. With -o the table goes to STEM.csv and STEM.json too, the
+    picture to STEM.png.
     """
     from vibro.cli.console import Console
     from vibro.cli.output import count
-    from vibro.files.outputs import output_stem
-    from vibro.files.publication import Publication, json_text
-    from vibro.files.tables import CsvFormat
+    from vibro.cli.series import SeriesOutput
+    from vibro.files.publication import json_text
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -72,39 +73,33 @@ def accuracy_command(
         raise InputError(f"--scenes {scenes}: must be at least 1")
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"--tolerance {tolerance:g}: must be finite and > 0")
-    stream = None
-    if options.output == "-":
-        from vibro.cli.output import table_stream
-
-        stream = table_stream(json=options.json)
     request = _request(options, context.obj)
-    grid = _grid(request, console)
-    form = CsvFormat(options.excel, options.decimal_comma)
-    if stream:
+    with SeriesOutput(
+        f"{request.name or 'vibro'}-accuracy",
+        ("",),
+        formats=wanted,
+        options=options,
+        argv=context.obj,
+        console=console,
+    ) as output:
+        grid = _grid(request, console)
         trade = _run(grid, scenes, tolerance, console)
-        stream.write(form.table(_columns(trade.rows)))
-        return 0
-    stem = output_stem(options.output, f"{request.name or 'vibro'}-accuracy")
-    with Publication(stem, context.obj, force=options.force, pictures=("",), formats=wanted) as files:
-        trade = _run(grid, scenes, tolerance, console)
-        from vibro.plots import save
-        from vibro.plots.trade import trade_figure
+        content = _content(trade, grid)
 
-        with files.table() as table:
-            table.write(form.table(_columns(trade.rows)))
-        figure = trade_figure(trade)
-        content = files.finish(
-            _content(trade, grid), lambda _, path, form_, metadata: save(figure, path, form_, metadata)
-        )
+        def draw() -> Figure:
+            from vibro.plots.trade import trade_figure
+
+            return trade_figure(trade)
+
+        output.write(lambda: {"": _columns(trade.rows)}, draw, content)
+    if trade.scenes < scenes:
+        console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
+    if output.takes_stdout:
+        return 0
     if options.json:
         print(json_text(content))
     else:
         _print_table(trade)
-    if trade.scenes < scenes:
-        console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
-    if console.is_terminal:
-        for target in files.targets:
-            console.echo(f"wrote {target}")
     return 0
 
 

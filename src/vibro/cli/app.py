@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import gc
 import os
-import signal
 import sys
-import threading
 import traceback
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -16,23 +13,22 @@ from typer.core import TyperGroup
 
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import CompareCommand, compare_command
-from vibro.cli.console import print_error, tolerate_any_encoding
+from vibro.cli.console import open_closed_streams, print_error, silence, tell, tolerate_any_encoding
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
 from vibro.cli.simulate import simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
 from vibro.errors import FileError, InputError, VibroError
+from vibro.interrupts import EXIT_CODE, end_on_signals, ignore_signals
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from types import FrameType
+    from collections.abc import Callable, Sequence
 
 __all__ = ["app", "main"]
 
 _FAILED = 1
 _WRONG_INPUT = 2
-_INTERRUPTED = 130
 _OBJECTS = 100_000  # made before garbage is looked for
 
 
@@ -51,46 +47,29 @@ class _Commands(TyperGroup):
         argv = list(sys.argv[1:] if args is None else args)
         tolerate_any_encoding()
         try:
-            with _interruptible():
-                code = super().main(
-                    args=argv,
-                    prog_name="vibro",
-                    complete_var=complete_var,
-                    standalone_mode=False,
-                    obj=argv,
-                    **extra,
-                )
-                sys.stdout.flush()
+            code = super().main(
+                args=argv,
+                prog_name="vibro",
+                complete_var=complete_var,
+                standalone_mode=False,
+                obj=argv,
+                **extra,
+            )
+            sys.stdout.flush()
         except KeyboardInterrupt:
-            code = _INTERRUPTED
+            code = EXIT_CODE
         except Exception as exc:
             code = _report(exc, argv)
-        if code == _INTERRUPTED:
+        if code == EXIT_CODE:  # typer's, too, where signals raise exceptions
             print_error(["interrupted"])
         sys.exit(code)
-
-
-@contextlib.contextmanager
-def _interruptible() -> Iterator[None]:
-    """Let SIGTERM end a run as Ctrl-C does: by an exception, so that everything is cleaned up."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _report(exc: Exception, argv: Sequence[str]) -> int:
     """Print what went wrong and return the exit code."""
     if "--debug" in argv:
-        traceback.print_exception(exc)
+        for line in "".join(traceback.format_exception(exc)).splitlines():
+            tell(line)
     if isinstance(exc, InputError):
         print_error(exc.problems, exc.hint)
         return _WRONG_INPUT
@@ -106,7 +85,7 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         print_error([exc.format_message().strip()], " ".join(filter(None, ["see vibro", known, "--help"])))
         return _WRONG_INPUT
     if isinstance(exc, OSError):
-        _silence_stdout()
+        silence(sys.stdout)
         if not isinstance(exc, BrokenPipeError):
             print_error([f"cannot read or write: {exc.strerror or exc}"])
         return _FAILED
@@ -115,12 +94,6 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         return _FAILED
     print_error([f"unexpected {type(exc).__name__}: {exc}"], "please report it with the output of --debug")
     return _FAILED
-
-
-def _silence_stdout() -> None:
-    """Keep the interpreter from failing once more when it flushes what could not be written."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 app = typer.Typer(
@@ -132,7 +105,18 @@ app = typer.Typer(
 )
 
 
-@app.callback(invoke_without_command=True)
+_EXIT_CODES = """\b
+Exit codes:
+  0    done
+  1    a file or stream could not be read or written
+  2    the input is wrong
+  3    done, but something is unresolved: cells, or the one value asked for
+  4    done, but nothing meets the goal
+  130  interrupted
+"""
+
+
+@app.callback(invoke_without_command=True, epilog=_EXIT_CODES)
 def _vibro(
     context: typer.Context,
     version: Annotated[
@@ -160,12 +144,14 @@ for _name, _command in _NAMES.items():
 
 def main() -> None:
     """Run the command line of this process."""
+    end_on_signals()
+    open_closed_streams()
+    # Figures are written to files. Whatever is set for windows is of no account, even if it is no backend.
+    os.environ["MPLBACKEND"] = "agg"
     # Imports and figures make many small objects, nearly all of them in use. Searching them for garbage as
     # often as Python does takes a tenth of a map's time.
     gc.set_threshold(_OBJECTS)
     try:
         app()
     finally:
-        # All is written or removed: a late signal must not turn the exit code into a lie.
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_IGN)
+        ignore_signals()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 from typer.core import TyperCommand
 
-from vibro.cli.console import Console
+from vibro.cli.console import Console, printable
 from vibro.cli.options import Options, picture_formats
 from vibro.errors import InputError
 from vibro.quantities import QUANTITIES
@@ -91,7 +91,7 @@ def compare_command(
     STEM-summary.csv, STEM.json and a picture.
     """
     from vibro.cli.request import request_of
-    from vibro.cli.series import scene_record, write_series
+    from vibro.cli.series import SeriesOutput, scene_record
     from vibro.quantities import MASS, exact_number
     from vibro.records.alignment import Observation
     from vibro.records.comparison import compare
@@ -122,23 +122,30 @@ def compare_command(
         console.warn(f"column {record.headers['force']!r} is left out: a force needs --mass")
     scene = request.scene()
     observation = Observation.of(record, float(scene.frequency), mass=body, reverse=reverse)
-    comparison = compare(scene, observation)
-    if observation.middle is not observation:
-        rows = observation.middle.time.size
-        console.echo(
-            f"alignment{' and fit' if names else ''}: the middle {rows} of {observation.time.size} rows"
-        )
-    for warning in comparison.warnings:
-        console.warn(warning)
-    fit = None
-    if names:
-        from vibro.records.fitting import fit as fit_scene
+    with SeriesOutput(
+        f"{data.stem}-compare",
+        ("", "summary"),
+        formats=wanted,
+        options=options,
+        argv=context.obj,
+        console=console,
+    ) as output:
+        comparison = compare(scene, observation)
+        if observation.middle is not observation:
+            rows = observation.middle.time.size
+            console.echo(
+                f"alignment{' and fit' if names else ''}: the middle {rows} of {observation.time.size} rows"
+            )
+        for warning in comparison.warnings:
+            console.warn(warning)
+        fit = None
+        if names:
+            from vibro.records.fitting import fit as fit_scene
 
-        fit = fit_scene(scene, observation, names)
+            fit = fit_scene(scene, observation, names)
 
-    tables = ComparisonTables(comparison, record, body, fit)
-    content = {"scene": scene_record(request), "data": str(data), **tables.content()}
-    if options.output is not None:
+        tables = ComparisonTables(comparison, record, body, fit)
+        content = {"scene": scene_record(request), "data": str(data), **tables.content()}
         title = f"{data.name} – {request.name or 'scene'}, computed pattern {comparison.motion.pattern}"
 
         def draw() -> Any:
@@ -146,18 +153,9 @@ def compare_command(
 
             return comparison_figure(comparison, title, compare(fit.scene, observation) if fit else None)
 
-        write_series(
-            f"{data.stem}-compare",
-            {"": tables.signals(), "summary": tables.summary()},
-            draw,
-            content,
-            formats=wanted,
-            options=options,
-            argv=context.obj,
-            console=console,
-        )
-        if options.output == "-":
-            return 0
+        output.write(lambda: {"": tables.signals(), "summary": tables.summary()}, draw, content)
+    if output.takes_stdout:
+        return 0
     if options.json:
         from vibro.files.publication import json_text
 
@@ -226,7 +224,7 @@ class _Report:
         facts = [
             (
                 "data",
-                f"{self.data}: {observation.time.size} rows, {cycles:.4g} cycles,"
+                f"{printable(str(self.data))}: {observation.time.size} rows, {cycles:.4g} cycles,"
                 f" {(observation.time.size - 1) / cycles:.4g} samples a cycle",
             ),
             ("computed", f"pattern {self.comparison.motion.pattern}"),

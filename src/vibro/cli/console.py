@@ -3,13 +3,42 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from typing import TYPE_CHECKING
 
+from vibro.interrupts import Undone
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
+    from typing import TextIO
 
-__all__ = ["Console", "print_error", "tolerate_any_encoding"]
+__all__ = [
+    "Console",
+    "open_closed_streams",
+    "print_error",
+    "printable",
+    "silence",
+    "tell",
+    "tolerate_any_encoding",
+]
+
+
+def open_closed_streams() -> None:
+    """Put something in the place of standard streams that are closed.
+
+    Otherwise the next file that is opened gets the number of one, and Python's messages go elsewhere: those
+    for a closed stderr to stdout. What is written to a closed stdout is lost, which is an error; messages and
+    input are not missed.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            writes = name == "stderr"
+            nothing = os.open(os.devnull, os.O_WRONLY if writes else os.O_RDONLY)
+            if nothing != number:
+                os.dup2(nothing, number)
+                os.close(nothing)
+            setattr(sys, name, open(number, "r" if name == "stdin" else "w", closefd=False))  # noqa: SIM115
 
 
 def tolerate_any_encoding() -> None:
@@ -19,12 +48,33 @@ def tolerate_any_encoding() -> None:
             stream.reconfigure(errors="replace")  # type: ignore[union-attr]
 
 
+def printable(text: str) -> str:
+    """Show what does not print as an escape: names are text, which must not command a terminal."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def tell(text: str) -> None:
+    """Write a line to stderr; one that is full or gone stops nothing."""
+    try:
+        print(printable(text), file=sys.stderr, flush=True)
+    except (OSError, ValueError):
+        silence(sys.stderr)
+
+
+def silence(stream: TextIO) -> None:
+    """Let what a stream cannot write, now or when the interpreter ends, go nowhere."""
+    with contextlib.suppress(OSError, ValueError):
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, stream.fileno())
+        os.close(nothing)
+
+
 def print_error(problems: Sequence[str], hint: str = "") -> None:
     """Print what is wrong and how to put it right, a line each."""
     for problem in problems:
-        print(f"error: {problem}", file=sys.stderr)
+        tell(f"error: {problem}")
     for line in hint.splitlines():
-        print(f"hint: {line}", file=sys.stderr)
+        tell(f"hint: {line}")
 
 
 class Console:
@@ -47,7 +97,7 @@ class Console:
     def echo(self, text: str) -> None:
         """Say what was understood or done."""
         if not self.quiet:
-            print(text, file=sys.stderr)
+            tell(text)
 
     def warn(self, text: str) -> None:
         """Say what the user should know about the answer."""
@@ -76,6 +126,13 @@ class Console:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        with Progress(*columns, console=RichConsole(stderr=True), transient=True) as bar:
+        console = RichConsole(stderr=True)
+
+        def show_cursor() -> None:
+            # The bar hides it. Its own way to end is not safe in the middle of whatever it is doing.
+            if not console.is_dumb_terminal:
+                os.write(2, b"\r\x1b[K\x1b[?25h")
+
+        with Undone(show_cursor), Progress(*columns, console=console, transient=True) as bar:
             task = bar.add_task(label, total=total)
             yield lambda done: bar.update(task, completed=done)

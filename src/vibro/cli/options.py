@@ -8,12 +8,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
 from vibro.core.codes import Level
 from vibro.errors import InputError
+from vibro.files.stems import PICTURE_FORMATS
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -32,8 +33,6 @@ __all__ = [
     "refuse_without_flight",
     "shares_options",
 ]
-
-_FORMATS: Final = ("png", "svg", "pdf")
 
 
 class Flight(StrEnum):
@@ -79,10 +78,10 @@ def picture_formats(text: str) -> list[str]:
     """Read the formats that pictures are to have, such as ``png,svg``."""
     names = list(dict.fromkeys(name.strip().casefold() for name in text.split(",")))
     for name in names:
-        if name not in _FORMATS:
+        if name not in PICTURE_FORMATS:
             raise InputError(
                 f"--format {text}: {name!r} is not a format of pictures",
-                hint=f"they are {', '.join(_FORMATS)}",
+                hint=f"they are {', '.join(PICTURE_FORMATS)}",
             )
     return names
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
@@ -10,11 +11,11 @@ from vibro.cli.console import Console
 from vibro.cli.options import Flight
 from vibro.cli.report import OneScene
 from vibro.core.codes import Level, Regime, Status
-from vibro.errors import InputError
-from vibro.files.outputs import output_stem
+from vibro.errors import FileError, InputError
 from vibro.files.publication import Publication, json_text
+from vibro.files.stems import output_stem
 from vibro.files.tables import CsvFormat
-from vibro.sweeps.columns import record
+from vibro.sweeps.columns import records
 from vibro.sweeps.csv_sink import Tally, provenance, write_rows
 from vibro.sweeps.run import sweep_blocks
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
-__all__ = ["Pictures", "answer_one", "count", "make_grid", "table_stream", "write_sweep"]
+__all__ = ["Pictures", "answer_one", "answer_sweep", "count", "make_grid", "table_stream", "write_sweep"]
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
 _BYTES_PER_ROW: Final = 220  # [B] what a row of all columns comes to, rounded up
@@ -110,7 +111,7 @@ def write_sweep(
     console : Console
         For progress and messages.
     name : str
-        The files' name where the options name none.
+        The files' name where the options name none, or a folder.
     pictures : Pictures, optional
         What to draw.
 
@@ -131,19 +132,48 @@ def write_sweep(
         stream = table_stream(json=options.json)
         with console.progress("solving", grid.size) as report:
             tally = write_rows(grid, columns, form, stream, report)
-        return _conclude(tally, grid.size, console, [])
+        return _conclude(tally, grid.size, console)
 
     names = pictures.names if pictures else ()
     formats = pictures.formats if pictures else ()
     stem = output_stem(options.output, name)
-    with Publication(stem, argv, force=options.force, pictures=names, formats=formats) as files:
+    with Publication(
+        stem, argv, force=options.force, tell=console.echo, pictures=names, formats=formats
+    ) as files:
         _check_size(grid, files)
         with files.table() as stream, console.progress("solving", grid.size) as report:
             tally = write_rows(grid, columns, form, stream, report)
         content = files.finish(provenance(grid, columns, tally), pictures.saver() if pictures else None)
     if options.json:
         print(json_text(content))
-    return _conclude(tally, grid.size, console, files.targets)
+    return _conclude(tally, grid.size, console)
+
+
+def answer_sweep(
+    grid: Grid,
+    columns: Sequence[Column],
+    options: Options,
+    argv: Sequence[str],
+    console: Console,
+    name: str,
+) -> int:
+    """Solve a grid and print its table, as CSV or as JSON; write files if the options name an output.
+
+    Parameters and errors are those of ``write_sweep``.
+    """
+    if options.output is not None:
+        return write_sweep(grid, columns, options, argv, console, name)
+    if not options.json:
+        return write_sweep(grid, columns, replace(options, output="-"), argv, console, name)
+    tally = Tally()
+    between = "[\n"
+    for block in sweep_blocks(grid):
+        tally.add(block)
+        for cell in records(columns, block):
+            print(between, json.dumps(cell, allow_nan=False), sep="", end="")
+            between = ",\n"
+    print("\n]")
+    return _conclude(tally, grid.size, console)
 
 
 def answer_one(
@@ -189,7 +219,7 @@ def answer_one(
             return code
     (block,) = sweep_blocks(grid)
     if options.json:
-        print(json_text(record(columns, block)))
+        print(json_text(next(records(columns, block))))
     else:
         print(report(OneScene(block)))
     return _UNRESOLVED if block.cycle.status == Status.UNRESOLVED else 0
@@ -207,29 +237,29 @@ def _check_size(grid: Grid, files: Publication) -> None:
     needed, free = grid.size * _BYTES_PER_ROW, files.free_space()
     if needed > free:
         sizes = f"about {_bytes(needed)}, but only {_bytes(free)} are free"
-        raise InputError(
-            f"{' x '.join(map(str, grid.shape))} = {count(grid.size)} cells are {sizes} in {files.folder}",
-            hint="ask for fewer values, or write to stdout with -o -",
+        product = f"{' x '.join(map(str, grid.shape))} = " if len(grid.shape) > 1 else ""
+        cells = f"{product}{count(grid.size)} cells are" if grid.size > 1 else "one cell is"
+        raise FileError(
+            f"{cells} {sizes} in {files.folder}",
+            hint="free some space, ask for fewer values, or write to stdout with -o -",
         )
 
 
 def _bytes(number: float) -> str:
-    for unit in ("kB", "MB", "GB", "TB", "PB"):
-        number /= 1000
+    for unit in ("B", "kB", "MB", "GB", "TB"):
         if number < 1000:
             return f"{number:.3g} {unit}"
+        number /= 1000
     return f"{number:.3g} PB"
 
 
-def _conclude(tally: Tally, size: int, console: Console, targets: Sequence[Path]) -> int:
+def _conclude(tally: Tally, size: int, console: Console) -> int:
     """Tell how it went, and return the exit code."""
     for status in Status:
         if status is not Status.OK and tally.status[status]:
             cells = "cell" if size == 1 else f"of {count(size)} cells"
             console.echo(f"{count(tally.status[status])} {cells}: {status.label} ({status.message})")
-    if console.is_terminal:
-        for target in targets:
-            console.echo(f"wrote {target}")
+    if size > 1:
         for regime in Regime:
             if tally.regime[regime]:
                 console.echo(f"{regime.label or 'no regime':>12} {tally.regime[regime] / size:7.1%}")

@@ -1,17 +1,18 @@
-"""What the commands about motion in time share: their files."""
+"""What the commands share that write tables over time, or of methods: their files."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from vibro.cli.output import table_stream
-from vibro.files.outputs import output_stem
 from vibro.files.publication import Publication
+from vibro.files.stems import output_stem
 from vibro.files.tables import CsvFormat
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from types import TracebackType
 
     from matplotlib.figure import Figure
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from vibro.files.tables import TableColumns
     from vibro.sweeps.request import Request
 
-__all__ = ["scene_record", "write_series"]
+__all__ = ["SeriesOutput", "scene_record"]
 
 
 def scene_record(request: Request) -> dict[str, float]:
@@ -28,29 +29,17 @@ def scene_record(request: Request) -> dict[str, float]:
     return {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
 
 
-def write_series(
-    name: str,
-    tables: Mapping[str, TableColumns],
-    draw: Callable[[], Figure],
-    content: Mapping[str, Any],
-    *,
-    formats: Sequence[str],
-    options: Options,
-    argv: Sequence[str],
-    console: Console,
-) -> None:
-    """Write tables, a picture and a sidecar, all or none; or the first table to stdout.
+class SeriesOutput:
+    """Where tables, a picture and a sidecar go: to files, all or none; the first table to stdout; or nowhere.
+
+    To be entered before anything is computed: that claims the files.
 
     Parameters
     ----------
     name : str
-        The files' name where the options name none.
-    tables : mapping of str to mapping
-        Columns by their header, by the name that is appended to the stem.
-    draw : callable
-        Makes the picture.
-    content : mapping
-        What the sidecar says beside version, arguments and files.
+        The files' name where the options name a folder.
+    tables : sequence of str
+        What is appended to the stem for each table.
     formats : sequence of str
         Of the picture.
     options : Options
@@ -65,21 +54,72 @@ def write_series(
     InputError, FileError
         If the files cannot be written.
     """
-    form = CsvFormat(options.excel, options.decimal_comma)
-    if options.output == "-":
-        table_stream(json=options.json).write(form.table(next(iter(tables.values()))))
-        return
-    stem = output_stem(options.output, name)
-    with Publication(
-        stem, argv, force=options.force, tables=list(tables), pictures=("",), formats=formats
-    ) as files:
-        for table, columns in tables.items():
-            with files.table(table) as stream:
-                stream.write(form.table(columns))
+
+    def __init__(
+        self,
+        name: str,
+        tables: Sequence[str],
+        *,
+        formats: Sequence[str],
+        options: Options,
+        argv: Sequence[str],
+        console: Console,
+    ) -> None:
+        self._form = CsvFormat(options.excel, options.decimal_comma)
+        self._stream = table_stream(json=options.json) if options.output == "-" else None
+        self._files: Publication | None = None
+        if options.output not in (None, "-"):
+            self._files = Publication(
+                output_stem(options.output, name),
+                argv,
+                force=options.force,
+                tell=console.echo,
+                tables=tables,
+                pictures=("",),
+                formats=formats,
+            )
+
+    @property
+    def takes_stdout(self) -> bool:
+        """Whether stdout is for the table alone."""
+        return self._stream is not None
+
+    def write(
+        self,
+        tables: Callable[[], Mapping[str, TableColumns]],
+        draw: Callable[[], Figure],
+        content: Mapping[str, Any],
+    ) -> None:
+        """Write what is wanted of it.
+
+        Parameters
+        ----------
+        tables : callable
+            Makes the columns by their header, by the name of the table.
+        draw : callable
+            Makes the picture.
+        content : mapping
+            What the sidecar says beside version, arguments and files.
+        """
+        if self._stream:
+            self._stream.write(self._form.table(next(iter(tables().values()))))
+        if not self._files:
+            return
+        for name, columns in tables().items():
+            with self._files.table(name) as stream:
+                stream.write(self._form.table(columns))
         from vibro.plots import save
 
         figure = draw()
-        files.finish(content, lambda _, path, form_, metadata: save(figure, path, form_, metadata))
-    if console.is_terminal:
-        for target in files.targets:
-            console.echo(f"wrote {target}")
+        self._files.finish(content, lambda _, path, form, metadata: save(figure, path, form, metadata))
+
+    def __enter__(self) -> Self:
+        if self._files:
+            self._files.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, exc: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if self._files:
+            self._files.__exit__(kind, exc, traceback)

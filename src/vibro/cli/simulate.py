@@ -15,6 +15,7 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from vibro.files.tables import TableColumns
     from vibro.results.history import History
 
 __all__ = ["simulate_command"]
@@ -69,14 +70,14 @@ def simulate_command(
 ) -> int:
     """Follow a body from its first moment on: phases, motion and forces, exact at any time.
 
-    The phases are printed, and go to STEM-phases.csv; the sampled motion goes to STEM.csv, forces per
-    unit mass; the picture to STEM.png.
+    The phases are printed. With -o they go to STEM-phases.csv too, the sampled motion to STEM.csv, forces per
+    unit mass, and its picture to STEM.png.
     """
     from vibro.cli.request import request_of
-    from vibro.cli.series import scene_record, write_series
+    from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
-    from vibro.motion.trace import motion_table, phase_table, trace
     from vibro.plots.history import choose_panels
+    from vibro.plots.style import values_text
     from vibro.quantities import DURATION, START_PHASE, START_VELOCITY, exact_number
 
     console = Console(quiet=options.quiet)
@@ -90,8 +91,8 @@ def simulate_command(
     _check_rows(lasting, samples, console)
     phase = float(exact_number(start_phase, START_PHASE))
     velocity = float(exact_number(start_velocity, START_VELOCITY))
-    history = simulate(scene, cycles=lasting, start_phase=math.radians(phase), start_velocity=velocity / 1e3)
     name = request.name or "vibro"
+    given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
     content = {
         "scene": scene_record(request),
         "cycles": lasting,
@@ -99,41 +100,52 @@ def simulate_command(
         START_VELOCITY.column: velocity,
         "samples_per_cycle": samples,
     }
-
-    def draw() -> Figure:
-        from vibro.plots.history import history_figure
-        from vibro.plots.style import values_text
-
-        shown = min(lasting, _DRAWN)
-        if shown < lasting:
-            console.echo(f"the picture shows the first {shown:g} of {lasting:g} cycles")
-        until = shown / frequency
-        phases = [p for p in history.phases if p.start < until]
-        seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
-        rows = trace(history, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
-        given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
-        return history_figure(phases, rows, seen, f"{name}\n{values_text(given)}")
-
-    write_series(
+    with SeriesOutput(
         f"{name}-history",
-        {
-            "": motion_table(history, trace(history, until=history.end, samples_per_cycle=samples)),
-            "phases": phase_table(history, history.phases),
-        },
-        draw,
-        content,
+        ("", "phases"),
         formats=wanted,
         options=options,
         argv=context.obj,
         console=console,
-    )
-    if options.output == "-":
+    ) as output:
+        history = simulate(
+            scene, cycles=lasting, start_phase=math.radians(phase), start_velocity=velocity / 1e3
+        )
+        title = f"{name}\n{values_text(given)}"
+        output.write(
+            lambda: _tables(history, samples),
+            lambda: _figure(history, samples, panels, title, console),
+            content,
+        )
+    if output.takes_stdout:
         return 0
     if options.json:
         print(json.dumps({**content, "phases": _records(history)}, indent=2, allow_nan=False))
     else:
         print(_text(history))
     return 0
+
+
+def _tables(history: History, samples: int) -> dict[str, TableColumns]:
+    from vibro.motion.trace import motion_table, phase_table, trace
+
+    rows = trace(history, until=history.end, samples_per_cycle=samples)
+    return {"": motion_table(history, rows), "phases": phase_table(history, history.phases)}
+
+
+def _figure(history: History, samples: int, panels: str | None, title: str, console: Console) -> Figure:
+    """Draw the first cycles of a history."""
+    from vibro.motion.trace import trace
+    from vibro.plots.history import choose_panels, history_figure
+
+    frequency = float(history.scene.frequency)
+    until = min(history.end, _DRAWN / frequency)
+    if until < history.end:
+        console.echo(f"the picture shows the first {_DRAWN:g} of {history.end * frequency:g} cycles")
+    phases = [p for p in history.phases if p.start < until]
+    seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
+    rows = trace(history, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
+    return history_figure(phases, rows, seen, title)
 
 
 def _cycles(cycles: float | None, duration: float | None, frequency: float) -> float:

@@ -33,10 +33,10 @@ def traverse_time_command(
     """Tell how long a body takes over the trough's length, and why if it never arrives.
 
     One scene has both the time at its mean speed and the exact one from rest at trough phase 0. With axes, in
-    the syntax of vibro map, or with --sweep the answers go to STEM.csv and STEM.json.
+    the syntax of vibro map, or with --sweep it prints a table, or writes it to STEM.csv with -o STEM.
     """
     from vibro.cli.console import Console
-    from vibro.cli.output import answer_one, make_grid, write_sweep
+    from vibro.cli.output import answer_one, answer_sweep, make_grid
     from vibro.cli.request import request_of
     from vibro.sweeps.columns import WITH_ARRIVAL, WITH_STROKES, columns_of
 
@@ -52,7 +52,7 @@ def traverse_time_command(
         return answer_one(grid, columns, options, context.obj, name, _report)
     console = Console(quiet=options.quiet)
     grid = make_grid(request, console, flight=flight, arrivals=follows)
-    return write_sweep(grid, columns, options, context.obj, console, name)
+    return answer_sweep(grid, columns, options, context.obj, console, name)
 
 
 def _report(scene: OneScene) -> str:

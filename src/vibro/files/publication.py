@@ -6,7 +6,8 @@ import json
 from typing import TYPE_CHECKING, Any, Self
 
 from vibro import __version__
-from vibro.files.outputs import OutputSet, suffixed
+from vibro.files.outputs import OutputSet
+from vibro.files.stems import file_suffix, suffixed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -35,6 +36,8 @@ class Publication:
         The arguments of the run, told in the JSON.
     force : bool
         Whether existing files may be replaced.
+    tell : callable
+        Is told of every file that is written or removed, and of an incomplete set that is replaced.
     tables, pictures : sequence of str
         Names of tables and pictures, each appended to the stem after a hyphen; the empty name stands for
         the stem itself.
@@ -53,18 +56,19 @@ class Publication:
         argv: Sequence[str],
         *,
         force: bool,
+        tell: Callable[[str], None],
         tables: Sequence[str] = ("",),
         pictures: Sequence[str] = (),
         formats: Sequence[str] = (),
     ) -> None:
         self._argv = ["vibro", *argv]
-        self._tables = {name: suffixed(stem, f"{_tail(name)}.csv") for name in tables}
+        self._tables = {name: suffixed(stem, file_suffix(name, "csv")) for name in tables}
         self._pictures = {
-            (name, form): suffixed(stem, f"{_tail(name)}.{form}") for name in pictures for form in formats
+            (name, form): suffixed(stem, file_suffix(name, form)) for name in pictures for form in formats
         }
         self._json = suffixed(stem, ".json")
-        self.targets = [*self._tables.values(), *self._pictures.values(), self._json]
-        self._files = OutputSet(self.targets, force=force)
+        self._targets = [*self._tables.values(), *self._pictures.values(), self._json]
+        self._files = OutputSet(stem, self._targets, force=force, tell=tell)
 
     @property
     def folder(self) -> Path:
@@ -94,7 +98,7 @@ class Publication:
         dict
             All that the JSON says.
         """
-        files = [target.name for target in self.targets]
+        files = [target.name for target in self._targets]
         whole = {"version": __version__, "argv": self._argv, **content, "files": files}
         metadata = {"Software": f"vibro {__version__}", "Description": json.dumps(whole, allow_nan=False)}
         if save is not None:
@@ -111,7 +115,3 @@ class Publication:
         self, kind: type[BaseException] | None, exc: BaseException | None, traceback: TracebackType | None
     ) -> None:
         self._files.__exit__(kind, exc, traceback)
-
-
-def _tail(name: str) -> str:
-    return f"-{name}" if name else ""

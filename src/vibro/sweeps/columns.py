@@ -12,12 +12,12 @@ from vibro.results.steady import ARRIVAL_TIME, RESULTS, STROKES, TRAVERSE_TIME, 
 from vibro.results.sweep import Block, Column
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     import pandas as pd
     from numpy.typing import NDArray
 
-__all__ = ["WITH_ARRIVAL", "WITH_STROKES", "columns_of", "record", "to_frame"]
+__all__ = ["WITH_ARRIVAL", "WITH_STROKES", "columns_of", "records", "to_frame"]
 
 
 def _given(name: str) -> Column:
@@ -75,8 +75,8 @@ def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]
     return (*given, *columns)
 
 
-def record(columns: Sequence[Column], block: Block, index: int = 0) -> dict[str, float | int | str | None]:
-    """Return one cell as a mapping, for JSON.
+def records(columns: Sequence[Column], block: Block) -> Iterator[dict[str, float | int | str | None]]:
+    """Return cells as mappings, for JSON.
 
     Parameters
     ----------
@@ -84,26 +84,25 @@ def record(columns: Sequence[Column], block: Block, index: int = 0) -> dict[str,
         The keys.
     block : Block
         Solved cells.
-    index : int
-        Which cell, in their order.
 
-    Returns
-    -------
+    Yields
+    ------
     dict
-        None where there is no number.
+        One a cell, in their order; None where there is no number.
     """
-    result: dict[str, float | int | str | None] = {}
-    for column in columns:
-        value = np.broadcast_to(column.values(block), block.shape).flat[index]
-        if column.is_flag:
-            result[column.name] = None if value < 0 else int(value)
-        elif column.texts is not None:
-            result[column.name] = column.texts[value]
-        elif isinstance(value, str):
-            result[column.name] = str(value)
-        else:
-            result[column.name] = float(value) if math.isfinite(value) else None
-    return result
+    values = [np.broadcast_to(column.values(block), block.shape).ravel().tolist() for column in columns]
+    for row in zip(*values, strict=True):
+        yield {column.name: _plain(column, value) for column, value in zip(columns, row, strict=True)}
+
+
+def _plain(column: Column, value: float | int | str) -> float | int | str | None:
+    if isinstance(value, str):
+        return value
+    if column.is_flag:
+        return None if value < 0 else int(value)
+    if column.texts is not None:
+        return column.texts[int(value)]
+    return float(value) if math.isfinite(value) else None
 
 
 def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:

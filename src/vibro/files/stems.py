@@ -1,0 +1,78 @@
+"""Stems: what users call a set of output files, before its suffixes."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Final
+
+from vibro.errors import FileError, InputError
+
+__all__ = ["PICTURES", "PICTURE_FORMATS", "file_suffix", "output_stem", "suffixed"]
+
+#: Every picture of a map that has a name of its own, and the formats that pictures may have.
+PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight")
+PICTURE_FORMATS: Final = ("png", "svg", "pdf")
+
+_GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
+_SUFFIXES: Final = (".csv", ".json", *(f".{form}" for form in PICTURE_FORMATS))
+
+
+def output_stem(output: str | None, name: str) -> Path:
+    """Find the stem of the output files.
+
+    Parameters
+    ----------
+    output : str or None
+        What the user gave: a stem, or a folder (it exists or ends in a separator), which takes ``name``.
+    name : str
+        The scene's name.
+
+    Returns
+    -------
+    Path
+        Suffixes are appended to it by ``suffixed``.
+
+    Raises
+    ------
+    InputError
+        If it ends in the suffix of an output file, or is no name at all.
+    FileError
+        If it is something that a set of files cannot stand beside.
+    """
+    if output is None:
+        return Path(name)
+    path = Path(output)
+    given = f"-o {output}"
+    if "\0" in output:
+        raise InputError(f"{given}: no name has the character NUL", hint=_GIVE_A_NAME)
+    try:
+        if output.endswith((os.sep, os.altsep or os.sep, f"{os.sep}.")) or path.is_dir():
+            return path / name
+        exists = path.exists()
+    except OSError as exc:
+        raise FileError(
+            f"cannot use {given}: {exc.strerror or exc}", hint="choose another name with -o"
+        ) from exc
+    if path.name in ("", ".."):
+        raise InputError(f"{given}: there is no such folder", hint=_GIVE_A_NAME)
+    suffix = next((s for s in _SUFFIXES if path.name.casefold().endswith(s)), "")
+    if suffix:
+        stem = output[: -len(suffix)]
+        example = f"write -o {stem}, which makes {stem}.csv" if len(path.name) > len(suffix) else ""
+        raise InputError(
+            f"{given}: {suffix} is added to the name, as to those of all files", hint=example or _GIVE_A_NAME
+        )
+    if exists and not path.is_file():
+        raise FileError(f"{given}: it is neither a file nor a folder", hint="-o - writes the table to stdout")
+    return path
+
+
+def suffixed(stem: Path, suffix: str) -> Path:
+    """Append a suffix to a stem, whatever dots the stem has: ``run1.5`` becomes ``run1.5.csv``."""
+    return stem.with_name(stem.name + suffix)
+
+
+def file_suffix(name: str, form: str) -> str:
+    """Return what a table or a picture appends to the stem; the only one of its kind may have no name."""
+    return f"-{name}.{form}" if name else f".{form}"

@@ -1,0 +1,177 @@
+"""Runs that are interrupted end at once with 130, say so, and leave nothing."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from commands import LONG, NUT, POSIX, SMALL, TABLE, VIBRO, Run, started
+
+pytestmark = POSIX
+
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
+# Tells when signals are handled, and goes on as the program does.
+READY = (
+    sys.executable,
+    "-c",
+    "from vibro.__main__ import main; from vibro.interrupts import end_on_signals;"
+    " end_on_signals(); print('ready', flush=True); main()",
+)
+
+
+def wait_until_it_writes(run: subprocess.Popen[str], folder: Path, *, at_least: int = 1) -> None:
+    """Wait until a run has so many bytes in one of the files that wait."""
+    while not any(
+        path.stat().st_size >= at_least
+        for path in folder.glob(".vibro-*/*")
+        if not path.name.startswith("lock")
+    ):
+        assert run.poll() is None
+        time.sleep(0.01)
+
+
+def interrupted(run: subprocess.Popen[str], folder: Path) -> None:
+    """Check how a run ended."""
+    _, stderr = run.communicate()
+    *echo, last = stderr.splitlines()
+    assert run.returncode == 130
+    assert last == "error: interrupted"
+    assert all(line.startswith(("amplitude: ", "frequency: ", "warning: 9 000 000 rows")) for line in echo)
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(("number", "output"), [("SIGINT", "out/big"), ("SIGTERM", "big"), ("SIGHUP", "big")])
+def test_while_it_writes(tmp_path: Path, number: str, output: str) -> None:
+    run = started(*LONG, "-o", output, cwd=tmp_path)
+    wait_until_it_writes(run, (tmp_path / output).parent)
+    run.send_signal(getattr(signal, number))
+    interrupted(run, tmp_path)
+
+
+def test_while_bodies_hop_for_minutes(tmp_path: Path) -> None:
+    run = started(
+        *LONG, "-A", "4:8:3000", "-f", "30:60:3000", "--restitution", "0.9", "-o", "big", cwd=tmp_path
+    )
+    wait_until_it_writes(run, tmp_path, at_least=0)
+    time.sleep(0.5)  # into the first block
+    run.send_signal(signal.SIGINT)
+    interrupted(run, tmp_path)
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("milliseconds", [0, 60, 250])
+def test_from_the_first_moment_on_and_again_and_again(tmp_path: Path, number: str, milliseconds: int) -> None:
+    run = started(*LONG, "-o", "big", cwd=tmp_path, program=READY)
+    assert run.stdout is not None
+    assert run.stdout.readline() == "ready\n"
+    time.sleep(milliseconds / 1000)
+    for _ in range(3):
+        run.send_signal(getattr(signal, number))
+        time.sleep(0.001)
+    interrupted(run, tmp_path)
+
+
+def test_a_signal_after_the_files_are_there_comes_too_late(tmp_path: Path) -> None:
+    code = """
+import os, signal, sys
+from vibro.__main__ import main
+
+link = os.link
+def link_and_signal(path, target):
+    link(path, target)
+    os.kill(os.getpid(), signal.SIGINT)
+os.link = link_and_signal
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code, *TABLE, "-o", "nut", "-q"],
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["nut.csv", "nut.json"]
+
+
+def test_a_signal_that_is_ignored_from_outside_stays_ignored(tmp_path: Path) -> None:
+    """As in a script's background job, and under nohup."""
+    code = """
+import os, signal
+for name in ("SIGINT", "SIGHUP"):
+    signal.signal(getattr(signal, name), signal.SIG_IGN)
+from vibro.interrupts import end_on_signals
+end_on_signals()
+os.kill(os.getpid(), signal.SIGINT)
+os.kill(os.getpid(), signal.SIGHUP)
+print("alive", flush=True)
+os.kill(os.getpid(), signal.SIGTERM)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr, done.returncode) == ("alive\n", "error: interrupted\n", 130)
+
+
+def test_the_cursor_is_shown_again(tmp_path: Path) -> None:
+    """The progress bar hides it."""
+    import pty
+
+    ours, theirs = pty.openpty()
+    with subprocess.Popen(
+        [*VIBRO, *LONG, "-o", "big"],
+        cwd=tmp_path, env=os.environ | {"TERM": "xterm-256color"}, stdout=subprocess.PIPE, stderr=theirs,
+    ) as run:  # fmt: skip
+        os.close(theirs)
+        seen = b""
+        while b"\x1b[?25l" not in seen:
+            seen += os.read(ours, 4096)
+        run.send_signal(signal.SIGINT)
+        while True:
+            try:
+                seen += os.read(ours, 4096)
+            except OSError:  # the other end has been closed
+                break
+    os.close(ours)
+    assert run.returncode == 130
+    assert seen.rindex(b"\x1b[?25h") > seen.rindex(b"\x1b[?25l")
+    assert seen.endswith(b"error: interrupted\r\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_where_nobody_handles_signals_an_exception_ends_a_run(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in a notebook, or in a test, that calls the command."""
+
+    def interrupt(*_: object) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vibro.files.tables.CsvFormat.rows", interrupt)
+    result = run(*SMALL, "-o", "nut", "-q")
+    assert (result.exit_code, result.stderr) == (130, "error: interrupted\n")
+    assert list(Path().iterdir()) == []
+
+
+def test_a_killed_run_is_swept_by_the_next(run: Run, tmp_path: Path) -> None:
+    killed = started(*LONG, "-o", "big", cwd=tmp_path)
+    wait_until_it_writes(killed, tmp_path)
+    killed.kill()
+    killed.communicate()
+    assert len(list(tmp_path.glob(".vibro-*/*"))) == 5  # four files and the lock
+    assert run(*TABLE, "-o", "nut").exit_code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["nut.csv", "nut.json"]
+
+
+def test_the_later_of_two_runs_at_one_stem_ends_before_it_computes(run: Run, tmp_path: Path) -> None:
+    first = started(*LONG, "-o", "nut", cwd=tmp_path)
+    wait_until_it_writes(first, tmp_path)
+    for more in ((), ("--force",)):
+        result = run("solve", *NUT, "-o", "nut", *more)
+        assert result.exit_code == 1
+        assert "error: another run is writing nut.* at this moment\nhint: wait until" in result.stderr
+    first.send_signal(signal.SIGTERM)
+    interrupted(first, tmp_path)
+    assert run("solve", *NUT, "-o", "nut").exit_code == 0

@@ -1,0 +1,84 @@
+"""Writers that are killed: what they leave is whole, and the next one goes on with it.
+
+Run as a program, ``killed_writers.py HOW FOLDER``, by tests/files/test_placing.py.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from outputs import NAMES, every, fail_at, output_set, put, texts, visible
+
+from vibro.errors import FileError
+
+OLD = ("x.csv", "x-flight.png", "x.json")
+
+
+def between_steps(root: Path, *, force: bool) -> None:
+    """Kill a writer before each of its steps of publishing."""
+    for which in range(1, 100):
+        folder = root / str(which)
+        if force:
+            put(folder, *OLD, text="old")
+        child = os.fork()
+        if not child:
+            with output_set(folder, force=force) as output:
+                for name in NAMES:
+                    output[folder / name].write_text("new", encoding="utf-8")
+                patch = pytest.MonkeyPatch()
+                patch.setattr("os.strerror", lambda _: os.kill(os.getpid(), signal.SIGKILL))
+                fail_at(patch, which, for_good=False)
+            os._exit(0)
+        _, status = os.waitpid(child, 0)
+        left = visible(folder)
+        if "x.json" in left:
+            assert left in (every("new"), every("old", *OLD)), left
+        elif left:
+            with pytest.raises(FileError, match=r"but no x\.json: a run did not end there"):
+                put(folder)
+        put(folder, force=True)
+        assert texts(folder) == every("new")
+        if status == 0:
+            break
+    assert which > (10 if force else 5)
+
+
+def any_time(folder: Path) -> None:
+    """Kill a writer at 100 instants."""
+    instants, whole, sets = random.Random(7), 0, 0
+    for generation in range(100):
+        child = os.fork()
+        if not child:
+            while True:
+                put(folder, text=f"{generation}\n" * 20_000, force=True)
+        time.sleep(instants.uniform(0.0, 0.02))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        left = visible(folder)
+        for text in left.values():
+            lines = text.splitlines()
+            assert len(lines) == 20_000
+            assert len(set(lines)) == 1
+            whole += 1
+        if "x.json" in left:
+            assert len(left) == len(NAMES)
+            assert len(set(left.values())) == 1
+            sets += 1
+    put(folder, force=True)
+    assert texts(folder) == every("new")
+    assert whole > 100
+    assert sets > 20
+
+
+if __name__ == "__main__":
+    how, root = sys.argv[1], Path(sys.argv[2])
+    if how == "any-time":
+        any_time(root)
+    else:
+        between_steps(root, force=how.endswith("force"))
