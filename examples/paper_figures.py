@@ -22,9 +22,10 @@ from matplotlib.figure import Figure
 
 import vibro
 from vibro.motion.trace import trace
+from vibro.plots.frame import set_heading
 from vibro.plots.history import history_figure
 from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
-from vibro.plots.style import INK, RC
+from vibro.plots.style import INK, RC, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,9 +42,14 @@ FREQUENCY, DRIVE_ANGLE = 15.0, math.radians(20.0)
 STATIC, KINETIC, GRAVITY = 0.74, 0.57, 9.81
 CYCLES = 3
 STUDY = runpy.run_path(str(Path(__file__).with_name("data") / "make_nut_smoothed_600hz.py"))
-TITLE = (
-    "The safety nut (the paper's Fig. {}), A = {:g} mm, f = 15 Hz, α = 20°, $\\mu_s$ = 0.74, $\\mu_d$ = 0.57"
-)
+GIVEN = {
+    "amplitude": 1.0,  # [mm]
+    "frequency": FREQUENCY,
+    "drive_angle": 20.0,  # [deg]
+    "static_friction": STATIC,
+    "kinetic_friction": KINETIC,
+}
+NAME = "The safety nut (the paper's Fig. {})"
 
 
 def nut(amplitude: float = 1e-3) -> vibro.Scene:
@@ -68,7 +74,7 @@ def friction_over_load() -> Figure:
     _, rows = run(1.0)
     history = vibro.simulate(nut(), cycles=1)
     slide = next(p for p in history.phases if p.kind == "F")
-    figure, axes = frame(TITLE.format(2, 1), (7.4, 5.4))
+    figure, axes = frame(NAME.format(2), (7.4, 5.4))
     axes.plot(rows.inertial, rows.friction, color=BLUE, linewidth=2.0)
     limit = 1.15 * float(np.abs(rows.inertial).max())
     axes.plot([-limit, limit], [limit, -limit], color=INK, linewidth=0.6, linestyle=(0, (4, 3)))
@@ -100,7 +106,7 @@ def friction_over_load() -> Figure:
 def forces() -> Figure:
     """Figure 4: the trough, and the forces on the nut."""
     history, rows = run()
-    return history_figure(history.phases, rows, ["trough", "forces"], TITLE.format(4, 1))
+    return history_figure(history.phases, rows, ["trough", "forces"], NAME.format(4), GIVEN)
 
 
 def onsets() -> Figure:
@@ -119,7 +125,7 @@ def onsets() -> Figure:
     }
     period = 1e3 / FREQUENCY
     time = np.linspace(0.0, CYCLES * period, 1200)
-    figure, axes = frame(TITLE.format(6, 1), (9.0, 4.4))
+    figure, axes = frame(NAME.format(6), (9.0, 4.4))
     axes.plot(time, np.sin(2.0 * math.pi * time / period), color=BLUE, label="$y_1 = \\sin \\omega t$")
     axes.axhline(1.0, color=INK, linewidth=0.8)
     for label, (threshold, colour) in thresholds.items():
@@ -140,7 +146,7 @@ def relative_motion() -> Figure:
     """Figure 7: relative acceleration and velocity."""
     history, rows = run()
     panels = ["forces", "acceleration", "velocity"]
-    return history_figure(history.phases, rows, panels, TITLE.format(7, 1))
+    return history_figure(history.phases, rows, panels, NAME.format(7), GIVEN)
 
 
 def friction_and_acceleration() -> Figure:
@@ -149,7 +155,7 @@ def friction_and_acceleration() -> Figure:
     time, _, velocity = study()
     inertial, friction = STUDY["forces"](time, velocity)
     return beside_the_study(
-        TITLE.format(9, 1),
+        NAME.format(9),
         history,
         rows,
         time,
@@ -165,7 +171,7 @@ def velocity_and_displacement() -> Figure:
     history, rows = run()
     time, displacement, velocity = study()
     return beside_the_study(
-        TITLE.format(11, 1),
+        NAME.format(11),
         history,
         rows,
         time,
@@ -226,13 +232,13 @@ def beside_the_study(
     handles += legend_entries([PHASE_STYLES["F"]])
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     figure.align_ylabels(grid)
-    figure.suptitle(title, fontsize=10.5)
+    set_heading(figure, title, values_text(GIVEN))
     return figure
 
 
 def frame(title: str, size: tuple[float, float]) -> tuple[Figure, Axes]:
     figure = Figure(figsize=size, layout="constrained")
-    figure.suptitle(title, fontsize=10.5)
+    set_heading(figure, title, values_text(GIVEN))
     return figure, figure.subplots()
 
 

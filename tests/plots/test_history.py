@@ -32,7 +32,7 @@ def draw(
     history = vibro.simulate(nut(amplitude), cycles=cycles)
     rows = trace(history, until=history.end, samples_per_cycle=200, both_sides=True)
     flies = any(p.kind == "H" for p in history.phases)
-    figure = history_figure(history.phases, rows, choose_panels(panels, flies=flies), "title")
+    figure = history_figure(history.phases, rows, choose_panels(panels, flies=flies), "title", {})
     figure.draw_without_rendering()
     return history, figure
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from vibro.files.tables import TableColumns
     from vibro.results.history import History
+    from vibro.sweeps.request import Request
 
 __all__ = ["simulate_command"]
 
@@ -77,7 +78,6 @@ def simulate_command(
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
-    from vibro.plots.style import values_text
     from vibro.quantities import DURATION, START_PHASE, START_VELOCITY, exact_number
 
     console = Console(quiet=options.quiet)
@@ -91,8 +91,6 @@ def simulate_command(
     _check_rows(lasting, samples, console)
     phase = float(exact_number(start_phase, START_PHASE))
     velocity = float(exact_number(start_velocity, START_VELOCITY))
-    name = request.name or "vibro"
-    given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
     content = {
         "scene": scene_record(request),
         "cycles": lasting,
@@ -101,7 +99,7 @@ def simulate_command(
         "samples_per_cycle": samples,
     }
     with SeriesOutput(
-        f"{name}-history",
+        f"{request.name or 'vibro'}-history",
         ("", "phases"),
         formats=wanted,
         options=options,
@@ -111,10 +109,9 @@ def simulate_command(
         history = simulate(
             scene, cycles=lasting, start_phase=math.radians(phase), start_velocity=velocity / 1e3
         )
-        title = f"{name}\n{values_text(given)}"
         output.write(
             lambda: _tables(history, samples),
-            lambda: _figure(history, samples, panels, title, console),
+            lambda: _figure(history, samples, panels, request, console),
             content,
         )
     if output.takes_stdout:
@@ -133,7 +130,7 @@ def _tables(history: History, samples: int) -> dict[str, TableColumns]:
     return {"": motion_table(history, rows), "phases": phase_table(history, history.phases)}
 
 
-def _figure(history: History, samples: int, panels: str | None, title: str, console: Console) -> Figure:
+def _figure(history: History, samples: int, panels: str | None, request: Request, console: Console) -> Figure:
     """Draw the first cycles of a history."""
     from vibro.motion.trace import trace
     from vibro.plots.history import choose_panels, history_figure
@@ -145,7 +142,8 @@ def _figure(history: History, samples: int, panels: str | None, title: str, cons
     phases = [p for p in history.phases if p.start < until]
     seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
     rows = trace(history, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
-    return history_figure(phases, rows, seen, title)
+    given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
+    return history_figure(phases, rows, seen, request.name or "vibro", given)
 
 
 def _cycles(cycles: float | None, duration: float | None, frequency: float) -> float:

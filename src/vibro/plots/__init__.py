@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.plots.fields import Fields
 from vibro.plots.lines import flight_line, impact_line, speed_lines, traverse_line
 from vibro.plots.maps import flight_map, impact_map, regime_map, speed_map, traverse_map
-from vibro.plots.style import RC
+from vibro.plots.style import RC, visible
 from vibro.plots.view import View, choose_view, panels
 
 if TYPE_CHECKING:
@@ -109,14 +109,13 @@ def save(figure: Figure, path: Path, picture_format: str, metadata: Mapping[str,
         ``png``, ``svg`` or ``pdf``.
     metadata : mapping of str to str
         Carried by the file: every entry of its own in PNG, and as one text where a format has fixed keys. A
-        title is added, the first line of the figure's own.
+        title is added, the headline of the figure, with nothing in it that a format forbids.
     """
     import matplotlib as mpl
 
     more: dict[str, Any] = {"pil_kwargs": {"compress_level": _COMPRESSION}} if picture_format == "png" else {}
+    described = _metadata(picture_format, {"Title": visible(str(figure.get_label())), **metadata})
     with mpl.rc_context(RC):
-        title = {"Title": figure.get_suptitle().partition("\n")[0]}
-        described = _metadata(picture_format, {**title, **metadata})
         figure.savefig(path, format=picture_format, metadata=described, **more)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.plots.frame import set_heading
 from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
 from vibro.plots.style import INK, RC
 
@@ -68,13 +69,14 @@ def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | N
     Figure
         One row for each signal: the first cycles over time, and all cycles on top of each other.
     """
-    import matplotlib as mpl
-    from matplotlib.figure import Figure as NewFigure
-    from matplotlib.lines import Line2D
-
     names = list(comparison.observation.signals)
     models = [(comparison, _COMPUTED)] + ([(fitted, _FITTED)] if fitted else [])
+    import matplotlib as mpl
+
     with mpl.rc_context(RC):
+        from matplotlib.figure import Figure as NewFigure
+        from matplotlib.lines import Line2D
+
         figure = NewFigure(figsize=(10.0, 1.4 + _ROW * len(names)), layout="constrained")
         grid = figure.subplots(len(names), 2, squeeze=False, sharex="col", width_ratios=(1.6, 1.0))
         for row, name in zip(grid, names, strict=True):
@@ -89,7 +91,7 @@ def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | N
         grid[-1][0].set_xlabel("time of the record [ms]")
         grid[-1][1].set_xlabel("time after the trough's middle, upwards [ms]")
         figure.align_ylabels(grid[:, 0])
-        figure.suptitle(title, fontsize=10.5)
+        set_heading(figure, title)
         kinds = {phase.kind for phase in comparison.motion.phases} - {"_"}
         handles = [
             Line2D([], [], **{**_MEASURED, "markersize": 7}),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.style import INK, axis_label, values_text
+from vibro.plots.style import INK, axis_label, figure_text, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from vibro.results.sweep import SweepResult
 
 __all__ = [
+    "headline",
     "make_logarithmic",
     "map_frame",
     "mark_operating_point",
@@ -35,6 +36,9 @@ _SINGLE_SIZE: Final = (7.4, 5.6)  # [in]
 _FACET_SIZE: Final = (3.1, 2.7)  # [in]
 _EXTRA_SIZE: Final = (1.2, 1.3)  # [in] for the colour bar beside facets, and the heading and legend
 _FACET_COLUMNS: Final = {1: 1, 2: 2, 3: 3, 4: 2, 5: 3, 6: 3, 7: 4, 8: 4, 9: 3, 10: 4, 11: 4, 12: 4}
+_HEADING_SIZE: Final = 10.5  # [pt]
+_HEADING_SHARE: Final = 0.94  # of the width of a figure, which a headline may have
+_POINTS: Final = 72.0  # [pt/in]
 _DECADES_FOR_TENS: Final = 3.0  # a longer logarithmic scale has ticks at powers of ten alone
 _HANDLE_WIDTH: Final = 0.65  # [in] of a handle in a legend, with the gap between columns
 _LETTER_WIDTH: Final = 0.075  # [in] of a letter in a legend
@@ -90,14 +94,31 @@ def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[F
         if panel.facet is not None:
             common.pop(panel.facet, None)
             a.set_title(values_text({panel.facet: panel.values[panel.facet]}, all_of_them=True))
-    set_heading(figure, result, heading, common)
+    set_heading(figure, headline(heading, result), values_text(common))
     return figure, axes
 
 
-def set_heading(figure: Figure, result: SweepResult, heading: str, held: Mapping[str, float]) -> None:
-    """Write above a picture what it shows, the title of the sweep, and the quantities that are held."""
-    lines = [f"{heading} – {result.title}" if result.title else heading, values_text(held)]
-    figure.suptitle("\n".join(line for line in lines if line), fontsize=10.5, linespacing=1.5)
+def headline(heading: str, result: SweepResult) -> str:
+    """Say what a picture of a sweep shows, and what the sweep is called."""
+    return f"{heading} – {result.title}" if result.title else heading
+
+
+def set_heading(figure: Figure, headline: str, below: str = "") -> None:
+    """Write above a picture what it shows.
+
+    Parameters
+    ----------
+    figure : Figure
+        Its label becomes the headline, for the files' metadata.
+    headline : str
+        With names that users gave: no part of it is markup, and it is cut where it has no room.
+    below : str, optional
+        A second line, for matplotlib.
+    """
+    figure.set_label(headline)
+    room = _HEADING_SHARE * _POINTS * float(figure.get_figwidth())
+    lines = [figure_text(headline, _HEADING_SIZE, room), below]
+    figure.suptitle("\n".join(line for line in lines if line), fontsize=_HEADING_SIZE, linespacing=1.5)
 
 
 def scale_axis(axis: Any, of: Axis) -> None:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.errors import InputError
+from vibro.plots.frame import set_heading
 from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
-from vibro.plots.style import INK, RC
+from vibro.plots.style import INK, RC, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -105,7 +106,13 @@ def choose_panels(text: str | None, *, flies: bool) -> list[str]:
     return names
 
 
-def history_figure(phases: Sequence[Phase], trace: Sample, panels: Sequence[str], title: str) -> Figure:
+def history_figure(
+    phases: Sequence[Phase],
+    trace: Sample,
+    panels: Sequence[str],
+    title: str,
+    given: Mapping[str, float],
+) -> Figure:
     """Draw a time history.
 
     Parameters
@@ -118,18 +125,21 @@ def history_figure(phases: Sequence[Phase], trace: Sample, panels: Sequence[str]
         Of ``PANELS``, from top to bottom.
     title : str
         What the scene is called.
+    given : mapping of str to float
+        Quantities of the scene, in the user's units, written under the title.
 
     Returns
     -------
     Figure
         Panels above each other over one time axis.
     """
-    import matplotlib as mpl
-    from matplotlib.figure import Figure as NewFigure
-
     shown = [PANELS[name] for name in panels]
     heights = [panel.height for panel in shown]
+    import matplotlib as mpl
+
     with mpl.rc_context(RC):
+        from matplotlib.figure import Figure as NewFigure
+
         figure = NewFigure(figsize=(9.0, 1.5 + _ROW * sum(heights)), layout="constrained")
         grid = figure.subplots(len(shown), 1, squeeze=False, sharex=True, height_ratios=heights)[:, 0]
         milliseconds = 1e3 * trace.time
@@ -147,7 +157,7 @@ def history_figure(phases: Sequence[Phase], trace: Sample, panels: Sequence[str]
         kinds = {phase.kind for phase in phases} - {"_"}
         entries = [PHASE_STYLES[kind] for kind in PHASE_STYLES if kind in kinds]
         _add_legend(figure, curves, [*marks, *legend_entries(entries)])
-        figure.suptitle(title, fontsize=10.5, linespacing=1.5)
+        set_heading(figure, title, values_text(given))
         return figure
 
 

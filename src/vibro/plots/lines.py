@@ -12,6 +12,7 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.plots.fields import zero_points
 from vibro.plots.frame import (
+    headline,
     make_logarithmic,
     mark_operating_point,
     operating_points,
@@ -35,6 +36,7 @@ from vibro.plots.style import (
     axis_label,
     ink_on,
     value_text,
+    values_text,
 )
 
 if TYPE_CHECKING:
@@ -121,7 +123,7 @@ def _figure(result: SweepResult, fields: Fields, heading: str, rows: dict[str, F
 
     figure = Figure(figsize=(7.4, 2.2 + 2.1 * len(rows)))
     strip, *axes = figure.subplots(1 + len(rows), 1, sharex=True, height_ratios=[0.13, *[1.0] * len(rows)])
-    set_heading(figure, result, heading, fields.panel.values)
+    set_heading(figure, headline(heading, result), values_text(fields.panel.values))
     bands = _bands(fields)
     legend: dict[str, dict[str, Any]] = {}
     for a, (label, values) in zip(axes, rows.items(), strict=True):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import unicodedata
+from bisect import bisect_right
+from itertools import groupby, islice
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.core.codes import Regime, Status
@@ -27,10 +30,12 @@ __all__ = [
     "RC",
     "REGIME_COLOURS",
     "axis_label",
+    "figure_text",
     "ink_on",
     "number_text",
     "value_text",
     "values_text",
+    "visible",
 ]
 
 # From Tol's medium-contrast palette, which is safe for the colour-blind. Printed in grey, the colours have
@@ -77,9 +82,11 @@ CURVES: Final[Mapping[str, CurveStyle]] = {
     "hop": CurveStyle("hop limit", "-", 1.8),
 }
 
+_DPI: Final = 150
+_FONT: Final = "DejaVu Sans"  # comes with matplotlib
 RC: Final[Any] = {
     "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
+    "font.sans-serif": [_FONT],
     "font.size": 9.0,
     "axes.titlesize": 9.0,
     "axes.labelsize": 9.5,
@@ -95,12 +102,66 @@ RC: Final[Any] = {
     "text.usetex": False,
     "svg.fonttype": "path",
     "svg.hashsalt": "vibro",  # makes files reproducible
-    "figure.dpi": 150,
-    "savefig.dpi": 150,
+    "figure.dpi": _DPI,
+    "savefig.dpi": _DPI,
 }
+
+# Categories of characters that hide in a text, break its line, turn its direction, or are none. Two of them
+# belong to the spelling of Persian and of Indian languages.
+_HIDING: Final = frozenset({"Cc", "Cf", "Cn", "Cs", "Zl", "Zp"})
+_JOINERS: Final = "\N{ZERO WIDTH JOINER}\N{ZERO WIDTH NON-JOINER}"
+_HIDDEN: Final = "\N{REPLACEMENT CHARACTER}"
+_NO_GLYPH: Final = "\N{WHITE SQUARE}"
+_MARKS: Final = ("Mn", "Me")
+_MOST_MARKS: Final = 3  # on one letter: each stands on top of the one before
 
 _UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
 _EVEN_LUMINANCE: Final = 0.2  # relative luminance of a colour on which INK and white are about as legible
+
+
+def visible(text: str) -> str:
+    """Replace whatever hides in a user's text, such as control characters and halves of undecodable names."""
+    return "".join(c if c in _JOINERS or unicodedata.category(c) not in _HIDING else _HIDDEN for c in text)
+
+
+def figure_text(text: str, size: float, room: float) -> str:
+    """Turn a user's text, such as the name of a file, into words on one line of a figure.
+
+    Parameters
+    ----------
+    text : str
+        Anything; none of it is markup.
+    size : float
+        Of the type [pt].
+    room : float
+        Width that the words may have [pt].
+
+    Returns
+    -------
+    str
+        For matplotlib, with dollars escaped. Hiding characters show as a replacement sign, those that the
+        font lacks as a box, and the middle of what is too long as an ellipsis.
+    """
+    from matplotlib.font_manager import FontProperties, findfont, get_font
+
+    font = get_font(findfont(FontProperties(family=_FONT)))
+    font.set_size(size, _DPI)
+
+    runs = groupby(visible(text), key=lambda c: unicodedata.category(c) in _MARKS)
+    words = "".join("".join(islice(run, _MOST_MARKS if marks else None)) for marks, run in runs)
+    words = "".join(c if font.get_char_index(ord(c)) else _NO_GLYPH for c in words)
+
+    def width(line: str) -> float:
+        font.set_text(line)
+        return float(font.get_width_height()[0] / 64.0 * 72.0 / _DPI)
+
+    def shortened(kept: int) -> str:
+        return f"{words[: (kept + 1) // 2]}…{words[len(words) - kept // 2 :]}"
+
+    if width(words) > room:
+        kept = bisect_right(range(len(words)), room, key=lambda kept: width(shortened(kept))) - 1
+        words = shortened(kept)
+    return words.replace("$", r"\$")
 
 
 def axis_label(axis: Axis) -> str:

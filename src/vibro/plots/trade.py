@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.frame import renderer_of
+from vibro.plots.frame import renderer_of, set_heading
 from vibro.plots.style import INK, RC
 
 if TYPE_CHECKING:
@@ -63,9 +63,10 @@ def trade_figure(trade: Trade) -> Figure:
         Every point is labelled.
     """
     import matplotlib as mpl
-    from matplotlib.figure import Figure
 
     with mpl.rc_context(RC):
+        from matplotlib.figure import Figure
+
         figure = Figure(figsize=_SIZE, layout="constrained")
         axes = figure.subplots()
         axes.set_xscale("log")
@@ -83,7 +84,7 @@ def trade_figure(trade: Trade) -> Figure:
         axes.margins(0.1, 0.08)
         _draw_front(axes, rows)
         scenes = f"{trade.scenes} scenes in contact; errors against {trade.reference}"
-        figure.suptitle(f"Speed against accuracy\n{scenes}", fontsize=10.5, linespacing=1.5)
+        set_heading(figure, "Speed against accuracy", scenes)
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
         figure.draw_without_rendering()
         note = f"tolerance {trade.tolerance:g} A f"

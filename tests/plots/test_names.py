@@ -1,0 +1,153 @@
+"""Names that users give are text in every picture and in its files: never markup, never a warning."""
+
+from __future__ import annotations
+
+import codecs
+import dataclasses
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import pytest
+from drawn import OWN, sweep
+from made_records import Walked, nut
+from PIL import Image
+
+import vibro
+from vibro.motion.trace import trace
+from vibro.plots import map_figures, save
+from vibro.plots.comparison import comparison_figure
+from vibro.plots.frame import renderer_of
+from vibro.plots.history import history_figure
+from vibro.plots.style import RC, figure_text
+from vibro.records.comparison import compare
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+
+    from vibro.results.sweep import SweepResult
+
+# Names, and how they appear in pictures; None where they are cut.
+SHOWN = {
+    "nut": "nut",
+    r"a$\frac{x$ =cmd": r"a$\frac{x$ =cmd",
+    "$": "$",
+    r"\$a\\$b$c\$": r"\$a\\$b$c\$",
+    "end\\": "end\\",
+    "<b>&amp; -- ]]> (a\\( %s {x} _^": "<b>&amp; -- ]]> (a\\( %s {x} _^",
+    "nut\x1b[31m\x07\x9b": "nut�[31m��",
+    "a\nb\r\tc\u2028d": "a�b��c�d",
+    "\u202eevil\u2066\u200b\ufeff": "�evil���",
+    "caf\udce9": "caf�",
+    "a\ufffe\uffff": "a��",
+    "振动 1": "□□ 1",
+    "🔩👨\u200d👩": "□□\u200d□",
+    "می\u200cخواهم": "می\u200cخواهم",
+    "Việt": "Việt",
+    "z" + "\u0301\u0334\u0489" * 60 + "y": "z\u0301\u0334\u0489y",
+    "W" * 250: None,
+    "i$" * 120: None,
+    "振" * 80: None,
+}
+NAMES = list(SHOWN)
+SPELLED = [ascii(name)[:30] for name in NAMES]
+WIDE = 500.0  # [pt]
+
+
+@pytest.fixture(scope="module")
+def plane() -> SweepResult:
+    return sweep(points=31, own=OWN, amplitude="0.1:3", frequency="5:60")
+
+
+@pytest.fixture(scope="module")
+def row() -> SweepResult:
+    return sweep(points=31, amplitude="0.1:4")
+
+
+def titled(result: SweepResult, name: str, picture: str = "speed") -> Figure:
+    return map_figures(dataclasses.replace(result, title=name), [picture])[picture]
+
+
+def assert_heading_is_inside(figure: Figure) -> None:
+    heading = figure._suptitle  # type: ignore[attr-defined]
+    with mpl.rc_context(RC):
+        box = heading.get_window_extent(renderer_of(figure))
+    width, height = figure.get_size_inches() * figure.dpi
+    assert 0.02 * width < box.x0
+    assert box.x1 < 0.98 * width
+    assert 0.85 * height < box.y0
+    assert box.y1 < height
+
+
+@pytest.mark.parametrize("name", NAMES, ids=SPELLED)
+def test_names_are_shown_as_they_are(name: str) -> None:
+    text = figure_text(name, 10.5, WIDE)
+    if SHOWN[name] is not None:
+        assert text.replace(r"\$", "$") == SHOWN[name]
+    assert text.count("$") == text.count(r"\$")
+
+
+def test_what_is_too_long_is_cut_in_the_middle() -> None:
+    names = [f"{'run ' * n}the end" for n in range(10, 60, 7)]
+    shown = [figure_text(name, 10.5, WIDE) for name in names]
+    cut = [text for name, text in zip(names, shown, strict=True) if text != name]
+    assert 0 < len(cut) < len(names)
+    for text in cut:
+        assert text.startswith("run run")
+        assert text.endswith("run the end")
+        assert text.count("…") == 1
+        assert len(text) > 70
+    assert figure_text("W" * 100, 10.5, 25.0) == "W…"
+
+
+@pytest.mark.parametrize(
+    "name", [r"a$\frac{x$ =cmd", "$", "z" + "\u0301\u0489" * 99, "W" * 250, "i$" * 120, "振" * 80]
+)
+def test_headings_are_inside(row: SweepResult, name: str) -> None:
+    figure = titled(row, name)
+    first, second = figure.get_suptitle().split("\n")
+    assert first.startswith("Mean conveying speed – ")
+    assert second == r"$f$ = 15 Hz, $\alpha$ = 20°, $\mu_s$ = 0.74, $\mu_d$ = 0.57"
+    assert_heading_is_inside(figure)
+
+
+@pytest.mark.parametrize("name", ["a$\\frac{x$ =cmd\udce9 振", "W$" * 120])
+def test_every_kind_of_picture(plane: SweepResult, name: str) -> None:
+    facets = sweep(points=11, amplitude="0.2:3", frequency="10:50", drive_angle="10,20")
+    figures = [titled(facets, name), *(titled(plane, name, picture) for picture in ("regime", "impact"))]
+    history = vibro.simulate(nut(), cycles=1)
+    rows = trace(history, until=history.end, samples_per_cycle=40, both_sides=True)
+    figures.append(history_figure(history.phases, rows, ["velocity", "position"], name, OWN))
+    comparison = compare(nut(), Walked(nut()).observe("displacement", "velocity", cycles=3))
+    figures.append(comparison_figure(comparison, f"{name}.csv – {name}"))
+    for figure in figures:
+        assert_heading_is_inside(figure)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        (r"a$\frac{x$ =cmd", r"a$\frac{x$ =cmd"),
+        ("<b>&amp; -- ]]> (a\\( %s -", "<b>&amp; -- ]]> (a\\( %s -"),
+        ("nut\x1b[31m\x07\x9b\n\udce9", "nut�[31m����"),
+        ("振动 🔩\u202e\ufffe", "振动 🔩��"),
+        ("long " * 50, "long " * 50),
+    ],
+    ids=ascii,
+)
+def test_names_in_files(row: SweepResult, tmp_path: Path, name: str, told: str) -> None:
+    figure = titled(row, name)
+    headline = f"Mean conveying speed – {told}"
+    for form in ("png", "svg", "pdf"):
+        save(figure, tmp_path / form, form, {"Software": "vibro"})
+    with Image.open(tmp_path / "png") as image:
+        image.load()
+        assert image.info["Title"] == headline
+    titles = [e.text for e in ElementTree.parse(tmp_path / "svg").iter() if e.tag.endswith("}title")]
+    assert headline in titles
+    written = codecs.BOM_UTF16_BE + headline.encode("utf-16-be")
+    for sign, escape in ((b"\\", b"\\\\"), (b"(", b"\\("), (b")", b"\\)"), (b"\n", b"\\n"), (b"\r", b"\\r")):
+        written = written.replace(sign, escape)
+    assert b"/Title (" + written + b")" in (tmp_path / "pdf").read_bytes()
