@@ -16,7 +16,6 @@ import runpy
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -25,7 +24,7 @@ from vibro.motion.trace import trace
 from vibro.plots.frame import set_heading
 from vibro.plots.history import history_figure
 from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
-from vibro.plots.style import INK, RC, values_text
+from vibro.plots.style import INK, house_style, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -262,7 +261,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="where the pictures go; made if missing")
     folder: Path = parser.parse_args().folder
     folder.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(RC):
+    with house_style():
         for name, draw in FIGURES.items():
             path = folder / f"{name}.png"
             draw().savefig(path)

@@ -7,7 +7,6 @@ import dataclasses
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-import matplotlib as mpl
 import pytest
 from drawn import OWN, sweep
 from made_records import Walked, nut
@@ -19,7 +18,7 @@ from vibro.plots import map_figures, save
 from vibro.plots.comparison import comparison_figure
 from vibro.plots.frame import renderer_of
 from vibro.plots.history import history_figure
-from vibro.plots.style import RC, figure_text
+from vibro.plots.style import figure_text, house_style
 from vibro.records.comparison import compare
 
 if TYPE_CHECKING:
@@ -72,7 +71,7 @@ def titled(result: SweepResult, name: str, picture: str = "speed") -> Figure:
 
 def assert_heading_is_inside(figure: Figure) -> None:
     heading = figure._suptitle  # type: ignore[attr-defined]
-    with mpl.rc_context(RC):
+    with house_style():
         box = heading.get_window_extent(renderer_of(figure))
     width, height = figure.get_size_inches() * figure.dpi
     assert 0.02 * width < box.x0

@@ -8,13 +8,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from made_records import EXAMPLES
 from matplotlib.figure import Figure
 
-from vibro.plots.style import RC
+from vibro.plots.style import house_style
 
 SCRIPT = EXAMPLES / "paper_figures.py"
 
@@ -27,7 +26,7 @@ def example() -> dict[str, Any]:
 @cache
 def drawn(name: str) -> Figure:
     """Draw a figure of the example; tests only look at it."""
-    with mpl.rc_context(RC):
+    with house_style():
         figure = example()["FIGURES"][name]()
         assert isinstance(figure, Figure)
         figure.draw_without_rendering()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.plots.fields import Fields
 from vibro.plots.lines import flight_line, impact_line, speed_lines, traverse_line
 from vibro.plots.maps import flight_map, impact_map, regime_map, speed_map, traverse_map
-from vibro.plots.style import RC, visible
+from vibro.plots.style import house_style, visible
 from vibro.plots.view import View, choose_view, panels
 
 if TYPE_CHECKING:
@@ -68,8 +68,6 @@ def map_figures(
     InputError
         If what is asked for cannot be drawn.
     """
-    import matplotlib as mpl
-
     view = choose_view(result.axes, x, y, at)
     parts = panels(result, view)
     fields = [Fields(panel) for panel in parts]
@@ -92,7 +90,7 @@ def map_figures(
         }
     if names is None:
         names = picture_names(len(result.axes), has_length=result.length is not None, on_request=False)
-    with mpl.rc_context(RC):
+    with house_style():
         return {name: draw[name]() for name in names}
 
 
@@ -111,11 +109,9 @@ def save(figure: Figure, path: Path, picture_format: str, metadata: Mapping[str,
         Carried by the file: every entry of its own in PNG, and as one text where a format has fixed keys. A
         title is added, the headline of the figure, with nothing in it that a format forbids.
     """
-    import matplotlib as mpl
-
     more: dict[str, Any] = {"pil_kwargs": {"compress_level": _COMPRESSION}} if picture_format == "png" else {}
     described = _metadata(picture_format, {"Title": visible(str(figure.get_label())), **metadata})
-    with mpl.rc_context(RC):
+    with house_style():
         figure.savefig(path, format=picture_format, metadata=described, **more)
 
 

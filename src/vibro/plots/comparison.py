@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.plots.frame import set_heading
 from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
-from vibro.plots.style import INK, RC
+from vibro.plots.style import INK, house_style
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -71,9 +71,7 @@ def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | N
     """
     names = list(comparison.observation.signals)
     models = [(comparison, _COMPUTED)] + ([(fitted, _FITTED)] if fitted else [])
-    import matplotlib as mpl
-
-    with mpl.rc_context(RC):
+    with house_style():
         from matplotlib.figure import Figure as NewFigure
         from matplotlib.lines import Line2D
 

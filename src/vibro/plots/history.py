@@ -9,7 +9,7 @@ import numpy as np
 from vibro.errors import InputError
 from vibro.plots.frame import set_heading
 from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
-from vibro.plots.style import INK, RC, values_text
+from vibro.plots.style import INK, house_style, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -135,9 +135,7 @@ def history_figure(
     """
     shown = [PANELS[name] for name in panels]
     heights = [panel.height for panel in shown]
-    import matplotlib as mpl
-
-    with mpl.rc_context(RC):
+    with house_style():
         from matplotlib.figure import Figure as NewFigure
 
         figure = NewFigure(figsize=(9.0, 1.5 + _ROW * sum(heights)), layout="constrained")

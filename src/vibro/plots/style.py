@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import unicodedata
 from bisect import bisect_right
+from contextlib import contextmanager, suppress
 from itertools import groupby, islice
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.core.codes import Regime, Status
+from vibro.errors import FileError
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from vibro.axes import Axis
 
@@ -27,10 +31,10 @@ __all__ = [
     "NO_ANSWER_FACE",
     "NO_ANSWER_HATCH",
     "NO_ANSWER_INK",
-    "RC",
     "REGIME_COLOURS",
     "axis_label",
     "figure_text",
+    "house_style",
     "ink_on",
     "number_text",
     "value_text",
@@ -84,7 +88,7 @@ CURVES: Final[Mapping[str, CurveStyle]] = {
 
 _DPI: Final = 150
 _FONT: Final = "DejaVu Sans"  # comes with matplotlib
-RC: Final[Any] = {
+_RC: Final[Any] = {
     "font.family": "sans-serif",
     "font.sans-serif": [_FONT],
     "font.size": 9.0,
@@ -92,14 +96,12 @@ RC: Final[Any] = {
     "axes.labelsize": 9.5,
     "axes.edgecolor": INK,
     "axes.linewidth": 0.8,
-    "axes.formatter.use_mathtext": False,
     "xtick.direction": "out",
     "ytick.direction": "out",
     "hatch.linewidth": 0.6,
     "legend.fontsize": 8.5,
     "legend.frameon": False,
     "mathtext.fontset": "dejavusans",
-    "text.usetex": False,
     "svg.fonttype": "path",
     "svg.hashsalt": "vibro",  # makes files reproducible
     "figure.dpi": _DPI,
@@ -117,6 +119,55 @@ _MOST_MARKS: Final = 3  # on one letter: each stands on top of the one before
 
 _UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
 _EVEN_LUMINANCE: Final = 0.2  # relative luminance of a colour on which INK and white are about as legible
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw, or write what is drawn, in this style over matplotlib's own defaults: the same on every machine.
+
+    Nothing that a user configured for other pictures counts here, and nothing is said of it: no matplotlibrc,
+    no style sheet, no MPLBACKEND. What they are outside of this is left as it is.
+
+    Raises
+    ------
+    FileError
+        If a matplotlibrc is in the way even of importing matplotlib.
+    """
+    import logging
+
+    # By its logger matplotlib tells of a bad matplotlibrc, or of a folder for its cache that it cannot write.
+    logger = logging.getLogger("matplotlib")
+    level = logger.level
+    logger.setLevel(max(level, logging.ERROR))
+    try:
+        mpl = _matplotlib()
+        # The backend is the only setting that such a context does not put back. No figure here needs one.
+        defaults = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"}
+        with mpl.rc_context({**defaults, **_RC}):
+            yield
+    finally:
+        logger.setLevel(level)
+
+
+def _matplotlib() -> Any:
+    """Import matplotlib whatever MPLBACKEND is: it names a kind of windows, and there are none here."""
+    # With a name that it does not know matplotlib refuses to be imported. One that it knows has to reach it
+    # all the same: a notebook's own pictures depend on it.
+    backend = None if "matplotlib" in sys.modules else os.environ.pop("MPLBACKEND", None)
+    try:
+        import matplotlib as mpl
+    except UnicodeDecodeError as exc:
+        raise FileError(
+            f"matplotlib cannot read its configuration: {exc}",
+            hint="remove the matplotlibrc from the current folder, or from where MATPLOTLIBRC says",
+        ) from exc
+    finally:
+        if backend is not None:
+            os.environ["MPLBACKEND"] = backend
+    if backend:
+        with suppress(ValueError):
+            mpl.rcParams["backend"] = backend
+    return mpl
 
 
 def visible(text: str) -> str:

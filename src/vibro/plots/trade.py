@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.plots.frame import renderer_of, set_heading
-from vibro.plots.style import INK, RC
+from vibro.plots.style import INK, house_style
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -62,9 +62,7 @@ def trade_figure(trade: Trade) -> Figure:
     Figure
         Every point is labelled.
     """
-    import matplotlib as mpl
-
-    with mpl.rc_context(RC):
+    with house_style():
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=_SIZE, layout="constrained")

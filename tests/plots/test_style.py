@@ -1,0 +1,123 @@
+"""The same scene gives the same picture, whatever the user configured for other pictures."""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any, Final
+
+import matplotlib as mpl
+from drawn import OWN, sweep
+
+from vibro.plots import map_figures, save
+from vibro.plots.style import house_style
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pytest
+
+# As a user may have them, in a matplotlibrc or a style sheet.
+CONFIGURED: Final[Any] = {
+    "text.usetex": True,
+    "text.parse_math": False,
+    "axes.grid": True,
+    "axes.xmargin": 2.0,
+    "axes.unicode_minus": False,
+    "figure.facecolor": "yellow",
+    "figure.dpi": 40,
+    "figure.titleweight": "bold",
+    "figure.autolayout": True,
+    "font.size": 20.0,
+    "font.weight": "bold",
+    "hatch.color": "red",
+    "image.interpolation": "bicubic",
+    "legend.loc": "upper left",
+    "lines.linestyle": "--",
+    "lines.marker": "x",
+    "mathtext.fontset": "cm",
+    "path.sketch": (5.0, 100.0, 2.0),
+    "pdf.fonttype": 42,
+    "savefig.bbox": "tight",
+    "savefig.dpi": 30,
+    "savefig.facecolor": "green",
+    "savefig.format": "svg",
+    "savefig.transparent": True,
+    "svg.fonttype": "none",
+    "xtick.top": True,
+    "xtick.major.size": 20.0,
+}
+# Prints what matplotlib is left with, after a name was prepared for a picture.
+DRAWS: Final = """
+import os, vibro.plots.style as style
+with style.house_style():
+    print(ascii(style.figure_text("振", 9.0, 99.0)))
+import matplotlib
+print(os.environ["MPLBACKEND"], matplotlib.rcParams["axes.grid"])
+"""
+
+
+def test_settings_for_other_pictures_change_nothing(tmp_path: Path) -> None:
+    two = sweep(points=31, own=OWN, amplitude="0.1:3", frequency="5:60")
+    one = sweep(points=31, amplitude="0.1:4")
+
+    def files(folder: Path) -> list[bytes]:
+        folder.mkdir()
+        figures = map_figures(one, ["speed"]) | map_figures(two, ["regime"])
+        for name, figure in figures.items():
+            for form in ("png", "svg", "pdf"):
+                save(figure, folder / f"{name}.{form}", form, {})
+        return [path.read_bytes() for path in sorted(folder.iterdir())]
+
+    usual = files(tmp_path / "usual")
+    with mpl.rc_context(CONFIGURED):
+        configured = files(tmp_path / "configured")
+        assert mpl.rcParams["axes.grid"] is True
+        assert mpl.rcParams["font.size"] == 20.0
+    assert len(usual) == 6
+    assert configured == usual
+
+
+def run(code: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        cwd=folder,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_neither_an_unknown_backend_nor_a_bad_configuration_matters(tmp_path: Path) -> None:
+    (tmp_path / "matplotlibrc").write_text(
+        "no_such_key: 1\nbackend: none\naxes.grid: True\n: x\n", encoding="utf-8"
+    )
+    done = run(DRAWS, tmp_path, MPLBACKEND="bogus", MPLCONFIGDIR=str(tmp_path / "matplotlibrc" / "folder"))
+    assert done.stderr == ""
+    assert done.stdout.splitlines() == [r"'\u25a1'", "bogus True"]
+
+
+def test_a_backend_that_is_known_reaches_other_pictures(tmp_path: Path) -> None:
+    done = run(DRAWS + "print(matplotlib.get_backend())", tmp_path, MPLBACKEND="svg")
+    assert done.stderr == ""
+    assert done.stdout.splitlines()[1:] == ["svg False", "svg"]
+
+
+def test_a_configuration_that_stops_matplotlib_is_named(tmp_path: Path) -> None:
+    (tmp_path / "matplotlibrc").write_bytes(b"\xff\xfea\x00")
+    done = run(DRAWS, tmp_path)
+    assert "vibro.errors.FileError: matplotlib cannot read its configuration" in done.stderr
+    assert "hint: remove the matplotlibrc from the current folder" in done.stderr
+
+
+def test_the_logger_is_left_as_it_was(caplog: pytest.LogCaptureFixture) -> None:
+    logger = logging.getLogger("matplotlib")
+    with caplog.at_level(logging.INFO, "matplotlib"):
+        with house_style():
+            logging.getLogger("matplotlib.font_manager").warning("not for users of vibro")
+        assert logger.level == logging.INFO
+    assert not caplog.records
