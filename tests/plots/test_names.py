@@ -83,8 +83,8 @@ def assert_heading_is_inside(figure: Figure) -> None:
 @pytest.mark.parametrize("name", NAMES, ids=SPELLED)
 def test_names_are_shown_as_they_are(name: str) -> None:
     text = figure_text(name, 10.5, WIDE)
-    if SHOWN[name] is not None:
-        assert text.replace(r"\$", "$") == SHOWN[name]
+    shown = text.replace(r"\$", "$")
+    assert shown == SHOWN[name] or (SHOWN[name] is None and "…" in shown)
     assert text.count("$") == text.count(r"\$")
 
 
