@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import os
 import sys
 import traceback
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -146,8 +145,6 @@ def main() -> None:
     """Run the command line of this process."""
     end_on_signals()
     open_closed_streams()
-    # Figures are written to files. Whatever is set for windows is of no account, even if it is no backend.
-    os.environ["MPLBACKEND"] = "agg"
     # Imports and figures make many small objects, nearly all of them in use. Searching them for garbage as
     # often as Python does takes a tenth of a map's time.
     gc.set_threshold(_OBJECTS)
