@@ -235,6 +235,17 @@ def test_a_single_row_is_too_short(run: Run, tmp_path: Path) -> None:
     assert "the data cover 0 drive cycles" in result.stderr
 
 
+def test_the_data_are_never_replaced(run: Run, tmp_path: Path) -> None:
+    data = short_study(tmp_path)
+    before = data.read_bytes()
+    result = run("compare", SCENE, data, "-o", "short", "--force")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-2:] == [
+        "error: cannot write short.csv: it is what this run reads", "hint: choose another name with -o",
+    ]  # fmt: skip
+    assert data.read_bytes() == before
+
+
 def test_missing_files(run: Run, tmp_path: Path) -> None:
     assert run("compare", SCENE).exit_code == 2
     result = run("compare", SCENE, tmp_path / "none.csv")

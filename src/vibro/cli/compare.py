@@ -129,6 +129,7 @@ def compare_command(
         options=options,
         argv=context.obj,
         console=console,
+        reads=data,
     ) as output:
         comparison = compare(scene, observation)
         if observation.middle is not observation:

@@ -12,6 +12,7 @@ from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
     from types import TracebackType
 
     from matplotlib.figure import Figure
@@ -48,6 +49,8 @@ class SeriesOutput:
         The arguments as typed.
     console : Console
         For messages.
+    reads : Path, optional
+        A file that is never replaced: the run's own input.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class SeriesOutput:
         options: Options,
         argv: Sequence[str],
         console: Console,
+        reads: Path | None = None,
     ) -> None:
         self._form = CsvFormat(options.excel, options.decimal_comma)
         self._stream = table_stream(json=options.json) if options.output == "-" else None
@@ -77,6 +81,7 @@ class SeriesOutput:
                 tables=tables,
                 pictures=("",),
                 formats=formats,
+                reads=reads,
             )
 
     @property

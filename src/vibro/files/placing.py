@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
     from vibro.files.claims import Claim
 
-__all__ = ["REPLACE_HINT", "Steps", "is_regular", "reason", "status_of_target"]
+__all__ = ["NAME_HINT", "REPLACE_HINT", "Steps", "is_regular", "reason", "status_of_target"]
 
-REPLACE_HINT: Final = "replace with --force, or choose another name with -o"
+NAME_HINT: Final = "choose another name with -o"
+REPLACE_HINT: Final = f"replace with --force, or {NAME_HINT}"
 
 # A spreadsheet holds a file for as long as it is open, a virus scanner for a moment: outlast the scanner.
 _ATTEMPTS: Final = 10
@@ -147,9 +148,9 @@ def status_of_target(target: Path) -> os.stat_result | None:
     except FileNotFoundError:
         return None
     except OSError as exc:
-        raise FileError(f"cannot write {target}: {reason(exc)}", hint="choose another name with -o") from exc
+        raise FileError(f"cannot write {target}: {reason(exc)}", hint=NAME_HINT) from exc
     if stat.S_ISDIR(status.st_mode):
-        raise FileError(f"cannot write {target}: a folder is in the way", hint="choose another name with -o")
+        raise FileError(f"cannot write {target}: a folder is in the way", hint=NAME_HINT)
     if not stat.S_ISREG(status.st_mode):
         kind = "a symbolic link" if stat.S_ISLNK(status.st_mode) else "not a regular file"
         raise FileError(

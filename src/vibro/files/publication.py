@@ -43,6 +43,8 @@ class Publication:
         the stem itself.
     formats : sequence of str
         Of every picture.
+    reads : Path, optional
+        A file that is never replaced: the run's own input.
 
     Raises
     ------
@@ -60,6 +62,7 @@ class Publication:
         tables: Sequence[str] = ("",),
         pictures: Sequence[str] = (),
         formats: Sequence[str] = (),
+        reads: Path | None = None,
     ) -> None:
         self._argv = ["vibro", *argv]
         self._tables = {name: suffixed(stem, file_suffix(name, "csv")) for name in tables}
@@ -68,7 +71,7 @@ class Publication:
         }
         self._json = suffixed(stem, ".json")
         self._targets = [*self._tables.values(), *self._pictures.values(), self._json]
-        self._files = OutputSet(stem, self._targets, force=force, tell=tell)
+        self._files = OutputSet(stem, self._targets, force=force, tell=tell, reads=reads)
 
     @property
     def folder(self) -> Path:

@@ -30,7 +30,7 @@ __all__ = ["sweep_blocks", "sweep_picture"]
 
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK // 2
-# for each core: few enough that an interrupt is noticed at once, and memory small (benchmarks/faults.py memory)
+# for each core: few enough that memory stays small (benchmarks/faults.py memory)
 _SOLVED: Final = 2 * BLOCK
 # where bodies are followed to their arrival, or other motions are looked for: a hundred times the work
 _WALKED_BLOCK: Final = 8_192
