@@ -2,7 +2,62 @@
 
 from __future__ import annotations
 
+import math
+import reprlib
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: How many of the things that are wrong with one input are told; of the others the number.
+MOST_TOLD: Final = 20
+_LONGEST: Final = 60  # characters of a value in a message
+_RIGHT: Final = 24  # of these, from its end
+_LONGEST_LINE: Final = 500  # characters of a message: whatever a part of it holds, nobody reads on
+
+
+class _Shortened(reprlib.Repr):
+    """``repr`` of anything in a few characters, however large it is."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxstring = self.maxother = self.maxlong = _LONGEST
+
+    def repr_int(self, x: int, level: int) -> str:
+        """Write a whole number; of a long one its length, as Python takes long to spell it, or refuses."""
+        digits = math.ceil(x.bit_length() * math.log10(2.0))
+        return repr(x) if digits <= _LONGEST else f"a whole number of about {digits} digits"
+
+
+_SHORTENED: Final = _Shortened()
+
+
+def shown(value: Any) -> str:
+    """Write a value for a message: as ``repr`` does, but on one line, and cut where it is long."""
+    text = " ".join(_SHORTENED.repr(value).split())
+    if isinstance(value, str) and len(value) > _LONGEST:
+        text += f" ({len(value)} characters)"
+    return _printable(text)
+
+
+def cut(text: str, most: int = _LONGEST) -> str:
+    """Write a text for a message, without quotes: on one line, and cut where it is longer than ``most``."""
+    if len(text) > most:
+        text = f"{text[: most - _RIGHT]}...{text[-_RIGHT:]} ({len(text)} characters)"
+    return _printable(text)
+
+
+def _printable(text: str) -> str:
+    """Spell out what would end a line, or what a terminal would obey."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+def _told(lines: Sequence[str], what: str) -> tuple[str, ...]:
+    """Keep the first lines, none too long, and count the others."""
+    told = [cut(line, _LONGEST_LINE) for line in lines[:MOST_TOLD]]
+    more = len(lines) - len(told)
+    return tuple([*told, f"{more} more such {what}"] if more else told)
 
 
 class VibroError(Exception):
@@ -54,16 +109,17 @@ class InputError(VibroError):
     Attributes
     ----------
     problems : tuple of str
-        Everything that is wrong, one sentence each.
+        Everything that is wrong, one sentence each; of more than ``MOST_TOLD`` the first, and how many more
+        there are.
     hint : str
-        How to put it right; empty where the problems say it themselves.
+        How to put it right, a line or as many; empty where the problems say it themselves.
     """
 
     def __init__(self, *problems: str, hint: str = "") -> None:
-        self.problems = problems
-        self.hint = hint
-        super().__init__("; ".join(problems))
-        _note(self, hint)
+        self.problems = _told(problems, "problems")
+        self.hint = "\n".join(_told(hint.splitlines(), "hints"))
+        super().__init__("; ".join(self.problems))
+        _note(self, self.hint)
 
 
 class FileError(VibroError):
