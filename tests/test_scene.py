@@ -63,21 +63,19 @@ def test_a_value_out_of_range_is_named_with_what_is_allowed(
 
 
 @pytest.mark.parametrize("field", VALID)
-@pytest.mark.parametrize(
-    ("value", "shown"), [(math.nan, "nan"), (None, "nan"), (math.inf, "inf"), (-math.inf, "-inf")]
-)
-def test_a_value_that_is_not_finite_is_refused(field: str, value: float | None, shown: str) -> None:
+@pytest.mark.parametrize(("value", "shown"), [(math.nan, "nan"), (math.inf, "inf"), (-math.inf, "-inf")])
+def test_a_value_that_is_not_finite_is_refused(field: str, value: float, shown: str) -> None:
     problems = _error(**{field: value}).problems
     assert problems[0].field == field
     assert shown in problems[0].value
 
 
 @pytest.mark.parametrize("field", VALID)
-@pytest.mark.parametrize("value", ["wide", "1 mm", [1.0, [2.0]], object(), 1j])
+@pytest.mark.parametrize("value", ["wide", "1 mm", [1.0, [2.0]], object(), 1j, None, True])
 def test_a_value_that_is_no_number_is_refused(field: str, value: Any) -> None:
     (problem,) = _error(**{field: value}).problems
     assert problem.field == field
-    assert problem.allowed == "a number or an array of numbers"
+    assert problem.allowed == "a real number or an array of real numbers"
 
 
 def test_one_bad_value_in_an_array_is_found_and_shown() -> None:

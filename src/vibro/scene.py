@@ -11,6 +11,7 @@ import numpy as np
 from vibro.core.groups import Loads, angle_excess, friction_excess, loads
 from vibro.errors import Problem, SceneError
 from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY
+from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -175,9 +176,9 @@ class Scene:
         problems = []
         for name in _NAMES:
             try:
-                x = np.array(values[name], dtype=np.float64)
-            except (TypeError, ValueError):
-                problems.append(Problem(name, repr(values[name]), "a number or an array of numbers"))
+                x = real_array(values[name])
+            except NotRealError as exc:
+                problems.append(Problem(name, exc.value, exc.allowed))
                 continue
             x.flags.writeable = False
             object.__setattr__(self, name, x)

@@ -13,7 +13,7 @@ from vibro.core.flight.averages import AVERAGES
 from vibro.core.flight.coexistence import coexisting
 from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, cycles, short_cycles
 from vibro.core.groups import Loads
-from vibro.errors import InputError
+from vibro.errors import InputError, shown
 from vibro.parallel import BLOCK, grid_blocks, in_parallel, within
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.scene import Fields
@@ -141,13 +141,13 @@ def level_of(accuracy: str) -> Level:
     try:
         return Level(accuracy)
     except ValueError:
-        raise InputError(f"accuracy = {accuracy!r}: must be one of {', '.join(Level)}") from None
+        raise InputError(f"accuracy = {shown(accuracy)}: must be one of {', '.join(Level)}") from None
 
 
 def check_switch(name: str, value: bool) -> None:
     """Refuse what only looks like a switch: the text "off" would count as on."""
     if not isinstance(value, bool | np.bool_):
-        raise InputError(f"{name} = {value!r}: must be True or False")
+        raise InputError(f"{name} = {shown(value)}: must be True or False")
 
 
 def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:

@@ -232,5 +232,5 @@ def test_a_length_that_cannot_be_is_named(length: object) -> None:
 
 
 def test_a_length_of_another_shape_is_named() -> None:
-    with pytest.raises(SceneError, match=r"length = .*broadcast against the scene, \(3,\)"):
+    with pytest.raises(SceneError, match=r"length = shape \(2,\): must be broadcastable .* \(3,\)"):
         vibro.arrival_time(scene_with(amplitude=[1e-3, 2e-3, 3e-3]), [1.0, 2.0])

@@ -10,7 +10,7 @@ from vibro.core.flight.cycles import MOST_THROW
 from vibro.core.groups import take
 from vibro.core.walk.arrival import arrival_cycles
 from vibro.core.walk.steps import course_of
-from vibro.errors import Problem, SceneError
+from vibro.results.steady import lengths_of
 from vibro.scene import Fields
 from vibro.steady import solve
 
@@ -66,16 +66,7 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     >>> print(f"{vibro.arrival_time(scene, 0.6):.6f} s")
     36.890432 s
     """
-    try:
-        length = np.array(length, dtype=np.float64)
-        shape = np.broadcast_shapes(scene.shape, length.shape)
-    except (TypeError, ValueError):
-        problem = Problem("length", repr(length), f"numbers that broadcast against the scene, {scene.shape}")
-        raise SceneError((problem,)) from None
-    bad = ~(np.isfinite(length) & (length > 0.0))
-    if bad.any():
-        raise SceneError((Problem("length", f"{length[bad].flat[0]:.15g} m", "finite and > 0 m"),))
-    return arrivals(scene, np.broadcast_to(length, shape), 0.0, 0.0)[()]
+    return arrivals(scene, lengths_of(length, scene.shape), 0.0, 0.0)[()]
 
 
 def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Floats:

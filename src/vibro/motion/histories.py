@@ -12,6 +12,7 @@ from vibro.core.walk.histories import follow
 from vibro.core.walk.steps import course_of
 from vibro.errors import Problem, SceneError, VibroError
 from vibro.motion.arrivals import arrivals, unfollowed
+from vibro.reals import NotRealError, real_number
 from vibro.results.history import History
 from vibro.steady import solve
 
@@ -113,9 +114,9 @@ def simulate(
 def _number(name: str, value: Any, unit: str, least: float = -math.inf) -> float:
     allowed = f"a finite number{f' > {least:g}' if least == 0.0 else ''} {unit}".rstrip()
     try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise SceneError((Problem(name, repr(value), allowed),)) from None
+        number = real_number(value)
+    except NotRealError as exc:
+        raise SceneError((Problem(name, exc.value, allowed),)) from None
     if not (math.isfinite(number) and number > least):
         raise SceneError((Problem(name, f"{number:.15g} {unit}".rstrip(), allowed),))
     return number

@@ -24,7 +24,8 @@ from vibro.core.codes import LETTERS, Mode
 from vibro.core.free import free_motion
 from vibro.core.walk.histories import Legs, Motion
 from vibro.core.walk.steps import tangential_motion
-from vibro.errors import VibroError
+from vibro.errors import VibroError, shown
+from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -198,8 +199,11 @@ class History:
             If a time lies outside, or ``side`` is neither.
         """
         if side not in ("left", "right"):
-            raise VibroError(f"side = {side!r}: must be 'left' or 'right'")
-        time = np.asarray(times, dtype=np.float64)
+            raise VibroError(f"side = {shown(side)}: must be 'left' or 'right'")
+        try:
+            time = real_array(times)
+        except NotRealError as exc:
+            raise VibroError(f"time = {exc.value}: must be {exc.allowed}") from None
         slack = _SLACK * self.end
         outside = ~((time >= -slack) & (time <= self.end + slack))
         if outside.any():

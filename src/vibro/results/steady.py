@@ -13,6 +13,7 @@ import numpy as np
 from vibro.core.codes import MODELS, Regime, Status, pattern_texts
 from vibro.errors import Problem, SceneError
 from vibro.quantities import LENGTH, PURE, SPEED, TIME, Kind
+from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Codes = NDArray[np.int8]
 
-__all__ = ["ARRIVAL_TIME", "RESULTS", "STROKES", "TRAVERSE_TIME", "Result", "SteadyCycle"]
+__all__ = ["ARRIVAL_TIME", "RESULTS", "STROKES", "TRAVERSE_TIME", "Result", "SteadyCycle", "lengths_of"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,14 +218,34 @@ class SteadyCycle:
         Raises
         ------
         SceneError
-            If a length is not finite and positive.
+            If a length is not finite and positive, or does not broadcast.
         """
-        length = np.asarray(length, dtype=np.float64)
-        if not (np.isfinite(length) & (length > 0.0)).all():
-            raise SceneError((Problem("length", str(length), "finite and > 0 m"),))
+        lengths = lengths_of(length, np.shape(self.mean_velocity))
         velocity = np.where(self.mean_velocity > 0.0, self.mean_velocity, 0.0)
-        with np.errstate(divide="ignore"):
-            return np.where(np.isnan(self.mean_velocity), np.nan, length / velocity)[()]
+        with np.errstate(divide="ignore", over="ignore"):  # inf where the time is beyond the range of doubles
+            return np.where(np.isnan(self.mean_velocity), np.nan, lengths / velocity)[()]
+
+
+def lengths_of(value: Any, shape: tuple[int, ...]) -> Floats:
+    """Convert lengths that bodies are to cover [m], and broadcast them against scenes of a shape.
+
+    Raises
+    ------
+    SceneError
+        If one is no number, or not finite and positive, or they do not broadcast.
+    """
+    try:
+        lengths = real_array(value)
+    except NotRealError as exc:
+        raise SceneError((Problem("length", exc.value, exc.allowed),)) from None
+    bad = ~(np.isfinite(lengths) & (lengths > 0.0))
+    if bad.any():
+        raise SceneError((Problem("length", f"{lengths[bad].flat[0]:.15g} m", "finite and > 0 m"),))
+    try:
+        return np.broadcast_to(lengths, np.broadcast_shapes(shape, lengths.shape))
+    except ValueError:
+        allowed = f"broadcastable against the scene's shape {shape}"
+        raise SceneError((Problem("length", f"shape {lengths.shape}", allowed),)) from None
 
 
 #: What ``SteadyCycle`` holds, in the order of a table's columns.
