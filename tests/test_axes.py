@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
+import numpy as np
 import pytest
 
-from vibro.axes import MAX_VALUES, default_count, parse_axis
+from vibro.axes import MAX_VALUES, axis_of, default_count, parse_axis
 from vibro.errors import InputError
 from vibro.quantities import QUANTITIES
 
@@ -58,6 +62,7 @@ def test_a_fine_range_accumulates_no_error() -> None:
         ("1,,2", "amplitude", "a list with an empty item", "write a list like 15,20,25"),
         ("1,2,", "amplitude", "a list with an empty item", "write a list like 15,20,25"),
         ("3,1,3", "amplitude", "must ascend and differ", "write 1,3"),
+        ("1,1.00000000000000000001", "amplitude", "must ascend and differ", "write 1"),
         ("1:2:1", "amplitude", "a range has at least 2 values", "write 1"),
         ("1:2:-5", "amplitude", "a range has at least 2 values", "write 1"),
         ("1::3", "amplitude", "not a range", "write lo:hi, lo:hi:count or lo:hi:step=d"),
@@ -158,9 +163,7 @@ def test_an_axis_says_what_was_understood(text: str, name: str, echo: str) -> No
     assert str(parse_axis(text, QUANTITIES[name]).axis(7)) == echo
 
 
-@pytest.mark.parametrize(
-    "text", ["1:1.0000000000000001:3", "0.1:0.10000000000000001:log", "1,1.00000000000000000001"]
-)
+@pytest.mark.parametrize("text", ["1:1.0000000000000001:3", "0.1:0.10000000000000001:log"])
 def test_values_that_doubles_cannot_tell_apart_are_refused(text: str) -> None:
     spec = parse_axis(text, QUANTITIES["amplitude"])
     with pytest.raises(InputError, match="too close for doubles"):
@@ -185,3 +188,133 @@ def test_an_axis_knows_its_words_and_column() -> None:
     axis = parse_axis("0.1:3", QUANTITIES["amplitude"]).axis(3)
     assert (axis.name, axis.label, axis.unit, axis.column) == ("amplitude", "amplitude", "mm", "amplitude_mm")
     assert len(axis) == 3
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        ([1, 2, 3], [1.0, 2.0, 3.0]),
+        ([0.1, 0.2, 0.30000000000000004], [0.1, 0.2, 0.30000000000000004]),
+        ([1, 1.5, "2mm", "0.3cm"], [1.0, 1.5, 2.0, 3.0]),
+        (["800um", "900um"], [0.8, 0.9]),
+        ([2**53 + 1, 2**70], [2.0**53, 2.0**70]),
+        (0.1, [0.1]),
+        ([5], [5.0]),
+    ],
+)
+def test_a_list_holds_the_nearest_doubles(value: object, expected: list[float]) -> None:
+    spec = axis_of(value, QUANTITIES["amplitude"])
+    assert spec.axis(5).values.tolist() == expected
+    assert spec.halved(QUANTITIES["amplitude"]).axis(5).values.tolist() == [v / 2 for v in expected]
+
+
+@pytest.mark.parametrize(
+    ("value", "problem"),
+    [
+        ([1.0, math.nan], "amplitude = nan: must be a finite number"),
+        ([1.0, math.inf], "amplitude = inf: must be a finite number"),
+        ([1.0, "nan"], "amplitude = nan: must be a finite number"),
+        (1e400, "amplitude = inf: must be a finite number"),
+        ([2.0, 1.0], "amplitude = [2.0, 1.0]: the values of a list must ascend and differ"),
+        ([1, 1.0], "amplitude = [1, 1.0]: the values of a list must ascend and differ"),
+        ([-0.0, 0.0], "must ascend and differ"),
+        ([0.1, "100um"], "must ascend and differ"),
+        ([-1e308, -1e309, 1e308], "amplitude = -inf"),
+        ([1, True], "amplitude_mm = True: must be a number or an axis"),
+        ([1, [2]], "must be a number or an axis"),
+        ([[1, 2]], "must be a number or an axis"),
+        (10**400, "amplitude_mm = a whole number of about 401 digits: must be finite"),
+        ([1, 10**5000], "amplitude_mm = a whole number of about 5001 digits: must be finite"),
+        (["1x"], "'1x': 'x' is no unit of amplitude"),
+        (["0.1:3"], "not a number"),
+    ],
+)
+def test_a_wrong_list_names_its_value(value: object, problem: str) -> None:
+    with pytest.raises(InputError) as caught:
+        axis_of(value, QUANTITIES["amplitude"])
+    assert problem in str(caught.value)
+
+
+def test_a_long_list_is_cut_in_messages_and_hints() -> None:
+    falling: list[Any] = [list(range(100_000, 0, -1)), ",".join(map(str, range(100_000, 0, -1)))]
+    for value in falling:
+        with pytest.raises(InputError, match="must ascend and differ") as caught:
+            axis_of(value, QUANTITIES["amplitude"])
+        assert len(str(caught.value)) < 200
+        assert caught.value.hint == "sort its values, and give each once"
+
+
+def test_a_list_has_no_more_values_than_a_range(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InputError, match="more than 10000000 values on one axis"):
+        axis_of(range(10**30), QUANTITIES["amplitude"])
+    monkeypatch.setattr("vibro.axes.MAX_VALUES", 3)
+    four: list[Any] = [[1, 2, 3, 4], np.arange(1.0, 5.0), range(1, 5), "1,2,3,4", ["1", 2, 3, 4]]
+    for value in four:
+        with pytest.raises(InputError, match="more than 3 values on one axis"):
+            axis_of(value, QUANTITIES["amplitude"])
+    assert len(axis_of([1, 2, 3], QUANTITIES["amplitude"]).values) == 3
+
+
+def test_numbers_of_a_list_are_not_read_as_texts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exact fractions take a hundred times as long: a list of a million numbers took a minute."""
+
+    def read(*_: object) -> float:
+        raise AssertionError
+
+    monkeypatch.setattr("vibro.axes.exact_number", read)
+    monkeypatch.setattr("vibro.axes.nearest_double", read)
+    assert len(axis_of([i / 7 for i in range(1, 1000)], QUANTITIES["amplitude"]).values) == 999
+    assert len(axis_of(list(range(1, 1000)), QUANTITIES["amplitude"]).values) == 999
+    monkeypatch.undo()
+    monkeypatch.setattr("vibro.quantities.Fraction", read)
+    assert axis_of(["800um", "0.9"], QUANTITIES["amplitude"]).values == (0.8, 0.9)
+
+
+DIGITS = {
+    "400 digits": "9" * 400,
+    "5000 digits": "9" * 5000,
+    "a long fraction": "0." + "3" * 5000,
+    "a long exponent": "1e" + "9" * 5000,
+}
+
+
+@pytest.mark.parametrize("digits", DIGITS.values(), ids=DIGITS)
+@pytest.mark.parametrize("form", ["{}", "{}mm", "1,{}", "{0}:{0}", "1:{}", "{}:1", "1:2:{}", "1:2:step={}"])
+@pytest.mark.parametrize("end", ["", ":log", "x"])
+def test_thousands_of_digits_are_refused_in_a_line(digits: str, form: str, end: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_axis(form.format(digits) + end, QUANTITIES["amplitude"]).axis(3)
+    (problem,) = caught.value.problems
+    assert problem.startswith(("amplitude = ", "step of a logarithmic range = "))
+    assert len(problem) < 250
+    assert len(caught.value.hint) < 200
+
+
+def test_a_decimal_of_hundreds_of_digits_is_a_number() -> None:
+    third = "0." + "3" * 400
+    assert parse_axis(third, QUANTITIES["amplitude"]).value == 1 / 3
+    assert values_of(f"{third}:1:3") == [1 / 3, 2 / 3, 1.0]
+    assert values_of(f"{third}um,{third}") == [1 / 3000, 1 / 3]
+
+
+def test_the_ends_of_a_geometric_range_are_as_given() -> None:
+    text = "0.12345678901234567:1.7976931348623157e308:5:log"
+    assert values_of(text)[0] == 0.12345678901234567
+    assert values_of(text)[-1] == 1.7976931348623157e308
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("1:2:step=1.0000000000000000000001:log", "a factor above 1"),
+        ("5e-324um:1:log", "must start above 0"),
+        ("1:2:step=5e-324um", "the step must be above 0"),
+    ],
+)
+def test_what_no_double_holds_is_refused(text: str, problem: str) -> None:
+    with pytest.raises(InputError, match=problem):
+        parse_axis(text, QUANTITIES["amplitude"])
+
+
+def test_the_widest_axis_is_echoed() -> None:
+    assert str(parse_axis("5e-324:1e308:3:log", QUANTITIES["amplitude"]).axis(3)).endswith("factor inf")

@@ -7,22 +7,25 @@ import re
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.errors import InputError
-from vibro.quantities import QUANTITIES, Quantity, exact_number
+from vibro.errors import InputError, cut, shown
+from vibro.quantities import QUANTITIES, Quantity, exact_number, nearest_double
+from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
 __all__ = ["MAX_VALUES", "Axis", "AxisSpec", "axis_of", "default_count", "parse_axis"]
 
 # An axis longer than the largest sweep that is written to one table is a slip of the keyboard.
 MAX_VALUES: Final = 10_000_000
+
+_ALLOWED: Final = "a number or an axis"
+_HINTED: Final = 12  # values that a hint lists
+_REPEATED: Final = 40  # characters of a number that a hint repeats
 
 _COUNT: Final = Quantity("count")
 _STEP: Final = Quantity("step of a logarithmic range")
@@ -68,7 +71,7 @@ class Axis:
 
     def __str__(self) -> str:
         """Say what was understood: ``amplitude: 200 values, 0.1 ... 3 mm, step 0.0146``."""
-        n, first, last = len(self), self.values[0], self.values[-1]
+        n, first, last = len(self), float(self.values[0]), float(self.values[-1])
         if self.spacing == "list":
             values = ", ".join(f"{v:.6g}" for v in self.values[:8]) + (", ..." if n > 8 else "")
             return f"{self.label}: {n} values, {values} {self.unit}".rstrip()
@@ -83,14 +86,14 @@ class Axis:
 class AxisSpec:
     """What a user asked for: one value, a list, or a range whose count may still be open.
 
-    Numbers are exact and in the quantity's default unit.
+    Numbers are in the quantity's default unit.
 
     Attributes
     ----------
     quantity : Quantity
         What is given.
-    values : tuple of Fraction
-        The value, the list, or both ends of the range.
+    values : tuple of Fraction or float
+        The value or the list; or both ends of the range, exact, from which its values follow.
     is_range : bool
         Whether ``values`` are both ends of a range.
     count : int or None
@@ -100,7 +103,7 @@ class AxisSpec:
     """
 
     quantity: Quantity
-    values: tuple[Fraction, ...]
+    values: tuple[Fraction | float, ...]
     is_range: bool = False
     count: int | None = None
     log: bool = False
@@ -116,9 +119,9 @@ class AxisSpec:
         (value,) = self.values
         return float(value)
 
-    def scaled(self, factor: Fraction, quantity: Quantity) -> AxisSpec:
-        """Give the same values as another quantity: a stroke as its amplitude."""
-        return replace(self, quantity=quantity, values=tuple(v * factor for v in self.values))
+    def halved(self, quantity: Quantity) -> AxisSpec:
+        """Give half the values as another quantity: a stroke as its amplitude."""
+        return replace(self, quantity=quantity, values=tuple(v / 2 for v in self.values))
 
     def axis(self, count: int) -> Axis:
         """Spell out the values.
@@ -132,10 +135,10 @@ class AxisSpec:
         -------
         Axis
             Every value is the double nearest to the exact one, so ``0.1:0.5:5`` holds 0.3, not
-            0.30000000000000004. A geometric range is rounded to 15 digits.
+            0.30000000000000004. Between its ends a geometric range is rounded to 15 digits.
         """
         values = self._spelled_out(count)
-        if len(values) > 1 and not np.all(np.diff(values) > 0.0):
+        if not np.all(values[1:] > values[:-1]):
             ends = f"{self.quantity.text(self.values[0])} ... {self.quantity.text(self.values[-1])}"
             raise InputError(
                 f"{self.quantity.label} = {ends}: {len(values)} values are too close for doubles",
@@ -146,13 +149,15 @@ class AxisSpec:
 
     def _spelled_out(self, count: int) -> NDArray[np.float64]:
         if not self.is_range:
-            return np.array([float(v) for v in self.values])
+            return np.array(self.values, np.float64)
         n = self.count or count
-        first, last = self.values
+        first, last = (Fraction(end) for end in self.values)
         if self.log:
-            powers = np.geomspace(float(first), float(last), n)
+            with np.errstate(over="ignore"):  # at the end, which replaces what its power comes to
+                powers = np.geomspace(float(first), float(last), n)
             # 15 digits, so that 5:80:step=2:log holds 10, not 10.000000000000002.
-            return np.fromiter((float(f"{v:.15g}") for v in powers.tolist()), float, n)
+            powers[1:-1] = [float(f"{v:.15g}") for v in powers[1:-1].tolist()]
+            return powers
         # i-th value = (start + i step) / scale in whole numbers, whose quotient Python rounds correctly.
         scale = first.denominator * last.denominator * (n - 1)
         start = first.numerator * last.denominator * (n - 1)
@@ -188,23 +193,49 @@ def axis_of(value: object, quantity: Quantity) -> AxisSpec:
     """
     if isinstance(value, str):
         return parse_axis(value, quantity)
-    # NumPy and pandas have tolist, which gives plain numbers.
-    values = value.tolist() if hasattr(value, "tolist") else value
-    if _is_number(values):
-        return AxisSpec(quantity, (exact_number(repr(values), quantity),))
-    if isinstance(values, list | tuple | range) and values:
-        items = [item.tolist() if hasattr(item, "tolist") else item for item in values]
-        if all(isinstance(item, str) or _is_number(item) for item in items):
-            texts = [item if isinstance(item, str) else repr(item) for item in items]
-            return _listed(quantity, "[" + ", ".join(texts) + "]", texts, brackets=True)
-    raise InputError(
-        f"{quantity.column} = {value!r}: must be a number or an axis",
-        hint='write it like 1.5, "0.1:3:200" or [10, 20, 30]',
-    )
+    if isinstance(value, range) and value[MAX_VALUES:]:  # before memory is spent on it
+        raise _too_many(shown(value), quantity)
+    try:
+        values = _doubles(value, quantity)
+        if values.ndim > 1 or not values.size:
+            raise NotRealError(shown(value), _ALLOWED)
+    except NotRealError as exc:
+        raise InputError(
+            f"{quantity.column} = {exc.value}: must be {exc.allowed}",
+            hint='write it like 1.5, "0.1:3:200" or [10, 20, 30]',
+        ) from None
+    if values.size > MAX_VALUES:
+        raise _too_many(shown(value), quantity)
+    beyond = values[~np.isfinite(values)]
+    if beyond.size:
+        raise InputError(f"{quantity.label} = {beyond[0]}: must be a finite number")
+    if values.ndim:
+        _check_order(values, shown(value), quantity, "[{}]", ", ")
+    return AxisSpec(quantity, tuple(values.ravel().tolist()))
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:
+    """Convert what is given to doubles; texts among it may have units."""
+    if hasattr(value, "__array__") and not isinstance(value, np.ma.MaskedArray):
+        value = np.asarray(value)  # of pandas
+        value = value.tolist() if value.dtype.kind in "OTU" else value
+    if isinstance(value, list | tuple):
+        kinds = set(map(type, value))
+        if not kinds <= {int, float} and any(issubclass(kind, str) for kind in kinds):
+            value = [nearest_double(item, quantity) if isinstance(item, str) else item for item in value]
+    return real_array(value, _ALLOWED)
+
+
+def _check_order(
+    values: NDArray[np.float64], text: str, quantity: Quantity, form: str, separator: str
+) -> None:
+    """Refuse a list that does not ascend; the hint writes it as it was given, if it is short."""
+    if np.all(values[1:] > values[:-1]):
+        return
+    hint = "sort its values, and give each once"
+    if values.size <= _HINTED:
+        hint = f"write {form.format(separator.join(f'{v:.15g}' for v in np.unique(values).tolist()))}"
+    raise InputError(f"{quantity.label} = {text}: the values of a list must ascend and differ", hint=hint)
 
 
 def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
@@ -236,30 +267,21 @@ def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
 
 
 def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
-    if match := _DECIMAL_COMMA.fullmatch(text):
+    if len(text) <= _REPEATED and (match := _DECIMAL_COMMA.fullmatch(text)):
         raise InputError(
-            f"{quantity.label} = {text!r}: a decimal comma",
+            f"{quantity.label} = {shown(text)}: a decimal comma",
             hint=f"write {match[1]}.{match[2]}; for the two values write {match[1]}.0,{match[2]}",
         )
     items = text.split(",")
-    if not all(item.strip() for item in items):
+    if not all(map(str.strip, items)):
         raise InputError(
-            f"{quantity.label} = {text!r}: a list with an empty item", hint="write a list like 15,20,25"
+            f"{quantity.label} = {shown(text)}: a list with an empty item", hint="write a list like 15,20,25"
         )
-    return _listed(quantity, text, items)
-
-
-def _listed(quantity: Quantity, text: str, items: Sequence[str], brackets: bool = False) -> AxisSpec:
-    values = tuple(exact_number(item, quantity) for item in items)
-    ascending = sorted(set(values))
-    if list(values) != ascending:
-        given = text if brackets else repr(text)
-        wanted = (", " if brackets else ",").join(f"{float(v):.15g}" for v in ascending)
-        raise InputError(
-            f"{quantity.label} = {given}: the values of a list must ascend and differ",
-            hint=f"write [{wanted}]" if brackets else f"write {wanted}",
-        )
-    return AxisSpec(quantity, values)
+    if len(items) > MAX_VALUES:
+        raise _too_many(shown(text), quantity)
+    values = np.array([nearest_double(item, quantity) for item in items])
+    _check_order(values, shown(text), quantity, "{}", ",")
+    return AxisSpec(quantity, tuple(values.tolist()))
 
 
 def _parse_range(text: str, quantity: Quantity) -> AxisSpec:
@@ -269,17 +291,17 @@ def _parse_range(text: str, quantity: Quantity) -> AxisSpec:
         parts.pop()
     if not 2 <= len(parts) <= 3 or not all(parts):
         raise InputError(
-            f"{quantity.label} = {text!r}: not a range",
+            f"{quantity.label} = {shown(text)}: not a range",
             hint="write lo:hi, lo:hi:count or lo:hi:step=d, each with an optional :log",
         )
     first, last = exact_number(parts[0], quantity), exact_number(parts[1], quantity)
     third = parts[2] if len(parts) == 3 else None
     if last <= first:
         raise InputError(
-            f"{quantity.label} = {text!r}: the range does not ascend", hint=_order_hint(parts, quantity)
+            f"{quantity.label} = {shown(text)}: the range does not ascend", hint=_order_hint(parts, quantity)
         )
     if log and first <= 0:
-        raise InputError(f"{quantity.label} = {text!r}: a logarithmic range must start above 0")
+        raise InputError(f"{quantity.label} = {shown(text)}: a logarithmic range must start above 0")
     if third is None:
         return AxisSpec(quantity, (first, last), is_range=True, log=log)
     if third.casefold().startswith("step="):
@@ -294,14 +316,15 @@ def _count(text: str, quantity: Quantity, parts: list[str]) -> int:
         count = Fraction(1, 2)
     if count.denominator != 1:
         raise InputError(
-            f"{quantity.label} = {text!r}: the count {parts[2]!r} is not a whole number",
+            f"{quantity.label} = {shown(text)}: the count {shown(parts[2])} is not a whole number",
             hint=_order_hint(parts, quantity),
         )
     if count < 2:
         raise InputError(
-            f"{quantity.label} = {text!r}: a range has at least 2 values", hint=f"write {parts[0]}"
+            f"{quantity.label} = {shown(text)}: a range has at least 2 values", hint=f"write {cut(parts[0])}"
         )
-    _refuse_too_many(text, quantity, int(count))
+    if count > MAX_VALUES:
+        raise _too_many(shown(text), quantity)
     return int(count)
 
 
@@ -310,9 +333,9 @@ def _stepped(
 ) -> AxisSpec:
     if log:
         factor = exact_number(step_text, _STEP)
-        if factor <= 1:
+        if float(factor) <= 1.0:
             raise InputError(
-                f"{quantity.label} = {text!r}: the step of a logarithmic range is a factor above 1"
+                f"{quantity.label} = {shown(text)}: the step of a logarithmic range is a factor above 1"
             )
         # The quotient's rounding must not cost the last value of 5:80:step=2:log.
         steps = int((math.log(last) - math.log(first)) / math.log(factor) + 1e-9)
@@ -320,12 +343,13 @@ def _stepped(
     else:
         step = exact_number(step_text, quantity)
         if step <= 0:
-            raise InputError(f"{quantity.label} = {text!r}: the step must be above 0")
+            raise InputError(f"{quantity.label} = {shown(text)}: the step must be above 0")
         steps = int((last - first) / step)
         end = first + steps * step
     if steps < 1:
-        raise InputError(f"{quantity.label} = {text!r}: the step is longer than the range")
-    _refuse_too_many(text, quantity, steps + 1)
+        raise InputError(f"{quantity.label} = {shown(text)}: the step is longer than the range")
+    if steps >= MAX_VALUES:
+        raise _too_many(shown(text), quantity)
     return AxisSpec(quantity, (first, end), is_range=True, count=steps + 1, log=log)
 
 
@@ -334,12 +358,10 @@ def _decimal(number: Fraction) -> Decimal:
     return Decimal(number.numerator) / Decimal(number.denominator)
 
 
-def _refuse_too_many(text: str, quantity: Quantity, count: int) -> None:
-    if count > MAX_VALUES:
-        raise InputError(
-            f"{quantity.label} = {text!r}: more than {MAX_VALUES} values on one axis",
-            hint="ask for fewer values",
-        )
+def _too_many(text: str, quantity: Quantity) -> InputError:
+    return InputError(
+        f"{quantity.label} = {text}: more than {MAX_VALUES} values on one axis", hint="ask for fewer values"
+    )
 
 
 def _order_hint(parts: list[str], quantity: Quantity) -> str:
@@ -347,6 +369,8 @@ def _order_hint(parts: list[str], quantity: Quantity) -> str:
     try:
         numbers = [exact_number(part, quantity) for part in parts]
     except InputError:
+        numbers = []
+    if not numbers or max(map(len, parts)) > _REPEATED:
         return "write lo:hi:count, or lo:hi:step=d"
     first, second, *third = numbers
     if third and 0 < second <= third[0] - first:

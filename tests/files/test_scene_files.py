@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from vibro.errors import FileError, InputError
+from vibro.errors import MOST_TOLD, FileError, InputError
 from vibro.files.scene_files import read_scene_file
 
 SCENE = """
@@ -139,3 +141,75 @@ def test_a_scene_file_that_is_not_there(tmp_path: Path) -> None:
         read_scene_file(tmp_path)
     with pytest.raises(FileError, match="cannot read"):
         read_scene_file(tmp_path / "no folder" / "nut.toml")
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "9" * 400,
+        "9" * 5000,
+        "-" + "9" * 5000,
+        "0x" + "f" * 5000,
+        "1_" * 5000 + "1",
+        "[1, " + "9" * 5000 + "]",
+        '"' + "9" * 5000 + '"',
+        '"1:' + "9" * 5000 + '"',
+        "9" * 5000 + ".5",
+        "1e" + "9" * 5000,
+        "[[" + "9" * 5000 + "]]",
+        "{a = " + "9" * 5000 + "}",
+    ],
+    ids=lambda value: value[:8],
+)
+@pytest.mark.parametrize("table", ["scene", "map"])
+def test_thousands_of_digits_are_refused_by_name(tmp_path: Path, table: str, value: str) -> None:
+    path = written(tmp_path, f"[{table}]\ngravity_m_s2 = 9.81\nfrequency_hz = {value}\n")
+    with pytest.raises(InputError) as caught:
+        read_scene_file(path)
+    (problem,) = caught.value.problems
+    assert problem.startswith(f"{path}: [{table}] frequency")
+    assert len(problem) < len(str(path)) + 200
+    assert len(caught.value.hint) < 100
+
+
+def test_a_number_too_long_for_python_hides_nothing_else(tmp_path: Path) -> None:
+    text = f"[scene]\namplitude_mm = {'9' * 5000}\ngravity = 1\nfrequency_hz = true\n"
+    with pytest.raises(InputError) as caught:
+        read_scene_file(written(tmp_path, text))
+    assert len(caught.value.problems) == 3
+
+
+def test_many_unknown_keys_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compared = []
+    matches = difflib.get_close_matches
+
+    def count(word: str, *args: Any, **kwargs: Any) -> list[str]:
+        compared.append(word)
+        return matches(word, *args, **kwargs)
+
+    monkeypatch.setattr("difflib.get_close_matches", count)
+    for text in (
+        "[scene]\n" + "\n".join(f"amplitud_{i} = 1" for i in range(5000)),
+        "\n".join(f"amplitud_{i} = 1" for i in range(5000)),
+        "\n".join(f"[scene_{i}]" for i in range(5000)),
+    ):
+        with pytest.raises(InputError) as caught:
+            read_scene_file(written(tmp_path, text))
+        assert len(caught.value.problems) == MOST_TOLD + 1
+        assert caught.value.problems[-1] == f"{5000 - MOST_TOLD} more such problems"
+        assert len(compared) == MOST_TOLD
+        compared.clear()
+
+
+@pytest.mark.parametrize(
+    "text", ["[scene]\n" + "k" * 100_000 + " = 1", 1000 * "a." + "b = 1", "\n" * 100_000 + "="]
+)
+def test_wild_keys_are_cut_and_take_no_time(tmp_path: Path, text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_scene_file(written(tmp_path, text))
+    assert len(str(caught.value)) < len(str(tmp_path)) + 400
+
+
+def test_a_path_that_no_system_has(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="cannot read"):
+        read_scene_file(tmp_path / "a\0b.toml")

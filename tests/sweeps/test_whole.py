@@ -286,3 +286,19 @@ def test_one_operating_point_of_a_file(tmp_path: Path) -> None:
         vibro.read_scene(path)
     with pytest.raises(FileError, match="cannot read"):
         vibro.read_scene(tmp_path / "none.toml")
+
+
+def test_many_unknown_arguments_are_counted() -> None:
+    with pytest.raises(InputError) as caught:
+        vibro.sweep(**{f"amplitud_{i}": i for i in range(1000)})  # type: ignore[arg-type]
+    assert caught.value.problems[-1] == "980 more such problems"
+
+
+def test_examples_and_messages_cut_long_values() -> None:
+    wide = np.linspace(1.0, 2.0, 1000)
+    with pytest.raises(InputError, match="missing: ") as caught:
+        vibro.sweep(amplitude_mm=wide, frequency_hz=list(wide), static_friction="0." + "3" * 900)
+    assert len(caught.value.hint) < 500
+    with pytest.raises(VibroError, match="accuracy = ") as refused:
+        vibro.sweep(NUT_FILE, accuracy="x" * 5000)  # type: ignore[arg-type]
+    assert len(str(refused.value)) < 200

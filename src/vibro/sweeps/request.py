@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final, Protocol
 
+import numpy as np
+
 from vibro.axes import AxisSpec, axis_of, default_count
 from vibro.errors import InputError, SceneError
 from vibro.files.scene_files import SceneFile
@@ -243,10 +245,10 @@ def _by_slot(specs: Mapping[str, AxisSpec], source: str, problems: _Problems) ->
 def _amplitude_for_stroke(spec: AxisSpec) -> AxisSpec:
     if spec.quantity.name != "stroke":
         return spec
-    return spec.scaled(Fraction(1, 2), QUANTITIES["amplitude"])
+    return spec.halved(QUANTITIES["amplitude"])
 
 
-def _text(spec: AxisSpec, value: Fraction) -> str:
+def _text(spec: AxisSpec, value: Fraction | float) -> str:
     return f"{spec.quantity.label} = {spec.quantity.text(value)}"
 
 
@@ -264,11 +266,12 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
 def _check_range(slot: str, spec: AxisSpec, problems: _Problems) -> None:
     """Check every value, and tell the first wrong one in the user's units; a swept ratio may exceed 1."""
     quantity = spec.quantity
-    beyond = quantity.name == "friction_ratio" and spec.varies
-    for value in spec.values:
-        if not quantity.allows(quantity.to_si(float(value))) and not (beyond and value >= 0):
-            problems.add(slot, f"{_text(spec, value)}: must be {quantity.allowed.text(quantity.unit)}")
-            return
+    values = np.array(spec.values, np.float64)
+    good = quantity.allows(quantity.to_si(values))
+    if quantity.name == "friction_ratio" and spec.varies:
+        good |= values >= 0.0
+    for value in values[~good][:1]:
+        problems.add(slot, f"{_text(spec, value)}: must be {quantity.allowed.text(quantity.unit)}")
 
 
 def _check_combinations(specs: Specs, problems: _Problems) -> None:

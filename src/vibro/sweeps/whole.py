@@ -12,7 +12,7 @@ import numpy as np
 
 from vibro.axes import axis_of
 from vibro.core.codes import Level
-from vibro.errors import InputError
+from vibro.errors import InputError, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.limits import critical_loads
 from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
@@ -160,7 +160,7 @@ class Sweep:
             hint = f"there are {', '.join(known)}" if known and self.shape else "there are none"
             if name == "traverse" and grid.length is None:
                 hint = "give trough_length_mm"
-            raise InputError(f"draw({name!r}): no such picture of this sweep", hint=hint)
+            raise InputError(f"draw({shown(name)}): no such picture of this sweep", hint=hint)
         limits, point = critical_loads(scene_of(grid.values())), grid.operating_point(self._own)
         result = SweepResult(grid.axes, grid.fixed, self.cycle, limits, grid.length, point, self._title)
         return map_figures(
@@ -178,12 +178,16 @@ def _held(at: Mapping[str, Any]) -> dict[str, float]:
     for called, value in at.items():
         quantity = find_quantity(str(called))
         if quantity is None or quantity.name == "stroke":
-            raise InputError(f"at: {called!r} is no axis", hint="give it by its key, such as amplitude_mm")
+            raise InputError(
+                f"at: {shown(called)} is no axis", hint="give it by its key, such as amplitude_mm"
+            )
         if quantity.name in held:
             raise InputError(f"at: {quantity.label} is given twice", hint="give it once")
         spec = axis_of(value, quantity)
         if spec.varies:
-            raise InputError(f"at: {quantity.label} = {value!r}: must be one value", hint="give one number")
+            raise InputError(
+                f"at: {quantity.label} = {shown(value)}: must be one value", hint="give one number"
+            )
         held[quantity.name] = spec.value
     return held
 
@@ -262,7 +266,7 @@ def _request(scene_file: str | PathLike[str] | None, quantities: Mapping[str, An
     if unknown:
         close = difflib.get_close_matches(unknown[0], list(BY_COLUMN), n=1, cutoff=0.5)
         hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(BY_COLUMN)}"
-        raise InputError(*(f"unknown argument {key!r}" for key in unknown), hint=hint)
+        raise InputError(*(f"unknown argument {shown(key)}" for key in unknown), hint=hint)
     given: dict[str, AxisSpec | InputError] = {}
     for key, value in quantities.items():
         quantity = BY_COLUMN[key]
@@ -272,13 +276,13 @@ def _request(scene_file: str | PathLike[str] | None, quantities: Mapping[str, An
             given[quantity.name] = exc
     file = None if scene_file is None else _read(scene_file)
     typed = [repr(str(scene_file))] if scene_file is not None else []
-    call = _Call((*typed, *(f"{key}={value!r}" for key, value in quantities.items())))
+    call = _Call((*typed, *(f"{key}={shown(value)}" for key, value in quantities.items())))
     return gather(given, file, call, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
 
 
 def _read(path: str | PathLike[str]) -> SceneFile:
     if not isinstance(path, str | os.PathLike):
-        raise InputError(f"scene file = {path!r}: must be a path", hint='write it like "scene.toml"')
+        raise InputError(f"scene file = {shown(path)}: must be a path", hint='write it like "scene.toml"')
     return read_scene_file(Path(path))
 
 
