@@ -12,7 +12,7 @@ from typer.core import TyperCommand
 
 from vibro.cli.console import Console, printable
 from vibro.cli.options import Options, picture_formats
-from vibro.errors import InputError
+from vibro.errors import InputError, cut, shown
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -103,9 +103,11 @@ def compare_command(
     names = _fitted_names(fitted)
     options, data = _arguments(options, data)
     request = request_of(options, context.obj)
-    body = float(exact_number(mass, MASS)) if mass is not None else None
-    if body is not None and body <= 0.0:
-        raise InputError(f"mass = {mass}: must be finite and > 0 kg")
+    body = None
+    if mass is not None:
+        body = float(exact_number(mass, MASS))
+        if body <= 0.0:
+            raise InputError(f"mass = {cut(mass)}: must be finite and > 0 kg")
     if friction is not None and body is None:
         raise InputError("a force needs the mass of the body", hint="give --mass 0.02kg")
     given = {
@@ -181,13 +183,15 @@ def _fitted_names(text: str | None) -> list[str]:
     from vibro.quantities import find_quantity
     from vibro.records.fitting import FITTABLE
 
+    if text is None:
+        return []
     names: list[str] = []
-    for part in text.split(",") if text is not None else ():
+    for part in text.split(","):
         quantity = find_quantity(part)
         if quantity is None or quantity.name not in FITTABLE or quantity.name in names:
             wrong = "is given twice" if quantity and quantity.name in names else "cannot be estimated"
             known = ", ".join(QUANTITIES[name].letter for name in FITTABLE)
-            raise InputError(f"--fit {text}: {part.strip()!r} {wrong}", hint=f"choose from {known}")
+            raise InputError(f"--fit {cut(text)}: {shown(part.strip())} {wrong}", hint=f"choose from {known}")
         names.append(quantity.name)
     return names
 

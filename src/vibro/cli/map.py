@@ -17,7 +17,7 @@ from vibro.cli.options import (
     refuse_without_flight,
 )
 from vibro.core.codes import Level
-from vibro.errors import InputError
+from vibro.errors import InputError, cut, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -110,7 +110,7 @@ def _shown(texts: list[str]) -> list[str]:
     for name in names:
         if name not in _SHOWN:
             raise InputError(
-                f"--show {name}: there is no such picture", hint=f"there are {', '.join(_SHOWN)}"
+                f"--show {cut(name)}: there is no such picture", hint=f"there are {', '.join(_SHOWN)}"
             )
     return names
 
@@ -130,11 +130,14 @@ def _held(texts: list[str], request: Request) -> dict[str, float]:
     for text in (part for given in texts for part in given.split(",")):
         name, equals, value = text.partition("=")
         if not equals:
-            raise InputError(f"--at {text}: not of the form AXIS=VALUE", hint="write it like --at mu_s=0.6")
+            raise InputError(
+                f"--at {cut(text)}: not of the form AXIS=VALUE", hint="write it like --at mu_s=0.6"
+            )
         quantity = find_quantity(name)
         if quantity is None:
             raise InputError(
-                f"--at {text}: {name!r} is no axis", hint=f"the axes are {', '.join(request.varying)}"
+                f"--at {cut(text)}: {shown(name)} is no axis",
+                hint=f"the axes are {', '.join(request.varying)}",
             )
         held[quantity.name] = float(exact_number(value, quantity))
     return held

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from vibro.core.codes import Level
-from vibro.errors import InputError
+from vibro.errors import InputError, cut, shown
 from vibro.files.stems import PICTURE_FORMATS
 from vibro.quantities import QUANTITIES
 
@@ -80,7 +80,7 @@ def picture_formats(text: str) -> list[str]:
     for name in names:
         if name not in PICTURE_FORMATS:
             raise InputError(
-                f"--format {text}: {name!r} is not a format of pictures",
+                f"--format {cut(text)}: {shown(name)} is not a format of pictures",
                 hint=f"they are {', '.join(PICTURE_FORMATS)}",
             )
     return names

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from scipy.special import stdtrit
 
-from vibro.errors import InputError
+from vibro.errors import InputError, cut, shown
 from vibro.records.cycles import HOPS
 from vibro.records.descent import Minimum, descend, to_edge
 from vibro.records.intervals import ENOUGH, profile, spread_of
@@ -137,7 +137,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     for name in names:
         if name not in FITTABLE or list(names).count(name) > 1:
             raise InputError(
-                f"--fit {','.join(names)}: {name!r} cannot be estimated, or is named twice",
+                f"--fit {cut(','.join(names))}: {shown(name)} cannot be estimated, or is named twice",
                 hint="choose from mu_s, mu_d, A and alpha",
             )
     problem = Problem(scene, observation.middle, names)
