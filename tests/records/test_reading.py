@@ -168,7 +168,10 @@ def test_no_time_and_no_signal(tmp_path: Path) -> None:
         ("overflow", "row 4, column 'X [mm]': 'overflow' is not a number"),
         ("", "row 4, column 'X [mm]': the cell is empty"),
         ("nan", "row 4, column 'X [mm]': 'nan' is not a number"),
-        ("1e999", "row 4, column 'X [mm]': '1e999' is not a number"),
+        ("1e999", "row 4, column 'X [mm]': 1e999 is too large to compute with, at most 1e+23 is allowed"),
+        ("-1e308", "row 4, column 'X [mm]': -1e308 is too large to compute with, at most 1e+23 is allowed"),
+        ("9" * 5000, "row 4, column 'X [mm]': 99999"),
+        ("9" * 5000 + "x", "9x' (5001 characters) is not a number"),
     ],
 )
 def test_text_rows_are_named(tmp_path: Path, cell: str, said: str) -> None:
@@ -241,3 +244,56 @@ def test_a_missing_file_suggests_its_neighbour(tmp_path: Path) -> None:
     with pytest.raises(FileError) as caught:
         read_record(tmp_path / "nuts.csv")
     assert "nut.csv" in caught.value.hint
+
+
+HEADERS: dict[str, tuple[list[str], dict[str, str]]] = {
+    "units in the names": (["Time [s],X [mm]"], {}),
+    "a preamble": (["Motion study,7", "rate,1000", "Time [s],X [mm]"], {}),
+    "a row of units": (["Time,X", "[s],[mm]"], {}),
+    "units from options": (["t,x"], {"time": "t [s]", "displacement": "x [mm]"}),
+    "numbers as names": (["Time [s],1"], {"displacement": "1 [mm]"}),
+}
+BAD: dict[str, tuple[str, str, str]] = {
+    "text": ("0,abc", "x", "'abc' is not a number"),
+    "an empty cell": ("0,", "x", "the cell is empty"),
+    "a bad time": ("start,1.5", "t", "'start' is not a number"),
+    "no number at all": ("NaN,NaN", "t", "'NaN' is not a number"),
+    "a spreadsheet's error": ("#N/A,-", "t", "'#N/A' is not a number"),
+    "a number too large": ("0,1e308", "x", "1e308 is too large to compute with"),
+    "thousands": ("0,1.000.5", "x", "'1.000.5' is not a number"),
+}
+
+
+@pytest.mark.parametrize("header", HEADERS)
+@pytest.mark.parametrize("bad", BAD)
+@pytest.mark.parametrize("rows", [1, 3])
+def test_bad_cells_in_the_first_rows_are_no_headers(tmp_path: Path, header: str, bad: str, rows: int) -> None:
+    above, columns = HEADERS[header]
+    row, column, said = BAD[bad]
+    data = [f"{i},{i * i}" for i in range(10)]
+    error = refusal(tmp_path, [*above, *[row] * rows, *data], **columns)
+    names = {"t": ("Time", "[s]", "t"), "x": ("X", "[mm]", "x", "1")}[column]
+    problem = next(text for text in error.problems if said in text)
+    assert f"row {len(above) + 1}, column " in problem
+    assert any(name in problem for name in names)
+    assert read(tmp_path, [*above, *data], **columns).time.size == 10
+
+
+@pytest.mark.parametrize("bad", ["abc", "", "NaN"])
+def test_a_bad_first_row_of_a_table_without_header(tmp_path: Path, bad: str) -> None:
+    assert "no column of time found" in str(refusal(tmp_path, [f"0,{bad}", "1,2", "2,3"]))
+
+
+def test_many_columns_are_counted_in_messages(tmp_path: Path) -> None:
+    header = ",".join(f"channel {i}" for i in range(5000))
+    row = ",".join(["1"] * 5000)
+    error = refusal(tmp_path, [header, row, row])
+    assert "and 4988 more" in str(error)
+    assert len(str(error)) < len(str(tmp_path)) + 600
+
+
+@pytest.mark.parametrize("cell", ["9" * 100_000 + "x", "1" * 60_000 + "e" + "1" * 60_000, "," * 100_000])
+def test_long_cells_take_no_time(tmp_path: Path, cell: str) -> None:
+    error = refusal(tmp_path, ["t [s];x [mm]", "0;1", f"1;{cell}", "2;3"])
+    assert "row 3, column 'x [mm]': " in str(error)
+    assert len(str(error)) < len(str(tmp_path)) + 300

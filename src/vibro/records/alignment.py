@@ -11,7 +11,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from vibro.errors import InputError
+from vibro.quantities import QUANTITIES
 from vibro.records.folding import Folded, fold, independent_samples
+from vibro.records.signals import MOST
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -20,10 +22,11 @@ if TYPE_CHECKING:
 
     from vibro.motion.settled import SettledMotion
     from vibro.records.reading import Record
+    from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Alignment", "Observation", "align", "computed", "data_frequency"]
+__all__ = ["Alignment", "Observation", "align", "check_size", "computed", "data_frequency"]
 
 _GRID: Final = 512  # shifts that the search starts from
 # A signal that fits exactly would outweigh all others: its misfit counts as at least this fraction of the
@@ -98,7 +101,16 @@ class Observation:
             Of the body [kg]; without it forces cannot be compared.
         reverse : bool
             Whether the record's axis points against the conveying direction.
+
+        Raises
+        ------
+        InputError
+            If there is only a force, and no mass; or if a mass is beyond 1e-20 to 1e20 kg.
         """
+        if mass is not None and not 1.0 / MOST <= mass <= MOST:
+            raise InputError(
+                f"mass = {mass:.15g} kg: must be in [{1.0 / MOST:g}, {MOST:g}] kg beside a record"
+            )
         sign = -1.0 if reverse else 1.0
         signals = {name: sign * values for name, values in record.signals.items() if name != "force"}
         if "force" in record.signals and mass is not None:
@@ -188,6 +200,24 @@ class Observation:
             misfit = np.maximum(energy - 2.0 * both, 0.0) + _LEAST_MISFIT * energy
             loss += 0.5 * self.time.size * np.log(misfit + np.finfo(float).tiny)
         return float(grid[np.argmin(loss)]), loss
+
+
+def check_size(scene: Scene) -> None:
+    """Refuse a scene so small or large that its squares could not be summed with those of a record.
+
+    Raises
+    ------
+    InputError
+        If its amplitude, frequency or gravity is beyond 1e-20 to 1e20 in SI units.
+    """
+    problems = []
+    for name in ("amplitude", "frequency", "gravity"):
+        value, unit = float(getattr(scene, name)), QUANTITIES[name].kind.si_unit
+        if not 1.0 / MOST <= value <= MOST:
+            limits = f"must be in [{1.0 / MOST:g}, {MOST:g}] {unit} beside a record"
+            problems.append(f"{name} = {value:.15g} {unit}: {limits}")
+    if problems:
+        raise InputError(*problems)
 
 
 def computed(motion: SettledMotion, names: Iterable[str], time: Floats, window: float) -> dict[str, Floats]:

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.motion.settled import SettledMotion, settled_motion
-from vibro.records.alignment import Alignment, Observation, align, computed, data_frequency
+from vibro.records.alignment import (
+    Alignment,
+    Observation,
+    align,
+    check_size,
+    computed,
+    data_frequency,
+)
 from vibro.records.folding import Estimate, fold
 
 if TYPE_CHECKING:
@@ -111,7 +118,8 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     Raises
     ------
     InputError
-        If the record has too few cycles, or too few samples a cycle.
+        If the record has too few cycles, or too few samples a cycle, or the scene is of no size that could be
+        compared.
     VibroError
         If the scene has no steady motion.
 
@@ -121,6 +129,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     cycles are not needed. Peaks, starts and ends of slides come from its velocity. Errors are one
     standard error of the noise, correlation allowed for.
     """
+    check_size(scene)
     _ = observation.folded  # first of all, because it refuses a record that is too short
     motion = settled_motion(scene)
     alignment = align(observation, motion)
@@ -305,11 +314,13 @@ def _warnings(
     advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
     if advance * motion.advance < 0.0:
         warnings.append("the data run against the computed direction: --reverse reverses their axis")
-    if (
-        "friction" in model
-        and float(np.corrcoef(model["friction"], observation.signals["friction"])[0, 1]) < 0.0
-    ):
+    if "friction" in model and _oppose(model["friction"], observation.signals["friction"]):
         warnings.append(
             "the friction has the opposite sign: it must be the force on the body, not on the trough"
         )
     return tuple(warnings)
+
+
+def _oppose(one: Floats, other: Floats) -> bool:
+    """Whether two signals are correlated negatively; a constant is not."""
+    return float((one - one.mean()) @ (other - other.mean())) < 0.0

@@ -40,6 +40,9 @@ _POWERS: Final = {"displacement": 1, "velocity": 2, "acceleration": 2, "friction
 _JUMPING: Final = ("acceleration", "friction")
 _WINDOW: Final = 0.25  # sample times over which the model's jumps are averaged, so that derivatives exist
 _LEAST_VARIANCE: Final = 1e-18  # of a misfit, relative to that of the signal, because data may be exact
+_ROUNDING: Final = (
+    1e-12  # of the drive's own motion: a misfit counts as at least this, as a signal may be zero
+)
 _LEAST_SCALE: Final = 1e-3  # of the greatest value that is tried: a quantity counts as at least this large
 _RANDOM: Final = 0.1  # share of a misfit that must differ from cycle to cycle for its slope to tell of jitter
 _ROUNDS: Final = 3  # of weighting the squares that the variances are regressed on
@@ -162,9 +165,16 @@ class Problem:
         scaled = shape * residual
         size = int(np.count_nonzero(shape))
         variance = float(scaled @ scaled) / max(size - _POWERS[name] - len(self.names) - 1, 1)
-        variance += _LEAST_VARIANCE * float(np.var(shape * signal)) + np.finfo(float).tiny
+        variance += _LEAST_VARIANCE * float(np.var(shape * signal))
+        variance += float(shape @ shape) / signal.size * (_ROUNDING * self._drives(name)) ** 2
         self._weights[name] = shape * math.sqrt(count / signal.size / variance)
         self._sensors[name] = np.linalg.qr(self._basis(name) * self._weights[name][:, None])[0]
+
+    def _drives(self, name: str) -> float:
+        """Amplitude of what the drive does: the size that a signal of this kind has."""
+        rate = 2.0 * math.pi * self.fixed["frequency"]
+        power = {"displacement": 0, "velocity": 1}.get(name, 2)
+        return self.fixed["amplitude"] * rate**power
 
     def _basis(self, name: str) -> Floats:
         """Powers of the time that a sensor may add, shape (N, powers)."""

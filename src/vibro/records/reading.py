@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.errors import FileError, InputError
+from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.nearby import suggestion
-from vibro.records.signals import SIGNAL_UNITS, signal_unit
+from vibro.records.signals import MOST, SIGNAL_UNITS, signal_unit
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -39,11 +39,17 @@ _WORDS: Final[Mapping[str, str]] = {
     "force": r"friction|friction force|reibkraft|f",
 }
 _BRACKETS: Final = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*")
-_NUMBER: Final = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
+# Possessive, so that a long cell takes no longer than its length asks for.
+_NUMBER: Final = re.compile(r"[+-]?+(?:\d++[.,]?+\d*+|[.,]\d++)(?:[eE][+-]?+\d++)?+")
+# What programs write in place of a number.
+_NO_VALUE: Final = re.compile(
+    r"[+-]?(nan|inf(inity)?)|n/?a|null|none|error|overflow|#.*|[-?*]+", re.IGNORECASE
+)
 _SEPARATORS: Final = {";": "semicolon", "\t": "tab", ",": "comma"}
 _LOOKED_AT: Final = 300  # rows from which separator and header are found
 _GAP: Final = 3.0  # a step longer than this many usual steps is a gap
 _TOLD: Final = 5  # number of bad cells of a column that a message lists
+_LISTED: Final = 12  # headers that a message lists
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +90,13 @@ class _Header(NamedTuple):
     unit: tuple[str, float] | None
 
 
-class _Table(NamedTuple):
-    """A parsed file: headers, and the rows of data, each with its number in the file."""
+#: The column of every signal, and the size of its unit in SI units.
+_Columns = dict[str, tuple[_Header, float]]
 
-    headers: list[_Header]
+
+class _Table(NamedTuple):
+    """A parsed file: the rows of data, each with its number in the file."""
+
     rows: list[tuple[int, list[str]]]
     decimal_comma: bool
     separator: str
@@ -121,19 +130,17 @@ def read_record(path: Path, columns: Mapping[str, str] | None = None) -> Record:
     """
     wanted = dict(columns or {})
     text, notes = _decode(path)
-    table = _take_apart(path, text)
+    table, chosen = _take_apart(path, text, wanted)
     if table.separator != "," or table.decimal_comma:
         decimals = ", decimal commas" if table.decimal_comma else ""
         notes.append(f"{path.name}: separated by {_SEPARATORS[table.separator]}s{decimals}")
-    chosen = _choose(path, table.headers, wanted)
-    values = {role: _numbers(path, table, header) for role, (header, _) in chosen.items()}
-    time_header, time_unit = chosen["time"]
-    _check_time(path, table, time_header, values["time"], time_unit)
+    values = {role: _numbers(path, table, header, unit) for role, (header, unit) in chosen.items()}
+    _check_time(path, table, chosen["time"][0], values["time"])
     for role, (header, _) in chosen.items():
-        notes.append(f"{role}: column {header.text!r}")
+        notes.append(f"{role}: column {shown(header.text)}")
     return Record(
-        time=values["time"] * time_unit,
-        signals={role: values[role] * chosen[role][1] for role in SIGNALS if role in chosen},
+        time=values["time"],
+        signals={role: values[role] for role in SIGNALS if role in chosen},
         headers={role: header.text for role, (header, _) in chosen.items()},
         notes=tuple(notes),
     )
@@ -177,8 +184,8 @@ def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
     return next((i for i, count in enumerate(counts) if count >= usual[0][0]), None) if usual else None
 
 
-def _take_apart(path: Path, text: str) -> _Table:
-    """Find separator, decimals and header row: the one above the first row of numbers."""
+def _take_apart(path: Path, text: str, wanted: Mapping[str, str]) -> tuple[_Table, _Columns]:
+    """Find separator, decimals and header row, and the columns of the signals."""
     for separator in _SEPARATORS:
         try:
             rows = list(_rows(text, separator))
@@ -197,17 +204,32 @@ def _take_apart(path: Path, text: str) -> _Table:
             f"{path}: row {rows[0][0]} holds numbers, but there is no header row above it",
             hint="name the columns in a first row, with units: Time [s],X [mm]",
         )
-    above = [cells for _, cells in rows[:first]]
-    data = rows[first:]
+    place, chosen = _header_row(path, [cells for _, cells in rows[:first]], wanted)
+    width, data = len(rows[place][1]), rows[place + 1 :]
     comma = any("," in cell for _, cells in data[:_LOOKED_AT] for cell in cells)
-    headers = _headers(above)
     for row, cells in data:
-        if any(cells[len(headers) :]):
+        if any(cells[width:]):
             raise InputError(
-                f"{path}: row {row} has {len(cells)} cells, the header row {len(headers)}",
+                f"{path}: row {row} has {len(cells)} cells, the header row {width}",
                 hint="decimal commas need semicolons between the cells",
             )
-    return _Table(headers, data, comma, separator)
+    return _Table(data, comma, separator), chosen
+
+
+def _header_row(path: Path, above: list[list[str]], wanted: Mapping[str, str]) -> tuple[int, _Columns]:
+    """Find the row that names the columns, above the first row that is all numbers.
+
+    The lowest row may be one of data in which a cell is bad. It is no header then: it lacks the columns, and
+    holds a number, or what stands for one.
+    """
+    place = len(above) - 1
+    while True:
+        try:
+            return place, _choose(path, _headers(above[: place + 1]), wanted)
+        except InputError:
+            if not place or not any(_NUMBER.fullmatch(c) or _NO_VALUE.fullmatch(c) for c in above[place]):
+                raise
+        place -= 1
 
 
 def _headers(above: list[list[str]]) -> list[_Header]:
@@ -238,13 +260,11 @@ def _unit_at_end(name: str) -> tuple[str, float] | None:
     return None
 
 
-def _choose(
-    path: Path, headers: list[_Header], wanted: Mapping[str, str]
-) -> dict[str, tuple[_Header, float]]:
-    """Find the column of every signal, and the size of its unit."""
+def _choose(path: Path, headers: list[_Header], wanted: Mapping[str, str]) -> _Columns:
+    """Find the columns of the signals."""
     problems: list[str] = []
     hints: list[str] = []
-    chosen: dict[str, tuple[_Header, float]] = {}
+    chosen: _Columns = {}
     # A user who names one signal wants only the named ones; the time is needed in any case.
     roles = [r for r in _ROLES if r in wanted or r == "time" or not any(s in wanted for s in SIGNALS)]
     for role in roles:
@@ -268,7 +288,9 @@ def _choose(
     for role, place in places.items():
         same = [other for other in places if places[other] == place]
         if len(same) > 1:
-            raise InputError(f"{path}: column {chosen[role][0].text!r} is given as {' and as '.join(same)}")
+            raise InputError(
+                f"{path}: column {shown(chosen[role][0].text)} is given as {' and as '.join(same)}"
+            )
     return chosen
 
 
@@ -283,12 +305,13 @@ def _named(path: Path, headers: list[_Header], role: str, text: str) -> tuple[_H
     if not found:
         close = difflib.get_close_matches(text, [h.text for h in headers], n=1, cutoff=0.5)
         raise InputError(
-            f"{path}: no column {text!r} for --{role}; its columns are {_list(headers)}",
-            hint=f"did you mean {close[0]!r}?" if close else "write it as the header row does",
+            f"{path}: no column {shown(text)} for --{role}; its columns are {_list(headers)}",
+            hint=f"did you mean {shown(close[0])}?" if close else "write it as the header row does",
         )
     if len(found) > 1:
         raise InputError(
-            f"{path}: {len(found)} columns are called {text!r}", hint="give them different names in the file"
+            f"{path}: {len(found)} columns are called {shown(text)}",
+            hint="give them different names in the file",
         )
     (header,) = found
     unit = header.unit
@@ -296,10 +319,10 @@ def _named(path: Path, headers: list[_Header], role: str, text: str) -> tuple[_H
         unit = signal_unit(unit_text)
     if unit is None or unit[0] != role:
         stated = unit_text or header.in_brackets
-        problem = f"{stated!r} is no unit of {role}" if stated else "it has no unit"
+        problem = f"{shown(stated)} is no unit of {role}" if stated else "it has no unit"
         example = next(iter(SIGNAL_UNITS[role]))
         raise InputError(
-            f"{path}: column {header.text!r} for --{role}: {problem}",
+            f"{path}: column {shown(header.text)} for --{role}: {problem}",
             hint=f'write the unit in brackets: --{role} "{header.name} [{example}]"; '
             f"units of {role} are {', '.join(SIGNAL_UNITS[role])}",
         )
@@ -320,29 +343,36 @@ def _detected(path: Path, headers: list[_Header], role: str) -> tuple[_Header, f
     return (fitting[0], fitting[0].unit[1]) if fitting and fitting[0].unit else None
 
 
-def _list(headers: Iterable[_Header]) -> str:
-    return ", ".join(repr(h.text) for h in headers if h.text)
+def _list(headers: Sequence[_Header]) -> str:
+    texts = [shown(h.text) for h in headers if h.text]
+    more = len(texts) - _LISTED
+    return ", ".join(texts[:_LISTED]) + (f" and {more} more" if more > 0 else "")
 
 
-def _numbers(path: Path, table: _Table, header: _Header) -> Floats:
-    values = np.empty(len(table.rows))
-    problems: list[str] = []
-    for i, (row, cells) in enumerate(table.rows):
+def _numbers(path: Path, table: _Table, header: _Header, unit: float) -> Floats:
+    """Read a column, in SI units."""
+    values = np.full(len(table.rows), np.nan)
+    for i, (_, cells) in enumerate(table.rows):
         cell = cells[header.place] if header.place < len(cells) else ""
-        values[i] = np.nan
         if _NUMBER.fullmatch(cell) and ("," in cell) <= table.decimal_comma and not {",", "."} <= set(cell):
-            values[i] = float(cell.replace(",", "."))
-        if not np.isfinite(values[i]):
-            problem = f"{cell!r} is not a number" if cell else "the cell is empty"
-            problems.append(f"{path}: row {row}, column {header.text!r}: {problem}")
+            values[i] = float(cell.replace(",", ".")) * unit
+    bad = np.flatnonzero(~(np.abs(values) <= MOST))
+    problems = []
+    for i in bad[:_TOLD]:
+        row, cells = table.rows[i]
+        cell = cells[header.place] if header.place < len(cells) else ""
+        what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
+        if not np.isnan(values[i]):
+            what = f"{cut(cell)} is too large to compute with, at most {MOST / unit:g} is allowed"
+        problems.append(f"{path}: row {row}, column {shown(header.text)}: {what}")
+    if bad.size > _TOLD:
+        problems.append(f"{path}: column {shown(header.text)}: {bad.size - _TOLD} more such cells")
     if problems:
-        if len(problems) > _TOLD:
-            problems[_TOLD:] = [f"{path}: column {header.text!r}: {len(problems) - _TOLD} more such cells"]
         raise InputError(*problems, hint="delete those rows, or keep the part before or after them")
     return values
 
 
-def _check_time(path: Path, table: _Table, header: _Header, time: Floats, unit: float) -> None:
+def _check_time(path: Path, table: _Table, header: _Header, time: Floats) -> None:
     """Refuse a time that repeats, goes back or jumps."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0
@@ -354,8 +384,8 @@ def _check_time(path: Path, table: _Table, header: _Header, time: Floats, unit: 
         places = np.flatnonzero(bad)
         if places.size:
             i = int(places[0]) + 1
-            before, now = time[i - 1] * unit, time[i] * unit
-            where = f"{path}: row {table.rows[i][0]}, column {header.text!r}"
+            before, now = time[i - 1], time[i]
+            where = f"{path}: row {table.rows[i][0]}, column {shown(header.text)}"
             more = f"; {places.size - 1} more such rows" if places.size > 1 else ""
             said = f"time {what} {now:.9g} s" + (f" after {before:.9g} s" if now != before else "")
-            raise InputError(f"{where}: {said}, usual steps are {usual * unit:.3g} s{more}", hint=hint)
+            raise InputError(f"{where}: {said}, usual steps are {usual:.3g} s{more}", hint=hint)

@@ -10,7 +10,11 @@ from vibro.quantities import LENGTH
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["SIGNAL_UNITS", "signal_unit"]
+__all__ = ["MOST", "SIGNAL_UNITS", "signal_unit"]
+
+#: Most that a record, or a scene beside it, may hold of anything [SI]. Up to the fourth power of it is summed
+#: over the rows, which must stay far below the largest double, and nothing that is measured comes near it.
+MOST: Final = 1e20
 
 
 def _per_time(suffix: str) -> dict[str, float]:
