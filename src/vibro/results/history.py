@@ -283,6 +283,8 @@ class History:
         acceleration = np.where(rests, 0.0, pull * sine - drag)
         normal = np.where(flies, 0.0, np.maximum(scene.normal - scene.across * sine, 0.0))
         height, _ = free_motion(scene.across, scene.normal, *start, at.rate, s)
+        with np.errstate(over="ignore"):  # no friction that could be measured: inf, which bears everything
+            static_limit = scene.static_friction * (force * normal)
         return (
             length * np.sin(np.where(rests, phase, at.phase + s)),
             length * (at.position + count * self._motion.advance + path),
@@ -291,6 +293,6 @@ class History:
             force * inertial,
             force * np.where(flies, 0.0, acceleration - inertial),
             force * normal,
-            force * scene.static_friction * normal,
+            static_limit,
             length * np.where(flies & ~over, np.maximum(height, 0.0), 0.0),
         )
