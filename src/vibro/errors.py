@@ -38,18 +38,18 @@ def shown(value: Any) -> str:
     text = " ".join(_SHORTENED.repr(value).split())
     if isinstance(value, str) and len(value) > _LONGEST:
         text += f" ({len(value)} characters)"
-    return _printable(text)
+    return printable(text)
 
 
 def cut(text: str, most: int = _LONGEST) -> str:
     """Write a text for a message, without quotes: on one line, and cut where it is longer than ``most``."""
     if len(text) > most:
         text = f"{text[: most - _RIGHT]}...{text[-_RIGHT:]} ({len(text)} characters)"
-    return _printable(text)
+    return printable(text)
 
 
-def _printable(text: str) -> str:
-    """Spell out what would end a line, or what a terminal would obey."""
+def printable(text: str) -> str:
+    """Spell out what would end a line, or what a terminal would obey: names are text."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 

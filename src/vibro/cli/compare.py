@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 from typer.core import TyperCommand
 
-from vibro.cli.console import Console, printable
+from vibro.cli.console import Console
 from vibro.cli.options import Options, picture_formats
-from vibro.errors import InputError, cut, shown
+from vibro.errors import InputError, cut, printable, shown
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
+from vibro.errors import printable
 from vibro.interrupts import Undone
 
 if TYPE_CHECKING:
@@ -17,7 +18,6 @@ __all__ = [
     "Console",
     "open_closed_streams",
     "print_error",
-    "printable",
     "silence",
     "tell",
     "tolerate_any_encoding",
@@ -46,11 +46,6 @@ def tolerate_any_encoding() -> None:
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(AttributeError):
             stream.reconfigure(errors="replace")  # type: ignore[union-attr]
-
-
-def printable(text: str) -> str:
-    """Show what does not print as an escape: names are text, which must not command a terminal."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def tell(text: str) -> None:
