@@ -26,7 +26,7 @@ __all__ = ["Claim", "sweep"]
 
 _NAME: Final = re.compile(r"\.vibro-[0-9a-f]{16}")
 _FOREIGN_AGE: Final = 30 * 24 * 3600.0  # [s] far beyond any run, and any difference of clocks
-_ATTEMPTS: Final = 3
+_ATTEMPTS: Final = 100  # each costs somebody else one of theirs
 
 
 class Claim:
