@@ -21,7 +21,18 @@ from scenes import (
     solve_one,
 )
 
-from vibro import Regime, Scene, Status, solve
+from vibro import (
+    Regime,
+    Scene,
+    SceneError,
+    Status,
+    VibroError,
+    arrival_time,
+    critical_loads,
+    simulate,
+    solve,
+    transitions,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -148,3 +159,44 @@ def test_extreme_friction_passes_without_a_warning(mu_s: float) -> None:
         )
     )
     assert (cycle.status != Status.UNRESOLVED).all()
+
+
+ENDS: list[tuple[str, float]] = [
+    ("amplitude", 1e-320),
+    ("amplitude", 1e300),
+    ("frequency", 5e-324),
+    ("frequency", 1e160),
+]
+ENDS += [
+    ("gravity", 1e-300),
+    ("gravity", 1e300),
+    ("static_friction", 1.7e308),
+    ("kinetic_friction", 5e-324),
+]
+
+
+@pytest.mark.parametrize(("name", "value"), ENDS)
+def test_motion_at_the_ends_of_the_doubles_is_known_or_refused(name: str, value: float) -> None:
+    """Solving goes on to the ends; a walk forms products of more groups, and says that it does not know."""
+    scene = scene_with(**{name: value})
+    time = float(arrival_time(scene, 0.6))
+    assert math.isnan(time) or time > 0.0
+    with pytest.raises(VibroError, match="no motion to follow: "):
+        simulate(scene, cycles=1)
+    assert not any(math.isinf(x) or math.isnan(x) for t in transitions(scene) for x in t[1:])
+    assert not np.isnan(critical_loads(scene).hop)
+    assert scene.load >= 0.0
+
+
+def test_lengths_and_starts_at_the_ends_of_the_doubles() -> None:
+    scene = scene_with()
+    assert np.isfinite(arrival_time(scene, 1e9))
+    assert np.isnan(arrival_time(scene, 1e300))
+    assert solve(scene).traverse_time(1e308) == np.inf
+    for start in (1e300, -1e60):
+        with pytest.raises(SceneError, match="start_velocity = "):
+            simulate(scene, cycles=1, start_velocity=start)
+    for wanted in ({"cycles": 1e16}, {"cycles": 5e-324}, {"duration": 1e300}):
+        with pytest.raises(VibroError, match=r"drive cycles: must be above 0 and at most 1e\+15"):
+            simulate(scene, **wanted)
+    assert simulate(scene, duration=1e-300).phases[0].kind == "_"

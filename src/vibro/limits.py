@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+import numpy as np
+
 from vibro.core.contact import limits
 from vibro.errors import Problem, SceneError
 
@@ -72,9 +74,10 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     >>> print(f"{vibro.critical_loads(scene).forward_onset:.6f}")
     0.620395
     """
-    return limits.critical_loads(
-        scene.drive_angle, scene.static_friction, scene.kinetic_friction, scene.trough_angle
-    )
+    with np.errstate(over="ignore"):  # of frictions at the ends of the range of doubles
+        return limits.critical_loads(
+            scene.drive_angle, scene.static_friction, scene.kinetic_friction, scene.trough_angle
+        )
 
 
 def transitions(scene: Scene) -> tuple[Transition, ...]:
@@ -88,7 +91,8 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     Returns
     -------
     tuple of Transition
-        By rising amplitude; without what hopping forestalls, and what no load brings.
+        By rising amplitude; without what hopping forestalls, what no load brings, and what is beyond the
+        range of doubles.
 
     Raises
     ------
@@ -116,6 +120,8 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
         if merely_load or not 0.0 < load < math.inf or (name != "hop" and load >= loads["hop"]):
             continue
         ratio = float(scene.load) / load
+        if not 0.0 < ratio < math.inf:  # beyond the range of doubles
+            continue
         amplitude, frequency = float(scene.amplitude) / ratio, float(scene.frequency) / math.sqrt(ratio)
         found.append(Transition(_BEGINNINGS[name], ratio, amplitude, frequency))
     return tuple(sorted(found, key=lambda transition: transition.amplitude))

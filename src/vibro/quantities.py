@@ -78,8 +78,13 @@ class Kind:
         return values * self.si if self.si != 1.0 else values / self.per_si if self.per_si != 1.0 else values
 
     def from_si(self, values: Any) -> Any:
-        """Convert from SI units and radians to the unit outside."""
-        return values * self.per_si if self.per_si != 1.0 else values
+        """Convert from SI units and radians to the unit outside; inf beyond the range of doubles."""
+        if self.per_si == 1.0:
+            return values
+        import numpy as np  # here, so that ``vibro --help`` loads no numpy
+
+        with np.errstate(over="ignore"):
+            return values * self.per_si
 
 
 _MILLIMETRES: Final[Mapping[str, Fraction]] = {

@@ -153,8 +153,9 @@ class Scene:
     @property
     def load(self) -> Floats:
         """Peak acceleration of the drive over gravity, G = A w^2 / g [1]."""
-        w = 2.0 * np.pi * self.frequency
-        return np.asarray(self.amplitude * w**2 / self.gravity)
+        with np.errstate(over="ignore", invalid="ignore"):  # inf, or NaN, beyond the range of doubles
+            w = 2.0 * np.pi * self.frequency
+            return np.asarray(self.amplitude * w**2 / self.gravity)
 
     def arrays(self) -> Fields:
         """Return the fields in their declared order."""

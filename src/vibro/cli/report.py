@@ -138,7 +138,9 @@ class OneScene:
             return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
         if Regime(int(self._cycle.regime)) is not Regime.NO_SLIP:
             return "never: the body slides to and fro without being conveyed"
-        begins = next(t for t in self.transitions() if t.name in ("forward slip", "hopping"))
+        begins = next((t for t in self.transitions() if t.name in ("forward slip", "hopping")), None)
+        if begins is None:  # beyond the range of doubles
+            return "never: the body rests"
         amplitude, frequency = LENGTH.from_si(begins.amplitude), begins.frequency
         by_amplitude = f"above {number(amplitude, 'mm')} ({amplitude / self.given['amplitude']:.4g} x)"
         by_frequency = f"above {number(frequency, 'Hz')} ({frequency / self.given['frequency']:.4g} x)"

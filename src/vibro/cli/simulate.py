@@ -156,14 +156,15 @@ def _cycles(cycles: float | None, duration: float | None, frequency: float) -> f
 
 
 def _check_rows(cycles: float, samples: int, console: Console) -> None:
-    if samples < 0:
+    if not 0 <= samples <= _MOST_ROWS:
         raise InputError(
-            f"--samples-per-cycle {shown(samples)}: must be >= 0", hint="0 gives the events alone"
+            f"--samples-per-cycle {shown(samples)}: must be in [0, {_MOST_ROWS}]",
+            hint="0 gives the events alone",
         )
-    rows = cycles * min(max(samples, 4), _MOST_ROWS + 1)  # a whole number may be beyond all doubles
+    rows = cycles * max(samples, 4)
     if rows > _MOST_ROWS:
         raise InputError(
-            f"{cycles:g} cycles of {shown(samples)} rows are more than {_MOST_ROWS:.0e} rows",
+            f"{cycles:g} cycles of {samples} rows are more than {_MOST_ROWS:.0e} rows",
             hint="ask for fewer cycles, or fewer --samples-per-cycle",
         )
     if rows > _ROWS_OF_A_SHEET:

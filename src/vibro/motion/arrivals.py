@@ -22,10 +22,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["arrival_time", "arrivals", "unfollowed"]
+__all__ = ["EXTREME", "MOST_CYCLES", "arrival_time", "arrivals", "unfollowed"]
 
 _TURN: Final = 2.0 * np.pi
 _BLOCK: Final = 8_192  # scenes walked side by side
+# [1] Of groups, and one over the least: walks form products of up to four, and differences of those.
+EXTREME: Final = 1e50
+MOST_CYCLES: Final = 1e15  # of which doubles hold the phase
 
 
 def arrival_time(scene: Scene, length: ArrayLike) -> Any:
@@ -43,7 +46,8 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     array
         Of the common shape; inf where the body never gets there: it rests for ever, or its steady cycle has
         no net advance and the transient stays short of the length. NaN where nobody knows: infeasible
-        scenes, and bodies whose flights amplify rounding until it has grown past 1e-9 rad [s].
+        scenes, bodies whose flights amplify rounding until it has grown past 1e-9 rad, loads and frictions
+        beyond 1e50, and lengths of more than 1e15 drive cycles [s].
 
     Raises
     ------
@@ -71,12 +75,15 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
 
 def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Floats:
     """Arrival times from any start, of the shape of ``length``; velocity in m/s."""
-    advance = solve(scene).displacement_per_cycle / scene.amplitude
+    with np.errstate(over="ignore"):  # of an amplitude near 0, whose scene is not followed
+        advance = solve(scene).displacement_per_cycle / scene.amplitude
     fields = Fields(*(np.broadcast_to(x, length.shape).reshape(-1) for x in scene.arrays()))
     advance, reach = (np.broadcast_to(x, length.shape).reshape(-1) for x in (advance, length))
     groups = fields.loads()
     out = np.full(length.size, np.nan)
-    followed = np.flatnonzero(~unfollowed(groups))
+    with np.errstate(over="ignore"):
+        endless = reach / fields.amplitude > MOST_CYCLES * np.where(advance > 0.0, advance, np.inf)
+    followed = np.flatnonzero(~(unfollowed(groups) | endless))
     for i in range(0, followed.size, _BLOCK):
         cells = followed[i : i + _BLOCK]
         part = take(fields, cells)
@@ -89,5 +96,14 @@ def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Flo
 
 
 def unfollowed(scene: Loads) -> NDArray[np.bool_]:
-    """Whether scenes are infeasible, or thrown so high that the phase of a landing is lost."""
-    return np.asarray(scene.infeasible | (scene.across > MOST_THROW * scene.normal))
+    """Whether scenes have no motion that could be walked.
+
+    They are infeasible, or thrown so high that the phase of a landing is lost, or of a load or a friction
+    whose products overflow.
+    """
+    with np.errstate(over="ignore"):
+        lost = scene.across > MOST_THROW * scene.normal
+    weight = np.hypot(scene.normal, scene.tangential)
+    extreme = (weight > EXTREME) | (weight < 1.0 / EXTREME) | (scene.static_friction > EXTREME)
+    extreme |= (scene.kinetic_friction > 0.0) & (scene.kinetic_friction < 1.0 / EXTREME)
+    return np.asarray(scene.infeasible | lost | extreme)

@@ -11,7 +11,7 @@ from vibro.core.codes import Status
 from vibro.core.walk.histories import follow
 from vibro.core.walk.steps import course_of
 from vibro.errors import Problem, SceneError, VibroError
-from vibro.motion.arrivals import arrivals, unfollowed
+from vibro.motion.arrivals import EXTREME, MOST_CYCLES, arrivals, unfollowed
 from vibro.reals import NotRealError, real_number
 from vibro.results.history import History
 from vibro.steady import solve
@@ -96,9 +96,14 @@ def simulate(
     fields = scene.flat()
     groups = fields.loads()
     if unfollowed(groups).any():
-        raise VibroError(f"no motion to follow: {Status(int(solve(scene).status)).message}")
+        status = Status(int(solve(scene).status))
+        why = "its loads or frictions are too extreme" if status.answered else status.message
+        raise VibroError(f"no motion to follow: {why}")
     frequency = float(scene.frequency)
-    velocity = start_velocity / (float(scene.amplitude) * _TURN * frequency)
+    velocity = start_velocity / frequency / (float(scene.amplitude) * _TURN)
+    if not abs(velocity) <= EXTREME:
+        limit = f"at most {EXTREME:g} times the peak speed of the trough"
+        raise SceneError((Problem("start_velocity", f"{start_velocity:.15g} m/s", limit),))
     if "length" in given:
         end = float(arrivals(scene, np.array(given["length"]), start_phase, start_velocity))
         if not math.isfinite(end):
@@ -106,8 +111,12 @@ def simulate(
             raise VibroError(f"length = {given['length']:.15g} m: {why}; give cycles or duration instead")
     else:
         end = given["duration"] if "duration" in given else given["cycles"] / frequency
+    cycles = end * frequency
+    if not 0.0 < cycles <= MOST_CYCLES:
+        (name, value), limit = *given.items(), f"above 0 and at most {MOST_CYCLES:g} drive cycles"
+        raise VibroError(f"{name} = {value:.15g}: comes to {cycles:g} drive cycles: must be {limit}")
     course = course_of(groups, fields.restitution)
-    motion = follow(course, start_phase, velocity, end * frequency)
+    motion = follow(course, start_phase, velocity, cycles)
     return History(scene, end, start_phase, motion, course.track.scene)
 
 

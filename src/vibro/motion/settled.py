@@ -66,14 +66,16 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
     Returns
     -------
     tuple of CyclePhase
-        In the order of the pattern; empty where there is no steady cycle, or one with flights that does not
-        begin to repeat within 1000 drive cycles.
+        In the order of the pattern; empty where there is no steady cycle, or none that could be followed, or
+        one with flights that does not begin to repeat within 1000 drive cycles.
     """
     fields = scene.flat()
     groups = fields.loads()
+    if unfollowed(groups).any():
+        return ()
     cycle = solve(scene, flight=False)
     legs = cycle_legs(groups, int(cycle.pattern_code))
-    if cycle.regime == Regime.HOPPING and not unfollowed(groups).any():
+    if cycle.regime == Regime.HOPPING:
         legs = _legs_with_flights(course_of(groups, fields.restitution))
     w, amplitude = 2.0 * math.pi * float(scene.frequency), float(scene.amplitude)
     return tuple(
@@ -158,6 +160,8 @@ def settled_motion(scene: Scene) -> SettledMotion:
         raise VibroError(f"no steady motion to compare with: {status.message}")
     frequency = float(scene.frequency)
     groups = scene.flat().loads()
+    if unfollowed(groups).any():
+        raise VibroError("no steady motion to compare with: its loads or frictions are too extreme")
     contact = cycle_legs(groups, int(cycle.pattern_code))
     if contact:
         # A slide of the cycle begins at a known phase: there is no need to wait for it.

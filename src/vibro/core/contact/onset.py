@@ -66,20 +66,22 @@ class Thresholds(NamedTuple):
 
 def thresholds(scene: Loads) -> Thresholds:
     """Compare each load with its threshold; equality is rest, and contact."""
-    hold = scene.static_friction * scene.normal
-    lift = scene.static_friction * scene.across
-    slack = scene.along - hold
-    tilt = lift - scene.tangential
-    forward_margin = slack + tilt
-    back_margin = slack - tilt
-    forward_load = scene.along + lift
-    back_load = scene.along - lift
-    noise = FEW_ULP * (forward_load + hold + np.abs(scene.tangential))
-    can_slip_back = back_load > 0.0
-    throw = scene.across - scene.normal
-    throw_noise = FEW_ULP * scene.normal
-    edge = (np.abs(forward_margin) <= noise) | (np.abs(throw) <= throw_noise)
-    edge |= can_slip_back & (np.abs(back_margin) <= noise)
+    # A friction that overflows holds everything: no comparison with inf or NaN says that a slide begins.
+    with np.errstate(over="ignore", invalid="ignore"):
+        hold = scene.static_friction * scene.normal
+        lift = scene.static_friction * scene.across
+        slack = scene.along - hold
+        tilt = lift - scene.tangential
+        forward_margin = slack + tilt
+        back_margin = slack - tilt
+        forward_load = scene.along + lift
+        back_load = scene.along - lift
+        noise = FEW_ULP * (forward_load + hold + np.abs(scene.tangential))
+        can_slip_back = back_load > 0.0
+        throw = scene.across - scene.normal
+        throw_noise = FEW_ULP * scene.normal
+        edge = (np.abs(forward_margin) <= noise) | (np.abs(throw) <= throw_noise)
+        edge |= can_slip_back & (np.abs(back_margin) <= noise)
     return Thresholds(
         Margins(forward_margin, back_margin, forward_load, back_load),
         forward=forward_margin > noise,

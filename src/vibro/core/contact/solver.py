@@ -83,8 +83,8 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
     if not scene.normal.ndim:  # so that every threshold is 1-D
         scene = scene._replace(normal=np.broadcast_to(scene.normal, out.status.shape))
     at = thresholds(scene)
-    hold = scene.static_friction * scene.normal
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        hold = scene.static_friction * scene.normal
         np.divide(scene.across, scene.normal, out=out.throw_number)
         np.add(hold, scene.tangential, out=out.forward_ratio)
         np.divide(at.margins.forward_load, out.forward_ratio, out=out.forward_ratio)
