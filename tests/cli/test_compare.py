@@ -270,3 +270,70 @@ def test_bad_rows_are_named(run: Run, tmp_path: Path, rows: tuple[int, int], sai
     assert result.exit_code == 2
     assert said in result.stderr
     assert "hint:" in result.stderr
+
+
+def written(folder: Path, header: str, values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Path:
+    """Write a record of four cycles, 40 samples a cycle."""
+    path = folder / "made.csv"
+    rows = "\n".join(f"{i / 600.0!r},{x!r}" for i, x in enumerate(values.tolist()))
+    path.write_text(f"t [s],{header}\n{rows}\n", encoding="utf-8")
+    return path
+
+
+TURNS = np.arange(161) / 40.0
+SHAPES = {
+    "zeros": np.zeros(161),
+    "ones": np.ones(161),
+    "ramp": TURNS,
+    "sine": np.sin(2.0 * np.pi * TURNS),
+    "alternating": (-1.0) ** np.arange(161),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("header", ["x [mm]", "v [mm/s]", "a [m/s^2]", "F [N]"])
+def test_records_of_any_size_are_compared(run: Run, tmp_path: Path, shape: str, header: str) -> None:
+    for size in (1e-320, 1e-200, 1.0, 2e19):
+        path = written(tmp_path, header, SHAPES[shape] * size)
+        result = run("compare", SCENE, path, "--mass", "1kg")
+        assert (result.exit_code, "Warning" in result.stderr) == (0, False), result.stderr
+
+
+@pytest.mark.parametrize(
+    ("header", "size"), [("x [mm]", 0.0), ("x [mm]", 1e-320), ("v [mm/s]", 9e19), ("F [N]", 0.0)]
+)
+def test_records_of_any_size_are_fitted(run: Run, tmp_path: Path, header: str, size: float) -> None:
+    path = written(tmp_path, header, SHAPES["sine"] * size)
+    result = run("compare", SCENE, path, "--fit", "mu_d", "--mass", "20g", "-q")
+    assert (result.exit_code, result.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("cell", ["1e308", "-1e200", "1e24", "9" * 400])
+def test_values_whose_squares_overflow_are_refused(run: Run, tmp_path: Path, cell: str) -> None:
+    path = written(tmp_path, "x [mm]", SHAPES["sine"])
+    lines = path.read_text(encoding="utf-8").splitlines()
+    lines[7] = f"0.01,{cell}"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    result = run("compare", SCENE, path, "--fit", "mu_s")
+    assert result.exit_code == 2
+    assert f"row 8, column 'x [mm]': {cell[:20]}" in result.stderr
+    assert "is too large to compute with, at most 1e+23 is allowed" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("--mass", "1e-300"), "mass = 1e-300 kg: must be in [1e-20, 1e+20] kg beside a record"),
+        (("--mass", "1e300"), "mass = 1e+300 kg: must be in [1e-20, 1e+20] kg beside a record"),
+        (("-A", "1e-300"), "amplitude = 1e-303 m: must be in [1e-20, 1e+20] m beside a record"),
+        (("-f", "1e300"), "frequency = 1e+300 Hz: must be in [1e-20, 1e+20] Hz beside a record"),
+        (("--gravity", "1e200"), "gravity = 1e+200 m/s^2: must be in [1e-20, 1e+20] m/s^2 beside a record"),
+        (("--mass", "9" * 5000), "mass = '99999"),
+        (("--fit", "9" * 5000), "--fit 99999"),
+    ],
+)
+def test_scenes_and_masses_at_the_ends_of_the_doubles(run: Run, args: tuple[str, ...], said: str) -> None:
+    result = run("compare", SCENE, STUDY_FILE, *args, "-q")
+    assert result.exit_code == 2, result.stderr
+    assert said in result.stderr
+    assert len(result.stderr) < 600
