@@ -17,7 +17,7 @@ import tempfile
 from pathlib import Path
 from typing import Final
 
-VIBRO: Final = (sys.executable, "-c", "from vibro.cli.app import main; main()")
+VIBRO: Final = (sys.executable, "-m", "vibro")
 SCENE: Final = str(Path(__file__).parents[1] / "examples" / "safety_nut.toml")
 BUDGET: Final = 5.5  # CPU of a map of 100 x 100 cells and three pictures, over that of one scene
 

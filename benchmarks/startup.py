@@ -16,7 +16,7 @@ import tempfile
 import time
 from typing import Final, NamedTuple
 
-VIBRO: Final = (sys.executable, "-c", "from vibro.cli.app import main; main()")
+VIBRO: Final = (sys.executable, "-m", "vibro")
 SCENE: Final = ("-A", "1", "-f", "15", "-a", "20", "--mu-s", ".74", "--mu-d", ".57")
 MAP: Final = ("map", "-A", "0.1:3:500", "-f", "5:60:500", *SCENE[4:], "--force")
 MANY_IMPORTS: Final = 5  # lines
