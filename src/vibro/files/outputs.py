@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["OutputSet"]
 
-_ATTEMPTS: Final = 10
+_ATTEMPTS: Final = 10  # at a folder that others remove
 
 
 class OutputSet:

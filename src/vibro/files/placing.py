@@ -47,9 +47,8 @@ class Steps:
     def __init__(self, claim: Claim, last: Path) -> None:
         self._claim = claim
         self._last = last
-        self._taken: list[
-            tuple[Path, Path | None]
-        ] = []  # what was put there, and where what was before is now
+        # What was put there or moved away, and where is now what was there before.
+        self._taken: list[tuple[Path, Path | None]] = []
 
     def set_aside(self, target: Path) -> bool:
         """Move a file away, if it is there; tell whether."""
