@@ -123,6 +123,10 @@ EXTREME = st.one_of(
         ["5e-324", "1e-308", "1e-200", "1e-20", "1e20", "1e200", "1.7976931348623157e308", "-0.0"]
     ),
 )
+# Half of what is drawn is what a person might type, so that commands come to their computations.
+PLAUSIBLE = st.one_of(
+    st.floats(0.01, 60.0).map(lambda x: f"{x:.4g}"), st.integers(-320, 308).map("1e{}".format)
+)
 WILD = st.one_of(DIGITS, EXTREME, EXTREME, NUMBER, st.text(max_size=6))
 
 
