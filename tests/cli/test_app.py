@@ -64,6 +64,7 @@ def test_without_arguments_help_is_shown(run: Run) -> None:
         (["solve", "-A"], "-A", "see vibro solve --help"),
         (["solve", "a.toml", "b.toml"], "b.toml", "see vibro solve --help"),
         (["solve", "--sweep"], "--sweep", "see vibro solve --help"),
+        (["solve", "--flight", 5000 * "9"], "--flight", "see vibro solve --help"),
     ],
 )
 def test_wrong_arguments_are_one_error_and_one_hint(
@@ -75,6 +76,7 @@ def test_wrong_arguments_are_one_error_and_one_hint(
     error, last = result.stderr.splitlines()
     assert error.startswith("error: ")
     assert problem in error
+    assert len(error) < 600
     assert last == f"hint: {hint}"
 
 

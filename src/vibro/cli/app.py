@@ -81,8 +81,8 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
     if hasattr(exc, "format_message"):  # how typer says that the arguments are wrong
         command = next((arg for arg in argv if not arg.startswith("-")), "")
         known = command if command in _NAMES else ""
-        print_error([exc.format_message().strip()], " ".join(filter(None, ["see vibro", known, "--help"])))
-        return _WRONG_INPUT
+        see = " ".join(filter(None, ["see vibro", known, "--help"]))
+        return _report(InputError(exc.format_message().strip(), hint=see), [])
     if isinstance(exc, OSError):
         silence(sys.stdout)
         if not isinstance(exc, BrokenPipeError):
