@@ -1,0 +1,331 @@
+"""Is anything lost or mixed up? Runs that meet each other, are killed or interrupted, or cannot write.
+
+Usage: python benchmarks/faults.py [CLASS ...] [--tries N] [--seed 1] [--processes 1] [--cells 100000000]
+
+Prints how many tries of each class fail, and how; exits with 1 if one does. Without a class all run but
+``memory``, which takes minutes and 2 GB of disk. Needs Linux; what a system lacks is skipped by name.
+
+namespaces  runs that are process 1 both write different stems into one folder; one comes beside a long one
+writers     2 and 8 runs at one stem at once, without and with --force
+kills       SIGKILL at random moments, at up to 1e6 cells; then the next run
+steps       a fault between any two steps of publishing (fault_runs.py); then the next run
+signals     SIGINT, SIGTERM, SIGHUP in the first second, once to three times
+streams     closed, full and broken stdout and stderr
+disk        a disk that fills up, and a limit on the size of files
+memory      1e7 cells to a file, and as many as --cells says to stdout
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import re
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from fault_runs import (
+    FAULTS,
+    PATIENCE,
+    STEM,
+    VIBRO,
+    BrokenError,
+    Choice,
+    Run,
+    Skipped,
+    Try,
+    check_nothing,
+    check_set,
+    check_unmixed,
+    ended,
+    expect,
+    faulty,
+    names_in,
+    run,
+    started,
+)
+from fault_surroundings import disk, memory, signals, streams
+
+import vibro
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+OLD: Final = Run("plane", 0)
+NEXT: Final = Run("table", 999)
+_SHOWN: Final = 12  # kinds of failures of a class
+_ALIKE: Final = 70  # characters that failures of a kind share, numbers apart
+_WIDTH: Final = 300  # characters of a failure
+
+
+def write(folder: Path, own: Run, *, force: bool = False) -> None:
+    """Write a set, undisturbed."""
+    run([*VIBRO, *own.arguments(folder, force=force)]).check(0)
+
+
+def check_next(folder: Path) -> None:
+    """Expect that the next run works, and sweeps what is left of all before."""
+    found = names_in(folder)
+    if f"{STEM}.csv" in found and f"{STEM}.json" not in found:
+        stopped = run([*VIBRO, *NEXT.arguments(folder)])
+        stopped.check(1)
+        expect("complete" in stopped.err, f"an incomplete set is not called so: {stopped.err!r}")
+    write(folder, NEXT, force=True)
+    check_set(folder, (NEXT, STEM))
+
+
+def namespaces(choice: Choice) -> Iterator[Try]:
+    def at_once(place: Path) -> None:
+        runs = [(Run("line", i), f"stem{i}") for i in range(2)]
+        command = [*_namespaced(), *VIBRO]
+        with started(*([*command, *own.arguments(place / "out", stem)] for own, stem in runs)) as both:
+            for end in [ended(process) for process in both]:
+                end.check(0)
+        check_set(place / "out", *runs)
+
+    def comes_and_goes(place: Path) -> None:
+        folder = place / "out"
+        long, short = (Run("large", 1), "long"), (Run("table", 2), "short")
+        command = [*_namespaced(), *VIBRO]
+        with started([*command, *long[0].arguments(folder, long[1])]) as (process,):
+            deadline = time.monotonic() + PATIENCE
+            while not any((folder / name).stat().st_size for name in names_in(folder)):
+                expect(time.monotonic() < deadline and process.poll() is None, "it never writes")
+                time.sleep(0.005)
+            run([*command, *short[0].arguments(folder, short[1])]).check(0)
+            expect(process.poll() is None, "the long run was too short to be met")
+            ended(process).check(0)
+        check_set(folder, long, short)
+
+    for _ in range(choice.tries):
+        yield Try("at once", at_once)
+        yield Try("beside a long run", comes_and_goes)
+
+
+@cache
+def _namespaced() -> list[str]:
+    """Return the command that starts another as process 1 of a namespace."""
+    for user in ([], ["-U", "-r"]):
+        command = ["unshare", *user, "-p", "-f", "--mount-proc", "--kill-child"]
+        if (
+            shutil.which("unshare")
+            and run([*command, sys.executable, "-c", "import os; print(os.getpid())"]).out == "1\n"
+        ):
+            return command
+    raise Skipped("no namespaces of processes (unshare -p)")
+
+
+def writers(choice: Choice) -> Iterator[Try]:
+    for number in (2, 8):
+        for force in (False, True):
+
+            def command(own: Run, folder: Path, force: bool = force) -> list[str]:
+                return [*VIBRO, *own.arguments(folder, force=force)]
+
+            name = f"{number} at once{', --force' * force}"
+            yield from [Try(name, partial(_meet, command, number, force))] * choice.tries
+
+
+def _meet(command: Callable[[Run, Path], Sequence[str]], number: int, force: bool, place: Path) -> None:
+    """Let runs write to one stem at once."""
+    folder = place / "out"
+    runs = [Run("line" if force else "table", i) for i in range(number)]
+    with started(*(command(own, folder) for own in runs)) as processes:
+        ends = [ended(process) for process in processes]
+    for end in ends:
+        end.check(0, 1)
+    winners = [own for own, end in zip(runs, ends, strict=True) if end.code == 0]
+    expect(bool(winners), "no run succeeds")
+    expect(force or len(winners) == 1, f"{len(winners)} of {number} runs succeed")
+    last = check_unmixed(folder, winners)
+    if last is None:
+        raise BrokenError("no JSON")
+    check_set(folder, (last, STEM))
+
+
+def kills(choice: Choice) -> Iterator[Try]:
+    old = choice.place / "old"
+    write(old, OLD)
+    durations = {}
+    for kind in ("line", "plane", "large"):
+        start = time.perf_counter()
+        write(choice.place / kind, Run(kind, 1))
+        durations[kind] = time.perf_counter() - start
+
+    def killed(kind: str, force: bool, share: float, place: Path) -> None:
+        folder, own = place / "out", Run(kind, 1)
+        if force:
+            shutil.copytree(old, folder)
+        with started([*VIBRO, *own.arguments(folder, force=force)]) as (process,):
+            time.sleep(share * durations[kind])
+            process.kill()
+            end = ended(process)
+        end.check(0, -signal.SIGKILL)
+        left = check_unmixed(folder, [own, OLD] if force else [own])
+        if end.code == 0:
+            check_set(folder, (own, STEM))
+        elif force and share < 0.3:
+            expect(left == OLD, "the older set is gone long before the new one is there")
+        check_next(folder)
+
+    for i in range(choice.tries):
+        kind = ("large", "line", "line", "line", "plane")[i % 5]
+        force = bool(i // 5 % 2)
+        # Files are put in place at the very end: a third of the kills falls there.
+        share = choice.chance.uniform(0.85 if i % 3 == 0 else 0.0, 1.05)
+        name = f"{kind}{', --force' * force}, {share:.3f} of its time"
+        yield Try(name, partial(killed, kind, force, share))
+
+
+def steps(choice: Choice) -> Iterator[Try]:
+    old = choice.place / "old"
+    write(old, OLD)
+
+    def disturbed(fault: str, number: int, own: Run, force: bool, place: Path) -> None:
+        folder, report = place / "out", place / "report"
+        if force:
+            shutil.copytree(old, folder)
+        end = run(faulty(fault, number, folder, report, own.arguments(folder, force=force)))
+        reached = report.read_text().split()
+        expect(len(reached) >= number, f"only {len(reached)} steps")
+        codes = {"SIGKILL": (-signal.SIGKILL,), "SIGINT": (0, 130)}.get(fault.split()[0], (0, 1))
+        try:
+            end.check(*codes)
+            left = check_unmixed(folder, [own, OLD] if force else [own])
+            expect(end.code != 0 or left == own, "exit code 0 without the set")
+            if fault not in ("SIGKILL", "EIO always"):
+                if end.code == 0:
+                    check_set(folder, (own, STEM))
+                elif force:
+                    check_set(folder, (OLD, STEM))
+                else:
+                    check_nothing(folder)
+            check_next(folder)
+        except BrokenError as exc:
+            raise BrokenError(f"({reached[number - 1]}) exit code {end.code}, {exc}") from None
+
+    for own, force in ((Run("line", 1), False), (Run("table", 1), True)):
+        folder, report = choice.place / own.kind, choice.place / "report"
+        if force:
+            shutil.copytree(old, folder)
+        run(faulty("none", 0, folder, report, own.arguments(folder, force=force))).check(0)
+        number = len(report.read_text().split())
+        if number < len(own.files()):
+            raise SystemExit(f"fault_runs.py sees {number} steps: it misses how files are published")
+        for fault in FAULTS:
+            for i in range(1, number + 1):
+                name = f"{fault} at step {i} of {number}{', --force' * force}"
+                yield Try(name, partial(disturbed, fault, i, own, force))
+    yield from _without_links()
+
+
+def _without_links() -> Iterator[Try]:
+    def alone(error: str, place: Path) -> None:
+        folder = place / "out"
+        first, second = Run("line", 1), Run("table", 2)
+        for own, force, code, left in (
+            (first, False, 0, first),
+            (second, False, 1, first),
+            (second, True, 0, second),
+        ):
+            arguments = own.arguments(folder, force=force)
+            run(faulty(f"links {error}", 0, folder, place / "report", arguments)).check(code)
+            check_set(folder, (left, STEM))
+
+    def command(own: Run, folder: Path) -> list[str]:
+        report = folder.parent / f"report{own.number}"
+        return faulty("links EPERM", 0, folder, report, own.arguments(folder))
+
+    yield from (Try(f"no links ({error})", partial(alone, error)) for error in ("EPERM", "ENOTSUP"))
+    yield from [Try("no links, 8 at once", partial(_meet, command, 8, False))] * 6
+
+
+CLASSES: Final = {
+    "namespaces": (namespaces, 12),
+    "writers": (writers, 8),
+    "kills": (kills, 200),
+    "steps": (steps, 1),
+    "signals": (signals, 40),
+    "streams": (streams, 1),
+    "disk": (disk, 1),
+    "memory": (memory, 1),
+}
+
+
+def attempt(one: Try, place: Path) -> tuple[str, str]:
+    """Return what is wrong and why it was skipped, or nothing."""
+    with tempfile.TemporaryDirectory(dir=place) as folder:
+        try:
+            one.check(Path(folder))
+        except BrokenError as exc:
+            return f"{one.name}: {exc}".replace("\n", " ").replace(folder, "...")[:_WIDTH], ""
+        except Skipped as exc:
+            return "", str(exc)
+    return "", ""
+
+
+def _kinds(failures: Sequence[str]) -> list[str]:
+    """Return the first of each kind of failure, and how many there are; kinds differ by more than numbers."""
+    found: dict[str, list[str]] = {}
+    for text in failures:
+        found.setdefault(re.sub(r"[\d.]+", "", text)[:_ALIKE], []).append(text)
+    return [f"{len(texts)} like {texts[0]}" for texts in list(found.values())[:_SHOWN]]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("classes", nargs="*", metavar="CLASS", help=", ".join(CLASSES))
+    parser.add_argument("--tries", type=int, help="of each kind, where they are drawn at random")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--processes", type=int, default=1, help="tries at a time")
+    parser.add_argument("--cells", type=int, default=100_000_000, help="to stdout, in the class memory")
+    arguments = parser.parse_args()
+    wanted = arguments.classes or [name for name in CLASSES if name != "memory"]
+    unknown = set(wanted) - set(CLASSES)
+    if unknown:
+        parser.error(f"no class {', '.join(unknown)}; there are {', '.join(CLASSES)}")
+
+    # A shell that starts this in the background lets it, and whatever it starts, ignore some signals.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    os.environ["PYTHONPATH"] = str(Path(vibro.__file__).parents[1])
+    failed = False
+    print(f"{'class':12}{'tries':>6}{'failures':>10}{'s':>6}", flush=True)
+    with tempfile.TemporaryDirectory() as root:
+        os.environ["MPLCONFIGDIR"] = f"{root}/matplotlib"  # fonts are listed once, by the first run
+        write(Path(root) / "first", OLD)
+        for name in wanted:
+            tries, number = CLASSES[name]
+            start = time.perf_counter()
+            with (
+                tempfile.TemporaryDirectory(dir=root) as folder,
+                ThreadPoolExecutor(arguments.processes) as pool,
+            ):
+                place = Path(folder)
+                chance = random.Random(f"{name} {arguments.seed}")
+                choice = Choice(arguments.tries or number, chance, arguments.cells, place)
+                ends = list(pool.map(partial(attempt, place=place), tries(choice)))
+            failures = [text for text, _ in ends if text]
+            skipped = Counter(why for _, why in ends if why)
+            seconds = time.perf_counter() - start
+            tried = len(ends) - skipped.total()
+            print(f"{name:12}{tried:6}{len(failures):10}{seconds:6.0f}", flush=True)
+            for text in [*_kinds(failures), *(f"{n} skipped: {why}" for why, n in skipped.items())]:
+                print(f"    {text}", flush=True)
+            failed |= bool(failures)
+    if failed:
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()
