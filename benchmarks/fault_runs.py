@@ -41,10 +41,11 @@ class Choice(NamedTuple):
 
 
 class Try(NamedTuple):
-    """One try of a class: what it is, and a check in a new folder that raises BrokenError."""
+    """A check in a new folder, which raises BrokenError; tries of a kind differ in their numbers."""
 
-    name: str
+    kind: str
     check: Callable[[Path], None]
+    numbers: str = ""
 
 
 class Skipped(Exception):  # noqa: N818 (no error)

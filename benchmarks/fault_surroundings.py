@@ -40,7 +40,17 @@ if TYPE_CHECKING:
     import subprocess
     from collections.abc import Iterator, Sequence
 
-READY: Final = "import vibro.__main__ as entry; entry.end_at_once(); print('ready', flush=True); entry.main()"
+# Reports when the entry module is ready: it begins to import the rest.
+READY: Final = """
+import sys, vibro.__main__
+class Ready:
+    def find_spec(name, *rest):
+        if name == "vibro.cli":
+            sys.meta_path.remove(Ready)
+            print("ready", flush=True)
+sys.meta_path.insert(0, Ready)
+vibro.__main__.main()
+"""
 SCENE: Final = ("-a", "20", "--mu-s", "0.7", "--mu-d", "0.3")
 SOLVE: Final = ("solve", "-A", "1", "-f", "15", *SCENE)
 ECHO: Final = re.compile(r"(amplitude|frequency): \d+ values, .*")
@@ -68,8 +78,8 @@ def signals(choice: Choice) -> Iterator[Try]:
         for i in range(choice.tries):
             kind, repeats = list(latest)[i % 3], 1 + i // 3 % 3
             delay = choice.chance.uniform(0.0, latest[kind])
-            label = f"{name} x {repeats} after {delay:.3f} s, {kind}"
-            yield Try(label, functools.partial(_interrupt, getattr(signal, name), kind, repeats, delay))
+            check = functools.partial(_interrupt, getattr(signal, name), kind, repeats, delay)
+            yield Try(f"{name}, {kind}", check, f"x {repeats} after {delay:.3f} s")
 
 
 def _interrupt(number: signal.Signals, kind: str, repeats: int, delay: float, place: Path) -> None:

@@ -26,11 +26,11 @@ import signal
 import sys
 import tempfile
 import time
-from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from fault_runs import (
     FAULTS,
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 
 OLD: Final = Run("plane", 0)
 NEXT: Final = Run("table", 999)
-_SHOWN: Final = 12  # kinds of failures of a class
+_SHOWN: Final = 15  # kinds of failures of a class
 _ALIKE: Final = 70  # characters that failures of a kind share, numbers apart
 _WIDTH: Final = 300  # characters of a failure
 
@@ -77,7 +77,8 @@ def check_next(folder: Path) -> None:
     if f"{STEM}.csv" in found and f"{STEM}.json" not in found:
         stopped = run([*VIBRO, *NEXT.arguments(folder)])
         stopped.check(1)
-        expect("complete" in stopped.err, f"an incomplete set is not called so: {stopped.err!r}")
+        said = f"no {STEM}.json" in stopped.err or "incomplete" in stopped.err
+        expect(said, f"an incomplete set is not called so: {stopped.err!r}")
     write(folder, NEXT, force=True)
     check_set(folder, (NEXT, STEM))
 
@@ -97,7 +98,7 @@ def namespaces(choice: Choice) -> Iterator[Try]:
         command = [*_namespaced(), *VIBRO]
         with started([*command, *long[0].arguments(folder, long[1])]) as (process,):
             deadline = time.monotonic() + PATIENCE
-            while not any((folder / name).stat().st_size for name in names_in(folder)):
+            while not _has_rows(folder):
                 expect(time.monotonic() < deadline and process.poll() is None, "it never writes")
                 time.sleep(0.005)
             run([*command, *short[0].arguments(folder, short[1])]).check(0)
@@ -108,6 +109,15 @@ def namespaces(choice: Choice) -> Iterator[Try]:
     for _ in range(choice.tries):
         yield Try("at once", at_once)
         yield Try("beside a long run", comes_and_goes)
+
+
+def _has_rows(folder: Path) -> bool:
+    """Whether something has been written to a file below a folder, by whatever name."""
+    for place, _, names in os.walk(folder):
+        with suppress(FileNotFoundError):
+            if any(Path(place, name).stat().st_size > 1000 for name in names):
+                return True
+    return False
 
 
 @cache
@@ -130,14 +140,14 @@ def writers(choice: Choice) -> Iterator[Try]:
             def command(own: Run, folder: Path, force: bool = force) -> list[str]:
                 return [*VIBRO, *own.arguments(folder, force=force)]
 
-            name = f"{number} at once{', --force' * force}"
-            yield from [Try(name, partial(_meet, command, number, force))] * choice.tries
+            check = partial(_meet, command, number, force)
+            yield from [Try(f"{number} at once" + ", --force" * force, check)] * choice.tries
 
 
 def _meet(command: Callable[[Run, Path], Sequence[str]], number: int, force: bool, place: Path) -> None:
     """Let runs write to one stem at once."""
     folder = place / "out"
-    runs = [Run("line" if force else "table", i) for i in range(number)]
+    runs = [Run("line", i) for i in range(number)]
     with started(*(command(own, folder) for own in runs)) as processes:
         ends = [ended(process) for process in processes]
     for end in ends:
@@ -181,8 +191,8 @@ def kills(choice: Choice) -> Iterator[Try]:
         force = bool(i // 5 % 2)
         # Files are put in place at the very end: a third of the kills falls there.
         share = choice.chance.uniform(0.85 if i % 3 == 0 else 0.0, 1.05)
-        name = f"{kind}{', --force' * force}, {share:.3f} of its time"
-        yield Try(name, partial(killed, kind, force, share))
+        check = partial(killed, kind, force, share)
+        yield Try(kind + ", --force" * force, check, f"after {share:.3f} of its time")
 
 
 def steps(choice: Choice) -> Iterator[Try]:
@@ -222,8 +232,8 @@ def steps(choice: Choice) -> Iterator[Try]:
             raise SystemExit(f"fault_runs.py sees {number} steps: it misses how files are published")
         for fault in FAULTS:
             for i in range(1, number + 1):
-                name = f"{fault} at step {i} of {number}{', --force' * force}"
-                yield Try(name, partial(disturbed, fault, i, own, force))
+                check = partial(disturbed, fault, i, own, force)
+                yield Try(fault + ", --force" * force, check, f"step {i} of {number}")
     yield from _without_links()
 
 
@@ -260,24 +270,42 @@ CLASSES: Final = {
 }
 
 
-def attempt(one: Try, place: Path) -> tuple[str, str]:
-    """Return what is wrong and why it was skipped, or nothing."""
+class Failure(NamedTuple):
+    """A try that failed, or that was skipped."""
+
+    one: Try
+    skipped: bool
+    text: str
+
+    def alike(self) -> tuple[str, str]:
+        """Return what failures of a kind share."""
+        return self.one.kind, re.sub(r"[\d.]+", "", self.text)[:_ALIKE]
+
+
+def attempt(one: Try, place: Path) -> Failure | None:
+    """Try once, in a new folder."""
     with tempfile.TemporaryDirectory(dir=place) as folder:
         try:
             one.check(Path(folder))
-        except BrokenError as exc:
-            return f"{one.name}: {exc}".replace("\n", " ").replace(folder, "...")[:_WIDTH], ""
-        except Skipped as exc:
-            return "", str(exc)
-    return "", ""
+        except (BrokenError, Skipped) as exc:
+            text = str(exc).replace("\n", " ").replace(folder, "...")[:_WIDTH]
+            return Failure(one, isinstance(exc, Skipped), text)
+    return None
 
 
-def _kinds(failures: Sequence[str]) -> list[str]:
-    """Return the first of each kind of failure, and how many there are; kinds differ by more than numbers."""
-    found: dict[str, list[str]] = {}
-    for text in failures:
-        found.setdefault(re.sub(r"[\d.]+", "", text)[:_ALIKE], []).append(text)
-    return [f"{len(texts)} like {texts[0]}" for texts in list(found.values())[:_SHOWN]]
+def report(name: str, number: int, failures: Sequence[Failure], seconds: float) -> bool:
+    """Print the line of a class, and a line for the first failure of each kind; return whether any failed."""
+    skipped = sum(f.skipped for f in failures)
+    failed = len(failures) - skipped
+    print(f"{name:12}{number - skipped:6}{failed:10}{seconds:6.0f}")
+    kinds: dict[tuple[str, str], list[Failure]] = {}
+    for failure in failures:
+        kinds.setdefault(failure.alike(), []).append(failure)
+    for (kind, _), alike in list(kinds.items())[:_SHOWN]:
+        what = "skipped" if alike[0].skipped else "failed"
+        print(f"    {len(alike)} {what}: {kind} {alike[0].one.numbers}: {alike[0].text}")
+    sys.stdout.flush()
+    return failed > 0
 
 
 def main() -> None:
@@ -315,14 +343,8 @@ def main() -> None:
                 chance = random.Random(f"{name} {arguments.seed}")
                 choice = Choice(arguments.tries or number, chance, arguments.cells, place)
                 ends = list(pool.map(partial(attempt, place=place), tries(choice)))
-            failures = [text for text, _ in ends if text]
-            skipped = Counter(why for _, why in ends if why)
             seconds = time.perf_counter() - start
-            tried = len(ends) - skipped.total()
-            print(f"{name:12}{tried:6}{len(failures):10}{seconds:6.0f}", flush=True)
-            for text in [*_kinds(failures), *(f"{n} skipped: {why}" for why, n in skipped.items())]:
-                print(f"    {text}", flush=True)
-            failed |= bool(failures)
+            failed |= report(name, len(ends), [end for end in ends if end], seconds)
     if failed:
         raise SystemExit(1)
 
