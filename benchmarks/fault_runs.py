@@ -158,6 +158,14 @@ def names_in(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()} if folder.exists() else set()
 
 
+def published(folder: Path) -> dict[str, int]:
+    """Return the number of every file of the set in a folder, which another of that name would not have."""
+    with contextlib.suppress(FileNotFoundError), os.scandir(folder) as entries:
+        own = [e for e in entries if e.name.startswith((f"{STEM}.", f"{STEM}-"))]
+        return {e.name: e.inode() for e in own if e.name.endswith((".csv", ".json", ".png"))}
+    return {}
+
+
 def check_nothing(folder: Path) -> None:
     """Expect that nothing is there, or an empty folder."""
     expect(not names_in(folder), f"left behind: {sorted(names_in(folder))}")
@@ -178,8 +186,7 @@ def check_unmixed(folder: Path, runs: Collection[Run]) -> Run | None:
 
     Temporary files may be there as well.
     """
-    found = {name for name in names_in(folder) if name.startswith((f"{STEM}.", f"{STEM}-"))}
-    found = {name for name in found if name.endswith((".csv", ".json", ".png"))}
+    found = set(published(folder))
     owners = {name: owner(folder / name, runs, STEM) for name in found}
     first = owners.get(f"{STEM}.json")
     if first is not None:

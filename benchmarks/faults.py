@@ -23,6 +23,7 @@ import random
 import re
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -49,6 +50,7 @@ from fault_runs import (
     expect,
     faulty,
     names_in,
+    published,
     run,
     started,
 )
@@ -61,7 +63,8 @@ if TYPE_CHECKING:
 
 OLD: Final = Run("plane", 0)
 NEXT: Final = Run("table", 999)
-_SHOWN: Final = 15  # kinds of failures of a class
+_PUBLISHING: Final = 0.0005  # [s] in which files are put in place
+_SHOWN: Final = 25  # kinds of failures of a class
 _ALIKE: Final = 70  # characters that failures of a kind share, numbers apart
 _WIDTH: Final = 300  # characters of a failure
 
@@ -72,7 +75,7 @@ def write(folder: Path, own: Run, *, force: bool = False) -> None:
 
 
 def check_next(folder: Path) -> None:
-    """Expect that the next run works, and sweeps what is left of all before."""
+    """Expect that the next run at the stem works, and sweeps what is left of all before."""
     found = names_in(folder)
     if f"{STEM}.csv" in found and f"{STEM}.json" not in found:
         stopped = run([*VIBRO, *NEXT.arguments(folder)])
@@ -81,6 +84,15 @@ def check_next(folder: Path) -> None:
         expect(said, f"an incomplete set is not called so: {stopped.err!r}")
     write(folder, NEXT, force=True)
     check_set(folder, (NEXT, STEM))
+
+
+def check_beside(folder: Path) -> None:
+    """Expect that a run at another stem works, sweeps what is left, and leaves the set alone."""
+    before = published(folder)
+    run([*VIBRO, *NEXT.arguments(folder, "other")]).check(0)
+    after = names_in(folder) - NEXT.files("other")
+    expect(published(folder) == before, f"a run at another stem changes {sorted(before)}")
+    expect(after == set(before), f"a run at another stem leaves {sorted(after)}")
 
 
 def namespaces(choice: Choice) -> Iterator[Try]:
@@ -170,12 +182,16 @@ def kills(choice: Choice) -> Iterator[Try]:
         write(choice.place / kind, Run(kind, 1))
         durations[kind] = time.perf_counter() - start
 
-    def killed(kind: str, force: bool, share: float, place: Path) -> None:
+    def killed(kind: str, force: bool, share: float, follow: Callable[[Path], None], place: Path) -> None:
         folder, own = place / "out", Run(kind, 1)
         if force:
             shutil.copytree(old, folder)
         with started([*VIBRO, *own.arguments(folder, force=force)]) as (process,):
-            time.sleep(share * durations[kind])
+            if share < 1.0:
+                time.sleep(share * durations[kind])
+            else:
+                _wait_for_change(folder, process)
+                time.sleep((share - 1.0) * _PUBLISHING)
             process.kill()
             end = ended(process)
         end.check(0, -signal.SIGKILL)
@@ -184,15 +200,23 @@ def kills(choice: Choice) -> Iterator[Try]:
             check_set(folder, (own, STEM))
         elif force and share < 0.3:
             expect(left == OLD, "the older set is gone long before the new one is there")
-        check_next(folder)
+        follow(folder)
 
     for i in range(choice.tries):
-        kind = ("large", "line", "line", "line", "plane")[i % 5]
-        force = bool(i // 5 % 2)
-        # Files are put in place at the very end: a third of the kills falls there.
-        share = choice.chance.uniform(0.85 if i % 3 == 0 else 0.0, 1.05)
-        check = partial(killed, kind, force, share)
-        yield Try(kind + ", --force" * force, check, f"after {share:.3f} of its time")
+        kind = ("large", "line", "line", "plane", "line", "line", "line", "plane")[i // 2 % 8]
+        force = bool(i // 16 % 2)
+        # Files are put in place in a moment at the end: half of the kills falls there.
+        share = choice.chance.random() + i % 2
+        follow = (check_next, check_beside)[i // 32 % 2]
+        check = partial(killed, kind, force, share, follow)
+        yield Try(kind + ", --force" * force, check, f"at {share:.3f}")
+
+
+def _wait_for_change(folder: Path, process: subprocess.Popen[str]) -> None:
+    """Wait until a run puts files in place, or has ended."""
+    before = published(folder)
+    while process.poll() is None and published(folder) == before:
+        time.sleep(0.0001)
 
 
 def steps(choice: Choice) -> Iterator[Try]:
@@ -229,7 +253,7 @@ def steps(choice: Choice) -> Iterator[Try]:
         run(faulty("none", 0, folder, report, own.arguments(folder, force=force))).check(0)
         number = len(report.read_text().split())
         if number < len(own.files()):
-            raise SystemExit(f"fault_runs.py sees {number} steps: it misses how files are published")
+            raise BrokenError(f"only {number} steps: fault_runs.py misses how files are published")
         for fault in FAULTS:
             for i in range(1, number + 1):
                 check = partial(disturbed, fault, i, own, force)
@@ -282,6 +306,19 @@ class Failure(NamedTuple):
         return self.one.kind, re.sub(r"[\d.]+", "", self.text)[:_ALIKE]
 
 
+def prepare(tries: Callable[[Choice], Iterator[Try]], choice: Choice) -> list[Try]:
+    """Return the tries of a class, or one that fails if what they need cannot be made."""
+    try:
+        return list(tries(choice))
+    except BrokenError as exc:
+        error = exc
+
+    def fail(place: Path) -> None:
+        raise error
+
+    return [Try("undisturbed, beforehand", fail)]
+
+
 def attempt(one: Try, place: Path) -> Failure | None:
     """Try once, in a new folder."""
     with tempfile.TemporaryDirectory(dir=place) as folder:
@@ -331,7 +368,7 @@ def main() -> None:
     print(f"{'class':12}{'tries':>6}{'failures':>10}{'s':>6}", flush=True)
     with tempfile.TemporaryDirectory() as root:
         os.environ["MPLCONFIGDIR"] = f"{root}/matplotlib"  # fonts are listed once, by the first run
-        write(Path(root) / "first", OLD)
+        run([*VIBRO, *OLD.arguments(Path(root) / "first")])
         for name in wanted:
             tries, number = CLASSES[name]
             start = time.perf_counter()
@@ -342,7 +379,8 @@ def main() -> None:
                 place = Path(folder)
                 chance = random.Random(f"{name} {arguments.seed}")
                 choice = Choice(arguments.tries or number, chance, arguments.cells, place)
-                ends = list(pool.map(partial(attempt, place=place), tries(choice)))
+                made = prepare(tries, choice)
+                ends = list(pool.map(partial(attempt, place=place), made))
             seconds = time.perf_counter() - start
             failed |= report(name, len(ends), [end for end in ends if end], seconds)
     if failed:
