@@ -271,7 +271,7 @@ def memory(choice: Choice) -> Iterator[Try]:
 
 
 def _to_file(place: Path) -> None:
-    sweep = ("map", "-A", "0.1:3:5000", "-f", "5:60:2000", *SCENE, "--flight", "off")
+    sweep = ("map", "-A", "0.1:3:5000", "-f", "5:60:2000", *SCENE)
     with started([*VIBRO, *sweep, "-o", str(place / "out")]) as (process,):
         most = 0.0
         while process.poll() is None:
