@@ -111,10 +111,12 @@ def test_a_file_that_stays_held_is_reported(tmp_path: Path, monkeypatch: pytest.
 
 
 @POSIX
-@pytest.mark.parametrize("how", ["between-steps", "between-steps-of-force", "any-time"])
-def test_a_run_that_is_killed_mixes_nothing_and_tears_nothing(tmp_path: Path, how: str) -> None:
+@pytest.mark.parametrize(
+    "how", ["between-steps", "between-steps-of-force", "any-time", "at-once", "at-once-with-force"]
+)
+def test_runs_that_are_killed_and_runs_that_meet_mix_nothing(tmp_path: Path, how: str) -> None:
     # in a process of its own: one with threads, such as this, must not fork
-    script = Path(__file__).parents[1] / "killed_writers.py"
+    script = Path(__file__).parents[1] / "writers.py"
     done = subprocess.run(
         [sys.executable, str(script), how, str(tmp_path)], capture_output=True, text=True, check=False
     )

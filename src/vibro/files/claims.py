@@ -7,7 +7,6 @@ its holder: whoever gets the lock of another knows that the run is there no more
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import hashlib
 import os
@@ -26,7 +25,9 @@ __all__ = ["Claim", "sweep"]
 
 _NAME: Final = re.compile(r"\.vibro-[0-9a-f]{16}")
 _FOREIGN_AGE: Final = 30 * 24 * 3600.0  # [s] far beyond any run, and any difference of clocks
-_ATTEMPTS: Final = 100  # each costs somebody else one of theirs
+# Who looks whether a run is dead holds its lock, too, but not for long.
+_ATTEMPTS: Final = 20
+_PAUSE: Final = 0.005  # [s]
 
 
 class Claim:
@@ -48,7 +49,7 @@ class Claim:
         self.stem = stem
         self.folder = stem.with_name(f".vibro-{hashlib.sha256(name).hexdigest()[:16]}")
         self._lock: int | None = None
-        self._held = False
+        self._paths: list[Path] = []
 
     def take(self) -> None:
         """Take it.
@@ -61,31 +62,35 @@ class Claim:
             If the folder cannot be made.
         """
         for _ in range(_ATTEMPTS):
-            place = self.stem.with_name(f".vibro-{os.urandom(8).hex()}")
+            place = self.stem.with_name(f".vibro-{_random()}")
             place.mkdir()
+            name = f"{_lock_name()}-{_random()}"
             try:
-                (place / _lock_name()).touch()
+                (place / name).touch()
                 place.rename(self.folder)
-                self._lock = _hold(self.folder / _lock_name())
+                self._lock = _hold(self.folder / name)
             except (FileNotFoundError, BlockingIOError):  # not held yet, it was swept as a dead run's
-                continue
+                pass
             except OSError as exc:
-                _remove(place)
+                _remove(place, [place / name])
                 if exc.errno not in (errno.EEXIST, errno.ENOTEMPTY):
                     raise
-                if not _removed(self.folder):
-                    break
+                if _removed(self.folder):
+                    continue
             else:
-                self._held = True
+                self._paths = [self.folder / name]
                 return
+            time.sleep(_PAUSE)
         raise FileError(
             f"another run is writing {self.stem}.* at this moment",
             hint=f"wait until it has ended; if there is none, remove the folder {self.folder}",
         )
 
     def new_name(self) -> Path:
-        """Return a name in the folder that nobody else has."""
-        return self.folder / os.urandom(8).hex()
+        """Return a name in the folder that nobody else has; a file by it goes with the claim."""
+        path = self.folder / _random()
+        self._paths.insert(0, path)
+        return path
 
     def new_file(self) -> Path:
         """Make an empty file in the folder, with the rights that new files have."""
@@ -95,13 +100,15 @@ class Claim:
 
     def give_up(self) -> None:
         """Remove the folder and all that is in it; do nothing without a claim."""
-        if self._held:
-            self._held = False
-            if sys.platform == "win32" and self._lock is not None:  # what is open cannot be removed there
-                os.close(self._lock)
-            _remove(self.folder)
-            if sys.platform != "win32" and self._lock is not None:
-                os.close(self._lock)
+        if sys.platform == "win32" and self._lock is not None:  # what is open cannot be removed there
+            os.close(self._lock)
+            self._lock = None
+        if self._paths:
+            _remove(self.folder, self._paths)
+            self._paths = []
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
 
 
 def sweep(folder: Path) -> None:
@@ -115,8 +122,12 @@ def sweep(folder: Path) -> None:
         _removed(Path(path))
 
 
+def _random() -> str:
+    return os.urandom(8).hex()
+
+
 def _lock_name() -> str:
-    """Name a lock after the running system: file systems may hide one system's locks from another."""
+    """Name locks after the running system: file systems may hide one system's from another."""
     try:
         boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
     except OSError:
@@ -139,9 +150,7 @@ def _hold(path: Path) -> int | None:
         return lock  # what is open cannot be removed there
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        # Before it was to be had its folder may have been removed, and another been made by that name.
-        if not os.path.samestat(os.fstat(lock), path.stat()):
-            raise BlockingIOError
+        path.stat()  # it may have been removed before it was to be had
     except (FileNotFoundError, BlockingIOError):
         os.close(lock)
         raise
@@ -152,42 +161,54 @@ def _hold(path: Path) -> int | None:
 
 
 def _removed(folder: Path) -> bool:
-    """Remove a claim if nobody can hold it any more, and tell whether."""
-    path = folder / _lock_name()
-    lock = None
+    """Remove a claim if nobody can hold it any more, and tell whether it is gone.
+
+    What is removed are the files that were there when that was found out, whose names no other claim has:
+    meanwhile somebody else may have removed them, and a third have made the claim anew.
+    """
+    held = None
     try:
-        if sys.platform == "win32":
-            path.unlink()
+        paths = sorted(folder.iterdir(), key=lambda path: path.name.startswith("lock-"))
+        lock = next((path for path in paths if path.name.startswith(_lock_name())), None)
+        if lock is None:
+            # Without files it was half made or half removed, with some it is another system's.
+            dead = not paths
+        elif sys.platform == "win32":
+            lock.unlink()
+            dead = True
         else:
-            lock = _hold(path)
-        is_left = lock is not None or sys.platform == "win32" or _is_old(folder)
-    except FileNotFoundError:  # of another system, or half made or half removed: then it is empty
-        is_left = _is_empty(folder) or _is_old(folder)
+            held = _hold(lock)
+            dead = held is not None
+    except FileNotFoundError:
+        return True
     except OSError:
-        is_left = False
-    if is_left:
-        _remove(folder)
-    if lock is not None:
-        os.close(lock)
-    return is_left
-
-
-def _is_empty(folder: Path) -> bool:
-    return next(folder.iterdir(), None) is None
-
-
-def _is_old(folder: Path) -> bool:
-    """Whether nothing in a folder has changed for so long that no run can be behind it."""
+        return False
     try:
-        paths = [folder, *folder.iterdir()]
+        return (dead or _are_old(paths)) and _remove(folder, paths)
+    finally:
+        if held is not None:
+            os.close(held)
+
+
+def _are_old(paths: list[Path]) -> bool:
+    """Whether files have not changed for so long that no run can be behind them."""
+    try:
         return time.time() - max(path.lstat().st_mtime for path in paths) > _FOREIGN_AGE
     except OSError:
         return False
 
 
-def _remove(folder: Path) -> None:
-    """Remove a claim, its lock after all else in it: where that cannot be, the next run goes on with it."""
-    with contextlib.suppress(OSError):
-        for path in sorted(folder.iterdir(), key=lambda p: p.name.startswith("lock-")):
-            path.unlink()
+def _remove(folder: Path, paths: list[Path]) -> bool:
+    """Remove files, the lock last, and their folder; tell whether it is gone.
+
+    What cannot be removed keeps its lock: the next run goes on with it.
+    """
+    try:
+        for path in paths:
+            path.unlink(missing_ok=True)
         folder.rmdir()
+    except FileNotFoundError:
+        return True
+    except OSError:
+        return False
+    return True

@@ -1,6 +1,6 @@
-"""Writers that are killed: what they leave is whole, and the next one goes on with it.
+"""Writers that are killed, or write one set at once: what they leave is whole, and of one of them.
 
-Run as a program, ``killed_writers.py HOW FOLDER``, by tests/files/test_placing.py.
+Run as a program, ``writers.py HOW FOLDER``, by tests/files/test_placing.py.
 """
 
 from __future__ import annotations
@@ -76,9 +76,39 @@ def any_time(folder: Path) -> None:
     assert sets > 20
 
 
+def at_once(root: Path, *, force: bool) -> None:
+    """Let eight writers begin at once."""
+    for i in range(20):
+        folder = root / str(i)
+        begin, go = os.pipe()
+        children = {}
+        for number in range(8):
+            child = os.fork()
+            if not child:
+                os.close(go)
+                os.read(begin, 1)
+                try:
+                    put(folder, text=f"{number}", force=force)
+                except FileError:
+                    os._exit(1)
+                os._exit(0)
+            children[child] = number
+        os.close(go)
+        os.close(begin)
+        codes = {number: os.waitpid(child, 0)[1] >> 8 for child, number in children.items()}
+        winners = [f"{number}" for number, code in codes.items() if code == 0]
+        assert set(codes.values()) <= {0, 1}
+        assert winners
+        assert force or len(winners) == 1
+        left = texts(folder)
+        assert left in [every(text) for text in winners], left
+
+
 if __name__ == "__main__":
     how, root = sys.argv[1], Path(sys.argv[2])
     if how == "any-time":
         any_time(root)
+    elif how.startswith("at-once"):
+        at_once(root, force=how.endswith("force"))
     else:
         between_steps(root, force=how.endswith("force"))
