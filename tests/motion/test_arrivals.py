@@ -82,6 +82,15 @@ def test_a_body_is_there_on_arrival_and_never_was_before(groups: Groups, reach: 
         assert history.sample(history.end).position == pytest.approx(length, abs=slack)
 
 
+def test_a_length_that_the_first_slide_covers_needs_no_steady_advance() -> None:
+    """Nearly horizontal, so that the steady cycle advances by 1e-17 amplitudes."""
+    scene = at_load(999.0, 1.8e-15, 1.0, 1.0)
+    length = np.array([0.5, 1.0, 10.0, 1e4]) * float(scene.amplitude)
+    cycles = vibro.arrival_time(scene, length) * float(scene.frequency)
+    assert (cycles[:3] < 10.0).all()
+    assert np.isnan(cycles[3])
+
+
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6])
 @pytest.mark.parametrize("reach", [0.05, 3.0, 17.77])
 def test_hopping_bodies_too(restitution: float, reach: float) -> None:

@@ -22,13 +22,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["EXTREME", "MOST_CYCLES", "arrival_time", "arrivals", "unfollowed"]
+__all__ = ["EXTREME", "arrival_time", "arrivals", "unfollowed"]
 
 _TURN: Final = 2.0 * np.pi
 _BLOCK: Final = 8_192  # scenes walked side by side
 # [1] Of groups, and one over the least: walks form products of up to four, and differences of those.
 EXTREME: Final = 1e50
-MOST_CYCLES: Final = 1e15  # of which doubles hold the phase
 
 
 def arrival_time(scene: Scene, length: ArrayLike) -> Any:
@@ -47,7 +46,7 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
         Of the common shape; inf where the body never gets there: it rests for ever, or its steady cycle has
         no net advance and the transient stays short of the length. NaN where nobody knows: infeasible
         scenes, bodies whose flights amplify rounding until it has grown past 1e-9 rad, loads and frictions
-        beyond 1e50, and lengths of more than 1e15 drive cycles [s].
+        beyond 1e50, and ways of more than 1e15 drive cycles [s].
 
     Raises
     ------
@@ -81,9 +80,7 @@ def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Flo
     advance, reach = (np.broadcast_to(x, length.shape).reshape(-1) for x in (advance, length))
     groups = fields.loads()
     out = np.full(length.size, np.nan)
-    with np.errstate(over="ignore"):
-        endless = reach / fields.amplitude > MOST_CYCLES * np.where(advance > 0.0, advance, np.inf)
-    followed = np.flatnonzero(~(unfollowed(groups) | endless))
+    followed = np.flatnonzero(~unfollowed(groups))
     for i in range(0, followed.size, _BLOCK):
         cells = followed[i : i + _BLOCK]
         part = take(fields, cells)

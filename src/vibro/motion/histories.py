@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Status
+from vibro.core.walk.arrival import MOST_CYCLES
 from vibro.core.walk.histories import follow
 from vibro.core.walk.steps import course_of
 from vibro.errors import Problem, SceneError, VibroError
-from vibro.motion.arrivals import EXTREME, MOST_CYCLES, arrivals, unfollowed
+from vibro.motion.arrivals import EXTREME, arrivals, unfollowed
 from vibro.reals import NotRealError, real_number
 from vibro.results.history import History
 from vibro.steady import solve

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
     Bools = NDArray[np.bool_]
 
-__all__ = ["arrival_cycles"]
+__all__ = ["MOST_CYCLES", "arrival_cycles"]
+
+#: [1] Of so many cycles doubles hold the phase.
+MOST_CYCLES: Final = 1e15
 
 _TURN: Final = 2.0 * np.pi
 
@@ -89,7 +92,7 @@ def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floa
     Returns
     -------
     array
-        inf where they never arrive; NaN where that is unknown.
+        inf where they never arrive; NaN where that is unknown, or takes more than ``MOST_CYCLES``.
 
     Notes
     -----
@@ -114,8 +117,9 @@ def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floa
         out[cells[never]] = np.inf
         leg = step(walk.course, walk.at)
         reach = _reach(walk, leg)
-        there = np.isfinite(reach)
         now = walk.at
+        lost = now.cycle >= MOST_CYCLES
+        there = np.isfinite(reach) & ~lost
         out[cells[there]] = (
             now.cycle[there] + (now.phase[there] - origin[cells[there]] + reach[there]) / _TURN
         )
@@ -124,7 +128,8 @@ def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floa
         blur = _blur(walk, leg)
         walk.memory.gain[:] *= leg.gain
         walk.memory.top[:] = np.maximum(walk.memory.top, _bound(walk, leg))
-        under_way.keep(~(never | there | ended) & blur.within(SHARP), walk._replace(at=leg.after, blur=blur))
+        goes_on = ~(never | there | ended | lost) & blur.within(SHARP)
+        under_way.keep(goes_on, walk._replace(at=leg.after, blur=blur))
     return out
 
 
@@ -188,7 +193,7 @@ def _compare(walk: _Walk, whole: State, cells: NDArray[np.intp]) -> Bools:
         count = np.floor((walk.length - top - walked) / advance) - 1.0
     jumps = np.flatnonzero((settled | linear) & (advance > 0.0) & (count >= 1.0))
     if jumps.size:
-        m = count[jumps]
+        m = np.minimum(count[jumps], MOST_CYCLES)
         faded = 1.0 - then.gain[jumps] ** m
         moved = change[jumps] * series[jumps] * faded
         phase = at.phase[jumps] + np.where(slides[jumps], moved, 0.0)
