@@ -67,7 +67,7 @@ def real_array(value: Any, allowed: str = _ALLOWED) -> Floats:
     """
     if isinstance(value, list | tuple):
         return _of_sequence(value, allowed)
-    if isinstance(value, str | bytes | bytearray):
+    if isinstance(value, str | bytes | bytearray | memoryview):
         raise NotRealError(shown(value), allowed)
     if isinstance(value, np.ma.MaskedArray) and not value.dtype.names and np.ma.is_masked(value):
         index = ", ".join(map(str, np.argwhere(np.ma.getmaskarray(value))[0]))

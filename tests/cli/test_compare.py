@@ -246,6 +246,27 @@ def test_the_data_are_never_replaced(run: Run, tmp_path: Path) -> None:
     assert data.read_bytes() == before
 
 
+def test_the_scene_is_never_replaced(run: Run) -> None:
+    scene = Path("scene.json")
+    scene.write_bytes(SCENE.read_bytes())
+    for args in (("solve",), ("simulate",), ("map", "-A", "1,2", "-f", "15")):
+        result = run(args[0], scene, *args[1:], "-o", "scene", "--force")
+        assert result.exit_code == 1
+        assert "error: cannot write scene.json: it is what this run reads\n" in result.stderr
+        assert scene.read_bytes() == SCENE.read_bytes()
+
+
+def test_without_arguments_the_data_are_missing(run: Run) -> None:
+    result = run("compare")
+    assert result.exit_code == 2
+    assert result.stderr.startswith("error: missing: DATA.csv\n")
+
+
+def test_data_by_any_name_may_follow_the_flag(run: Run, tmp_path: Path) -> None:
+    data = short_study(tmp_path).rename(tmp_path / "short.dat")
+    assert run("compare", SCENE, "--force", data).exit_code == 0
+
+
 def test_missing_files(run: Run, tmp_path: Path) -> None:
     assert run("compare", SCENE).exit_code == 2
     result = run("compare", SCENE, tmp_path / "none.csv")

@@ -15,7 +15,7 @@ pytestmark = POSIX
 
 SOLVE = ("solve", *NUT)
 WRONG = ("solve", *NUT, "-A", "-1")
-LOST, FULL = (f"error: cannot read or write: {os.strerror(e)}\n" for e in (errno.EBADF, errno.ENOSPC))
+LOST, FULL = (f"error: cannot write to stdout: {os.strerror(e)}\n" for e in (errno.EBADF, errno.ENOSPC))
 
 
 def run(

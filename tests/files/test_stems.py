@@ -29,6 +29,8 @@ def test_suffixes_are_appended_whatever_dots_the_stem_has(tmp_path: Path) -> Non
         ("l/res.csv", "write -o l/res, which makes l/res.csv"),
         ("m.JSON", "write -o m, which makes m.csv"),
         ("a b.v2.png", "write -o a b.v2, which makes a b.v2.csv"),
+        ("", "give a name for the files, such as -o out/nut"),
+        ("..csv", "give a name for the files, such as -o out/nut"),
         (".svg", "give a name for the files, such as -o out/nut"),
         ("x/.pdf", "give a name for the files, such as -o out/nut"),
         ("no/such/..", "give a name for the files, such as -o out/nut"),

@@ -81,6 +81,7 @@ def accuracy_command(
         options=options,
         argv=context.obj,
         console=console,
+        reads=[options.scene],
     ) as output:
         grid = _grid(request, console)
         trade = _run(grid, scenes, tolerance, console)

@@ -86,7 +86,8 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
     if isinstance(exc, OSError):
         silence(sys.stdout)
         if not isinstance(exc, BrokenPipeError):
-            print_error([f"cannot read or write: {exc.strerror or exc}"])
+            what = f"read or write {exc.filename}" if exc.filename else "write to stdout"
+            print_error([f"cannot {what}: {exc.strerror or exc}"])
         return _FAILED
     if isinstance(exc, MemoryError):
         print_error(["not enough memory"], "ask for fewer values")

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -33,14 +35,18 @@ class CompareCommand(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Give ``--force HEADER`` the name that the flag leaves free."""
         renamed: list[str] = []
-        for arg, following in zip(args, [*args[1:], "-"], strict=True):
-            is_header = not following.startswith("-") and Path(following).suffix.casefold() not in _FILES
-            if arg == "--force" and is_header:
+        for arg, following in zip_longest(args, args[1:], fillvalue="-"):
+            if arg == "--force" and _is_header(following):
                 arg = "--friction"
             elif arg.startswith("--force="):
                 arg = arg.replace("--force", "--friction", 1)
             renamed.append(arg)
         return super().parse_args(ctx, renamed)
+
+
+def _is_header(text: str) -> bool:
+    is_file = Path(text).suffix.casefold() in _FILES or os.path.isfile(text)  # noqa: PTH113 (of any length)
+    return not (text.startswith("-") or is_file)
 
 
 def _column(name: str, text: str) -> Any:
@@ -131,7 +137,7 @@ def compare_command(
         options=options,
         argv=context.obj,
         console=console,
-        reads=data,
+        reads=(data, options.scene),
     ) as output:
         comparison = compare(scene, observation)
         if observation.middle is not observation:

@@ -111,7 +111,7 @@ class Options:
         bool, typer.Option("--decimal-comma", help="Write CSV with ; and decimal commas.")
     ] = False
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print errors alone.")] = False
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No messages but errors.")] = False
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False
     version: Annotated[
         bool,

@@ -138,7 +138,13 @@ def write_sweep(
     formats = pictures.formats if pictures else ()
     stem = output_stem(options.output, name)
     with Publication(
-        stem, argv, force=options.force, tell=console.echo, pictures=names, formats=formats
+        stem,
+        argv,
+        force=options.force,
+        tell=console.echo,
+        pictures=names,
+        formats=formats,
+        reads=[options.scene],
     ) as files:
         _check_size(grid, files)
         with files.table() as stream, console.progress("solving", grid.size) as report:

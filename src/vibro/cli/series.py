@@ -49,8 +49,8 @@ class SeriesOutput:
         The arguments as typed.
     console : Console
         For messages.
-    reads : Path, optional
-        A file that is never replaced: the run's own input.
+    reads : sequence of Path or None
+        Files that are never replaced: the run's own input.
 
     Raises
     ------
@@ -67,7 +67,7 @@ class SeriesOutput:
         options: Options,
         argv: Sequence[str],
         console: Console,
-        reads: Path | None = None,
+        reads: Sequence[Path | None] = (),
     ) -> None:
         self._form = CsvFormat(options.excel, options.decimal_comma)
         self._stream = table_stream(json=options.json) if options.output == "-" else None

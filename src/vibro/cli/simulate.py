@@ -105,6 +105,7 @@ def simulate_command(
         options=options,
         argv=context.obj,
         console=console,
+        reads=[options.scene],
     ) as output:
         history = simulate(
             scene, cycles=lasting, start_phase=math.radians(phase), start_velocity=velocity / 1e3

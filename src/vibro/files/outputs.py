@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Final, Self
 
 from vibro.errors import FileError
 from vibro.files.claims import Claim, sweep
-from vibro.files.placing import NAME_HINT, REPLACE_HINT, Steps, is_regular, reason, status_of_target
+from vibro.files.placing import (
+    NAME_HINT,
+    REPLACE_HINT,
+    Steps,
+    is_regular,
+    reason,
+    status_of_target,
+    take_over_rights,
+)
 from vibro.files.stems import PICTURE_FORMATS, PICTURES, file_suffix, suffixed
 from vibro.interrupts import HeldOff, Undone
 
@@ -41,8 +49,8 @@ class OutputSet:
         Whether existing targets may be replaced. Pictures of the stem that are no targets are removed then.
     tell : callable
         Is told of an incomplete set, and of every file that is written or removed.
-    reads : Path, optional
-        A file that is never replaced: the run's own input.
+    reads : sequence of Path or None
+        Files that are never replaced: the run's own input.
 
     Raises
     ------
@@ -58,7 +66,7 @@ class OutputSet:
         *,
         force: bool,
         tell: Callable[[str], None],
-        reads: Path | None = None,
+        reads: Sequence[Path | None] = (),
     ) -> None:
         self.folder = stem.parent
         self._targets = tuple(targets)
@@ -66,7 +74,7 @@ class OutputSet:
         self._other_pictures = [path for path in pictures if path not in self._targets]
         self._force = force
         self._tell = tell
-        self._reads = reads
+        self._reads = [path for path in reads if path is not None]
         self._claim = Claim(stem)
         self._undone = Undone(self._discard)
         self._waiting: dict[Path, Path] = {}
@@ -156,7 +164,7 @@ class OutputSet:
         there = [path for path in self._targets if status_of_target(path)]
         there += [path for path in self._other_pictures if is_regular(path)]
         for path in there:
-            if self._reads is not None and path.samefile(self._reads):
+            if any(path.samefile(read) for read in self._reads):
                 raise FileError(f"cannot write {path}: it is what this run reads", hint=NAME_HINT)
         last = self._targets[-1]
         cut_short = bool(there) and last not in there
@@ -174,6 +182,8 @@ class OutputSet:
         steps = Steps(self._claim, last)
         try:
             if self._force:
+                for target, path in self._waiting.items():
+                    take_over_rights(path, target)
                 # The set that it completes is no longer whole.
                 steps.set_aside(last)
                 self._removed = [path for path in self._other_pictures if steps.set_aside(path)]

@@ -18,7 +18,15 @@ if TYPE_CHECKING:
 
     from vibro.files.claims import Claim
 
-__all__ = ["NAME_HINT", "REPLACE_HINT", "Steps", "is_regular", "reason", "status_of_target"]
+__all__ = [
+    "NAME_HINT",
+    "REPLACE_HINT",
+    "Steps",
+    "is_regular",
+    "reason",
+    "status_of_target",
+    "take_over_rights",
+]
 
 NAME_HINT: Final = "choose another name with -o"
 REPLACE_HINT: Final = f"replace with --force, or {NAME_HINT}"
@@ -60,14 +68,11 @@ class Steps:
         return True
 
     def put(self, path: Path, target: Path, *, replace: bool) -> None:
-        """Put a file in place; where another is it takes over its rights if it may replace it."""
-        before = status_of_target(target) if replace else None
-        if before is None:
+        """Put a file in place, of another only if it may be replaced."""
+        if not (replace and status_of_target(target)):
             _persistently(target, lambda: _put_new(path, target))
             self._taken.append((target, None))
             return
-        with contextlib.suppress(OSError):  # not all file systems have rights
-            path.chmod(stat.S_IMODE(before.st_mode))
         # Linked, so that there is no moment without the one or the other.
         old = self._claim.new_name()
         _persistently(target, lambda: _link_or_rename(target, old))
@@ -157,6 +162,13 @@ def status_of_target(target: Path) -> os.stat_result | None:
             hint="-o - writes the table to stdout, from there to anything",
         )
     return status
+
+
+def take_over_rights(path: Path, target: Path) -> None:
+    """Give a file the rights of the one that it will replace, if there is one."""
+    if is_regular(target):
+        with contextlib.suppress(OSError):  # not all file systems have rights
+            path.chmod(stat.S_IMODE(target.stat().st_mode))
 
 
 def is_regular(path: Path) -> bool:

@@ -43,8 +43,8 @@ class Publication:
         the stem itself.
     formats : sequence of str
         Of every picture.
-    reads : Path, optional
-        A file that is never replaced: the run's own input.
+    reads : sequence of Path or None
+        Files that are never replaced: the run's own input.
 
     Raises
     ------
@@ -62,7 +62,7 @@ class Publication:
         tables: Sequence[str] = ("",),
         pictures: Sequence[str] = (),
         formats: Sequence[str] = (),
-        reads: Path | None = None,
+        reads: Sequence[Path | None] = (),
     ) -> None:
         self._argv = ["vibro", *argv]
         self._tables = {name: suffixed(stem, file_suffix(name, "csv")) for name in tables}

@@ -44,6 +44,8 @@ def output_stem(output: str | None, name: str) -> Path:
         return Path(name)
     path = Path(output)
     given = f"-o {output}"
+    if not output:
+        raise InputError("-o: the name is empty", hint=_GIVE_A_NAME)
     if "\0" in output:
         raise InputError(f"{given}: no name has the character NUL", hint=_GIVE_A_NAME)
     try:
@@ -59,7 +61,9 @@ def output_stem(output: str | None, name: str) -> Path:
     suffix = next((s for s in _SUFFIXES if path.name.casefold().endswith(s)), "")
     if suffix:
         stem = output[: -len(suffix)]
-        example = f"write -o {stem}, which makes {stem}.csv" if len(path.name) > len(suffix) else ""
+        example = (
+            f"write -o {stem}, which makes {stem}.csv" if path.name[: -len(suffix)] not in ("", ".") else ""
+        )
         raise InputError(
             f"{given}: {suffix} is added to the name, as to those of all files", hint=example or _GIVE_A_NAME
         )
