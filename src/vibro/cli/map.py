@@ -71,7 +71,7 @@ def map_command(
     """
     from vibro.cli.output import Pictures, make_grid, write_sweep
     from vibro.cli.request import request_of
-    from vibro.plots.view import choose_view
+    from vibro.plots.view import check_drawable, choose_view
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.request import RANGES
 
@@ -89,6 +89,7 @@ def map_command(
     name = request.name or "vibro-map"
     if options.output == "-":
         return write_sweep(grid, columns, options, context.obj, console, name)
+    check_drawable(view)
 
     def draw() -> dict[str, Figure]:
         from vibro.plots import map_figures

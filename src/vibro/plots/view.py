@@ -17,9 +17,17 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.results.sweep import SweepResult
 
-__all__ = ["MAX_FACETS", "Panel", "View", "choose_view", "panels"]
+__all__ = [
+    "MAX_FACETS",
+    "Panel",
+    "View",
+    "check_drawable",
+    "choose_view",
+    "panels",
+]
 
 MAX_FACETS: Final = 12
+_LEAST, _MOST = 1e-100, 1e100  # of what is drawn, in its unit
 
 
 @dataclass(frozen=True)
@@ -126,6 +134,21 @@ def choose_view(
     held = {name: _index(axes[name], value) for name, value in at.items()}
     held |= dict.fromkeys(free, 0)
     return View(axes[x], axes[y] if y else None, facet, _facet_indices(facet), held)
+
+
+def check_drawable(view: View) -> None:
+    """Refuse axes whose lengths matplotlib's arithmetic loses or overflows.
+
+    Raises
+    ------
+    InputError
+        If a value that is drawn is beyond 1e100, or but for 0 below 1e-100.
+    """
+    for axis in filter(None, (view.x, view.y, view.facet)):
+        sizes = np.abs(axis.values[axis.values != 0.0])
+        if np.any((sizes < _LEAST) | (sizes > _MOST)):
+            ends = f"{axis.label} = {axis.values[0]:g} ... {axis.values[-1]:g}"
+            raise InputError(f"{ends}: no picture has such an axis", hint="-o - writes the table alone")
 
 
 def _check_names(axes: Mapping[str, Axis], x: str | None, y: str | None, at: Mapping[str, float]) -> None:
