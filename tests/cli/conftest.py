@@ -16,8 +16,11 @@ if TYPE_CHECKING:
 
     from commands import Run
 
-# A shell starts what it runs in the background with interrupts ignored, and programs inherit that.
+# A shell starts what it runs in the background with interrupts ignored, nohup with hang-ups, and programs
+# inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP"):
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 @pytest.fixture(scope="module", autouse=True)
