@@ -28,6 +28,7 @@ _FOREIGN_AGE: Final = 30 * 24 * 3600.0  # [s] far beyond any run, and any differ
 # Who looks whether a run is dead holds its lock, too, but not for long.
 _ATTEMPTS: Final = 20
 _PAUSE: Final = 0.005  # [s]
+_REMOVALS: Final = 3  # a disk that fails once need not leave anything
 
 
 class Claim:
@@ -103,9 +104,10 @@ class Claim:
         if sys.platform == "win32" and self._lock is not None:  # what is open cannot be removed there
             os.close(self._lock)
             self._lock = None
-        if self._paths:
-            _remove(self.folder, self._paths)
-            self._paths = []
+        for _ in range(_REMOVALS if self._paths else 0):
+            if _remove(self.folder, self._paths):
+                break
+        self._paths = []
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
