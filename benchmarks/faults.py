@@ -361,8 +361,8 @@ def main() -> None:
         parser.error(f"no class {', '.join(unknown)}; there are {', '.join(CLASSES)}")
 
     # A shell that starts this in the background lets it, and whatever it starts, ignore some signals.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.default_int_handler)  # children are ended, and folders removed
     os.environ["PYTHONPATH"] = str(Path(vibro.__file__).parents[1])
     failed = False
     print(f"{'class':12}{'tries':>6}{'failures':>10}{'s':>6}", flush=True)
@@ -370,7 +370,7 @@ def main() -> None:
         os.environ["MPLCONFIGDIR"] = f"{root}/matplotlib"  # fonts are listed once, by the first run
         run([*VIBRO, *OLD.arguments(Path(root) / "first")])
         for name in wanted:
-            tries, number = CLASSES[name]
+            tries, usual = CLASSES[name]
             start = time.perf_counter()
             with (
                 tempfile.TemporaryDirectory(dir=root) as folder,
@@ -378,7 +378,7 @@ def main() -> None:
             ):
                 place = Path(folder)
                 chance = random.Random(f"{name} {arguments.seed}")
-                choice = Choice(arguments.tries or number, chance, arguments.cells, place)
+                choice = Choice(arguments.tries or usual, chance, arguments.cells, place)
                 made = prepare(tries, choice)
                 ends = list(pool.map(partial(attempt, place=place), made))
             seconds = time.perf_counter() - start
