@@ -1,0 +1,139 @@
+"""What inverse design finds: guarantees over a box of bands, amplitude windows, and designs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from vibro.core.codes import Regime
+
+__all__ = ["DESIGN_COLUMNS", "Design", "DesignColumn", "DesignResult", "Guarantee", "Interval"]
+
+
+class Interval(NamedTuple):
+    """Nominal amplitudes that guarantee a speed, a closed interval.
+
+    Attributes
+    ----------
+    low, high : float
+        Its ends [m].
+    low_set_by, high_set_by : str
+        What ends it: ``speed``, ``onset``, ``back slip``, ``hop``, ``limit`` or ``tip``.
+    """
+
+    low: float
+    high: float
+    low_set_by: str
+    high_set_by: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Guarantee:
+    """What holds for every point of a box of bands, for bodies that start from rest.
+
+    Attributes
+    ----------
+    speed_min, speed_max : float
+        Infimum and supremum of the mean speed [m/s]; -inf and inf where a body runs away, or has no steady
+        motion, somewhere in the box.
+    min_at, max_at : mapping of str to float
+        Where they are, by the fields of ``Scene``, in SI units and radians.
+    min_limit, max_limit : str
+        Of which side they are the limit, where they are the limit at a jump; empty where the speed there has
+        the value.
+    regimes : frozenset of Regime
+        What happens somewhere in the box.
+    proof_min, proof_max : str
+        ``corners`` (the speed is monotone), ``searched`` (an optimiser with several seeds) or ``sampled``
+        (bodies hop).
+    coexists : bool
+        Whether a disturbed body can settle elsewhere at some point that was looked at.
+    excluded : int
+        Points that hop whose speed could not be found; they are left out.
+    """
+
+    speed_min: float
+    speed_max: float
+    min_at: Mapping[str, float]
+    max_at: Mapping[str, float]
+    min_limit: str
+    max_limit: str
+    regimes: frozenset[Regime]
+    proof_min: str
+    proof_max: str
+    coexists: bool
+    excluded: int
+
+
+class DesignColumn(NamedTuple):
+    """One column of a table of designs: its name with the unit, the unit, and what it is."""
+
+    name: str
+    unit: str
+    meaning: str
+
+
+def _column(unit: str, meaning: str) -> Any:
+    return field(metadata={"unit": unit, "meaning": meaning})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """One design: a setting of one drive and what it guarantees, in the units of its names.
+
+    None where there is no number; the attributes are the columns of tables and the keys of JSON.
+    """
+
+    drive: str = _column("", "name of the drive")
+    highest_regime: str = _column("", "highest regime allowed")
+    design: str = _column("", "gentlest, fastest or safest")
+    amplitude_mm: float | None = _column("mm", "nominal amplitude")
+    frequency_hz: float | None = _column("Hz", "nominal frequency")
+    drive_angle_deg: float | None = _column("deg", "nominal drive angle")
+    acceleration_g: float | None = _column("g", "nominal peak acceleration of the drive over gravity")
+    speed_min_mm_s: float | None = _column("mm/s", "guaranteed speed")
+    speed_nominal_mm_s: float | None = _column("mm/s", "speed in the middle of all bands")
+    speed_max_mm_s: float | None = _column("mm/s", "speed that no part exceeds")
+    traverse_time_max_s: float | None = _column("s", "trough length over the guaranteed speed")
+    amplitude_low_mm: float | None = _column("mm", "from this nominal amplitude on the guarantee holds")
+    amplitude_high_mm: float | None = _column("mm", "up to this nominal amplitude the guarantee holds")
+    low_set_by: str | None = _column("", "what ends it below")
+    high_set_by: str | None = _column("", "what ends it above")
+    margin: float | None = _column("", "factor by which all bands and drifts may grow about their middles")
+    throw_number_max: float | None = _column("", "largest throw number in the box")
+    set_by: str | None = _column("", "what keeps the design from being better")
+    frequency_needed_hz: float | None = _column("Hz", "frequency of the nearest drive that meets the goal")
+    amplitude_needed_mm: float | None = _column("mm", "its amplitude")
+    proof: str | None = _column("", "corners, searched or sampled")
+    coexists: bool | None = _column("", "whether a disturbed part can settle elsewhere somewhere in the box")
+    excluded: int | None = _column("", "sampled points without a speed, left out")
+
+
+#: The columns of a table of designs, in order.
+DESIGN_COLUMNS: Final = tuple(
+    DesignColumn(f.name, f.metadata["unit"], f.metadata["meaning"]) for f in fields(Design)
+)
+
+
+@dataclass(frozen=True, eq=False)
+class DesignResult:
+    """Answer to a design question.
+
+    Attributes
+    ----------
+    met : bool
+        Whether some drive guarantees the goal within its highest regime.
+    designs : tuple of Design
+        For every drive and regime the gentlest, the fastest and the safest design.
+    """
+
+    met: bool
+    designs: tuple[Design, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what ``vibro design --json`` prints."""
+        designs = [{f.name: getattr(d, f.name) for f in fields(d)} for d in self.designs]
+        return {"met": self.met, "designs": designs}
