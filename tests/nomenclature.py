@@ -9,10 +9,20 @@ import re
 from pathlib import Path
 
 from vibro.quantities import QUANTITIES
-from vibro.results.steady import ARRIVAL_TIME, RESULTS, STROKES, TRAVERSE_TIME, Result
+from vibro.results.steady import (
+    ARRIVAL_TIME,
+    RESULTS,
+    STROKES,
+    TIPPING_LOAD_RATIO,
+    TRAVERSE_TIME,
+    UPRIGHT,
+    Result,
+)
 from vibro.scene import Fields
 
 PAGE = Path(__file__).parents[1] / "docs" / "nomenclature.md"
+ELSEWHERE = (ARRIVAL_TIME, STROKES, UPRIGHT, TIPPING_LOAD_RATIO)
+"""Results that are no attributes of ``SteadyCycle``, each described by its name in capitals."""
 HEADER = "| symbol | code name | unit | CSV column | meaning |"
 
 
@@ -23,8 +33,8 @@ def _row(symbol: str, name: str, unit: str, column: str, meaning: str) -> str:
 
 def _result(result: Result) -> str:
     name = f"SteadyCycle.{result.name}"
-    if result in (ARRIVAL_TIME, STROKES):
-        name = f"results.steady.{'ARRIVAL_TIME' if result is ARRIVAL_TIME else 'STROKES'}"
+    if result in ELSEWHERE:
+        name = f"results.steady.{result.name.upper()}"
     unit = result.kind.si_unit if result.dtype is float or result.is_number else "code"
     return _row(result.symbol, name, unit, result.column, result.meaning)
 
@@ -46,7 +56,7 @@ def tables() -> str:
         results.append(_result(result))
         if result.name == "peak_velocity":
             results.append(_result(TRAVERSE_TIME))
-    results += [_result(ARRIVAL_TIME), _result(STROKES)]
+    results += [_result(result) for result in ELSEWHERE]
     head = [HEADER, "|---|---|---|---|---|"]
     return "\n".join(["## Inputs", "", *head, *inputs, "", "## Results", "", *head, *results, "", ""])
 

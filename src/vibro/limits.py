@@ -8,13 +8,19 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.contact import limits
+from vibro.core.contact.onset import thresholds
 from vibro.errors import Problem, SceneError
+from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
     from vibro.core.contact.limits import CriticalLoads
     from vibro.scene import Scene
 
-__all__ = ["Transition", "critical_loads", "transitions"]
+    Floats = NDArray[np.float64]
+
+__all__ = ["Transition", "critical_loads", "stays_upright", "tipping_load", "transitions"]
 
 _BEGINNINGS: Final = {
     "forward_onset": "forward slip",
@@ -125,3 +131,77 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
         amplitude, frequency = float(scene.amplitude) / ratio, float(scene.frequency) / math.sqrt(ratio)
         found.append(Transition(_BEGINNINGS[name], ratio, amplitude, frequency))
     return tuple(sorted(found, key=lambda transition: transition.amplitude))
+
+
+def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
+    """Load G = A w^2 / g up to which no edge of a part lifts that starts from rest.
+
+    Parameters
+    ----------
+    scene : Scene
+        Operating points of any shape; amplitude, frequency, gravity, kinetic friction and restitution have no
+        effect.
+    stand_ratio : array_like
+        Half base over height of the centre of mass, > 0; broadcasts against the scene [1]. The half base is
+        the distance along the trough from the centre of mass to the nearer edge.
+
+    Returns
+    -------
+    array
+        Of the common shape of angles, static friction and stand ratio [1]. inf where static friction is at
+        most the stand ratio, 0 where the trough alone is too steep for the part, NaN where the angles are
+        infeasible.
+
+    Raises
+    ------
+    SceneError
+        If a stand ratio is no number, or not > 0.
+
+    Notes
+    -----
+    Closed form, Eq. (43). Above it an edge lifts before the part first slips: theory.md, section 12, has the
+    proof, and tests/test_limits.py integrates Newton's law on both sides of it.
+    """
+    return limits.tipping_load(
+        scene.drive_angle, scene.static_friction, scene.trough_angle, _stand_ratios(stand_ratio)
+    )
+
+
+def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
+    """Tell whether a part that starts from rest keeps its whole base on the trough.
+
+    Parameters
+    ----------
+    scene : Scene
+        Operating points of any shape.
+    stand_ratio : array_like
+        As for ``tipping_load``.
+
+    Returns
+    -------
+    int8 array
+        Of the common shape: 1 where no edge ever lifts, 0 where one does, -1 where that is unknown: the part
+        hops and may land on an edge, or the trough is too steep for it to rest.
+
+    Raises
+    ------
+    SceneError
+        If a stand ratio is no number, or not > 0.
+    """
+    load = tipping_load(scene, stand_ratio)
+    at = thresholds(scene.arrays().loads())
+    tips = scene.load > load
+    unknown = np.isnan(load) | np.where(np.isinf(load), at.hops, at.unheld)
+    return np.where(unknown, -1, ~tips).astype(np.int8)[()]
+
+
+def _stand_ratios(value: ArrayLike) -> Floats:
+    """Convert stand ratios to doubles, and refuse what is none."""
+    try:
+        ratios = real_array(value)
+    except NotRealError as exc:
+        raise SceneError((Problem("stand_ratio", exc.value, exc.allowed),)) from None
+    bad = ~(ratios > 0.0)
+    if bad.any():
+        raise SceneError((Problem("stand_ratio", f"{ratios[bad].flat[0]:.15g}", "> 0"),))
+    return ratios

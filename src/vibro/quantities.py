@@ -31,6 +31,7 @@ __all__ = [
     "SPEED",
     "STANDARD_GRAVITY",
     "STANDS_FOR",
+    "STAND_RATIO",
     "START_PHASE",
     "START_VELOCITY",
     "SWEPT",
@@ -244,8 +245,9 @@ STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio":
 #: What is taken where nothing is given, in the units outside.
 DEFAULTS: Final[Mapping[str, float]] = {q.name: q.default for q in _ALL if q.default is not None}
 
-# Quantities of a run or of a record, not of a scene.
+# Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS)
+STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)
 DURATION: Final = Quantity("duration", TIME)
 START_PHASE: Final = Quantity("start_phase", _ANGLE)
 START_VELOCITY: Final = Quantity("start_velocity", SPEED)

@@ -294,3 +294,37 @@ def test_minus_o_minus_puts_the_row_on_stdout(run: Run) -> None:
     clash = run("solve", *NUT, "-o", "-", "--json")
     assert clash.exit_code == 2
     assert clash.stderr.startswith("error: --json and -o - both want stdout\n")
+
+
+@pytest.mark.parametrize(
+    ("args", "upright", "ratio", "said"),
+    [
+        (("--stand-ratio", "0.74"), 1, 0.0, "yes: static friction is at most the stand ratio"),
+        (("--stand-ratio", ".6"), 0, 1.72779, "no: an edge lifts above 0.578774 mm or 11.4116 Hz"),
+        (("--stand-ratio", ".6", "-A", ".5"), 1, 0.863896, "yes: an edge would lift above 0.578774 mm"),
+        (("--stand-ratio", ".7", "--trough-angle", "36"), 0, None, "no: an edge lifts whatever the drive"),
+        (("--stand-ratio", ".8", "-A", "4"), None, 0.0, "unknown: the body hops, and may land on an edge"),
+        (("--stand-ratio", ".7", "--trough-angle", "40"), None, None, "unknown: the body cannot rest"),
+    ],
+)
+def test_a_part_stays_upright_or_does_not(
+    run: Run, args: tuple[str, ...], upright: int | None, ratio: float | None, said: str
+) -> None:
+    answer = json.loads(run("solve", *NUT, *args, "--json").stdout)
+    assert answer["upright"] == upright
+    assert answer["tipping_load_ratio"] == (None if ratio is None else pytest.approx(ratio, rel=1e-5))
+    told = facts(run("solve", *NUT, *args).stdout)["upright"]
+    assert told.startswith(said)
+    if ratio:
+        assert told.endswith(f"(load now / then {ratio:g})")
+
+
+def test_a_stand_ratio_that_is_none_is_refused(run: Run) -> None:
+    for text, problem in (
+        ("0", "stand ratio = 0: must be finite and > 0"),
+        ("6mm", "stand ratio = '6mm': 'mm' is no unit of stand ratio"),
+        ("wide", "stand ratio = 'wide': not a number"),
+    ):
+        result = run("solve", *NUT, "--stand-ratio", text)
+        assert result.exit_code == 2
+        assert result.stderr.startswith(f"error: {problem}\n")

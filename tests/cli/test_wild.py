@@ -42,7 +42,7 @@ FEW_VALUES = st.one_of(
     st.tuples(WILD, WILD).map(lambda ends: f"{ends[0]}:{ends[1]}:3"),
 )
 OWN = {
-    "solve": (["--coexist", "--flight=off", "--accuracy=regimes", "--json", "-q", "-o-"], []),
+    "solve": (["--coexist", "--flight=off", "--accuracy=regimes", "--json", "-q", "-o-"], ["--stand-ratio"]),
     "traverse-time": (["--exact", "--sweep", "--json", "-q", "-o-"], []),
     "simulate": (
         ["-q"],

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Annotated
 
 import typer  # typer reads the annotations
 
@@ -15,6 +17,7 @@ from vibro.cli.options import (
     refuse_without_flight,
 )
 from vibro.core.codes import Level
+from vibro.errors import InputError, cut
 
 if TYPE_CHECKING:
     from vibro.cli.report import OneScene
@@ -28,6 +31,16 @@ def solve_command(
     flight: FlightOption = Flight.ON,
     accuracy: LevelOption = Level.EXACT,
     coexist: CoexistOption = False,
+    stand_ratio: Annotated[
+        str | None,
+        typer.Option(
+            "--stand-ratio",
+            metavar="VALUE",
+            help="Half base over height of the centre of mass of a part: does it stay upright? The half base"
+            " is the distance along the trough from the centre of mass to the nearer edge.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
@@ -35,16 +48,54 @@ def solve_command(
     """
     from vibro.cli.output import answer_one, make_grid
     from vibro.cli.request import request_of
-    from vibro.sweeps.columns import columns_of
+    from vibro.sweeps.columns import columns_of, standing
 
     if coexist:
         refuse_without_flight("--coexist", flight, accuracy)
+    ratio = None if stand_ratio is None else _positive(stand_ratio)
     request = request_of(options, context.obj)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
-    return answer_one(grid, columns_of(), options, context.obj, request.name or "vibro-solve", _report)
+    columns = columns_of((), *(() if ratio is None else standing(ratio)))
+    report = partial(_report, stand_ratio=ratio)
+    return answer_one(grid, columns, options, context.obj, request.name or "vibro-solve", report)
 
 
-def _report(one: OneScene) -> str:
+def _positive(text: str) -> float:
+    """Read a stand ratio."""
+    from vibro.quantities import STAND_RATIO, exact_number
+
+    ratio = float(exact_number(text, STAND_RATIO))
+    if not STAND_RATIO.allows(ratio):
+        allowed = STAND_RATIO.allowed.text(STAND_RATIO.unit)
+        raise InputError(f"{STAND_RATIO.label} = {cut(text)}: must be {allowed}")
+    return ratio
+
+
+def _upright(one: OneScene, stand_ratio: float) -> str:
+    """Say whether a part keeps its base on the trough, and from which drive on it does not."""
+    from vibro.cli.report import number
+    from vibro.limits import stays_upright, tipping_load
+    from vibro.quantities import LENGTH
+
+    load = float(tipping_load(one.scene, stand_ratio))
+    answer = int(stays_upright(one.scene, stand_ratio))
+    if answer < 0:
+        why = "the body hops, and may land on an edge" if one.hops else "the body cannot rest on the trough"
+        return f"unknown: {why}"
+    if math.isinf(load):
+        return "yes: static friction is at most the stand ratio"
+    if not load:
+        return "no: an edge lifts whatever the drive"
+    told, edge = ("yes", "an edge would lift") if answer else ("no", "an edge lifts")
+    ratio = float(one.scene.load) / load
+    if not 0.0 < ratio < math.inf:  # beyond the range of doubles
+        return told
+    amplitude = number(LENGTH.from_si(float(one.scene.amplitude) / ratio), "mm")
+    frequency = number(float(one.scene.frequency) / math.sqrt(ratio), "Hz")
+    return f"{told}: {edge} above {amplitude} or {frequency} (load now / then {number(ratio)})"
+
+
+def _report(one: OneScene, stand_ratio: float | None) -> str:
     from vibro.cli.report import aligned, number
     from vibro.core.codes import PHASE_NAMES
     from vibro.quantities import LENGTH
@@ -54,6 +105,8 @@ def _report(one: OneScene) -> str:
         *one.numbers(),
         ("acceleration", f"{number(float(one.scene.load))} g along the drive"),
     ]
+    if stand_ratio is not None:
+        facts.append(("upright", _upright(one, stand_ratio)))
     heads = [("begins", "load now / then", "amplitude [mm]", "frequency [Hz]")]
     begins = [
         (t.name, number(t.ratio), number(LENGTH.from_si(t.amplitude)), number(t.frequency))

@@ -23,7 +23,17 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Codes = NDArray[np.int8]
 
-__all__ = ["ARRIVAL_TIME", "RESULTS", "STROKES", "TRAVERSE_TIME", "Result", "SteadyCycle", "lengths_of"]
+__all__ = [
+    "ARRIVAL_TIME",
+    "RESULTS",
+    "STROKES",
+    "TIPPING_LOAD_RATIO",
+    "TRAVERSE_TIME",
+    "UPRIGHT",
+    "Result",
+    "SteadyCycle",
+    "lengths_of",
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -266,6 +276,21 @@ ARRIVAL_TIME: Final = Result(
 )
 STROKES: Final = Result(
     name="strokes", column="strokes", meaning="drive cycles that a traverse takes", symbol="L/d"
+)
+#: What follows from the part's stand ratio.
+UPRIGHT: Final = Result(
+    name="upright",
+    column="upright",
+    meaning="whether a part from rest keeps its base on the trough: 1 yes, 0 an edge lifts, -1 unknown",
+    dtype=np.int8,
+    texts=("0", "1", ""),
+    is_flag=True,
+)
+TIPPING_LOAD_RATIO: Final = Result(
+    name="tipping_load_ratio",
+    column="tipping_load_ratio",
+    meaning="load over the load above which an edge of the part lifts; 0 if there is none",
+    symbol=r"G/G_{\text{tip}}",
 )
 SteadyCycle.__doc__ = (
     (SteadyCycle.__doc__ or "").rstrip()

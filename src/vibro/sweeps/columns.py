@@ -7,9 +7,19 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.quantities import QUANTITIES, SWEPT
-from vibro.results.steady import ARRIVAL_TIME, RESULTS, STROKES, TRAVERSE_TIME, Result
+from vibro.limits import stays_upright, tipping_load
+from vibro.quantities import QUANTITIES, SWEPT, scene_fields
+from vibro.results.steady import (
+    ARRIVAL_TIME,
+    RESULTS,
+    STROKES,
+    TIPPING_LOAD_RATIO,
+    TRAVERSE_TIME,
+    UPRIGHT,
+    Result,
+)
 from vibro.results.sweep import Block, Column
+from vibro.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
@@ -17,7 +27,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-__all__ = ["WITH_ARRIVAL", "WITH_STROKES", "columns_of", "records", "to_frame"]
+__all__ = ["WITH_ARRIVAL", "WITH_STROKES", "columns_of", "records", "standing", "to_frame"]
 
 
 def _given(name: str) -> Column:
@@ -73,6 +83,24 @@ def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]
         columns.append(_found(result))
         columns += [_TRAVERSE] if result.name == "peak_velocity" else []
     return (*given, *columns)
+
+
+def standing(ratio: float) -> tuple[Column, Column]:
+    """Return the columns of a part with a stand ratio: whether it stays upright, and how near it is."""
+
+    def scene(block: Block) -> Scene:
+        return Scene.allowing_infeasible(**scene_fields(block.values))
+
+    def load_ratio(block: Block) -> NDArray[np.float64]:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            return scene(block).load / tipping_load(scene(block), ratio)
+
+    return (
+        Column(
+            UPRIGHT.column, "", lambda block: stays_upright(scene(block), ratio), UPRIGHT.texts, is_flag=True
+        ),
+        Column(TIPPING_LOAD_RATIO.column, "", load_ratio),
+    )
 
 
 def records(columns: Sequence[Column], block: Block) -> Iterator[dict[str, float | int | str | None]]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from vibro.core.contact.slide import Floats
 
-__all__ = ["CriticalLoads", "critical_loads"]
+__all__ = ["CriticalLoads", "critical_loads", "tipping_load"]
 
 
 class CriticalLoads(NamedTuple):
@@ -85,16 +85,45 @@ def critical_loads(
     return CriticalLoads(*(a.reshape(shape)[()] for a in out))
 
 
+def tipping_load(
+    drive_angle: ArrayLike,
+    static_friction: ArrayLike,
+    trough_angle: ArrayLike,
+    stand_ratio: ArrayLike,
+) -> Floats:
+    """Load up to which no edge of a part lifts that starts from rest, Eq. (43).
+
+    Parameters
+    ----------
+    drive_angle, trough_angle : array_like
+        Drive and trough angle [rad].
+    static_friction : array_like
+        mu_s [1].
+    stand_ratio : array_like
+        Half base over height of the centre of mass, > 0 [1].
+
+    Returns
+    -------
+    array
+        Of the broadcast shape: the first of the onsets with the stand ratio in place of mu_s [1]. inf where
+        mu_s is at most the stand ratio, 0 where the trough alone is too steep for the part, NaN where drive +
+        trough angle reach 90 deg. It is below the load of hopping wherever it is finite.
+    """
+    fields = (drive_angle, static_friction, trough_angle, stand_ratio)
+    alpha, mu_s, beta, ratio = (np.asarray(a, np.float64) for a in fields)
+    sum_cosine = cosine_of_sum(alpha, beta)
+    standing = Loads(np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta), sum_cosine, ratio, ratio)
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # of ratios that no friction reaches
+        first = np.minimum(*_onsets(standing))
+    return np.where(sum_cosine > 0.0, np.where(mu_s > ratio, first, np.inf), np.nan)[()]
+
+
 def _critical(unit: Loads) -> CriticalLoads:
     """Critical loads of feasible scenes; ``unit`` is their loads at G = 1."""
-    lift = unit.static_friction * unit.across
-    hold = unit.static_friction * unit.normal
     with np.errstate(divide="ignore", over="ignore"):
         hop = unit.normal / unit.across
-        forward = np.maximum(hold + unit.tangential, 0.0) / (unit.along + lift)
-        back = np.where(
-            unit.along > lift, np.maximum(hold - unit.tangential, 0.0) / (unit.along - lift), np.inf
-        )
+        forward, back = _onsets(unit)
+        hold = unit.static_friction * unit.normal
     slips_both = np.isfinite(back) & (np.abs(unit.tangential) < hold)
 
     # The forward slide may outlast the back window for a while, or for ever if nothing brakes it.
@@ -111,6 +140,15 @@ def _critical(unit: Loads) -> CriticalLoads:
     vanishes[cells] = np.maximum(_rest_vanishes(take(unit, cells)), back_slip[cells])
     vanishes[np.abs(unit.tangential) >= hold] = 0.0
     return CriticalLoads(hop, forward, back, back_slip, vanishes)
+
+
+def _onsets(unit: Loads) -> tuple[Floats, Floats]:
+    """Return the loads of the forward and the back onset, Eq. (5); 0 where a body slips without any."""
+    lift = unit.static_friction * unit.across
+    hold = unit.static_friction * unit.normal
+    forward = np.maximum(hold + unit.tangential, 0.0) / (unit.along + lift)
+    back = np.maximum(hold - unit.tangential, 0.0) / (unit.along - lift)
+    return forward, np.where(unit.along > lift, back, np.inf)
 
 
 def _resistance(unit: Loads) -> Floats:
