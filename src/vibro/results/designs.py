@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from vibro.core.codes import Regime
+    import numpy as np
+    from numpy.typing import NDArray
 
-__all__ = ["DESIGN_COLUMNS", "Design", "DesignColumn", "DesignResult", "Guarantee", "Interval"]
+    from vibro.core.codes import Regime
+    from vibro.inverse.specs import Drive
+
+    Floats = NDArray[np.float64]
+
+__all__ = [
+    "DESIGN_COLUMNS",
+    "Chosen",
+    "Design",
+    "DesignColumn",
+    "DesignResult",
+    "Guarantee",
+    "Interval",
+    "SettingFields",
+    "SpeedBand",
+]
 
 
 class Interval(NamedTuple):
@@ -137,3 +154,85 @@ class DesignResult:
         """Return what ``vibro design --json`` prints."""
         designs = [{f.name: getattr(d, f.name) for f in fields(d)} for d in self.designs]
         return {"met": self.met, "designs": designs}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Chosen:
+    """The design that pictures and margins show, and what is said of it beside its columns.
+
+    Attributes
+    ----------
+    design : Design
+        It has a setting.
+    drive : Drive
+        Its drive.
+    loads : mapping of str to float
+        Load now over the load then, by what happens then: ``the last part starts``, ``the first part slips
+        back``, ``the first part hops``; 0 where that never happens [1].
+    costs : mapping of str to float
+        By how much 1 % more of an input changes the nominal speed, by field [%].
+    """
+
+    design: Design
+    drive: Drive
+    loads: Mapping[str, float]
+    costs: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SettingFields:
+    """What settings of a drive guarantee at one drive angle, over amplitude and frequency.
+
+    Patterns and regimes depend on amplitude and frequency through the load G = A w^2 / g alone, and speeds at
+    the same load go with 1/f; drifts in percent change nothing of that. So numbers over the load say all.
+
+    Attributes
+    ----------
+    amplitude_mm, frequency_hz : pair of float
+        Nominal settings to be shown, both ends > 0: what the drive can do, and some more on every side.
+    load : (n,) array
+        Nominal loads, ascending, that cover all shown settings; twice the same where numbers jump [1].
+    speed_min : (n,) array
+        Guaranteed speed times nominal frequency; NaN or -inf where nothing is guaranteed [mm/s Hz].
+    begins : mapping of Regime to pair of float
+        Of forward slip, back slip and hopping the nominal load from which the first, and from which the last
+        part of the box is in that regime or in a higher one; inf where that never happens.
+    tips : float
+        Nominal load from which the first part that must stay upright lifts an edge; inf without such parts.
+    impact_speed : (n,) array or None
+        Largest normal speed of landings times nominal frequency, 0 in contact; None without such a limit
+        [mm/s Hz].
+    flight_fraction : (n,) array or None
+        Largest share of the time in flight, 0 in contact; None without such a limit.
+    """
+
+    amplitude_mm: tuple[float, float]
+    frequency_hz: tuple[float, float]
+    load: Floats
+    speed_min: Floats
+    begins: Mapping[Regime, tuple[float, float]]
+    tips: float = math.inf
+    impact_speed: Floats | None = None
+    flight_fraction: Floats | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpeedBand:
+    """Speeds over the nominal amplitude at one frequency and drive angle.
+
+    Attributes
+    ----------
+    amplitude_mm : (n,) array
+        Ascending.
+    speed_min, speed_nominal, speed_max : (n,) array
+        The slowest part's, the one's in the middle of all bands, and the fastest part's; not finite where it
+        is unknown, or a part runs away [mm/s].
+    window_mm : pair of float, or None
+        Nominal amplitudes that keep the guarantee and hold the design.
+    """
+
+    amplitude_mm: Floats
+    speed_min: Floats
+    speed_nominal: Floats
+    speed_max: Floats
+    window_mm: tuple[float, float] | None
