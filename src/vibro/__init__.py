@@ -11,6 +11,9 @@ if TYPE_CHECKING:
 
     from vibro.core.codes import Regime, Status
     from vibro.errors import FileError, InputError, SceneError, VibroError
+    from vibro.inverse.amplitudes import feasible_amplitudes
+    from vibro.inverse.guarantees import guarantee
+    from vibro.inverse.yields import yield_share
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.histories import simulate
@@ -32,11 +35,14 @@ __all__ = [
     "VibroError",
     "arrival_time",
     "critical_loads",
+    "feasible_amplitudes",
+    "guarantee",
     "read_scene",
     "simulate",
     "solve",
     "sweep",
     "transitions",
+    "yield_share",
 ]
 __version__ = "0.1.0"
 
@@ -52,11 +58,14 @@ _HOMES = {
     "VibroError": "vibro.errors",
     "arrival_time": "vibro.motion.arrivals",
     "critical_loads": "vibro.limits",
+    "feasible_amplitudes": "vibro.inverse.amplitudes",
+    "guarantee": "vibro.inverse.guarantees",
     "read_scene": "vibro.sweeps.whole",
     "simulate": "vibro.motion.histories",
     "solve": "vibro.steady",
     "sweep": "vibro.sweeps.whole",
     "transitions": "vibro.limits",
+    "yield_share": "vibro.inverse.yields",
 }
 
 

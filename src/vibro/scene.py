@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Fields", "Scene"]
+__all__ = ["Fields", "Scene", "field_range", "field_text"]
 
 
 class Fields(NamedTuple):
@@ -41,7 +41,7 @@ class Fields(NamedTuple):
 _NAMES: Final = Fields._fields
 
 
-def _text(name: str, value: float) -> str:
+def field_text(name: str, value: float) -> str:
     """Write a value with its unit; angles in degrees too."""
     quantity = QUANTITIES[name]
     number = f"{value:.15g} {quantity.kind.si_unit}".rstrip()
@@ -50,7 +50,7 @@ def _text(name: str, value: float) -> str:
     return number
 
 
-def _allowed(name: str) -> str:
+def field_range(name: str) -> str:
     """Say what a field may be, angles in degrees."""
     kind = QUANTITIES[name].kind
     return QUANTITIES[name].allowed.text("deg" if kind.si_unit == "rad" else kind.si_unit)
@@ -197,7 +197,7 @@ class Scene:
         for name, x in zip(_NAMES, self.arrays(), strict=True):
             good = np.isfinite(x) & QUANTITIES[name].allows(x)
             if np.count_nonzero(good) < x.size:
-                problems.append(Problem(name, _text(name, float(x[~good].flat[0])), _allowed(name)))
+                problems.append(Problem(name, field_text(name, float(x[~good].flat[0])), field_range(name)))
         return problems
 
     def _combination_problems(self) -> list[Problem]:
@@ -215,10 +215,9 @@ class Scene:
             drive, trough = (np.broadcast_to(x, bad.shape) for x in (self.drive_angle, self.trough_angle))
             bad &= QUANTITIES["drive_angle"].allows(drive) & QUANTITIES["trough_angle"].allows(trough)
         if np.count_nonzero(bad):
-            limit = (
-                f"less than 90 deg together with trough_angle = {_text('trough_angle', trough[bad].flat[0])}"
-            )
-            problems.append(Problem("drive_angle", _text("drive_angle", drive[bad].flat[0]), limit))
+            beside = field_text("trough_angle", trough[bad].flat[0])
+            limit = f"less than 90 deg together with trough_angle = {beside}"
+            problems.append(Problem("drive_angle", field_text("drive_angle", drive[bad].flat[0]), limit))
         return problems
 
 

@@ -1,0 +1,304 @@
+"""Which amplitudes guarantee a speed: ``vibro.feasible_amplitudes``."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.core.contact.limits import critical_loads
+from vibro.errors import InputError, shown
+from vibro.inverse.bands import box_of
+from vibro.inverse.caps import back_slip_load, hop_load, onset_load
+from vibro.inverse.extremes import Seen, corners, speeds_of
+from vibro.inverse.guarantees import bound
+from vibro.reals import NotRealError, real_number
+from vibro.results.designs import Interval
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.inverse.boxes import Box
+    from vibro.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Family", "feasible_amplitudes", "regime_of"]
+
+_GRID: Final = {False: 4097, True: 257}  # amplitudes looked at first: of one body, of a box of them
+_CLOSER: Final = 33  # around each extremum of the speed between them
+_ROUNDS: Final = 3
+_BEYOND: Final = 1e3  # times the largest critical load: as far as a body that never hops is followed
+_BESIDE: Final = 1e-12  # [1] relative distance from a critical load at which both its sides are looked at
+_HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the nodes
+_JUMP: Final = 1e-6  # relative change of the speed that is a jump
+_EXCHANGES: Final = 30
+_LOADS: Final = np.linspace(0.0, 1.0, 9)  # shares of the drift in load, for every body that was found worst
+
+
+def regime_of(text: object) -> Regime:
+    """Read the highest regime that is allowed."""
+    allowed = {r.label: r for r in (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)}
+    if not isinstance(text, str) or text not in allowed:
+        raise InputError(f"highest_regime = {shown(text)}: must be one of {', '.join(allowed)}")
+    return allowed[text]
+
+
+def positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
+    """Read a positive number that is an argument."""
+    try:
+        number = real_number(value)
+    except NotRealError as exc:
+        raise InputError(f"{name} = {exc.value}: must be {exc.allowed}") from None
+    if not number > 0.0 or (finite and math.isinf(number)):
+        raise InputError(
+            f"{name} = {number:.15g} {unit}: must be {'finite and ' if finite else ''}> 0 {unit}"
+        )
+    return number
+
+
+def feasible_amplitudes(
+    scene: Scene,
+    speed: float,
+    *,
+    highest_regime: str = "back-slip",
+    limit: float = math.inf,
+    amplitude_percent: float = 0.0,
+    **bands: Any,
+) -> list[Interval]:
+    """Nominal amplitudes that guarantee a speed over a box of bands.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point; its own amplitude is ignored.
+    speed : float
+        Least mean speed, > 0 [m/s].
+    highest_regime : {"back-slip", "forward-slip", "hopping"}, optional
+        Highest regime that may occur anywhere in the box.
+    limit : float, optional
+        Largest nominal amplitude [m]; it must be finite where bodies may hop.
+    amplitude_percent : float, optional
+        By how much the amplitude may be off its nominal value either way, in per cent of it.
+    **bands
+        As for ``vibro.guarantee``, but for the amplitude.
+
+    Returns
+    -------
+    list of Interval
+        Closed intervals by rising amplitude [m], with what ends each below and above; empty where no
+        amplitude does it.
+
+    Raises
+    ------
+    SceneError, InputError
+        If the scene is more than one operating point, or an argument cannot be.
+
+    Notes
+    -----
+    The least speed over the box is followed over the amplitude through every critical load and between its
+    extrema, and crossings are found to rounding. What it is over the box, ``vibro.guarantee`` confirms for
+    whole intervals; bodies that it finds slower are followed too.
+
+    Examples
+    --------
+    >>> import math, vibro
+    >>> scene = vibro.Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20),
+    ...                     static_friction=0.74, kinetic_friction=0.57)
+    >>> for i in vibro.feasible_amplitudes(scene, 0.02815):
+    ...     print(f"{1e3 * i.low:.6f} to {1e3 * i.high:.6f} mm, from {i.low_set_by} to {i.high_set_by}")
+    1.177843 to 1.190299 mm, from speed to back slip
+    1.233006 to 3.229052 mm, from speed to hop
+    """
+    highest = regime_of(highest_regime)
+    target = positive("speed", speed, "m/s")
+    largest = positive("limit", limit, "m", finite=False)
+    percent = real_number(amplitude_percent)
+    if not 0.0 <= percent < 100.0:
+        raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
+    if highest is Regime.HOPPING and math.isinf(largest):
+        raise InputError("limit = inf: must be finite where bodies may hop", hint="give limit=")
+    box = box_of(scene, bands, leaves_out="amplitude")
+    family = Family(replace(box, amplitude=(1.0, 1.0)), percent / 100.0)
+    return family.intervals(target, highest, largest)
+
+
+@dataclass(frozen=True)
+class Family:
+    """Boxes that differ by their nominal amplitude alone.
+
+    Attributes
+    ----------
+    template : Box
+        With any amplitude.
+    drift : float
+        By how much the amplitude may be off, relative to the nominal one.
+    """
+
+    template: Box
+    drift: float
+
+    def boxes(self, amplitudes: Floats) -> Box:
+        """Return the boxes of nominal amplitudes, which have the shape (m, 1)."""
+        return replace(
+            self.template, amplitude=(amplitudes * (1.0 - self.drift), amplitudes * (1.0 + self.drift))
+        )
+
+    def across(self, low: float, high: float) -> Box:
+        """Return the box of all that these nominal amplitudes bring."""
+        return replace(self.template, amplitude=(low * (1.0 - self.drift), high * (1.0 + self.drift)))
+
+    def amplitude_of(self, load: float, *, most: bool) -> float:
+        """Nominal amplitude at which the most, or the least, load of the box is this one."""
+        frequency = self.template.frequency[1 if most else 0]
+        drift = 1.0 + self.drift if most else 1.0 - self.drift
+        return load * self.template.gravity / (2.0 * math.pi * float(frequency)) ** 2 / drift
+
+    def caps(self, highest: Regime, largest: float, others: dict[str, float]) -> dict[str, float]:
+        """Nominal amplitudes up to which a box keeps to a regime, by what ends there; or to other loads."""
+        loads = dict(others)
+        if highest is not Regime.HOPPING:
+            loads["hop"] = float(hop_load(self.template))
+        if highest is Regime.FORWARD_SLIP:
+            loads["back slip"] = float(back_slip_load(self.template))
+        # so that its rounding brings no body over it
+        caps = {name: self.amplitude_of(load, most=True) * (1.0 - _BESIDE) for name, load in loads.items()}
+        return {**caps, "limit": largest}
+
+    def intervals(
+        self, target: float, highest: Regime, largest: float, others: dict[str, float] | None = None
+    ) -> list[Interval]:
+        """Return the nominal amplitudes that guarantee a speed; arguments as for ``caps``."""
+        caps = self.caps(highest, largest, others or {})
+        top_by = min(caps, key=lambda name: caps[name])
+        top = caps[top_by]
+        start = self.amplitude_of(float(onset_load(self.template)), most=False)
+        wide = bool(self.across(1.0, 1.0).varies.any())
+        shares = corners(self.across(1.0, 1.0))
+        found: list[Interval] = []
+        for _ in range(_EXCHANGES):
+            search = _Search(self, shares, target, flight=highest is Regime.HOPPING)
+            found = search.intervals(start, top, top_by, _GRID[wide])
+            worse = [self._worse(i, target) if wide else None for i in found]
+            if all(w is None for w in worse):
+                return found
+            shares = np.unique(np.hstack([shares, *(w for w in worse if w is not None)]), axis=1)
+        return [i for i, w in zip(found, worse, strict=True) if w is None]
+
+    def _worse(self, interval: Interval, target: float) -> Floats | None:
+        """Find a body that is slower than the target somewhere in an interval, as shares of the bands."""
+        extreme = bound(self.across(interval.low, interval.high), fast=False, seen=Seen()).extreme
+        if not extreme.speed < target * (1.0 - _HOLDS):
+            return None
+        drifts = self.across(1.0, 1.0).varies[0]
+        shares = np.repeat(extreme.shares, _LOADS.size if drifts else 1, axis=1)
+        shares[0] = _LOADS if drifts else 0.0
+        return shares
+
+
+class _Search:
+    """The least speed of chosen bodies of a box, over the nominal amplitude.
+
+    Parameters
+    ----------
+    family : Family
+        The boxes.
+    shares : array
+        The bodies, as shares of the bands, of shape (5, n).
+    target : float
+        Speed that is wanted [m/s].
+    flight : bool
+        Whether bodies may hop.
+    """
+
+    def __init__(self, family: Family, shares: Floats, target: float, *, flight: bool) -> None:
+        self._family, self._shares, self._target, self._flight = family, shares, target, flight
+
+    def intervals(self, start: float, top: float, top_by: str, count: int) -> list[Interval]:
+        """Return where the target is reached between two amplitudes; ``top_by`` is what sets the second."""
+        criticals = self._criticals()
+        endless = math.isinf(top)
+        if endless:
+            top = _BEYOND * max(criticals, default=start)
+        if not 0.0 <= start < top < math.inf:
+            return []
+        grid = np.geomspace(max(start, top / _BEYOND**2), top, count)
+        beside = np.outer(criticals, [1.0 - _BESIDE, 1.0 + _BESIDE]).ravel()
+        grid = np.unique(np.concatenate([grid, beside[(beside > grid[0]) & (beside < top)]]))
+        least = self._least(grid)
+        for _ in range(_ROUNDS):
+            grid, least = self._closer(grid, least)
+        holds = least >= self._target
+        edges = np.flatnonzero(holds[1:] != holds[:-1])
+        inside, outside = self._crossings(
+            np.where(holds[edges], grid[edges], grid[edges + 1]),
+            np.where(holds[edges], grid[edges + 1], grid[edges]),
+        )
+        ends = [(x, self._set_by(x, y)) for x, y in zip(inside.tolist(), outside.tolist(), strict=True)]
+        if holds[0]:
+            ends.insert(0, (float(grid[0]), "onset"))
+        if holds[-1]:
+            ends.append((math.inf if endless else top, top_by))
+        return [
+            Interval(low, high, low_by, high_by)
+            for (low, low_by), (high, high_by) in zip(ends[::2], ends[1::2], strict=True)
+        ]
+
+    def _scene(self, amplitudes: Floats) -> Scene:
+        boxes = self._family.boxes(amplitudes[:, None])
+        return boxes.scene(boxes.points(self._shares[:, None, :]), fast=False)
+
+    def _speeds(self, amplitudes: Floats) -> Floats:
+        """Speeds of all bodies at some amplitudes, of shape (m, n); inf where one is left out."""
+        speed = speeds_of(self._scene(amplitudes), fast=False, flight=self._flight)
+        return np.where(np.isnan(speed), np.inf, speed)
+
+    def _least(self, amplitudes: Floats) -> Floats:
+        return np.asarray(self._speeds(amplitudes).min(axis=1))
+
+    def _criticals(self) -> list[float]:
+        """Nominal amplitudes at which some body changes its regime."""
+        points = self._family.boxes(np.ones((1, 1))).points(self._shares[:, None, :])
+        loads = critical_loads(
+            points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
+        )
+        at_one = np.asarray(self._scene(np.ones(1)).load)
+        found = np.array([np.broadcast_to(load, at_one.shape) for load in loads]) / at_one
+        return [float(x) for x in np.unique(found[np.isfinite(found) & (found > 0.0)])]
+
+    def _closer(self, grid: Floats, least: Floats) -> tuple[Floats, Floats]:
+        """Add amplitudes around every extremum that may cross the target between two of them."""
+        middle, before, after = least[1:-1], least[:-2], least[2:]
+        dips = (middle <= before) & (middle <= after) & (middle >= self._target)
+        tops = (middle >= before) & (middle >= after) & (middle < self._target) & (middle > 0.0)
+        cells = np.flatnonzero(dips | tops) + 1
+        if not cells.size:
+            return grid, least
+        more = np.linspace(grid[cells - 1], grid[cells + 1], _CLOSER)[1:-1].ravel()
+        amplitudes, first = np.unique(np.concatenate([grid, more]), return_index=True)
+        return amplitudes, np.concatenate([least, self._least(more)])[first]
+
+    def _crossings(self, inside: Floats, outside: Floats) -> tuple[Floats, Floats]:
+        """Close in on amplitudes beyond which the target is missed, to two doubles beside each other."""
+        while inside.size:
+            middle = 0.5 * (inside + outside)
+            if np.all((middle == inside) | (middle == outside)):
+                break
+            holds = self._least(middle) >= self._target
+            inside, outside = np.where(holds, middle, inside), np.where(holds, outside, middle)
+        return inside, outside
+
+    def _set_by(self, inside: float, outside: float) -> str:
+        """Tell what happens between two amplitudes of which one misses the target."""
+        speed = self._speeds(np.array([inside, outside]))
+        body = int(np.argmin(speed[1]))
+        if abs(speed[0, body] - speed[1, body]) <= _JUMP * abs(speed[0, body]):
+            return "speed"
+        regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
+        if Regime.HOPPING in regimes:
+            return "hop"
+        return "onset" if outside < inside else "back slip"

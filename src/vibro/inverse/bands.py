@@ -1,0 +1,117 @@
+"""Bands that a caller gives beside a scene."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+from vibro.errors import Problem, SceneError, shown
+from vibro.inverse.boxes import Box
+from vibro.quantities import QUANTITIES
+from vibro.reals import NotRealError, real_array
+from vibro.scene import field_range, field_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from vibro.inverse.specs import Span
+    from vibro.scene import Scene
+
+__all__ = ["BANDED", "box_of", "one_point"]
+
+#: What may be a band.
+BANDED: Final = (
+    "amplitude",
+    "frequency",
+    "drive_angle",
+    "static_friction",
+    "friction_ratio",
+    "kinetic_friction",
+    "trough_angle",
+)
+_RIGHT_ANGLE: Final = 0.5 * math.pi
+
+
+def one_point(scene: Scene) -> None:
+    """Refuse more than one operating point."""
+    if scene.shape:
+        raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+
+
+def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> Box:
+    """Return the box of a scene's bands.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point; what has no band is known.
+    bands : mapping of str to pair of float
+        By the names of fields, in SI units and radians.
+    leaves_out : str
+        A field that may have no band here.
+
+    Raises
+    ------
+    SceneError
+        It lists all that is wrong.
+    """
+    one_point(scene)
+    known = [name for name in BANDED if name != leaves_out]
+    problems = []
+    given: dict[str, Span] = {}
+    for name, band in bands.items():
+        if name not in known:
+            problems.append(Problem(f"band {shown(name)}", shown(band), f"of one of {', '.join(known)}"))
+            continue
+        found = _span(name, band)
+        if isinstance(found, Problem):
+            problems.append(found)
+        else:
+            given[name] = found
+    if "friction_ratio" in given and "kinetic_friction" in given:
+        problems.append(
+            Problem("friction_ratio", shown(bands["friction_ratio"]), "left out beside kinetic_friction")
+        )
+    if problems:
+        raise SceneError(tuple(problems))
+    fields = {name: float(value) for name, value in scene.arrays()._asdict().items()}
+    spans = {name: given.get(name, (fields.get(name, math.nan),) * 2) for name in BANDED}
+    is_ratio = "friction_ratio" in given
+    box = Box(
+        amplitude=spans["amplitude"],
+        frequency=spans["frequency"],
+        drive_angle=spans["drive_angle"],
+        trough_angle=spans["trough_angle"],
+        static_friction=spans["static_friction"],
+        second_friction=spans["friction_ratio" if is_ratio else "kinetic_friction"],
+        is_ratio=is_ratio,
+        gravity=fields["gravity"],
+        restitution=fields["restitution"],
+    )
+    if not is_ratio and spans["kinetic_friction"][0] > spans["static_friction"][1]:
+        limit = f"<= static_friction = {spans['static_friction'][1]:.15g} somewhere in its band"
+        problems.append(Problem("kinetic_friction", f"{spans['kinetic_friction'][0]:.15g}", limit))
+    drive, trough = spans["drive_angle"][1], spans["trough_angle"][1]
+    if drive + trough >= _RIGHT_ANGLE:
+        limit = f"less than 90 deg together with trough_angle = {field_text('trough_angle', trough)}"
+        problems.append(Problem("drive_angle", field_text("drive_angle", drive), limit))
+    if problems:
+        raise SceneError(tuple(problems))
+    return box
+
+
+def _span(name: str, band: Any) -> Span | Problem:
+    """Read a band, or say what is wrong with it."""
+    try:
+        ends = real_array(band)
+    except NotRealError as exc:
+        return Problem(name, exc.value, "a pair of numbers (low, high)")
+    if ends.shape != (2,):
+        return Problem(name, shown(band), "a pair of numbers (low, high)")
+    low, high = (float(end) for end in ends)
+    for end in (low, high):
+        if not (math.isfinite(end) and QUANTITIES[name].allows(end)):
+            return Problem(name, field_text(name, end), field_range(name))
+    if low > high:
+        return Problem(name, shown(band), "a pair (low, high) with low <= high")
+    return low, high

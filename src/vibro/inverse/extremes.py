@@ -1,0 +1,211 @@
+"""Slowest and fastest bodies of a box: an optimiser for those in contact, samples for those that hop.
+
+Both follow theory.md, section 13: a body is slower on a steeper trough, whatever its pattern, and of all
+settings with one load the one of the highest frequency is the slowest.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from itertools import product
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status, is_answered
+from vibro.inverse.boxes import AXES
+from vibro.inverse.evolution import evolve, sobol
+from vibro.results.steady import SteadyCycle
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.inverse.boxes import Box
+    from vibro.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["CORNERS", "Extreme", "Seen", "corners", "counted", "sampled", "searched", "speeds_of", "taken"]
+
+_TROUGH: Final = AXES.index("trough_angle")
+
+#: Standard errors by which the speed of a body counts as less than its mean, where that is a mean.
+ERRORS: Final = 3.0
+
+_SEEDS: Final = (1, 2, 3)
+_POPULATION: Final = 40  # settings a coordinate
+_GENERATIONS: Final = 100
+
+_HOPS: Final = 11  # base-2 logarithm of the number of samples where impacts are plastic
+_BOUNCES: Final = 7  # and where they are not
+_ROUNDS: Final = 4  # of samples closer to the extreme ones
+_KEPT: Final = 8  # of these in each round
+_AROUND: Final = 0.1  # of the bands, first standard deviation of samples in a round
+_CLOSER: Final = 0.4  # factor from round to round
+
+#: Corners of a box, in the order of AXES: shape (5, 32).
+CORNERS: Final = np.array(list(product((0.0, 1.0), repeat=len(AXES)))).T
+
+
+@dataclass
+class Seen:
+    """What happened at the points that were looked at."""
+
+    regimes: set[Regime] = field(default_factory=set)
+    coexists: bool = False
+    excluded: int = 0
+
+    def add(self, cycle: SteadyCycle) -> None:
+        """Take note of what happens in these cycles."""
+        self.regimes |= {Regime(code) for code in np.unique(cycle.regime) if code >= 0}
+        self.coexists |= bool(np.any(np.asarray(cycle.coexists) > 0))
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """The slowest or the fastest body.
+
+    Attributes
+    ----------
+    speed : float
+        Its mean speed [m/s]; infinite where a body has none; NaN if there is no body.
+    shares : array
+        Where, as shares of the bands, of shape (5, 1).
+    scene : Scene
+        There.
+    """
+
+    speed: float
+    shares: Floats
+    scene: Scene
+
+
+def speeds_of(scene: Scene, *, fast: bool, flight: bool, seen: Seen | None = None) -> Floats:
+    """Mean speeds of scenes as ``counted`` returns them; NaN where a body hops and no flight is wanted."""
+    cycle = solve(scene, flight=flight)
+    if seen is not None:
+        seen.add(cycle)
+    return counted(cycle, fast=fast)
+
+
+def counted(cycle: SteadyCycle, *, fast: bool) -> Floats:
+    """Mean speeds as they count in a guarantee [m/s].
+
+    A mean counts with three standard errors to its disadvantage. A body that runs away, or whose motion is
+    indeterminate, is slower, or faster, than all others. NaN where a hopping body could not be solved.
+    """
+    side = 1.0 if fast else -1.0
+    status = np.asarray(cycle.status)
+    error = np.where(status == Status.AVERAGED, cycle.mean_velocity_error, 0.0)
+    speed = cycle.mean_velocity + side * ERRORS * error
+    lost = ~is_answered(status) & (status != Status.FLIGHT_NOT_MODELLED) & (status != Status.UNRESOLVED)
+    return np.where(lost, side * np.inf, speed)
+
+
+def corners(box: Box) -> Floats:
+    """Return the corners of a box that differ, as shares, of shape (5, n); those without a width at 0."""
+    return CORNERS[:, np.all(CORNERS[~box.varies] == 0.0, axis=0)]
+
+
+def searched(box: Box, *, fast: bool, hops: bool, seen: Seen) -> Extreme:
+    """Find the slowest or the fastest of the bodies in contact by differential evolution.
+
+    The best of several seeds; against the reference designs and searches of ten times the size it is within
+    1e-9 (tests/inverse/test_extremes.py, benchmarks/design.py).
+
+    Parameters
+    ----------
+    box : Box
+        A single box.
+    fast : bool
+        Which of the two.
+    hops : bool
+        Whether some bodies of the box hop; they do not count here.
+    seen : Seen
+        Is told what happens.
+    """
+    free = box.varies
+    fixed = np.zeros((len(AXES), 1))
+    if free[_TROUGH] and not hops and _steeper_is_slower(box):
+        free[_TROUGH] = False
+        fixed[_TROUGH] = 0.0 if fast else 1.0
+    axes = np.flatnonzero(free)
+    side = -1.0 if fast else 1.0
+
+    def shares_of(x: Floats) -> Floats:
+        shares = np.broadcast_to(fixed, (len(AXES), x.shape[1])).copy()
+        shares[axes] = x
+        return shares
+
+    def cost(x: Floats) -> Floats:
+        points = box.points(shares_of(x))
+        # which of the frequencies is slow turns with the sign of the speed
+        both = [
+            speeds_of(box.scene(points, fast=which), fast=fast, flight=False, seen=seen)
+            for which in ((False, True) if box.frequency[0] < box.frequency[1] else (fast,))
+        ]
+        return np.asarray((side * np.array(both)).min(axis=0))
+
+    if not axes.size:
+        return taken(box, fixed, fast=fast, flight=False, seen=seen)
+    ends = CORNERS[:, np.all(CORNERS[~free] == 0.0, axis=0)][axes]
+    found = []
+    for seed in _SEEDS:
+        first = sobol(axes.size, math.ceil(math.log2(_POPULATION * axes.size)), seed)
+        first[:, : ends.shape[1]] = ends
+        found.append(evolve(cost, first, generations=_GENERATIONS, seed=seed))
+    x, _ = min(found, key=lambda pair: pair[1])
+    return taken(box, shares_of(x), fast=fast, flight=False, seen=seen)
+
+
+def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
+    """Find the slowest or the fastest of the bodies that hop among samples; NaN if none was found.
+
+    Speeds of hopping bodies are not smooth in anything, so that a search has nothing to hold on to: a few
+    thousand points of the whole box, then some around the extreme ones.
+    """
+    free = np.flatnonzero(box.varies)
+    shares = np.zeros((len(AXES), 1))
+    if free.size:
+        shares = np.zeros((len(AXES), 2 ** (_BOUNCES if box.restitution else _HOPS)))
+        shares[free] = sobol(free.size, int(math.log2(shares.shape[1])), _SEEDS[0])
+        shares = np.hstack([corners(box), shares])
+    rng = np.random.default_rng(_SEEDS[0])
+    side = -1.0 if fast else 1.0
+    best = np.empty(0)
+    kept = np.empty((len(AXES), 0))
+    width = _AROUND
+    for last in (*([False] * _ROUNDS), True):
+        points = box.points(shares)
+        throw = points.load * np.sin(points.drive_angle) / np.cos(points.trough_angle)
+        shares = shares[:, throw > 1.0]
+        found = speeds_of(box.scene(box.points(shares), fast=fast), fast=fast, flight=True, seen=seen)
+        seen.excluded += int(np.count_nonzero(np.isnan(found)))
+        best, kept = np.append(best, side * found), np.hstack([kept, shares])
+        order = np.argsort(best)[:_KEPT]  # NaN last
+        best, kept = best[order], kept[:, order]
+        if last or not free.size or not best.size:
+            break
+        shares = np.repeat(kept, 2**_BOUNCES // _KEPT, axis=1)
+        shares[free] = np.clip(shares[free] + width * rng.standard_normal((free.size, shares.shape[1])), 0, 1)
+        width *= _CLOSER
+    if not best.size or np.isnan(best[0]):
+        return Extreme(math.nan, shares[:, :1], box.scene(box.points(CORNERS[:, :1]), fast=fast))
+    return taken(box, kept[:, :1], fast=fast, flight=True, seen=seen)
+
+
+def taken(box: Box, shares: Floats, *, fast: bool, flight: bool, seen: Seen) -> Extreme:
+    """Take the slower, or the faster, of the amplitudes and frequencies at a point."""
+    scenes = [box.scene(box.points(shares), fast=which) for which in (fast, not fast)]
+    found = [float(speeds_of(scene, fast=fast, flight=flight, seen=seen)[0]) for scene in scenes]
+    keys = [-s if fast else s for s in found]
+    which = 1 if keys[1] < keys[0] else 0
+    return Extreme(found[which], shares, scenes[which])
+
+
+def _steeper_is_slower(box: Box) -> bool:
+    """Whether a steeper trough is slower for every body, Eq. (64)."""
+    steepest = max(abs(angle) for angle in box.trough_angle)
+    return bool(box.static_friction[1] * math.tan(steepest) < 1.0)

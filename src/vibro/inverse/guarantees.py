@@ -1,0 +1,187 @@
+"""What holds for every point of a box of bands: ``vibro.guarantee``."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.contact.limits import critical_loads
+from vibro.inverse.bands import box_of
+from vibro.inverse.caps import back_slip_load, hop_load
+from vibro.inverse.extremes import Extreme, Seen, corners, sampled, searched, speeds_of, taken
+from vibro.results.designs import Guarantee
+from vibro.scene import Scene
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.inverse.boxes import Box
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Bound", "bound", "guarantee", "guarantee_of", "is_braked"]
+
+_NEAR: Final = 1e-7  # relative distance to a critical load at which a limit at it is looked for
+_BESIDE: Final = 1e-9  # [1] from there, where the speed is compared
+_JUMP: Final = 1e-6  # relative change of the speed that is a jump, not a slope
+_TOP: Final = 1e-10  # [1] to which the share of the fastest drive angle is found
+
+# Loads at which the speed may jump; where back slip begins with its load, that is told.
+_JUMPS: Final = {
+    "back_slip": "back slip begins",
+    "back_onset": "the load for back slip is reached",
+    "forward_onset": "forward slip begins",
+}
+
+
+def guarantee(scene: Scene, **bands: Any) -> Guarantee:
+    """Speeds and regimes that hold for every point of a box of bands, for bodies that start from rest.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point; what has no band is known.
+    **bands
+        Pairs (low, high) by the names of fields, in SI units and radians: ``static_friction``,
+        ``kinetic_friction`` or ``friction_ratio``, ``amplitude``, ``frequency``, ``drive_angle``,
+        ``trough_angle``. They need not hold the scene's own value. The box is cut at mu_d <= mu_s.
+
+    Returns
+    -------
+    Guarantee
+        Infimum and supremum of the mean speed, where limits at a jump count, and what happens in the box.
+
+    Raises
+    ------
+    SceneError
+        If the scene is more than one operating point, or a band cannot be; it lists all that is wrong.
+
+    Notes
+    -----
+    Where nothing slips back and nothing hops the speed is monotone, so that corners of the box have both
+    ends (``corners``; theory.md, section 13). Else bodies in contact are searched by differential evolution
+    from several seeds (``searched``), and hopping ones sampled (``sampled``). A body whose motion has no
+    short period counts with three standard errors to its disadvantage.
+
+    Examples
+    --------
+    >>> import math, vibro
+    >>> scene = vibro.Scene(amplitude=1.195e-3, frequency=15, drive_angle=math.radians(20),
+    ...                     static_friction=0.74, kinetic_friction=0.57)
+    >>> g = vibro.guarantee(scene, amplitude=(0.99 * 1.195e-3, 1.01 * 1.195e-3))
+    >>> print(f"{1e3 * g.speed_min:.4f} to {1e3 * g.speed_max:.4f} mm/s, {g.proof_min}; {g.max_limit}")
+    27.0464 to 29.0414 mm/s, searched; from below the load at which back slip begins
+    """
+    return guarantee_of(box_of(scene, bands))
+
+
+def guarantee_of(box: Box) -> Guarantee:
+    """Return what holds in a single box."""
+    seen = Seen()
+    shares = np.hstack([corners(box), np.full((5, 1), 0.5)])
+    for fast in (False, True):  # what happens there, for the regimes
+        speeds_of(box.scene(box.points(shares), fast=fast), fast=fast, flight=False, seen=seen)
+    least, most = (bound(box, fast=fast, seen=seen) for fast in (False, True))
+    return Guarantee(
+        speed_min=least.extreme.speed,
+        speed_max=most.extreme.speed,
+        min_at=_place(least.extreme.scene),
+        max_at=_place(most.extreme.scene),
+        min_limit=_limit(least.extreme),
+        max_limit=_limit(most.extreme),
+        regimes=frozenset(seen.regimes),
+        proof_min=least.proof,
+        proof_max=most.proof,
+        coexists=seen.coexists,
+        excluded=seen.excluded,
+    )
+
+
+class Bound(NamedTuple):
+    """The slowest or the fastest body of a box, and how that is known: a label of ``Guarantee``."""
+
+    extreme: Extreme
+    proof: str
+
+
+def bound(box: Box, *, fast: bool, seen: Seen) -> Bound:
+    """Find the slowest or the fastest body of a single box."""
+    most = float(box.load[1])
+    hops = most > float(hop_load(box))
+    if not box.varies.any():
+        return Bound(taken(box, np.zeros((5, 1)), fast=fast, flight=True, seen=seen), "corners")
+    if not hops and most <= float(back_slip_load(box)) and is_braked(box):
+        return _fastest_forward(box, seen) if fast else Bound(_slowest_forward(box, seen), "corners")
+    extreme = searched(box, fast=fast, hops=hops, seen=seen)
+    if not hops:
+        return Bound(extreme, "searched")
+    hopping = sampled(box, fast=fast, seen=seen)
+    key = (lambda e: -e.speed) if fast else (lambda e: e.speed)
+    known = [e for e in (extreme, hopping) if not math.isnan(e.speed)]
+    return Bound(min(known, key=key, default=hopping), "sampled")
+
+
+def is_braked(box: Box) -> bool:
+    """Whether kinetic friction outweighs the weight down the trough for every body that slides forward."""
+    steepest = box.trough_angle[0]
+    kinetic, _ = box.kinetic_span(np.asarray(box.static_span[0]))
+    return bool(kinetic * math.cos(steepest) + math.sin(steepest) >= 0.0)
+
+
+def _slowest_forward(box: Box, seen: Seen) -> Extreme:
+    """Slowest of bodies that slip forward at most: the roughest, weakly driven, on the steepest trough.
+
+    The speed rises, then falls, with the drive angle: one of its two ends.
+    """
+    shares = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 1.0], [1.0, 1.0]])
+    found = [taken(box, shares[:, [i]], fast=False, flight=False, seen=seen) for i in range(2)]
+    return min(found, key=lambda extreme: extreme.speed)
+
+
+def _fastest_forward(box: Box, seen: Seen) -> Bound:
+    """Fastest of bodies that slip forward at most: where no end is it, the top between is searched."""
+    shares = np.array([[1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    found = [taken(box, shares[:, [i]], fast=True, flight=False, seen=seen) for i in range(2)]
+    best = max(found, key=lambda extreme: extreme.speed)
+    (low, high), point = box.drive_angle, box.points(shares[:, :1])
+    tops = (math.atan(float(mu[0])) for mu in (point.kinetic_friction, point.static_friction))
+    first, last = (min(max(top, low), high) for top in tops)
+    if not first < last:  # the top lies beyond the band
+        return Bound(best, "corners")
+    from scipy.optimize import minimize_scalar  # late: it takes a fifth of a second to load
+
+    def at(share: float) -> Extreme:
+        return taken(box, np.array([[1.0], [share], [0.0], [0.0], [0.0]]), fast=True, flight=False, seen=seen)
+
+    ends = ((first - low) / (high - low), (last - low) / (high - low))
+    peak = minimize_scalar(lambda u: -at(u).speed, bounds=ends, method="bounded", options={"xatol": _TOP})
+    top = at(float(peak.x))
+    return Bound(top, "searched") if top.speed > best.speed else Bound(best, "corners")
+
+
+def _place(scene: Scene) -> dict[str, float]:
+    """Return the fields of a scene of one cell."""
+    return {name: float(np.ravel(value)[0]) for name, value in scene.arrays()._asdict().items()}
+
+
+def _limit(extreme: Extreme) -> str:
+    """Tell of which side a speed is the limit, where it jumps; empty where it does not."""
+    at = _place(extreme.scene)
+    load = float(np.ravel(extreme.scene.load)[0])
+    known = critical_loads(
+        *(at[f] for f in ("drive_angle", "static_friction", "kinetic_friction", "trough_angle"))
+    )
+    for name, text in _JUMPS.items():
+        critical = float(getattr(known, name))
+        if not abs(load - critical) <= _NEAR * critical:
+            continue
+        beside = critical / load * (1.0 + _BESIDE * np.array([-1.0, 1.0]))
+        fields: dict[str, Any] = {**at, "amplitude": at["amplitude"] * beside}
+        scene = Scene(**fields)
+        below, above = speeds_of(scene, fast=False, flight=False)
+        if abs(above - below) > _JUMP * max(abs(above), abs(below)):
+            is_above = abs(extreme.speed - above) < abs(extreme.speed - below)
+            return f"from {'above' if is_above else 'below'} the load at which {text}"
+    return ""

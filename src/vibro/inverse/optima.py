@@ -1,0 +1,359 @@
+"""The gentlest, the fastest and the safest setting of a drive.
+
+Amplitude and frequency enter through the load G = A w^2 / g and a factor 1/f on all speeds, so that of all
+settings with one load the lowest frequency is the best: what is left to choose is a drive angle and a load.
+Bodies that turn out to be slower at an optimum than all before are looked at from then on (an exchange).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.core.contact.limits import critical_loads
+from vibro.inverse.evolution import evolve, sobol
+from vibro.inverse.extremes import Seen, corners
+from vibro.inverse.guarantees import bound, is_braked
+from vibro.inverse.questions import Setting
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from vibro.inverse.questions import Question, Range
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["MOST_MARGIN", "Optimiser", "Optimum"]
+
+#: Factor on the bands up to which a margin is followed.
+MOST_MARGIN: Final = 10.0
+
+_SLOWEST_LOAD: Final = 1e-2  # of the largest load, from which on a fastest setting is looked for
+_STEPS: Final = 60  # of bisection between two loads
+_MARGINS: Final = 33  # margins of one setting looked at at once
+_MARGIN_ROUNDS: Final = 5
+_HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the bodies at hand
+_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's drift, for every body that was the slowest
+_BESIDE: Final = 1e-12  # [1] below a critical load
+_ROUNDING: Final = 1e-13  # [1] of a load that is formed anew from amplitude and frequency: caps leave more
+_SEED: Final = 1
+
+
+class _Effort(NamedTuple):
+    """How closely is looked.
+
+    Attributes
+    ----------
+    angles, rounds : int
+        Drive angles looked at first, and rounds of looking closer.
+    loads : int
+        Loads between which a speed is looked for.
+    population, generations : int
+        Of an evolution, the first as its base-2 logarithm.
+    margins : int
+        Steps of bisection between two margins.
+    exchanges : int
+        How often slower bodies are looked for.
+    """
+
+    angles: int
+    rounds: int
+    loads: int
+    population: int
+    generations: int
+    margins: int
+    exchanges: int
+
+
+_IN_CONTACT: Final = _Effort(65, 9, 129, 6, 80, 22, 8)
+_FLYING: Final = _Effort(33, 3, 65, 6, 40, 10, 3)
+_BOUNCING: Final = _Effort(9, 1, 17, 4, 6, 4, 1)  # flights that are not plastic take a hundred times as long
+
+_KEPT: Final = 3  # angles to look around in each round
+_CLOSER: Final = 17  # angles around each, closer by a factor of 8
+
+
+class Optimum(NamedTuple):
+    """A setting, and the speed that the bodies looked at reach there [m/s]."""
+
+    setting: Setting
+    speed: float
+
+
+class Optimiser:
+    """Optimal settings for one question.
+
+    Parameters
+    ----------
+    question : Question
+        What is asked.
+    """
+
+    def __init__(self, question: Question) -> None:
+        self._question = question
+        angle = question.ranges[0].drive_angle[0]
+        one = question.boxes(Setting(1.0, 1.0, angle))
+        self._effort = _IN_CONTACT
+        if question.flies:
+            self._effort = _BOUNCING if question.spec.restitution else _FLYING
+        self._monotone = question.highest is Regime.FORWARD_SLIP and is_braked(one)
+        if self._monotone:  # the slowest bodies, and those that may run away where bands are scaled
+            self._bodies = np.array(
+                [[0, 0, 1, 1], [0, 1, 0, 1], [1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0]], float
+            )
+        else:
+            self._bodies = corners(one)
+
+    def fastest(self, scale: float = 1.0) -> Optimum | None:
+        """Return the setting of the largest guaranteed speed; None where none guarantees any."""
+
+        def best() -> Optimum | None:
+            return self._fastest(scale, self._effort.generations)
+
+        return self._exchanged(best, scale)
+
+    def gentlest(self, target: float) -> Optimum | None:
+        """Return the setting of least acceleration that guarantees a speed [m/s]; None where none does."""
+        return self._exchanged(lambda: self._gentlest(target), 1.0)
+
+    def safest(self, target: float) -> Optimum | None:
+        """Return the setting of the largest margin for a speed [m/s]; None where none guarantees it."""
+        if not self._question.has_bands:
+            best = self.fastest()
+            return best if best is not None and best.speed >= target else None
+        found = None
+        for _ in range(self._effort.exchanges):
+            found, scale = self._safest(target)
+            if found is None or not self._slower(found, scale):
+                break
+        return found
+
+    def _safest(self, target: float) -> tuple[Optimum | None, float]:
+        """Return the setting that holds at the largest scale, and that scale."""
+
+        def at(scale: float) -> Optimum | None:
+            best = self._fastest(scale, self._effort.generations // 2)
+            return best if best is not None and best.speed >= target else None
+
+        found, low, high = at(1.0), 1.0, MOST_MARGIN
+        if found is None:
+            return None, low
+        widest = at(high)
+        if widest is not None:
+            return widest, high
+        for _ in range(self._effort.margins):
+            middle = 0.5 * (low + high)
+            if (better := at(middle)) is None:
+                high = middle
+            else:
+                found, low = better, middle
+        return found, low
+
+    def margin(self, setting: Setting, target: float) -> float | None:
+        """Return the largest scale at which a setting guarantees a speed; None where none does.
+
+        Boxes of growing scale hold each other, so that what fails at one fails at every larger one.
+        """
+        margin = self._margin(setting, target)
+        for _ in range(self._effort.exchanges):
+            if not margin or not self._slower(Optimum(setting, target), margin):
+                break
+            margin = self._margin(setting, target)
+        return margin
+
+    def _margin(self, setting: Setting, target: float) -> float | None:
+        low, high = 0.0, MOST_MARGIN
+        for _ in range(_MARGIN_ROUNDS):
+            scales = np.linspace(low, high, _MARGINS)
+            many = Setting(*(np.full(_MARGINS, float(x)) for x in setting))
+            holds = self._holds(many, scales) & (self._least(many, scales) >= target)
+            fails = np.flatnonzero(~holds)
+            if not fails.size:
+                return high
+            if fails[0] == 0:
+                return None if low == 0.0 else low
+            low, high = float(scales[fails[0] - 1]), float(scales[fails[0]])
+        return low
+
+    def holds(self, setting: Setting, target: float) -> bool:
+        """Tell whether the bodies looked at reach a speed at a setting, within the regime."""
+        one = Setting(*(np.array([float(x)]) for x in setting))
+        return bool(self._holds(one, 1.0)[0] and self._least(one, 1.0)[0] >= target)
+
+    def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
+        """Tell whether settings keep to the regime."""
+        question = self._question
+        caps = question.caps(np.reshape(setting.drive_angle, (-1, 1)), np.reshape(scale, (-1, 1)))
+        load = question.load(setting)
+        return np.all(
+            [load <= cap[:, 0] * (1.0 + _ROUNDING) for name, cap in caps.items() if name != "limit"], axis=0
+        )
+
+    def _least(self, setting: Setting, scale: Floats | float) -> Floats:
+        return np.asarray(self._question.speeds(setting, self._bodies, scale).min(axis=1))
+
+    def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
+        """Find an optimum again until no body is slower there than those looked at."""
+        found = best()
+        for _ in range(self._effort.exchanges):
+            if found is None or not self._slower(found, scale):
+                break
+            found = best()
+        return found
+
+    def _slower(self, optimum: Optimum, scale: float) -> bool:
+        """Look for a body that is slower at an optimum than those looked at; look at it from now on."""
+        box = self._question.boxes(optimum.setting, scale)
+        slowest = bound(box, fast=False, seen=Seen()).extreme
+        new = self._question.worst_landings(box)
+        if slowest.speed < optimum.speed - _HOLDS * abs(optimum.speed):
+            drifts = bool(box.varies[0])
+            bodies = np.repeat(slowest.shares, _DRIFTS.size if drifts else 1, axis=1)
+            bodies[0] = _DRIFTS if drifts else 0.0
+            new = np.hstack([new, bodies])
+        known = {tuple(body) for body in self._bodies.T}
+        unknown = [tuple(body) not in known for body in new.T]
+        self._bodies = np.hstack([self._bodies, new[:, unknown]])
+        return any(unknown)
+
+    def _tops(self, angles: Floats, choice: Range, scale: float) -> Floats:
+        """Largest nominal loads at drive angles."""
+        caps = self._question.caps(angles[:, None], scale).values()
+        reach = np.full(angles.size, self._reach(choice)[1])
+        return np.asarray(np.min([*(cap[:, 0] for cap in caps), reach], axis=0))
+
+    def _reach(self, choice: Range) -> tuple[float, float]:
+        return self._question.reach(choice.frequency)
+
+    def _fastest(self, scale: float, generations: int) -> Optimum | None:
+        """Return the fastest setting for the bodies looked at."""
+        search = self._fastest_at_the_top if self._monotone else self._fastest_below
+        found = [search(choice, scale, generations) for choice in self._question.ranges]
+        best = max(found, key=lambda optimum: optimum.speed)
+        return best if best.speed > 0.0 else None
+
+    def _value(self, angles: Floats, loads: Floats, choice: Range, scale: float) -> Floats:
+        """Guaranteed speeds of the fastest settings of loads; -inf where a load is beyond reach."""
+        setting = self._question.setting(loads, choice.frequency, angles)
+        low, high = self._reach(choice)
+        inside = (loads >= low * (1.0 - _BESIDE)) & (loads <= high * (1.0 + _BESIDE)) & (loads > 0.0)
+        return np.where(inside, self._least(setting, scale), -np.inf)
+
+    def _fastest_at_the_top(self, choice: Range, scale: float, generations: int) -> Optimum:
+        """Search the drive angle alone: the speed rises with the load up to where it must end."""
+
+        def value(angles: Floats) -> Floats:
+            return self._value(angles, self._tops(angles, choice, scale), choice, scale)
+
+        angle = np.array([_best(value, choice.drive_angle, self._effort)])
+        setting = self._question.setting(self._tops(angle, choice, scale), choice.frequency, angle)
+        return self._at(setting, scale)
+
+    def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
+        """Search drive angle, load and, where landings have a limit, frequency by differential evolution."""
+        least, fastest = self._reach(choice)[0], choice.frequency[1]
+        frees = [choice.drive_angle[0] < choice.drive_angle[1], True, self._question.limits_landings]
+
+        def placed(x: Floats) -> tuple[Floats, Floats, Setting]:
+            shares = np.zeros((3, x.shape[1]))
+            shares[frees] = x
+            angles = _between(choice.drive_angle, shares[0])
+            tops = self._tops(angles, choice, scale)
+            loads = tops * np.minimum(np.maximum(least / tops, _SLOWEST_LOAD), 1.0) ** shares[1]
+            lowest = self._question.setting(loads, choice.frequency, angles).frequency
+            setting = self._question.setting(
+                loads, (lowest * (fastest / lowest) ** shares[2], fastest), angles
+            )
+            return loads, tops, setting
+
+        def cost(x: Floats) -> Floats:
+            loads, tops, setting = placed(x)
+            possible = (tops > 0.0) & (loads >= least * (1.0 - _BESIDE))
+            return -np.where(possible, self._least(setting, scale), -np.inf)
+
+        first = sobol(sum(frees), self._effort.population, _SEED)
+        x, _ = evolve(cost, first, generations=generations, seed=_SEED)
+        return self._at(placed(x)[2], scale)
+
+    def _at(self, setting: Setting, scale: float) -> Optimum:
+        one = Setting(*(float(np.ravel(x)[0]) for x in setting))
+        return Optimum(one, float(self._least(setting, scale)[0]))
+
+    def _gentlest(self, target: float) -> Optimum | None:
+        """Return the setting of least load that reaches a speed, for the bodies looked at."""
+        found = []
+        for choice in self._question.ranges:
+
+            def value(angles: Floats, choice: Range = choice) -> Floats:
+                return -self._first_load(angles, target, choice)
+
+            angle = np.array([_best(value, choice.drive_angle, self._effort)])
+            load = self._first_load(angle, target, choice)
+            if np.isfinite(load[0]):
+                setting = self._question.setting(load, choice.frequency, angle)
+                found.append((float(load[0]), self._at(setting, 1.0)))
+        return min(found, key=lambda pair: pair[0])[1] if found else None
+
+    def _first_load(self, angles: Floats, target: float, choice: Range) -> Floats:
+        """Least loads that reach a speed at drive angles; inf where none does."""
+        tops = self._tops(angles, choice, 1.0)
+        if self._monotone:
+            grid = tops[:, None]
+        else:
+            bottom = np.maximum(np.minimum(self._reach(choice)[0], tops), _SLOWEST_LOAD**2 * tops)
+            shares = np.linspace(0.0, 1.0, self._effort.loads)
+            grid = bottom[:, None] * (tops / bottom)[:, None] ** shares
+            beside = self._entries(angles) * (1.0 - _BESIDE)
+            grid = np.sort(np.hstack([grid, np.clip(beside, bottom[:, None], tops[:, None])]), axis=1)
+        value = self._value(np.repeat(angles, grid.shape[1]), grid.ravel(), choice, 1.0).reshape(grid.shape)
+        holds = value >= target
+        first = np.argmax(holds, axis=1)
+        rows = np.arange(angles.size)
+        high = grid[rows, first]
+        low = np.where(first > 0, grid[rows, first - 1], self._reach(choice)[0])
+        for _ in range(_STEPS):
+            middle = 0.5 * (low + high)
+            reaches = self._value(angles, middle, choice, 1.0) >= target
+            low, high = np.where(reaches, low, middle), np.where(reaches, middle, high)
+        return np.where(holds.any(axis=1), high, np.inf)
+
+    def _entries(self, angles: Floats) -> Floats:
+        """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""
+        boxes = self._question.boxes(Setting(1.0, 1.0, angles[:, None]))
+        points = boxes.points(self._bodies[:, None, :])
+        known = critical_loads(
+            points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
+        )
+        own = points.load / self._question.load(Setting(1.0, 1.0, 0.0))
+        return np.where(np.isfinite(known.back_slip), known.back_slip / own, 0.0)
+
+
+def _between(span: tuple[float, float], share: Floats) -> Floats:
+    """Value at a share of a range, exact at its ends."""
+    return np.where(share == 1.0, span[1], span[0] + share * (span[1] - span[0]))
+
+
+def _best(value: Callable[[Floats], Floats], span: tuple[float, float], effort: _Effort) -> float:
+    """Drive angle of the largest value: among many, then closer and closer around the best of them."""
+    low, high = span
+    if low == high:
+        return low
+    width = (high - low) / (effort.angles - 1)
+    angles = np.linspace(low, high, effort.angles)
+    values = value(angles)
+    for _ in range(effort.rounds):
+        peaks = np.flatnonzero(
+            (values >= np.append(values[1:], -np.inf)) & (values >= np.append(-np.inf, values[:-1]))
+        )
+        kept = peaks[np.argsort(-values[peaks])][:_KEPT]
+        near = angles[kept, None] + width * np.linspace(-1.0, 1.0, _CLOSER)
+        more = np.setdiff1d(np.clip(near, low, high), angles)
+        angles, values = np.append(angles, more), np.append(values, value(more))
+        order = np.argsort(angles)
+        angles, values = angles[order], values[order]
+        width /= 0.5 * (_CLOSER - 1)
+    return float(angles[np.argmax(values)])

@@ -1,0 +1,216 @@
+"""A question about one drive: the boxes of its settings, and how far they may be loaded."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.inverse.boxes import Box
+from vibro.inverse.caps import back_slip_load, hop_load, tip_load
+from vibro.inverse.evolution import sobol
+from vibro.inverse.extremes import corners, counted
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.inverse.specs import Drive, Span, Spec
+
+    Floats = NDArray[np.float64]
+    Ends = tuple[Any, Any]  # numbers, or arrays
+
+__all__ = ["Question", "Range", "Setting"]
+
+_RIGHT_ANGLE: Final = 0.5 * math.pi
+_SHORT: Final = 1e-6  # [rad, 1] by which scaled bands keep away from what cannot be
+#: By which a load stays below one that is not to be exceeded, so that no rounding brings it over that.
+_BESIDE: Final = 1e-12
+_LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
+
+
+class Setting(NamedTuple):
+    """Nominal settings of a drive; arrays of one shape, or numbers [m, Hz, rad]."""
+
+    amplitude: Floats | float
+    frequency: Floats | float
+    drive_angle: Floats | float
+
+
+class Range(NamedTuple):
+    """A choice of frequencies and drive angles without a gap [Hz, rad]."""
+
+    frequency: Span
+    drive_angle: Span
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of one drive, within a regime.
+
+    Attributes
+    ----------
+    spec : Spec
+        The whole question.
+    drive : Drive
+        The drive.
+    highest : Regime
+        Highest regime that may occur.
+    """
+
+    spec: Spec
+    drive: Drive
+    highest: Regime
+
+    @property
+    def ranges(self) -> list[Range]:
+        """All choices of frequency and drive angle."""
+        return [Range(f, a) for f in self.drive.frequency for a in self.drive.drive_angle]
+
+    @property
+    def flies(self) -> bool:
+        """Whether bodies may hop."""
+        return self.highest is Regime.HOPPING
+
+    @property
+    def limits_landings(self) -> bool:
+        """Whether landings have a limit."""
+        goal = self.spec.goal
+        return self.flies and (math.isfinite(goal.impact_speed) or math.isfinite(goal.flight_fraction))
+
+    @cached_property
+    def has_bands(self) -> bool:
+        """Whether anything is unknown or drifts."""
+        drift = self.spec.drift
+        bands = any(low < high for low, high in self.spec.bands.values())
+        return bands or any((drift.amplitude, drift.frequency, drift.drive_angle, drift.trough_angle))
+
+    def boxes(self, setting: Setting, scale: Floats | float = 1.0) -> Box:
+        """Return the box of a setting, or of several where these are arrays of shape (m, 1).
+
+        Parameters
+        ----------
+        setting : Setting
+            Nominal values.
+        scale : float or array
+            Factor on all bands and drifts about their middles, cut at what can be.
+        """
+        bands, drift = self.spec.bands, self.spec.drift
+        is_ratio = "friction_ratio" in bands
+        low, high = bands["trough_angle"]
+        trough = _scaled((low - drift.trough_angle, high + drift.trough_angle), scale)
+        trough = _cut(trough, _SHORT - _RIGHT_ANGLE, _RIGHT_ANGLE - _SHORT)
+        steepest = _RIGHT_ANGLE - _SHORT - trough[1]
+        alpha = setting.drive_angle
+        second = _scaled(bands["friction_ratio" if is_ratio else "kinetic_friction"], scale)
+        static = _scaled(bands["static_friction"], scale)
+        return Box(
+            amplitude=_off(setting.amplitude, drift.amplitude * scale),
+            frequency=_off(setting.frequency, drift.frequency * scale),
+            drive_angle=_cut(
+                (alpha - drift.drive_angle * scale, alpha + drift.drive_angle * scale),
+                0.0,
+                np.maximum(alpha, steepest),
+            ),
+            trough_angle=trough,
+            static_friction=_cut(static, 0.0, math.inf),
+            second_friction=_cut(second, 0.0, 1.0 if is_ratio else math.inf),
+            is_ratio=is_ratio,
+            gravity=self.spec.gravity,
+            restitution=self.spec.restitution,
+        )
+
+    def caps(self, drive_angle: Floats, scale: Floats | float = 1.0) -> dict[str, Floats]:
+        """Nominal loads up to which a drive angle may be driven, by what ends there, of its shape.
+
+        The largest acceleration is for nominal values, and no matter of the scale.
+        """
+        box = self.boxes(Setting(1.0, 1.0, drive_angle), scale)
+        drift = self.spec.drift
+        loads = {}
+        if not self.flies or math.isfinite(self.spec.stand_ratio):
+            # where a part must stay upright, nothing is known of landings
+            loads["tip" if self.flies else "hop"] = hop_load(box)
+        if self.highest is Regime.FORWARD_SLIP:
+            loads["back slip"] = back_slip_load(box)
+        if math.isfinite(self.spec.stand_ratio):
+            tips = tip_load(box, self.spec.stand_ratio)
+            loads["tip"] = np.minimum(tips, loads.get("tip", math.inf))
+        most = (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** 2
+        shape = np.broadcast_shapes(np.shape(drive_angle), np.shape(scale))
+        # a load that is NaN is of bodies without static friction, of which nothing is known
+        loads = {name: np.nan_to_num(load, nan=0.0, posinf=math.inf) for name, load in loads.items()}
+        caps = {name: np.broadcast_to(load / most * (1.0 - _BESIDE), shape) for name, load in loads.items()}
+        return {**caps, "limit": np.full(shape, self.drive.acceleration)}
+
+    def reach(self, frequency: Span) -> Span:
+        """Smallest and largest load that the amplitudes allow within a range of frequencies."""
+        low, high = (
+            a * (2.0 * math.pi * f) ** 2 / self.spec.gravity
+            for a, f in zip(self.drive.amplitude, frequency, strict=True)
+        )
+        return low, high
+
+    def setting(self, load: Floats, frequency: Span, drive_angle: Floats) -> Setting:
+        """Return the fastest setting of a nominal load: that of the lowest frequency which the stroke allows.
+
+        At one load the speed of every body goes with 1/f.
+        """
+        weight = np.maximum(load, _SHORT) * self.spec.gravity / (4.0 * math.pi**2)  # A f^2
+        least, most = self.drive.amplitude
+        f = np.clip(np.sqrt(weight / most), *frequency)
+        return Setting(np.clip(weight / (f * f), least, most), f, drive_angle)
+
+    def load(self, setting: Setting) -> Floats:
+        """Nominal load of a setting [1]."""
+        return np.asarray(setting.amplitude * (2.0 * np.pi * setting.frequency) ** 2 / self.spec.gravity)
+
+    def speeds(self, setting: Setting, shares: Floats, scale: Floats | float = 1.0) -> Floats:
+        """Speeds of bodies at settings, 1-D, of shape (settings, bodies); inf where one is left out."""
+        columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
+        boxes = self.boxes(columns, np.reshape(scale, (-1, 1)))
+        cycle = solve(boxes.scene(boxes.points(shares[:, None, :]), fast=False), flight=self.flies)
+        speed = counted(cycle, fast=False)
+        lands = (cycle.impact_velocity > self.spec.goal.impact_speed) | (
+            cycle.flight_fraction > self.spec.goal.flight_fraction
+        )
+        return np.where(lands, -np.inf, np.where(np.isnan(speed), np.inf, speed))
+
+    def worst_landings(self, box: Box) -> Floats:
+        """Return bodies of a box, as shares, that land too hard or fly too long, of shape (5, n).
+
+        Of samples the two worst; none where landings have no limit.
+        """
+        goal = self.spec.goal
+        if not self.limits_landings or not box.varies.any():
+            return np.empty((5, 0))
+        free = box.varies
+        shares = np.zeros((5, 2**_LANDINGS))
+        shares[free] = sobol(int(free.sum()), _LANDINGS, 1)
+        shares = np.hstack([corners(box), shares])
+        cycle = solve(box.scene(box.points(shares), fast=True))
+        limits = ((cycle.impact_velocity, goal.impact_speed), (cycle.flight_fraction, goal.flight_fraction))
+        worst = [int(np.nanargmax(x)) for x, limit in limits if np.nanmax(x) > limit]
+        return shares[:, worst]
+
+
+def _scaled(band: Span, scale: Floats | float) -> Ends:
+    """Scale a band about its middle; a scale of 1 changes nothing."""
+    low, high = band
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    plain = np.equal(scale, 1.0)
+    return np.where(plain, low, middle - half * scale), np.where(plain, high, middle + half * scale)
+
+
+def _cut(ends: Ends, low: float, high: Floats | float) -> Ends:
+    """Cut a band at what can be."""
+    return np.clip(ends[0], low, high), np.clip(ends[1], low, high)
+
+
+def _off(value: Floats | float, share: Floats | float) -> Ends:
+    """Return what a drift of a share of a nominal value brings, positive."""
+    return value * np.maximum(1.0 - share, _SHORT), value * (1.0 + share)
