@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
-import re
-import tomllib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from vibro.axes import AxisSpec, axis_of
-from vibro.errors import MOST_TOLD, FileError, InputError, cut, shown
-from vibro.files.nearby import suggestion
+from vibro.errors import InputError, shown
+from vibro.files.toml_files import did_you_mean, read_toml
 from vibro.quantities import BY_COLUMN, STANDS_FOR, SWEPT
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
     from vibro.quantities import Quantity
@@ -22,14 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["SceneFile", "read_scene_file"]
 
 _TABLES: Final = ("scene", "map")
-_DECIMAL_COMMA: Final = re.compile(
-    r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?\d{1,20}),(\d{1,20})[ \t]*(#.*)?$", re.MULTILINE
-)
-_REASON: Final = 200  # characters of what is wrong with the TOML
-# What may be a whole number too long for Python (4300 digits), and how much of it is left: more than the 309
-# digits of the largest double, even if every other character were an underscore.
-_LONG_NUMBER: Final = re.compile(r"\d[\d_]{4000,}")
-_KEPT: Final = 1000
 
 
 @dataclass(frozen=True)
@@ -71,23 +60,7 @@ def read_scene_file(path: Path) -> SceneFile:
     InputError
         If it is no TOML, or has keys or values that it may not have; all of them are named.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as exc:
-        raise FileError(
-            f"cannot read {path}: {exc.strerror or exc}", hint=suggestion(path, (".toml",))
-        ) from exc
-    except UnicodeDecodeError as exc:
-        raise InputError(f"{path}: not a text file in UTF-8", hint="save it as UTF-8") from exc
-    except ValueError as exc:  # a path that no system has, with a zero character
-        raise FileError(f"cannot read {path}: {exc}") from exc
-    try:
-        content = _parsed(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as exc:
-        comma = _DECIMAL_COMMA.search(text)
-        hint = f"write a decimal point: {comma[1]} = {comma[2]}.{comma[3]}" if comma else ""
-        raise InputError(f"{path}: not valid TOML: {cut(str(exc), _REASON)}", hint=hint) from exc
-
+    content = read_toml(path)
     problems: list[str] = []
     hints: list[str] = []
     tables: dict[str, dict[str, AxisSpec]] = {name: {} for name in _TABLES}
@@ -95,7 +68,7 @@ def read_scene_file(path: Path) -> SceneFile:
         if name not in tables:
             known = isinstance(table, dict)
             what = f"unknown {'table' if known else 'key'} {shown(name)}"
-            problems.append(f"{path}: {what}{_suggestion(name, _TABLES, len(problems))}")
+            problems.append(f"{path}: {what}{did_you_mean(name, _TABLES, len(problems))}")
             if not known:
                 hints.append("keys belong in the table [scene] or [map]")
         elif not isinstance(table, dict):
@@ -103,7 +76,7 @@ def read_scene_file(path: Path) -> SceneFile:
         else:
             for key, value in table.items():
                 if key not in BY_COLUMN:
-                    guess = _suggestion(key, BY_COLUMN, len(problems))
+                    guess = did_you_mean(key, BY_COLUMN, len(problems))
                     problems.append(f"{path}: [{name}] unknown key {shown(key)}{guess}")
                     continue
                 try:
@@ -115,17 +88,6 @@ def read_scene_file(path: Path) -> SceneFile:
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(hints)))
     return SceneFile(path.stem, tables["scene"], tables["map"])
-
-
-def _parsed(text: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
-        raise
-    except ValueError:
-        # Python refuses to read whole numbers of thousands of digits, and does not say which. Cut to so many
-        # that they are still beyond every double, they are refused by name like any other number.
-        return tomllib.loads(_LONG_NUMBER.sub(lambda digits: digits[0][:_KEPT].rstrip("_"), text))
 
 
 def _entry(table: str, quantity: Quantity, value: object) -> AxisSpec:
@@ -143,11 +105,3 @@ def _entry(table: str, quantity: Quantity, value: object) -> AxisSpec:
         "axes belong in the table [map]" if isinstance(value, str) and ":" in value else f"write {key} = 1.5"
     )
     raise InputError(f"{key} = {shown(value)}: must be a number, without quotes", hint=hint)
-
-
-def _suggestion(word: str, words: Collection[str], told: int) -> str:
-    """Say what may be meant; nothing in what is not told any more, as it takes a tenth of a ms a word."""
-    if told >= MOST_TOLD:
-        return ""
-    close = difflib.get_close_matches(word.casefold(), words, n=1, cutoff=0.5)
-    return f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(words)}"
