@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import CompareCommand, compare_command
 from vibro.cli.console import open_closed_streams, print_error, silence, tell, tolerate_any_encoding
+from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
 from vibro.cli.simulate import simulate_command
@@ -80,7 +81,7 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         return _WRONG_INPUT
     if hasattr(exc, "format_message"):  # how typer says that the arguments are wrong
         command = next((arg for arg in argv if not arg.startswith("-")), "")
-        known = command if command in _NAMES else ""
+        known = command if command in _SCENES | _OTHERS else ""
         see = " ".join(filter(None, ["see vibro", known, "--help"]))
         return _report(InputError(exc.format_message().strip(), hint=see), [])
     if isinstance(exc, OSError):
@@ -129,7 +130,8 @@ def _vibro(
         print(context.get_help())
 
 
-_NAMES: dict[str, Callable[..., int]] = {
+# The commands that take a scene, and with it the options of one.
+_SCENES: dict[str, Callable[..., int]] = {
     "map": map_command,
     "traverse-time": traverse_time_command,
     "solve": solve_command,
@@ -137,9 +139,12 @@ _NAMES: dict[str, Callable[..., int]] = {
     "simulate": simulate_command,
     "compare": compare_command,
 }
+_OTHERS: dict[str, Callable[..., int]] = {"friction": friction_command}
 _CLASSES = {"compare": CompareCommand}
-for _name, _command in _NAMES.items():
+for _name, _command in _SCENES.items():
     app.command(_name, cls=_CLASSES.get(_name))(shares_options(_command))
+for _name, _command in _OTHERS.items():
+    app.command(_name)(_command)
 
 
 def main() -> None:

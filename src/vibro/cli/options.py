@@ -24,10 +24,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CoexistOption",
+    "DebugOption",
     "Flight",
     "FlightOption",
+    "JsonOption",
     "LevelOption",
     "Options",
+    "VersionOption",
     "picture_formats",
     "print_version",
     "refuse_without_flight",
@@ -86,6 +89,14 @@ def picture_formats(text: str) -> list[str]:
     return names
 
 
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
+DebugOption = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+VersionOption = Annotated[
+    bool,
+    typer.Option("--version", help="Print the version and exit.", callback=print_version, is_eager=True),
+]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Options:
     """What the shared options say, as typed; ``given`` are the quantities by their names."""
@@ -105,18 +116,15 @@ class Options:
             show_default=False,
         ),
     ] = None
-    json: Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")] = False
+    json: JsonOption = False
     excel: Annotated[bool, typer.Option("--excel", help="Begin CSV with a byte order mark.")] = False
     decimal_comma: Annotated[
         bool, typer.Option("--decimal-comma", help="Write CSV with ; and decimal commas.")
     ] = False
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No messages but errors.")] = False
-    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False
-    version: Annotated[
-        bool,
-        typer.Option("--version", help="Print the version and exit.", callback=print_version, is_eager=True),
-    ] = False
+    debug: DebugOption = False
+    version: VersionOption = False
 
 
 def _parameter(name: str, default: Any, annotation: Any) -> inspect.Parameter:

@@ -182,6 +182,6 @@ def aligned(rows: Iterable[Sequence[str]], *, right: bool = True) -> str:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
     for first, *rest in rows:
-        cells = [cell.rjust(w) if right else cell for cell, w in zip(rest, widths[1:], strict=True)]
+        cells = [cell.rjust(w) if right else cell.ljust(w) for cell, w in zip(rest, widths[1:], strict=True)]
         lines.append("  ".join([first.ljust(widths[0]), *cells]).rstrip())
     return "\n".join(lines)

@@ -1,0 +1,187 @@
+"""Coefficients of friction by pair of materials, as bands that sources print.
+
+The table beside this module has one row a pair, condition and source: the values as they are printed there.
+Sources disagree by a factor of six about one pair, and do not say which parts and surfaces they mean: all are
+kept, and none is averaged.
+"""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import re
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import TYPE_CHECKING, Final
+
+from vibro.errors import InputError, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+__all__ = ["Row", "band_text", "find", "rows", "static_row"]
+
+Span = tuple[float, float]
+
+_TABLE: Final = "friction_catalogue.csv"
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one source says of one pair in one condition.
+
+    Attributes
+    ----------
+    pair, condition : str
+        Such as ``steel on steel`` and ``dry``.
+    static_friction, kinetic_friction : tuple of float or None
+        Band of mu_s and of mu_d [1], both ends equal where one value is given; None where none is.
+    source, url : str
+        Where that stands; the address may be empty.
+    note : str
+        What to know about it; may be empty.
+    """
+
+    pair: str
+    condition: str
+    static_friction: Span | None
+    kinetic_friction: Span | None
+    source: str
+    url: str
+    note: str
+
+
+@cache
+def rows() -> tuple[Row, ...]:
+    """Return the catalogue."""
+    table = files("vibro.inverse").joinpath(_TABLE).read_text(encoding="utf-8")
+    return tuple(
+        Row(
+            pair=line["pair"],
+            condition=line["condition"],
+            static_friction=_band(line, "mu_s"),
+            kinetic_friction=_band(line, "mu_d"),
+            source=line["source"],
+            url=line["url"],
+            note=line["note"],
+        )
+        for line in csv.DictReader(table.splitlines())
+    )
+
+
+def _band(line: Mapping[str, str], name: str) -> Span | None:
+    low, high = line[f"{name}_low"], line[f"{name}_high"]
+    return (float(low), float(high)) if low else None
+
+
+def band_text(band: Span | None) -> str:
+    """Write a band as a question of ``vibro design`` takes it; a dash for none."""
+    if band is None:
+        return "-"
+    low, high = band
+    return f"{low:g}" if low == high else f"{low:g}:{high:g}"
+
+
+def find(words: str) -> tuple[Row, ...]:
+    """Find pairs by words.
+
+    Parameters
+    ----------
+    words : str
+        Part of the name of a pair, or words of it in any order; without any, every row is found.
+
+    Returns
+    -------
+    tuple of Row
+        In the order of the catalogue.
+
+    Raises
+    ------
+    InputError
+        If there is no such pair; it names the nearest.
+    """
+    wanted = _folded(words)
+    found = [row for row in rows() if wanted in _folded(row.pair)]
+    found = found or [row for row in rows() if all(word in _folded(row.pair) for word in wanted.split())]
+    if not found:
+        raise _unknown_pair(words)
+    return tuple(found)
+
+
+def static_row(text: str) -> Row:
+    """Find the row that a text names, for its static friction.
+
+    Parameters
+    ----------
+    text : str
+        ``pair``, ``pair, condition`` or ``pair, condition, source``, where any distinctive part of the source
+        will do.
+
+    Returns
+    -------
+    Row
+        With a band of static friction.
+
+    Raises
+    ------
+    InputError
+        If there is no such row, or none with static friction; if there are several, which are listed.
+
+    Examples
+    --------
+    >>> static_row("steel on steel, dry, lust").static_friction
+    (0.12, 0.6)
+    """
+    pair, condition, source = (*map(_folded, text.split(",", 2)), "", "")[:3]
+    of_pair = [row for row in rows() if _folded(row.pair) == pair]
+    if not of_pair:
+        raise _unknown_pair(text.split(",")[0])
+    found = [row for row in of_pair if condition in ("", _folded(row.condition))]
+    if not found:
+        known = ", ".join(dict.fromkeys(row.condition for row in of_pair))
+        raise InputError(f"{shown(text)}: this pair is listed as {known} alone", hint=_listed(of_pair))
+    by_source = [row for row in found if source in _folded(row.source)]
+    if not by_source:
+        raise InputError(f"{shown(text)}: no source of this pair has that name", hint=_listed(found))
+    with_static = [row for row in by_source if row.static_friction]
+    if not with_static:
+        raise InputError(
+            f"{shown(text)}: the catalogue has no static friction of it",
+            hint="give a number or a band of your own, such as 0.3:0.5",
+        )
+    if len(with_static) > 1:
+        raise InputError(
+            f"{shown(text)}: {len(with_static)} rows of the catalogue, name the source of one",
+            hint=_listed(with_static),
+        )
+    return with_static[0]
+
+
+def _unknown_pair(text: str) -> InputError:
+    pairs = dict.fromkeys(row.pair for row in rows())
+    close = difflib.get_close_matches(_folded(text)[:60], pairs, n=3, cutoff=0.3)
+    if close:
+        hint = f"did you mean {' or '.join(map(repr, close))}? vibro friction lists all pairs"
+    else:
+        hint = f"its pairs are {', '.join(pairs)}"
+    return InputError(f"{shown(text)}: no such pair in the catalogue of friction", hint=hint)
+
+
+def _listed(several: Sequence[Row]) -> str:
+    """Show how to name each of several rows, a line each."""
+    short = [re.split(r"[,(]", row.source)[0].strip() for row in several]
+    return "\n".join(
+        f'write "{row.pair}, {row.condition}, {name if _is_one(name, row, several) else row.source}"'
+        f" for mu_s {band_text(row.static_friction)}, mu_d {band_text(row.kinetic_friction)}"
+        for row, name in zip(several, short, strict=True)
+    )
+
+
+def _is_one(name: str, row: Row, several: Iterable[Row]) -> bool:
+    same = [other for other in several if other.condition == row.condition]
+    return sum(_folded(name) in _folded(other.source) for other in same) == 1
+
+
+def _folded(text: str) -> str:
+    return " ".join(text.casefold().split())
