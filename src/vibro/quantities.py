@@ -24,8 +24,10 @@ __all__ = [
     "BY_COLUMN",
     "DEFAULTS",
     "DURATION",
+    "IN_GRAVITIES",
     "LENGTH",
     "MASS",
+    "PERCENT",
     "PURE",
     "QUANTITIES",
     "SPEED",
@@ -98,6 +100,8 @@ _MILLIMETRES: Final[Mapping[str, Fraction]] = {
 }
 # fmt: off
 PURE: Final = Kind("", "", "", {})
+PERCENT: Final = Kind("%", "", "_percent", {"%": Fraction(1)}, per_si=100.0)
+IN_GRAVITIES: Final = Kind("g", "", "_g", {"g": Fraction(1)})  # an acceleration over that of gravity
 LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
 SPEED: Final = Kind("mm/s", "m/s", "_mm_s", {f"{unit}/s": size for unit, size in _MILLIMETRES.items()},
                     per_si=1000.0)
@@ -253,7 +257,7 @@ START_PHASE: Final = Quantity("start_phase", _ANGLE)
 START_VELOCITY: Final = Quantity("start_velocity", SPEED)
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
-_NUMBER = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d_].*|\u00b0)?")
+_NUMBER = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d_].*|[\u00b0%])?")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
 # More digits than this are no number that somebody measured or computed: those of every double fit.
 _LONGEST: Final = 1000  # characters
