@@ -13,7 +13,7 @@ from vibro.core.contact.limits import critical_loads
 from vibro.errors import InputError, shown
 from vibro.inverse.bands import box_of
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
-from vibro.inverse.extremes import Seen, corners, speeds_of
+from vibro.inverse.extremes import ANY_LANDING, Landings, Seen, corners, counted
 from vibro.inverse.guarantees import bound
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
@@ -137,10 +137,13 @@ class Family:
         With any amplitude.
     drift : float
         By how much the amplitude may be off, relative to the nominal one.
+    landings : Landings
+        What landings may be at most.
     """
 
     template: Box
     drift: float
+    landings: Landings = ANY_LANDING
 
     def boxes(self, amplitudes: Floats) -> Box:
         """Return the boxes of nominal amplitudes, which have the shape (m, 1)."""
@@ -191,12 +194,16 @@ class Family:
 
     def _worse(self, interval: Interval, target: float) -> Floats | None:
         """Find a body that is slower than the target somewhere in an interval, as shares of the bands."""
-        extreme = bound(self.across(interval.low, interval.high), fast=False, seen=Seen()).extreme
-        if not extreme.speed < target * (1.0 - _HOLDS):
+        box = self.across(interval.low, interval.high)
+        slowest = bound(box, fast=False, seen=Seen()).extreme
+        bodies = self.landings.worst(box)
+        if slowest.speed < target * (1.0 - _HOLDS):
+            bodies = np.hstack([bodies, slowest.shares])
+        if not bodies.size:
             return None
         drifts = self.across(1.0, 1.0).varies[0]
-        shares = np.repeat(extreme.shares, _LOADS.size if drifts else 1, axis=1)
-        shares[0] = _LOADS if drifts else 0.0
+        shares = np.repeat(bodies, _LOADS.size if drifts else 1, axis=1)
+        shares[0] = np.tile(_LOADS, bodies.shape[1]) if drifts else 0.0
         return shares
 
 
@@ -254,7 +261,9 @@ class _Search:
 
     def _speeds(self, amplitudes: Floats) -> Floats:
         """Speeds of all bodies at some amplitudes, of shape (m, n); inf where one is left out."""
-        speed = speeds_of(self._scene(amplitudes), fast=False, flight=self._flight)
+        cycle = solve(self._scene(amplitudes), flight=self._flight)
+        speed = counted(cycle, fast=False)
+        speed = np.where(self._family.landings.exceeded(cycle), -np.inf, speed)
         return np.where(np.isnan(speed), np.inf, speed)
 
     def _least(self, amplitudes: Floats) -> Floats:

@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from itertools import product
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
 from vibro.inverse.boxes import AXES
+from vibro.inverse.caps import hop_load
 from vibro.inverse.evolution import evolve, sobol
 from vibro.results.steady import SteadyCycle
 from vibro.steady import solve
@@ -27,7 +28,18 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["CORNERS", "Extreme", "Seen", "corners", "counted", "sampled", "searched", "speeds_of", "taken"]
+__all__ = [
+    "CORNERS",
+    "Extreme",
+    "Landings",
+    "Seen",
+    "corners",
+    "counted",
+    "sampled",
+    "searched",
+    "speeds_of",
+    "taken",
+]
 
 _TROUGH: Final = AXES.index("trough_angle")
 
@@ -40,6 +52,7 @@ _GENERATIONS: Final = 100
 
 _HOPS: Final = 11  # base-2 logarithm of the number of samples where impacts are plastic
 _BOUNCES: Final = 7  # and where they are not
+_LANDINGS: Final = 9  # and of samples of landings
 _ROUNDS: Final = 4  # of samples closer to the extreme ones
 _KEPT: Final = 8  # of these in each round
 _AROUND: Final = 0.1  # of the bands, first standard deviation of samples in a round
@@ -88,6 +101,35 @@ def speeds_of(scene: Scene, *, fast: bool, flight: bool, seen: Seen | None = Non
     if seen is not None:
         seen.add(cycle)
     return counted(cycle, fast=fast)
+
+
+class Landings(NamedTuple):
+    """What landings may be at most: speed normal to the trough [m/s], and share of the time in flight."""
+
+    impact_speed: float = math.inf
+    flight_fraction: float = math.inf
+
+    def exceeded(self, cycle: SteadyCycle) -> NDArray[np.bool_]:
+        """Tell which bodies land too hard, or fly too long."""
+        too_hard = np.asarray(cycle.impact_velocity > self.impact_speed)
+        return too_hard | (cycle.flight_fraction > self.flight_fraction)
+
+    def worst(self, box: Box) -> Floats:
+        """Return the bodies of a box that exceed them most among samples, as shares, of shape (5, n)."""
+        limited = math.isfinite(self.impact_speed) or math.isfinite(self.flight_fraction)
+        if not limited or float(box.load[1]) <= float(hop_load(box)):
+            return np.empty((len(AXES), 0))
+        shares = corners(box)
+        if box.varies.any():
+            samples = np.zeros((len(AXES), 2**_LANDINGS))
+            samples[box.varies] = sobol(int(box.varies.sum()), _LANDINGS, _SEEDS[0])
+            shares = np.hstack([shares, samples])
+        cycle = solve(
+            box.scene(box.points(shares), fast=True)
+        )  # landings are hardest at the lowest frequency
+        found = ((cycle.impact_velocity, self.impact_speed), (cycle.flight_fraction, self.flight_fraction))
+        worst = [int(np.nanargmax(x)) for x, limit in found if np.nanmax(x, initial=0.0) > limit]
+        return shares[:, worst]
 
 
 def counted(cycle: SteadyCycle, *, fast: bool) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.evolution import evolve, sobol
-from vibro.inverse.extremes import Seen, corners
+from vibro.inverse.extremes import Landings, Seen, corners
 from vibro.inverse.guarantees import bound, is_braked
 from vibro.inverse.questions import Setting
 
@@ -189,9 +189,10 @@ class Optimiser:
         question = self._question
         caps = question.caps(np.reshape(setting.drive_angle, (-1, 1)), np.reshape(scale, (-1, 1)))
         load = question.load(setting)
-        return np.all(
+        holds: NDArray[np.bool_] = np.all(
             [load <= cap[:, 0] * (1.0 + _ROUNDING) for name, cap in caps.items() if name != "limit"], axis=0
         )
+        return holds
 
     def _least(self, setting: Setting, scale: Floats | float) -> Floats:
         return np.asarray(self._question.speeds(setting, self._bodies, scale).min(axis=1))
@@ -209,7 +210,7 @@ class Optimiser:
         """Look for a body that is slower at an optimum than those looked at; look at it from now on."""
         box = self._question.boxes(optimum.setting, scale)
         slowest = bound(box, fast=False, seen=Seen()).extreme
-        new = self._question.worst_landings(box)
+        new = self._question.landings.worst(box)
         if slowest.speed < optimum.speed - _HOLDS * abs(optimum.speed):
             drifts = bool(box.varies[0])
             bodies = np.repeat(slowest.shares, _DRIFTS.size if drifts else 1, axis=1)
@@ -256,7 +257,7 @@ class Optimiser:
     def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
         """Search drive angle, load and, where landings have a limit, frequency by differential evolution."""
         least, fastest = self._reach(choice)[0], choice.frequency[1]
-        frees = [choice.drive_angle[0] < choice.drive_angle[1], True, self._question.limits_landings]
+        frees = [choice.drive_angle[0] < choice.drive_angle[1], True, self._question.landings != Landings()]
 
         def placed(x: Floats) -> tuple[Floats, Floats, Setting]:
             shares = np.zeros((3, x.shape[1]))

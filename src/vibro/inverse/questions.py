@@ -12,8 +12,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.inverse.boxes import Box
 from vibro.inverse.caps import back_slip_load, hop_load, tip_load
-from vibro.inverse.evolution import sobol
-from vibro.inverse.extremes import corners, counted
+from vibro.inverse.extremes import Landings, counted
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -30,7 +29,6 @@ _RIGHT_ANGLE: Final = 0.5 * math.pi
 _SHORT: Final = 1e-6  # [rad, 1] by which scaled bands keep away from what cannot be
 #: By which a load stays below one that is not to be exceeded, so that no rounding brings it over that.
 _BESIDE: Final = 1e-12
-_LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
 
 
 class Setting(NamedTuple):
@@ -77,10 +75,10 @@ class Question:
         return self.highest is Regime.HOPPING
 
     @property
-    def limits_landings(self) -> bool:
-        """Whether landings have a limit."""
+    def landings(self) -> Landings:
+        """What landings may be at most."""
         goal = self.spec.goal
-        return self.flies and (math.isfinite(goal.impact_speed) or math.isfinite(goal.flight_fraction))
+        return Landings(goal.impact_speed, goal.flight_fraction) if self.flies else Landings()
 
     @cached_property
     def has_bands(self) -> bool:
@@ -175,27 +173,7 @@ class Question:
         boxes = self.boxes(columns, np.reshape(scale, (-1, 1)))
         cycle = solve(boxes.scene(boxes.points(shares[:, None, :]), fast=False), flight=self.flies)
         speed = counted(cycle, fast=False)
-        lands = (cycle.impact_velocity > self.spec.goal.impact_speed) | (
-            cycle.flight_fraction > self.spec.goal.flight_fraction
-        )
-        return np.where(lands, -np.inf, np.where(np.isnan(speed), np.inf, speed))
-
-    def worst_landings(self, box: Box) -> Floats:
-        """Return bodies of a box, as shares, that land too hard or fly too long, of shape (5, n).
-
-        Of samples the two worst; none where landings have no limit.
-        """
-        goal = self.spec.goal
-        if not self.limits_landings or not box.varies.any():
-            return np.empty((5, 0))
-        free = box.varies
-        shares = np.zeros((5, 2**_LANDINGS))
-        shares[free] = sobol(int(free.sum()), _LANDINGS, 1)
-        shares = np.hstack([corners(box), shares])
-        cycle = solve(box.scene(box.points(shares), fast=True))
-        limits = ((cycle.impact_velocity, goal.impact_speed), (cycle.flight_fraction, goal.flight_fraction))
-        worst = [int(np.nanargmax(x)) for x, limit in limits if np.nanmax(x) > limit]
-        return shares[:, worst]
+        return np.where(self.landings.exceeded(cycle), -np.inf, np.where(np.isnan(speed), np.inf, speed))
 
 
 def _scaled(band: Span, scale: Floats | float) -> Ends:
