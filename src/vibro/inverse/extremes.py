@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = [
+    "ANY_LANDING",
     "CORNERS",
     "Extreme",
     "Landings",
@@ -130,6 +131,10 @@ class Landings(NamedTuple):
         found = ((cycle.impact_velocity, self.impact_speed), (cycle.flight_fraction, self.flight_fraction))
         worst = [int(np.nanargmax(x)) for x, limit in found if np.nanmax(x, initial=0.0) > limit]
         return shares[:, worst]
+
+
+#: No limit.
+ANY_LANDING: Final = Landings()
 
 
 def counted(cycle: SteadyCycle, *, fast: bool) -> Floats:

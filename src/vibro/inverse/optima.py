@@ -14,7 +14,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.evolution import evolve, sobol
-from vibro.inverse.extremes import Landings, Seen, corners
+from vibro.inverse.extremes import ANY_LANDING, Seen, corners
 from vibro.inverse.guarantees import bound, is_braked
 from vibro.inverse.questions import Setting
 
@@ -257,7 +257,7 @@ class Optimiser:
     def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
         """Search drive angle, load and, where landings have a limit, frequency by differential evolution."""
         least, fastest = self._reach(choice)[0], choice.frequency[1]
-        frees = [choice.drive_angle[0] < choice.drive_angle[1], True, self._question.landings != Landings()]
+        frees = [choice.drive_angle[0] < choice.drive_angle[1], True, self._question.landings != ANY_LANDING]
 
         def placed(x: Floats) -> tuple[Floats, Floats, Setting]:
             shares = np.zeros((3, x.shape[1]))

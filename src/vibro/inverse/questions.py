@@ -12,7 +12,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.inverse.boxes import Box
 from vibro.inverse.caps import back_slip_load, hop_load, tip_load
-from vibro.inverse.extremes import Landings, counted
+from vibro.inverse.extremes import ANY_LANDING, Landings, counted
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ class Question:
     def landings(self) -> Landings:
         """What landings may be at most."""
         goal = self.spec.goal
-        return Landings(goal.impact_speed, goal.flight_fraction) if self.flies else Landings()
+        return Landings(goal.impact_speed, goal.flight_fraction) if self.flies else ANY_LANDING
 
     @cached_property
     def has_bands(self) -> bool:
