@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from vibro.core.codes import Regime, Status
     from vibro.errors import FileError, InputError, SceneError, VibroError
     from vibro.inverse.amplitudes import feasible_amplitudes
+    from vibro.inverse.designs import design
     from vibro.inverse.guarantees import guarantee
     from vibro.inverse.yields import yield_share
     from vibro.limits import critical_loads, transitions
@@ -35,6 +36,7 @@ __all__ = [
     "VibroError",
     "arrival_time",
     "critical_loads",
+    "design",
     "feasible_amplitudes",
     "guarantee",
     "read_scene",
@@ -58,6 +60,7 @@ _HOMES = {
     "VibroError": "vibro.errors",
     "arrival_time": "vibro.motion.arrivals",
     "critical_loads": "vibro.limits",
+    "design": "vibro.inverse.designs",
     "feasible_amplitudes": "vibro.inverse.amplitudes",
     "guarantee": "vibro.inverse.guarantees",
     "read_scene": "vibro.sweeps.whole",

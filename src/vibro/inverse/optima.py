@@ -70,7 +70,7 @@ class _Effort(NamedTuple):
 
 
 _IN_CONTACT: Final = _Effort(65, 9, 129, 6, 80, 22, 8)
-_FLYING: Final = _Effort(33, 3, 65, 6, 40, 10, 3)
+_FLYING: Final = _Effort(33, 3, 65, 5, 32, 8, 2)
 _BOUNCING: Final = _Effort(9, 1, 17, 4, 6, 4, 1)  # flights that are not plastic take a hundred times as long
 
 _KEPT: Final = 3  # angles to look around in each round
@@ -188,11 +188,9 @@ class Optimiser:
         """Tell whether settings keep to the regime."""
         question = self._question
         caps = question.caps(np.reshape(setting.drive_angle, (-1, 1)), np.reshape(scale, (-1, 1)))
-        load = question.load(setting)
-        holds: NDArray[np.bool_] = np.all(
-            [load <= cap[:, 0] * (1.0 + _ROUNDING) for name, cap in caps.items() if name != "limit"], axis=0
-        )
-        return holds
+        load = question.load(setting) * (1.0 - _ROUNDING)
+        least = np.min([cap[:, 0] for name, cap in caps.items() if name != "limit"], axis=0, initial=np.inf)
+        return np.asarray(load <= least)
 
     def _least(self, setting: Setting, scale: Floats | float) -> Floats:
         return np.asarray(self._question.speeds(setting, self._bodies, scale).min(axis=1))

@@ -34,9 +34,9 @@ _BESIDE: Final = 1e-12
 class Setting(NamedTuple):
     """Nominal settings of a drive; arrays of one shape, or numbers [m, Hz, rad]."""
 
-    amplitude: Floats | float
-    frequency: Floats | float
-    drive_angle: Floats | float
+    amplitude: Any
+    frequency: Any
+    drive_angle: Any
 
 
 class Range(NamedTuple):
@@ -129,21 +129,22 @@ class Question:
         """
         box = self.boxes(Setting(1.0, 1.0, drive_angle), scale)
         drift = self.spec.drift
-        loads = {}
-        if not self.flies or math.isfinite(self.spec.stand_ratio):
-            # where a part must stay upright, nothing is known of landings
-            loads["tip" if self.flies else "hop"] = hop_load(box)
+        loads = self.tip_loads(box)
+        if not self.flies:
+            loads["hop"] = hop_load(box)
         if self.highest is Regime.FORWARD_SLIP:
             loads["back slip"] = back_slip_load(box)
-        if math.isfinite(self.spec.stand_ratio):
-            tips = tip_load(box, self.spec.stand_ratio)
-            loads["tip"] = np.minimum(tips, loads.get("tip", math.inf))
         most = (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** 2
         shape = np.broadcast_shapes(np.shape(drive_angle), np.shape(scale))
         # a load that is NaN is of bodies without static friction, of which nothing is known
         loads = {name: np.nan_to_num(load, nan=0.0, posinf=math.inf) for name, load in loads.items()}
         caps = {name: np.broadcast_to(load / most * (1.0 - _BESIDE), shape) for name, load in loads.items()}
         return {**caps, "limit": np.full(shape, self.drive.acceleration)}
+
+    def tip_loads(self, box: Box) -> dict[str, Floats]:
+        """Load up to which every part stays upright, where it must: nothing is known of landings."""
+        ratio = self.spec.stand_ratio
+        return {"tip": np.minimum(tip_load(box, ratio), hop_load(box))} if math.isfinite(ratio) else {}
 
     def reach(self, frequency: Span) -> Span:
         """Smallest and largest load that the amplitudes allow within a range of frequencies."""

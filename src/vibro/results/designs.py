@@ -97,6 +97,10 @@ def _column(unit: str, meaning: str) -> Any:
     return field(metadata={"unit": unit, "meaning": meaning})
 
 
+def _optional(unit: str, meaning: str) -> Any:
+    return field(default=None, metadata={"unit": unit, "meaning": meaning})
+
+
 @dataclass(frozen=True, kw_only=True)
 class Design:
     """One design: a setting of one drive and what it guarantees, in the units of its names.
@@ -107,26 +111,26 @@ class Design:
     drive: str = _column("", "name of the drive")
     highest_regime: str = _column("", "highest regime allowed")
     design: str = _column("", "gentlest, fastest or safest")
-    amplitude_mm: float | None = _column("mm", "nominal amplitude")
-    frequency_hz: float | None = _column("Hz", "nominal frequency")
-    drive_angle_deg: float | None = _column("deg", "nominal drive angle")
-    acceleration_g: float | None = _column("g", "nominal peak acceleration of the drive over gravity")
-    speed_min_mm_s: float | None = _column("mm/s", "guaranteed speed")
-    speed_nominal_mm_s: float | None = _column("mm/s", "speed in the middle of all bands")
-    speed_max_mm_s: float | None = _column("mm/s", "speed that no part exceeds")
-    traverse_time_max_s: float | None = _column("s", "trough length over the guaranteed speed")
-    amplitude_low_mm: float | None = _column("mm", "from this nominal amplitude on the guarantee holds")
-    amplitude_high_mm: float | None = _column("mm", "up to this nominal amplitude the guarantee holds")
-    low_set_by: str | None = _column("", "what ends it below")
-    high_set_by: str | None = _column("", "what ends it above")
-    margin: float | None = _column("", "factor by which all bands and drifts may grow about their middles")
-    throw_number_max: float | None = _column("", "largest throw number in the box")
-    set_by: str | None = _column("", "what keeps the design from being better")
-    frequency_needed_hz: float | None = _column("Hz", "frequency of the nearest drive that meets the goal")
-    amplitude_needed_mm: float | None = _column("mm", "its amplitude")
-    proof: str | None = _column("", "corners, searched or sampled")
-    coexists: bool | None = _column("", "whether a disturbed part can settle elsewhere somewhere in the box")
-    excluded: int | None = _column("", "sampled points without a speed, left out")
+    amplitude_mm: float | None = _optional("mm", "nominal amplitude")
+    frequency_hz: float | None = _optional("Hz", "nominal frequency")
+    drive_angle_deg: float | None = _optional("deg", "nominal drive angle")
+    acceleration_g: float | None = _optional("g", "nominal peak acceleration of the drive over gravity")
+    speed_min_mm_s: float | None = _optional("mm/s", "guaranteed speed")
+    speed_nominal_mm_s: float | None = _optional("mm/s", "speed in the middle of all bands")
+    speed_max_mm_s: float | None = _optional("mm/s", "speed that no part exceeds")
+    traverse_time_max_s: float | None = _optional("s", "trough length over the guaranteed speed")
+    amplitude_low_mm: float | None = _optional("mm", "from this nominal amplitude on the guarantee holds")
+    amplitude_high_mm: float | None = _optional("mm", "up to this nominal amplitude the guarantee holds")
+    low_set_by: str | None = _optional("", "what ends it below")
+    high_set_by: str | None = _optional("", "what ends it above")
+    margin: float | None = _optional("", "factor by which all bands and drifts may grow about their middles")
+    throw_number_max: float | None = _optional("", "largest throw number in the box")
+    set_by: str | None = _optional("", "what keeps the design from being better")
+    frequency_needed_hz: float | None = _optional("Hz", "frequency of the nearest drive that meets the goal")
+    amplitude_needed_mm: float | None = _optional("mm", "its amplitude")
+    proof: str | None = _optional("", "corners, searched or sampled")
+    coexists: bool | None = _optional("", "whether some disturbed part of the box can settle elsewhere")
+    excluded: int | None = _optional("", "sampled points without a speed, left out")
 
 
 #: The columns of a table of designs, in order.

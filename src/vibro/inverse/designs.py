@@ -1,0 +1,340 @@
+"""From a question to its designs: ``vibro.design``."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.inverse.amplitudes import Family
+from vibro.inverse.caps import back_slip_load, hop_load, onset_load
+from vibro.inverse.costs import speed_costs
+from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.optima import Optimiser
+from vibro.inverse.questions import Question, Setting
+from vibro.inverse.reading import read_spec
+from vibro.quantities import QUANTITIES, SPEED
+from vibro.results.designs import Design, DesignResult, Interval
+from vibro.scene import Scene
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Mapping
+
+    from vibro.inverse.optima import Optimum
+    from vibro.inverse.specs import Drive, Spec
+    from vibro.results.designs import Guarantee
+
+__all__ = ["Chosen", "chosen_of", "design", "find_designs", "nominal_scene"]
+
+_REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
+_DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
+_NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inwards
+_AT: Final = 1e-6  # relative distance to a limit that is at it
+
+
+def design(spec: str | os.PathLike[str] | Mapping[str, Any]) -> DesignResult:
+    """Find the drive settings that guarantee a speed to every part of a box of bands.
+
+    Parameters
+    ----------
+    spec : path or mapping
+        A TOML file, or a mapping with its keys; docs/design.md lists them.
+
+    Returns
+    -------
+    DesignResult
+        For every drive and each of the regimes forward-slip, back-slip and hopping the gentlest, the fastest
+        and the safest design.
+
+    Raises
+    ------
+    InputError
+        If the question cannot be; it lists all that is wrong.
+    FileError
+        If the file cannot be read.
+
+    Examples
+    --------
+    >>> import vibro
+    >>> result = vibro.design({
+    ...     "scene": {"static_friction": "0.7:0.78", "kinetic_friction": "0.5:0.6"},
+    ...     "drive": [{"amplitude_mm": 3, "frequency_hz": "10:30", "drive_angle_deg": "5:45"}],
+    ...     "goal": {"speed_mm_s": 30, "highest_regime": "forward-slip"},
+    ... })
+    >>> gentlest = result.designs[0]
+    >>> print(result.met, f"{gentlest.acceleration_g:.6f} g, {gentlest.amplitude_mm:.5f} mm")
+    True 0.965580 g, 2.39937 mm
+    """
+    return find_designs(read_spec(spec))
+
+
+def find_designs(spec: Spec, tell: Callable[[int, int], None] | None = None) -> DesignResult:
+    """Find the designs of a checked question; ``tell`` is told how many of all are found."""
+    designs: list[Design] = []
+    total = len(spec.drives) * len(_REGIMES) * 3
+    for drive in spec.drives:
+        calmer: _Found | None = None
+        for regime in _REGIMES:
+            rows = _Rows(Question(spec, drive, regime), calmer)
+            for find in (rows.gentlest, rows.fastest, rows.safest):
+                designs.append(find())
+                if tell:
+                    tell(len(designs), total)
+            calmer = rows.best or calmer
+    target, highest = spec.goal.speed, spec.goal.highest_regime.label
+    met = any(
+        d.highest_regime == highest and (d.speed_min_mm_s or 0.0) >= SPEED.from_si(target) for d in designs
+    )
+    return DesignResult(met, tuple(designs))
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A setting as it is printed, and what it guarantees."""
+
+    setting: Setting
+    printed: tuple[float, float, float]
+    guarantee: Guarantee
+
+
+class _Rows:
+    """The designs of one drive within one regime.
+
+    Parameters
+    ----------
+    question : Question
+        What is asked.
+    calmer : _Found, optional
+        The fastest design within a lower regime, which is one here too.
+    """
+
+    def __init__(self, question: Question, calmer: _Found | None) -> None:
+        self._question = question
+        self._target = question.spec.goal.speed
+        self._optimiser = Optimiser(question)
+        fastest = self._settled(self._optimiser.fastest(), None, up=False)
+        known = [found for found in (fastest, calmer) if found is not None]
+        #: The fastest design; None where nothing is guaranteed.
+        self.best = max(known, key=lambda found: found.guarantee.speed_min, default=None)
+        self._met = self.best is not None and self.best.guarantee.speed_min >= self._target
+
+    def gentlest(self) -> Design:
+        """Return the design of least acceleration."""
+        if not self._met:
+            return self._row("gentlest", None)
+        found = self._settled(self._optimiser.gentlest(self._target), self._target, up=True)
+        if found is None:
+            return self._row("gentlest", self.best)
+        jumps = found.guarantee.speed_min > self._target * (1.0 + _AT)
+        return self._row("gentlest", found, set_by="onset" if jumps else "speed")
+
+    def fastest(self) -> Design:
+        """Return the design of the largest guaranteed speed, whether it meets the goal or not."""
+        return self._row("fastest", self.best, set_by=self._limit(self.best, 1.0))
+
+    def safest(self) -> Design:
+        """Return the design of the largest margin."""
+        if not self._met:
+            return self._row("safest", None)
+        found = self._settled(self._optimiser.safest(self._target), self._target, up=False) or self.best
+        if found is None or not self._question.has_bands:
+            return self._row("safest", self.best, set_by=self._limit(self.best, 1.0))
+        return self._row("safest", found, set_by=self._limit(found, self._margin(found) or 1.0))
+
+    def _settled(self, optimum: Optimum | None, target: float | None, *, up: bool) -> _Found | None:
+        """Round a setting inwards, so that it holds as it is printed."""
+        if optimum is None:
+            return None
+        for digits in _DIGITS:
+            for printed in self._roundings(optimum.setting, digits, up=up):
+                setting = _in_si(printed)
+                if not self._optimiser.holds(setting, target or 0.0) or not self._is_allowed(setting):
+                    continue
+                found = _Found(setting, printed, guarantee_of(self._question.boxes(setting)))
+                if found.guarantee.speed_min >= (target or 0.0):
+                    return found
+        return None
+
+    def _roundings(self, setting: Setting, digits: int, *, up: bool) -> list[tuple[float, float, float]]:
+        """Return settings in the units outside with so many digits, from the nearest one inwards."""
+        amplitude, frequency, angle = (
+            float(QUANTITIES[name].from_si(float(value))) for name, value in setting._asdict().items()
+        )
+        near = _nearest(frequency, digits), _nearest(angle, digits)
+        # the load that the setting has, with the rounded frequency
+        amplitude *= (frequency / near[0]) ** 2
+        unit = 10.0 ** (math.floor(math.log10(amplitude)) - digits + 1)
+        count = math.ceil(amplitude / unit) if up else math.floor(amplitude / unit)
+        step = 1 if up else -1
+        steps = (count + step * n for n in range(-1, _NUDGES))
+        return [(_nearest(n * unit, digits), *near) for n in steps]
+
+    def _is_allowed(self, setting: Setting) -> bool:
+        """Tell whether a drive may be set so."""
+        question, drive = self._question, self._question.drive
+        inside = any(
+            low <= setting.frequency <= high and a_low <= setting.drive_angle <= a_high
+            for (low, high), (a_low, a_high) in question.ranges
+        )
+        least, most = drive.amplitude
+        load = float(question.load(setting))
+        return bool(inside and least <= setting.amplitude <= most and load <= drive.acceleration)
+
+    def _limit(self, found: _Found | None, scale: float) -> str | None:
+        """Tell what keeps a setting from being better with bands of a scale."""
+        if found is None:
+            return self._first_cap()
+        load = float(self._question.load(found.setting))
+        caps = self._question.caps(np.array([[found.setting.drive_angle]]), scale)
+        name, cap = min(((name, float(cap[0, 0])) for name, cap in caps.items()), key=lambda pair: pair[1])
+        if load >= cap * (1.0 - _AT):
+            return name
+        most = self._question.drive.amplitude[1]
+        return "limit" if found.setting.amplitude >= most * (1.0 - _AT) else "speed"
+
+    def _first_cap(self) -> str:
+        """Tell what ends the load before any speed is guaranteed, in the middle of the drive angles."""
+        middle = np.array([[float(np.mean(self._question.ranges[0].drive_angle))]])
+        caps = {name: float(cap[0, 0]) for name, cap in self._question.caps(middle).items()}
+        reach = max(self._question.reach(choice.frequency)[1] for choice in self._question.ranges)
+        caps["limit"] = min(caps["limit"], reach)
+        return min(caps, key=lambda name: caps[name])
+
+    def _row(self, kind: str, found: _Found | None, *, set_by: str | None = None) -> Design:
+        question, goal = self._question, self._question.spec.goal
+        row = Design(
+            drive=question.drive.name, highest_regime=question.highest.label, design=kind, set_by=set_by
+        )
+        if found is None:
+            return row
+        g = found.guarantee
+        amplitude, frequency, angle = found.printed
+        window = self._window(found)
+        length, speed = question.spec.length, g.speed_min
+        met = speed >= goal.speed
+        share = speed / goal.speed
+        box = question.boxes(found.setting)
+        return replace(
+            row,
+            amplitude_mm=amplitude,
+            frequency_hz=frequency,
+            drive_angle_deg=angle,
+            acceleration_g=float(question.load(found.setting)),
+            speed_min_mm_s=_mm(speed),
+            speed_nominal_mm_s=_mm(float(solve(nominal_scene(question.spec, found.setting)).mean_velocity)),
+            speed_max_mm_s=_mm(g.speed_max),
+            traverse_time_max_s=length / speed if length is not None else None,
+            amplitude_low_mm=None if window is None else _mm(window.low),
+            amplitude_high_mm=None if window is None else _mm(window.high),
+            low_set_by=None if window is None else window.low_set_by,
+            high_set_by=None if window is None else window.high_set_by,
+            margin=self._margin(found) if question.has_bands else None,
+            throw_number_max=float(box.load[1] / hop_load(box)),
+            frequency_needed_hz=None if met else frequency * share,
+            amplitude_needed_mm=None if met else amplitude / share**2,
+            proof=g.proof_min,
+            coexists=g.coexists,
+            excluded=g.excluded,
+        )
+
+    def _margin(self, found: _Found) -> float | None:
+        """Return the margin of a design: at least 1 where it meets the goal."""
+        margin = self._optimiser.margin(found.setting, self._target)
+        meets = found.guarantee.speed_min >= self._target
+        return max(margin or 1.0, 1.0) if meets else margin
+
+    def _window(self, found: _Found) -> Interval | None:
+        """Return the amplitudes that keep the guarantee and hold the design."""
+        question, setting = self._question, found.setting
+        box = question.boxes(setting)
+        w = 2.0 * math.pi * float(setting.frequency)
+        least, most = question.drive.amplitude
+        most = min(most, question.drive.acceleration * question.spec.gravity / w**2)
+        family = Family(replace(box, amplitude=(1.0, 1.0)), question.spec.drift.amplitude, question.landings)
+        others = {name: float(load) for name, load in question.tip_loads(box).items()}
+        for i in family.intervals(self._target, question.highest, most, others):
+            if i.low * (1.0 - _AT) <= setting.amplitude <= i.high * (1.0 + _AT):
+                low, by = (i.low, i.low_set_by) if i.low >= least else (least, "limit")
+                ends = min(low, setting.amplitude), max(i.high, setting.amplitude)
+                return Interval(*ends, by, i.high_set_by)
+        return None
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The design that pictures and margins show.
+
+    Attributes
+    ----------
+    drive : Drive
+        Its drive.
+    design : Design
+        The safest of the best drive within the goal's regime; the fastest where no drive meets the goal.
+    setting : Setting
+        In SI units and radians.
+    loads : dict of str to float
+        Load now over the load at which something happens first, or last.
+    costs : dict of str to float
+        Change of the speed in the middle of all bands for 1 % of an input, by its field [%].
+    """
+
+    drive: Drive
+    design: Design
+    setting: Setting
+    loads: dict[str, float]
+    costs: dict[str, float]
+
+
+def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
+    """Choose a design to be shown; None where nothing is guaranteed at all."""
+    highest = spec.goal.highest_regime
+    wanted = "safest" if result.met else "fastest"
+    rows = [
+        (d, drive)
+        for drive in spec.drives
+        for d in result.designs
+        if (d.drive, d.highest_regime, d.design) == (drive.name, highest.label, wanted)
+        and d.amplitude_mm is not None
+    ]
+    if not rows:
+        return None
+    best, drive = max(rows, key=lambda row: (row[0].margin or 0.0, row[0].speed_min_mm_s or 0.0))
+    setting = _in_si((best.amplitude_mm or 0.0, best.frequency_hz or 0.0, best.drive_angle_deg or 0.0))
+    box = Question(spec, drive, highest).boxes(setting)
+    least, most = (float(load) for load in box.load)
+    with np.errstate(divide="ignore"):
+        loads = {
+            "the first part slips back": most / float(back_slip_load(box)),
+            "the first part hops": most / float(hop_load(box)),
+            "the last part starts": least / float(onset_load(box)),
+        }
+    return Chosen(drive, best, setting, loads, speed_costs(nominal_scene(spec, setting)))
+
+
+def nominal_scene(spec: Spec, setting: Setting) -> Scene:
+    """Return the scene of a setting in the middle of all bands."""
+    box = Question(spec, spec.drives[0], Regime.BACK_SLIP).boxes(setting, 0.0)
+    point = box.points(np.full((5, 1), 0.5))
+    fields = {name: float(value[0]) for name, value in point._asdict().items() if name != "load"}
+    return Scene(amplitude=setting.amplitude, frequency=setting.frequency, **fields, **box.constants)
+
+
+def _in_si(printed: tuple[float, float, float]) -> Setting:
+    """Convert a setting from the units outside."""
+    return Setting(
+        *(QUANTITIES[name].to_si(value) for name, value in zip(Setting._fields, printed, strict=True))
+    )
+
+
+def _nearest(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
+
+
+def _mm(value: float) -> float | None:
+    """Convert a length or a speed to the unit outside; None where there is no number."""
+    return float(SPEED.from_si(value)) if math.isfinite(value) else None
