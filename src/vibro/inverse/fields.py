@@ -1,0 +1,156 @@
+"""What pictures of a design show: what the settings around it guarantee."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.core.contact.limits import critical_loads
+from vibro.inverse.caps import back_slip_load, hop_load, onset_load
+from vibro.inverse.designs import nominal_scene
+from vibro.inverse.extremes import corners, counted
+from vibro.inverse.questions import Question, Setting
+from vibro.quantities import LENGTH, SPEED
+from vibro.results.designs import SettingFields, SpeedBand
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.inverse.boxes import Box
+    from vibro.inverse.designs import Chosen
+    from vibro.inverse.specs import Spec
+
+    Floats = NDArray[np.float64]
+    Begins = dict[Regime, tuple[float, float]]
+
+__all__ = ["setting_fields", "speed_band"]
+
+_POINTS: Final = {False: 801, True: 81}  # of a curve; the second where impacts are not plastic: it takes long
+_BEYOND: Final = 1.25  # times a limit of the drive, as far as pictures go
+_LEAST: Final = 0.05  # of the largest amplitude, where pictures begin
+_BELOW: Final = 0.5  # of the chosen amplitude, where they begin at the latest
+_BESIDE: Final = 1e-9  # relative distance from a load at which numbers jump
+_LEVELS: Final = (0.0, 0.5, 1.0)  # shares of every band, of the bodies that pictures look at
+_MOST: Final = 4  # bands; of more the corners alone are looked at
+
+
+def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
+    """Return what settings guarantee at the drive angle of the chosen one, over the load.
+
+    The slowest of some bodies of the box stands for the slowest: pictures show lines, and tables what was
+    searched.
+    """
+    question = Question(spec, chosen.drive, Regime.HOPPING)
+    largest, (amplitude, _, angle) = chosen.drive.amplitude[1], chosen.setting
+    amplitudes = min(_LEAST * largest, _BELOW * amplitude), _BEYOND * largest
+    ends = [end for span in chosen.drive.frequency for end in span]
+    frequencies = min(ends) / _BEYOND, max(ends) * _BEYOND
+    unit = spec.gravity / (2.0 * math.pi) ** 2  # [m] of load 1 at 1 Hz
+    box = question.boxes(Setting(unit, 1.0, angle))
+    begins = _begins(box)
+    low, high = (
+        float(question.load(Setting(a, f, angle))) for a, f in zip(amplitudes, frequencies, strict=True)
+    )
+    loads = _with_jumps(low, high, begins, spec)
+    boxes = question.boxes(Setting(unit * loads[:, None], 1.0, angle))
+    points = boxes.points(_bodies(box)[:, None, :])
+    slow, fast = (solve(boxes.scene(points, fast=which)) for which in (False, True))
+    goal = spec.goal
+    return SettingFields(
+        amplitude_mm=(LENGTH.from_si(amplitudes[0]), LENGTH.from_si(amplitudes[1])),
+        frequency_hz=frequencies,
+        load=loads,
+        speed_min=SPEED.from_si(_least(counted(slow, fast=False))),
+        begins=begins,
+        tips=float(question.tip_loads(box).get("tip", np.inf) / box.load[1]),
+        impact_speed=SPEED.from_si(_most(fast.impact_velocity)) if math.isfinite(goal.impact_speed) else None,
+        flight_fraction=_most(fast.flight_fraction) if math.isfinite(goal.flight_fraction) else None,
+    )
+
+
+def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
+    """Return the speeds of the slowest, the middle and the fastest part over the amplitude.
+
+    Of the bodies that ``setting_fields`` looks at too.
+    """
+    question = Question(spec, chosen.drive, Regime.HOPPING)
+    amplitude, frequency, angle = chosen.setting
+    box = question.boxes(chosen.setting)
+    begins = {regime: (first * amplitude, last * amplitude) for regime, (first, last) in _begins(box).items()}
+    low = min(_BELOW * amplitude, 0.8 * begins[Regime.FORWARD_SLIP][0])
+    high = _BEYOND * max(chosen.drive.amplitude[1], amplitude)
+    amplitudes = _with_jumps(low, high, begins, spec)
+    boxes = question.boxes(Setting(amplitudes[:, None], frequency, angle))
+    points = boxes.points(_bodies(box)[:, None, :])
+    slow, fast = (counted(solve(boxes.scene(points, fast=which)), fast=which) for which in (False, True))
+    middle = nominal_scene(spec, Setting(amplitudes, frequency, angle))
+    design = chosen.design
+    window = design.amplitude_low_mm, design.amplitude_high_mm
+    return SpeedBand(
+        amplitude_mm=LENGTH.from_si(amplitudes),
+        speed_min=SPEED.from_si(_least(slow)),
+        speed_nominal=SPEED.from_si(solve(middle).mean_velocity),
+        speed_max=SPEED.from_si(_most(fast)),
+        window_mm=None if window[0] is None or window[1] is None else (window[0], window[1]),
+    )
+
+
+def _with_jumps(low: float, high: float, begins: Begins, spec: Spec) -> Floats:
+    """Return values between two ends, with both sides of those at which something begins."""
+    jumps = [value for pair in begins.values() for value in pair if low < value < high]
+    beside = np.outer(jumps, (1.0 - _BESIDE, 1.0 + _BESIDE)).ravel()
+    return np.union1d(np.geomspace(low, high, _POINTS[spec.restitution > 0.0]), beside)
+
+
+def _most(values: Floats) -> Floats:
+    """Largest value of each row; NaN does not count, unless nothing else is there."""
+    return -_least(-values)
+
+
+def _least(speed: Floats) -> Floats:
+    """Least speed of each row; what is left out is NaN and does not count, unless nothing else is there."""
+    least = np.where(np.isnan(speed), np.inf, speed).min(axis=1)
+    return np.where(np.isinf(least) & (least > 0.0), np.nan, least)
+
+
+def _bodies(box: Box) -> Floats:
+    """Bodies of a box, as shares, of shape (5, n): its corners and, of few bands, points between them."""
+    if box.varies.sum() > _MOST:
+        return corners(box)
+    levels = [_LEVELS if varies else (0.0,) for varies in box.varies]
+    return np.array(list(product(*levels))).T
+
+
+def _begins(box: Box) -> Begins:
+    """Nominal loads over the present one from which the first, and the last, part is in a regime or beyond.
+
+    Forward slip, back slip and hopping, whose loads have their extremes at corners of the box, or at the
+    angle of friction (theory.md, sections 6 and 14).
+    """
+    (a_low, a_high), (b_low, b_high) = box.drive_angle, box.trough_angle
+    (s_low, s_high), (least, most) = box.static_span, box.load
+    flattest = max(math.cos(b_low), math.cos(b_high), 1.0 if b_low < 0.0 < b_high else 0.0)
+    with np.errstate(divide="ignore"):
+        hops = float(hop_load(box) / most), float(flattest / np.sin(a_low) / least)
+    slips_back = (
+        float(back_slip_load(box) / most),
+        float(critical_loads(a_high, s_high, box.kinetic_span(s_high)[0], b_low).back_slip / least),
+    )
+    angles = np.array([a_low, a_high, np.clip(math.atan(s_low), a_low, a_high)])
+    slips = (
+        float(np.min(critical_loads(angles, s_low, s_low, b_low).forward_onset) / most),
+        float(onset_load(box) / least),
+    )
+    pairs = {Regime.FORWARD_SLIP: slips, Regime.BACK_SLIP: slips_back, Regime.HOPPING: hops}
+    begins: Begins = {}
+    beyond = (math.inf, math.inf)
+    for regime in reversed(Regime):  # a higher regime counts as this one
+        if regime in pairs:
+            beyond = min(pairs[regime][0], beyond[0]), min(pairs[regime][1], beyond[1])
+            begins[regime] = beyond
+    return begins
