@@ -30,6 +30,7 @@ __all__ = [
     "scale_axis",
     "set_heading",
     "settle",
+    "single_frame",
 ]
 
 _SINGLE_SIZE: Final = (7.4, 5.6)  # [in]
@@ -42,7 +43,6 @@ _POINTS: Final = 72.0  # [pt/in]
 _DECADES_FOR_TENS: Final = 3.0  # a longer logarithmic scale has ticks at powers of ten alone
 _HANDLE_WIDTH: Final = 0.65  # [in] of a handle in a legend, with the gap between columns
 _LETTER_WIDTH: Final = 0.075  # [in] of a letter in a legend
-_OPERATING_POINT: Final = "operating point"
 _MARKER: Final[dict[str, Any]] = {
     "marker": "o",
     "markersize": 8.0,
@@ -95,6 +95,19 @@ def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[F
             common.pop(panel.facet, None)
             a.set_title(values_text({panel.facet: panel.values[panel.facet]}, all_of_them=True))
     set_heading(figure, headline(heading, result), values_text(common))
+    return figure, axes
+
+
+def single_frame(x: Axis, y: Axis, headline: str, below: str) -> tuple[Figure, Axes]:
+    """Make a figure with one empty map, its axes named and scaled."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=_SINGLE_SIZE)
+    axes = figure.subplots()
+    for axis, of in ((axes.xaxis, x), (axes.yaxis, y)):
+        scale_axis(axis, of)
+        axis.set_label_text(axis_label(of))
+    set_heading(figure, headline, below)
     return figure, axes
 
 
@@ -158,19 +171,16 @@ def operating_points(result: SweepResult, panel: Panel) -> NDArray[np.float64]:
     return np.array([[point[axis.name] for axis in drawn] + [0.0] * (2 - len(drawn))])
 
 
-def mark_operating_point(axes: Axes, points: NDArray[np.float64], legend: dict[str, dict[str, Any]]) -> None:
-    """Mark the scene's own point on top of everything."""
+def mark_operating_point(
+    axes: Axes,
+    points: NDArray[np.float64],
+    legend: dict[str, dict[str, Any]],
+    label: str = "operating point",
+) -> None:
+    """Mark the scene's own point, or another of which there is one, on top of everything."""
     if len(points):
-        axes.plot(
-            points[:, 0],
-            points[:, 1],
-            zorder=7,
-            gid=_OPERATING_POINT,
-            label=_OPERATING_POINT,
-            clip_on=False,
-            **_MARKER,
-        )
-        legend[_OPERATING_POINT] = dict(_MARKER)
+        axes.plot(points[:, 0], points[:, 1], zorder=7, gid=label, label=label, clip_on=False, **_MARKER)
+        legend[label] = dict(_MARKER)
 
 
 def settle(figure: Figure, legend: Mapping[str, dict[str, Any]]) -> None:

@@ -21,6 +21,7 @@ from vibro.plots.style import (
     NO_ANSWER_HATCH,
     NO_ANSWER_INK,
     REGIME_COLOURS,
+    CurveStyle,
     ink_on,
     number_text,
 )
@@ -90,7 +91,8 @@ class MapLayers:
         self._regions: list[tuple[str, NDArray[np.bool_], dict[str, Any]]] = []
         self._words: list[Any] = []
         self._spines: dict[str, list[Floats]] = {}
-        self._curves: dict[str, list[Floats]] = {}
+        self._curves: list[tuple[CurveStyle, list[Floats]]] = []
+        self._clear: list[Floats] = []  # lines that words keep clear of
         self._contours: list[tuple[str, list[Floats], Any]] = []
 
     @property
@@ -167,28 +169,42 @@ class MapLayers:
                 self.legend[label] = style
 
     def draw_curves(self, names: Iterable[str]) -> None:
-        """Draw the critical curves where they bound a regime; on coloured numbers, outlined in white."""
+        """Draw the critical curves where they bound a regime."""
+        for name in names:
+            hidden_by = hiding_fields(self.fields, name)
+            self.draw_curve(
+                name, CURVES[name], zero_lines(self.fields, self.fields.log_ratio[name], hidden_by)
+            )
+
+    def draw_curve(self, name: str, style: CurveStyle, pieces: list[Floats]) -> None:
+        """Draw the pieces of a curve, if any, and have it named; on coloured numbers, outlined in white."""
         from matplotlib.patheffects import withStroke
 
-        for name in names:
-            style = CURVES[name]
-            pieces = zero_lines(self.fields, self.fields.log_ratio[name], hiding_fields(self.fields, name))
-            if pieces:
-                width = style.width * self._scale
-                halo = withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)
-                self._line(
-                    pieces,
-                    label=style.label,
-                    gid=name,
-                    color=INK,
-                    linestyle=style.dashes,
-                    linewidth=width,
-                    zorder=3,
-                    path_effects=[halo] if self._has_numbers else None,
-                )
-                self._curves[name] = pieces
-                if not self._single:
-                    self._explain_curve(name)
+        if not pieces:
+            return
+        width = style.width * self._scale
+        halo = withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)
+        self._line(
+            pieces,
+            label=style.label,
+            gid=name,
+            color=INK,
+            linestyle=style.dashes,
+            linewidth=width,
+            zorder=3,
+            path_effects=[halo] if self._has_numbers else None,
+        )
+        self._curves.append((style, pieces))
+        self._clear += pieces
+        if not self._single:
+            self._explain_curve(style)
+
+    def draw_level(self, values: Floats, level: float, text: str) -> None:
+        """Draw one contour of the numbers, thick, and have it named."""
+        hidden = [*self._covers, -self.fields.smooth]
+        heights = without_hidden(np.nan_to_num(values) - level, hidden)
+        pieces = [piece for piece in zero_lines(self.fields, heights, hidden) if self._is_long(piece)]
+        self.draw_curve(text, CurveStyle(text, "-", 2.6), pieces)
 
     def draw_numbers(self, values: Floats, norm: Normalize, colours: Colormap, levels: Floats) -> None:
         """Draw numbers as colours beneath the covers, with contours that ``write`` labels."""
@@ -241,9 +257,8 @@ class MapLayers:
             word.remove()
         labeller = Labeller(self.axes)
         labeller.avoid(avoid, radius=9.0)
-        for pieces in self._curves.values():
-            for piece in pieces:
-                labeller.avoid_line(piece)
+        for piece in self._clear:
+            labeller.avoid_line(piece)
         self._write_regions(labeller)
         self._write_curves(labeller)
         for text, pieces, ground in self._contours:
@@ -265,14 +280,12 @@ class MapLayers:
             # On filled regimes dark words are legible, except on hopping, the darkest.
             labeller.avoid_region(self.fields.evenly(self.fields.log_ratio["hop"]) > 0.0)
         halo = "#FFFFFF" if self._has_numbers else None
-        for name, pieces in self._curves.items():
-            style = CURVES[name]
+        for style, pieces in self._curves:
             type_style: dict[str, Any] = {"halo": halo, "color": INK, "fontsize": 8.5}
             if self._single and not labeller.along(style.label, pieces, beside=True, **type_style):
-                self._explain_curve(name)
+                self._explain_curve(style)
 
-    def _explain_curve(self, name: str) -> None:
-        style = CURVES[name]
+    def _explain_curve(self, style: CurveStyle) -> None:
         self.legend[style.label] = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
 
     def _cover(self, field: Floats, label: str, **style: Any) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import groupby, pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
@@ -40,6 +40,8 @@ from vibro.plots.style import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -49,7 +51,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["flight_line", "impact_line", "speed_lines", "traverse_line"]
+__all__ = ["Band", "flight_line", "impact_line", "name_bands", "speed_lines", "traverse_line"]
 
 _TINT: Final = 0.35  # opacity of bands behind lines
 _MARKED: Final = 60  # values on the axis, up to which each is marked
@@ -90,6 +92,26 @@ def traverse_line(result: SweepResult, fields: Fields) -> Figure:
     if known.size and known.max() > _WIDE * known.min():
         make_logarithmic(figure.axes[1].yaxis, known.min(), known.max())
     return figure
+
+
+class Band(Protocol):
+    """A stretch of the axis with a name and a look of its own."""
+
+    @property
+    def low(self) -> float:
+        """Where it begins."""
+
+    @property
+    def high(self) -> float:
+        """Where it ends."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+
+    @property
+    def style(self) -> dict[str, Any]:
+        """How it is filled."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +160,7 @@ def _figure(result: SweepResult, fields: Fields, heading: str, rows: dict[str, F
     axes[-1].set_xlabel(axis_label(fields.panel.x))
     figure.align_ylabels(axes)
     settle(figure, legend)
-    if unnamed := _name_bands(figure, strip, bands):
+    if unnamed := name_bands(figure, strip, bands):
         settle(figure, unnamed | legend)
     return figure
 
@@ -209,8 +231,8 @@ def _line(axes: Axes, fields: Fields, values: Floats, legend: dict[str, dict[str
     axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.8)
 
 
-def _name_bands(figure: Figure, strip: Axes, bands: list[_Band]) -> dict[str, dict[str, Any]]:
-    """Write the regimes' names into the strip; return the styles of those that find no room."""
+def name_bands(figure: Figure, strip: Axes, bands: Sequence[Band]) -> dict[str, dict[str, Any]]:
+    """Write the names of bands into a strip above the axes; return the styles of those that find no room."""
     strip.set_yticks([])
     strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
     renderer = renderer_of(figure)

@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.plots.frame import map_frame, mark_operating_point, operating_points, settle
 from vibro.plots.layers import MapLayers
-from vibro.plots.style import CURVES
+from vibro.plots.style import CURVES, number_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -24,10 +24,12 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = [
+    "colour_bar",
     "flight_map",
     "impact_map",
     "levels_from_zero",
     "levels_of_times",
+    "place_words",
     "regime_map",
     "scale_from_zero",
     "speed_map",
@@ -60,14 +62,20 @@ def regime_map(result: SweepResult, fields: list[Fields]) -> Figure:
     return _finish(figure, result, maps)
 
 
-def speed_map(result: SweepResult, fields: list[Fields]) -> Figure:
-    """Map of the mean conveying speed, diverging about zero where transport reverses."""
+def speed_map(result: SweepResult, fields: list[Fields], level: float | None = None) -> Figure:
+    """Map of the mean conveying speed, diverging about zero where transport reverses.
+
+    A level is a speed whose contour stands out [mm/s].
+    """
     figure, maps = _start(result, fields, "Mean conveying speed")
     for layers in maps:
         layers.hatch_unanswered(regimes_show=False)
         layers.cover_rest()
     speeds = [_MILLIMETRE * f.velocity for f in fields]
     _draw_from_zero(figure, maps, speeds, "mean conveying speed [mm/s]")
+    if level is not None:
+        for layers, numbers in zip(maps, speeds, strict=True):
+            layers.draw_level(numbers, level, f"{number_text(level)} mm/s")
     return _finish(figure, result, maps)
 
 
@@ -108,7 +116,7 @@ def _draw_from_zero(figure: Figure, maps: list[MapLayers], values: list[Floats],
     for layers, numbers in zip(maps, values, strict=True):
         layers.draw_numbers(numbers, norm, colours, levels)
     if (low, high) != (0.0, 0.0):
-        _colour_bar(figure, maps, norm, colours, label, "min" if low < 0.0 and not reverses else "neither")
+        colour_bar(figure, maps, norm, colours, label, "min" if low < 0.0 and not reverses else "neither")
 
 
 def scale_from_zero(seen: tuple[float, float], smooth: tuple[float, float]) -> Normalize:
@@ -178,7 +186,7 @@ def traverse_map(result: SweepResult, fields: list[Fields]) -> Figure:
         layers.draw_numbers(time, norm, colours, levels)
     if moves:
         extend = "max" if longest > top else "neither"
-        _colour_bar(figure, maps, norm, colours, "traverse time [s]", extend, levels)
+        colour_bar(figure, maps, norm, colours, "traverse time [s]", extend, levels)
     return _finish(figure, result, maps)
 
 
@@ -198,7 +206,7 @@ def _range(maps: list[MapLayers], values: list[Floats], *, smooth: bool = False)
     return (float(seen.min()), float(seen.max())) if seen.size else (0.0, 0.0)
 
 
-def _colour_bar(
+def colour_bar(
     figure: Figure,
     maps: list[MapLayers],
     norm: Normalize,
@@ -207,6 +215,7 @@ def _colour_bar(
     extend: str = "neither",
     ticks: Floats | None = None,
 ) -> None:
+    """Draw the scale of the numbers beside the maps."""
     from matplotlib.cm import ScalarMappable
 
     axes = [layers.axes for layers in maps]
@@ -228,6 +237,26 @@ def _finish(
         layers.hatch_doubtful()
         layers.draw_curves(curves)
         mark_operating_point(layers.axes, point, marked)
+    place_words(figure, maps, points, marked)
+    return figure
+
+
+def place_words(
+    figure: Figure, maps: list[MapLayers], points: list[Floats], marked: dict[str, dict[str, Any]]
+) -> None:
+    """Fix the layout, and write the words.
+
+    Parameters
+    ----------
+    figure : Figure
+        All of it drawn.
+    maps : list of MapLayers
+        Its maps.
+    points : list of (n, 2) array
+        What words keep clear of, on every map.
+    marked : dict of str to dict
+        Entries of the legend beside those of the maps.
+    """
     # Words are placed in the final layout. But the legend, which explains those that find no room, is part of
     # the layout: both are repeated until the legend stays as it is.
     legend = _legend(maps) | marked
@@ -237,7 +266,7 @@ def _finish(
             layers.write(avoid=point)
         needed = _legend(maps) | marked
         if needed.keys() == legend.keys():
-            return figure
+            return
         legend = needed
 
 

@@ -32,11 +32,13 @@ __all__ = [
     "NO_ANSWER_HATCH",
     "NO_ANSWER_INK",
     "REGIME_COLOURS",
+    "CurveStyle",
     "axis_label",
     "figure_text",
     "house_style",
     "ink_on",
     "number_text",
+    "spans_text",
     "value_text",
     "values_text",
     "visible",
@@ -242,6 +244,19 @@ def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> st
     for name, quantity in QUANTITIES.items():
         if name in values and (all_of_them or quantity.default != values[name]):
             parts.append(f"${quantity.symbol}$ = {value_text(name, values[name])}")
+    return ", ".join(parts)
+
+
+def spans_text(spans: Mapping[str, tuple[float, float]]) -> str:
+    """Write bands of quantities, given in SI units, in the user's units: ``f = 15 Hz, μ_s = 0.3 ... 0.5``."""
+    parts = []
+    for name, quantity in QUANTITIES.items():
+        if name in spans:
+            low, high = (quantity.from_si(end) for end in spans[name])
+            text = value_text(name, high)
+            parts.append(
+                f"${quantity.symbol}$ = " + (f"{number_text(low)} ... {text}" if low < high else text)
+            )
     return ", ".join(parts)
 
 

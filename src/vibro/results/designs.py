@@ -193,7 +193,8 @@ class SettingFields:
     Attributes
     ----------
     amplitude_mm, frequency_hz : pair of float
-        Nominal settings to be shown, both ends > 0: what the drive can do, and some more on every side.
+        Nominal settings to be shown, both ends > 0: what the drive can do, and some more on every side. The
+        amplitude's scale is logarithmic.
     load : (n,) array
         Nominal loads, ascending, that cover all shown settings; twice the same where numbers jump [1].
     speed_min : (n,) array
@@ -227,7 +228,7 @@ class SpeedBand:
     Attributes
     ----------
     amplitude_mm : (n,) array
-        Ascending.
+        Ascending, from where no part moves to beyond the design and what the goal allows.
     speed_min, speed_nominal, speed_max : (n,) array
         The slowest part's, the one's in the middle of all bands, and the fastest part's; not finite where it
         is unknown, or a part runs away [mm/s].

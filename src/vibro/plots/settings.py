@@ -1,0 +1,202 @@
+"""Settings of a drive over amplitude and frequency: what is guaranteed there, as fields that maps draw."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.axes import Axis
+from vibro.core.codes import Regime
+from vibro.plots.fields import Fields, clip_line, zero_lines
+from vibro.plots.style import REGIME_COLOURS
+from vibro.plots.view import Panel
+from vibro.quantities import LENGTH
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.inverse.specs import Spec
+    from vibro.results.designs import Chosen, SettingFields
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["BEGINS", "LAST", "LIVELIER", "Settings", "Stretch", "below"]
+
+#: Regimes with something that moves.
+LIVELIER: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
+#: The curve at which each begins.
+BEGINS: Final[Mapping[Regime, str]] = {
+    Regime.FORWARD_SLIP: "forward_onset",
+    Regime.BACK_SLIP: "back_slip",
+    Regime.HOPPING: "hop",
+}
+#: Before the name of a curve: of the last part, else it is of the first.
+LAST: Final = "last_"
+
+_RESOLVED: Final = 301  # values an axis
+_DEPENDS_HATCH: Final = "////"
+_FAR: Final = 30.0  # where logarithms are cut, so that contours find finite numbers
+_ROUNDING: Final = 1.0 + 1e-9
+
+
+def below(limit: float, values: Any) -> Floats:
+    """ln(limit / values): positive below a limit, and finite; negative where a value is unknown."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        excess = np.log(limit / np.asarray(values, np.float64))
+    return np.asarray(np.clip(np.nan_to_num(excess, nan=-_FAR), -_FAR, _FAR))
+
+
+class Stretch(NamedTuple):
+    """Loads between which the least and the most lively part stay in their regimes."""
+
+    low: float
+    high: float
+    least: Regime
+    most: Regime
+
+    @property
+    def name(self) -> str:
+        """The regimes that occur."""
+        if self.least is self.most:
+            return self.most.label
+        join = "or" if self.most - self.least == 1 else "to"
+        return f"{self.least.label} {join} {self.most.label}, by part"
+
+    @property
+    def style(self) -> dict[str, Any]:
+        """How it is filled: the most lively part's colour, hatched in that of the least lively one."""
+        face = {"facecolor": REGIME_COLOURS[self.most]}
+        if self.least is self.most:
+            return face
+        return {**face, "hatch": _DEPENDS_HATCH, "edgecolor": REGIME_COLOURS[self.least]}
+
+
+@dataclass(frozen=True, eq=False)
+class Settings:
+    """Amplitudes and frequencies of a drive, in the user's units, and what is known of them.
+
+    Attributes
+    ----------
+    spec : Spec
+        The question.
+    chosen : Chosen
+        The design that is marked.
+    data : SettingFields
+        Of its drive and drive angle.
+    """
+
+    spec: Spec
+    chosen: Chosen
+    data: SettingFields
+
+    @cached_property
+    def fields(self) -> Fields:
+        """The grid of a map, with the loads at which the first and the last part reach regimes."""
+        x = Axis("frequency", np.linspace(*self.data.frequency_hz, _RESOLVED), "linear")
+        y = Axis("amplitude", np.geomspace(*self.data.amplitude_mm, _RESOLVED), "log")
+        loads = {"tips": self.data.tips}
+        for regime, curve in BEGINS.items():
+            loads[curve], loads[LAST + curve] = self.data.begins[regime]
+        critical = {name: np.array([[load]]) for name, load in loads.items()}
+        speed = self.speed(y.values[:, np.newaxis], x.values)
+        cycle = {"mean_velocity": speed, "period_cycles": np.ones(speed.shape)}
+        return Fields(Panel(x, y, {"gravity": self.spec.gravity}, None, cycle, critical))
+
+    @property
+    def point(self) -> Floats:
+        """The chosen setting, as an array of shape (1, 2)."""
+        return np.array([[self.chosen.design.frequency_hz, self.chosen.design.amplitude_mm]], np.float64)
+
+    @property
+    def goal(self) -> float:
+        """Least speed [mm/s]."""
+        return float(LENGTH.from_si(self.spec.goal.speed))
+
+    @property
+    def forbidden(self) -> tuple[Regime, ...]:
+        """Regimes that the goal does not allow, from the first one on."""
+        return tuple(regime for regime in LIVELIER if regime > self.spec.goal.highest_regime)
+
+    @property
+    def stretches(self) -> list[Stretch]:
+        """Regimes of all parts, from rest on, as the load rises."""
+        begins = [self.data.begins[regime] for regime in LIVELIER]
+        edges = sorted({0.0, math.inf, *(load for pair in begins for load in pair)})
+        found = []
+        for low, high in pairwise(edges):
+            most, least = (Regime(sum(pair[which] <= low for pair in begins)) for which in (0, 1))
+            found.append(Stretch(low, high, least, most))
+        return found
+
+    def __post_init__(self) -> None:
+        shown = self.load(*np.array([self.data.amplitude_mm, self.data.frequency_hz]))
+        if not (self.data.load[0] <= shown[0] * _ROUNDING and shown[1] <= self.data.load[-1] * _ROUNDING):
+            raise ValueError(f"loads {self.data.load[[0, -1]]} do not cover the settings' {shown}")
+
+    def load(self, amplitude: Any, frequency: Any) -> Floats:
+        """G = A w^2 / g."""
+        w = 2.0 * math.pi * frequency
+        return np.asarray(LENGTH.to_si(amplitude) * w**2 / self.spec.gravity)
+
+    def amplitude(self, load: float) -> float:
+        """Amplitude at which the chosen frequency has a load [mm]."""
+        w = 2.0 * math.pi * float(self.point[0, 0])
+        return float(LENGTH.from_si(load * self.spec.gravity / w**2))
+
+    def speed(self, amplitude: Any, frequency: Any) -> Floats:
+        """Guaranteed speed; NaN where nothing is guaranteed [mm/s]."""
+        known = np.where(np.isfinite(self.data.speed_min), self.data.speed_min, np.nan)
+        return np.asarray(self._at_load(known, amplitude, frequency) / frequency)
+
+    def strong(self, amplitude: Any, frequency: Any) -> Floats:
+        """Positive where amplitude and acceleration keep to the drive's limits, at whatever frequency."""
+        drive = self.chosen.drive
+        low, high = (float(LENGTH.from_si(end)) for end in drive.amplitude)
+        excess = [below(high, amplitude), below(drive.acceleration, self.load(amplitude, frequency))]
+        excess += [-below(low, amplitude)] if low > 0.0 else []
+        return np.asarray(np.minimum.reduce(np.broadcast_arrays(*excess)))
+
+    def meets(self, amplitude: Any, frequency: Any) -> Floats:
+        """Positive where besides all that the goal and the parts ask for is guaranteed."""
+        goal = self.spec.goal
+        load = self.load(amplitude, frequency)
+        excess = [
+            self.strong(amplitude, frequency),
+            -below(self.goal, np.fmax(self.speed(amplitude, frequency), 0.0)),
+            below(self.data.tips, load),
+            *(below(self.data.begins[regime][0], load) for regime in self.forbidden[:1]),
+        ]
+        if self.data.impact_speed is not None:
+            impact = self._at_load(self.data.impact_speed, amplitude, frequency) / frequency
+            excess.append(below(float(LENGTH.from_si(goal.impact_speed)), impact))
+        if self.data.flight_fraction is not None:
+            flight = self._at_load(self.data.flight_fraction, amplitude, frequency)
+            excess.append(below(goal.flight_fraction, flight))
+        return np.asarray(np.minimum.reduce(excess))
+
+    def over(self, excess: Callable[[Any, Any], Floats]) -> Floats:
+        """Return an excess over the grid, negative beside the frequency ranges of the drive."""
+        y, x = self.fields.y[:, np.newaxis], self.fields.x
+        ranges = [span for span in self.chosen.drive.frequency if span[0] < span[1]]
+        inside = [np.minimum(-below(low, x), below(high, x)) for low, high in ranges]
+        chosen = np.maximum.reduce([np.full(x.shape, -_FAR), *inside])
+        return np.asarray(np.minimum(chosen, excess(y, x)))
+
+    def pieces(self, excess: Callable[[Any, Any], Floats]) -> list[Floats]:
+        """Return lines around the drive's settings with an excess, and along them at single frequencies."""
+        found = zero_lines(self.fields, self.over(excess))
+        for low, high in self.chosen.drive.frequency:
+            if low == high:
+                line = np.column_stack([np.full(self.fields.y.shape, low), self.fields.y])
+                found += clip_line(line, -excess(line[:, 1], line[:, 0]))
+        return found
+
+    def _at_load(self, values: Floats, amplitude: Any, frequency: Any) -> Floats:
+        return np.asarray(np.interp(self.load(amplitude, frequency), self.data.load, values))
