@@ -11,6 +11,7 @@ import pytest
 from vibro.errors import FileError, InputError, printable
 from vibro.files.stems import PICTURES, output_stem, suffixed
 from vibro.plots import picture_names
+from vibro.plots.design import DESIGN_PICTURES
 
 
 def test_suffixes_are_appended_whatever_dots_the_stem_has(tmp_path: Path) -> None:
@@ -58,5 +59,6 @@ def test_what_is_neither_a_file_nor_a_folder_is_refused_with_a_hint(tmp_path: Pa
         assert caught.value.hint == "-o - writes the table to stdout"
 
 
-def test_every_picture_of_a_map_is_known_by_its_name() -> None:
-    assert list(PICTURES) == picture_names(2, has_length=True)
+def test_every_picture_with_a_name_is_known_by_it() -> None:
+    assert set(PICTURES) == {*picture_names(2, has_length=True), *DESIGN_PICTURES}
+    assert len(set(PICTURES)) == len(PICTURES)

@@ -87,10 +87,10 @@ def accuracy_command(
         trade = _run(grid, scenes, tolerance, console)
         content = _content(trade, grid)
 
-        def draw() -> Figure:
+        def draw() -> dict[str, Figure]:
             from vibro.plots.trade import trade_figure
 
-            return trade_figure(trade)
+            return {"": trade_figure(trade)}
 
         output.write(lambda: {"": _columns(trade.rows)}, draw, content)
     if trade.scenes < scenes:

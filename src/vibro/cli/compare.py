@@ -157,10 +157,12 @@ def compare_command(
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}
         title = f"{data.name} – {request.name or 'scene'}, computed pattern {comparison.motion.pattern}"
 
-        def draw() -> Any:
+        def draw() -> dict[str, Any]:
             from vibro.plots.comparison import comparison_figure
 
-            return comparison_figure(comparison, title, compare(fit.scene, observation) if fit else None)
+            return {
+                "": comparison_figure(comparison, title, compare(fit.scene, observation) if fit else None)
+            }
 
         output.write(lambda: {"": tables.signals(), "summary": tables.summary()}, draw, content)
     if output.takes_stdout:

@@ -1,4 +1,4 @@
-"""What the commands share that write tables over time, or of methods: their files."""
+"""What the commands share that write tables over time, of methods or of designs: their files."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def scene_record(request: Request) -> dict[str, float]:
 
 
 class SeriesOutput:
-    """Where tables, a picture and a sidecar go: to files, all or none; the first table to stdout; or nowhere.
+    """Where tables, pictures and a sidecar go: to files, all or none; the first table to stdout; or nowhere.
 
     To be entered before anything is computed: that claims the files.
 
@@ -41,8 +41,10 @@ class SeriesOutput:
         The files' name where the options name a folder.
     tables : sequence of str
         What is appended to the stem for each table.
+    pictures : sequence of str
+        The same for each picture.
     formats : sequence of str
-        Of the picture.
+        Of every picture.
     options : Options
         Where to write, and how.
     argv : sequence of str
@@ -63,6 +65,7 @@ class SeriesOutput:
         name: str,
         tables: Sequence[str],
         *,
+        pictures: Sequence[str] = ("",),
         formats: Sequence[str],
         options: Options,
         argv: Sequence[str],
@@ -79,7 +82,7 @@ class SeriesOutput:
                 force=options.force,
                 tell=console.echo,
                 tables=tables,
-                pictures=("",),
+                pictures=pictures,
                 formats=formats,
                 reads=reads,
             )
@@ -92,7 +95,7 @@ class SeriesOutput:
     def write(
         self,
         tables: Callable[[], Mapping[str, TableColumns]],
-        draw: Callable[[], Figure],
+        draw: Callable[[], Mapping[str, Figure]],
         content: Mapping[str, Any],
     ) -> None:
         """Write what is wanted of it.
@@ -102,7 +105,7 @@ class SeriesOutput:
         tables : callable
             Makes the columns by their header, by the name of the table.
         draw : callable
-            Makes the picture.
+            Makes the pictures, by their names: all of them, or none if there is nothing to be drawn.
         content : mapping
             What the sidecar says beside version, arguments and files.
         """
@@ -115,8 +118,12 @@ class SeriesOutput:
                 stream.write(self._form.table(columns))
         from vibro.plots import save
 
-        figure = draw()
-        self._files.finish(content, lambda _, path, form, metadata: save(figure, path, form, metadata))
+        figures = draw()
+
+        def save_one(name: str, path: Path, form: str, metadata: Mapping[str, str]) -> None:
+            save(figures[name], path, form, metadata)
+
+        self._files.finish(content, save_one if figures else None)
 
     def __enter__(self) -> Self:
         if self._files:

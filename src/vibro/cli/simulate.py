@@ -112,7 +112,7 @@ def simulate_command(
         )
         output.write(
             lambda: _tables(history, samples),
-            lambda: _figure(history, samples, panels, request, console),
+            lambda: {"": _figure(history, samples, panels, request, console)},
             content,
         )
     if output.takes_stdout:

@@ -114,6 +114,12 @@ class OutputSet:
             for target in self._targets:
                 self._tell(f"wrote {target}")
 
+    def leave_out(self, target: Path) -> None:
+        """Do without a target after all, not the last one; what is there goes like other pictures."""
+        self._targets = tuple(path for path in self._targets if path != target)
+        self._other_pictures.append(target)
+        del self._waiting[target]
+
     def free_space(self) -> int:
         """Return the bytes that are free where the files go."""
         return shutil.disk_usage(self.folder).free

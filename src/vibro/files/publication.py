@@ -94,13 +94,16 @@ class Publication:
         content : mapping
             What the JSON says beside version, arguments and files.
         save : callable, optional
-            ``save(name, path, format, metadata)`` writes a picture; not needed without any.
+            ``save(name, path, format, metadata)`` writes a picture. Without it there are none.
 
         Returns
         -------
         dict
             All that the JSON says.
         """
+        for path in self._pictures.values() if save is None else ():
+            self._files.leave_out(path)
+            self._targets.remove(path)
         files = [target.name for target in self._targets]
         whole = {"version": __version__, "argv": self._argv, **content, "files": files}
         metadata = {"Software": f"vibro {__version__}", "Description": json.dumps(whole, allow_nan=False)}

@@ -10,8 +10,8 @@ from vibro.errors import FileError, InputError
 
 __all__ = ["PICTURES", "PICTURE_FORMATS", "file_suffix", "output_stem", "suffixed"]
 
-#: Every picture of a map that has a name of its own, and the formats that pictures may have.
-PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight")
+#: Every picture of a map or a design that has a name of its own, and the formats that pictures may have.
+PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight", "band")
 PICTURE_FORMATS: Final = ("png", "svg", "pdf")
 
 _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
