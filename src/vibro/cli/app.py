@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import CompareCommand, compare_command
 from vibro.cli.console import open_closed_streams, print_error, silence, tell, tolerate_any_encoding
+from vibro.cli.design import design_command
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
@@ -139,7 +140,10 @@ _SCENES: dict[str, Callable[..., int]] = {
     "simulate": simulate_command,
     "compare": compare_command,
 }
-_OTHERS: dict[str, Callable[..., int]] = {"friction": friction_command}
+_OTHERS: dict[str, Callable[..., int]] = {
+    "design": shares_options(design_command, of_scene=False),
+    "friction": friction_command,
+}
 _CLASSES = {"compare": CompareCommand}
 for _name, _command in _SCENES.items():
     app.command(_name, cls=_CLASSES.get(_name))(shares_options(_command))

@@ -139,13 +139,15 @@ def _quantity_parameter(quantity: Quantity) -> inspect.Parameter:
     return _parameter(quantity.name, None, Annotated[str | None, option])
 
 
-def shares_options(run: Callable[..., int]) -> Callable[..., int]:
+def shares_options(run: Callable[..., int], *, of_scene: bool = True) -> Callable[..., int]:
     """Give a command the shared options.
 
     Parameters
     ----------
     run : callable
         ``run(context, options, **own)``, where ``own`` are the command's own options; returns the exit code.
+    of_scene : bool
+        Whether it takes a scene file, and the quantities of a scene.
 
     Returns
     -------
@@ -153,18 +155,19 @@ def shares_options(run: Callable[..., int]) -> Callable[..., int]:
         Whose signature has a parameter for every shared option, as typer needs it.
     """
     annotations = get_type_hints(Options, include_extras=True)
+    quantities = QUANTITIES if of_scene else {}
     shared = []
     for f in fields(Options):
         if f.name == "given":
-            shared += [_quantity_parameter(quantity) for quantity in QUANTITIES.values()]
-        else:
+            shared += [_quantity_parameter(quantity) for quantity in quantities.values()]
+        elif f.name != "scene" or of_scene:
             shared.append(_parameter(f.name, f.default, annotations[f.name]))
     context, _, *own = inspect.signature(run, eval_str=True).parameters.values()
 
     @functools.wraps(run)
     def command(**values: Any) -> int:
         typed = {p.name: values.pop(p.name) for p in shared}
-        texts = {name: typed.pop(name) for name in QUANTITIES}
+        texts = {name: typed.pop(name) for name in quantities}
         options = Options(**typed, given={name: text for name, text in texts.items() if text is not None})
         return run(values.pop(context.name), options, **values)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Final
 
 from vibro.core.codes import Regime, Status
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from vibro.motion.settled import CyclePhase
     from vibro.results.sweep import Block
 
-__all__ = ["OneScene", "aligned", "estimate", "number"]
+__all__ = ["OneScene", "aligned", "bound", "estimate", "number"]
 
 _MOST_PHASES: Final = 40  # a longer table says nothing
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
@@ -169,6 +170,12 @@ def estimate(value: float, error: float, unit: str = "") -> str:
     """Write a number for people, with its standard error where it is a mean."""
     spread = f" +- {error:.2g} {unit}".rstrip() + " (standard error)" if error > 0.0 else ""
     return number(value, unit) + spread
+
+
+def bound(value: float, unit: str = "", *, upper: bool) -> str:
+    """Write a bound for people with six digits, rounded so that it still holds."""
+    rounding = ROUND_CEILING if upper else ROUND_FLOOR
+    return number(float(Context(prec=6, rounding=rounding).create_decimal_from_float(value)), unit)
 
 
 def number(value: float, unit: str = "") -> str:

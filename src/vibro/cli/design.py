@@ -1,0 +1,106 @@
+"""``vibro design``: which settings of which drive guarantee a speed for all parts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from vibro.cli.console import Console
+from vibro.cli.options import Options, picture_formats
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.figure import Figure
+
+    from vibro.files.tables import TableColumns
+    from vibro.inverse.specs import Spec
+    from vibro.results.designs import Chosen, Design, DesignResult
+
+__all__ = ["NOT_MET", "design_command"]
+
+NOT_MET: Final = 4  # exit code
+_STEPS: Final = 100  # of the progress bar
+
+
+def design_command(
+    context: typer.Context,
+    options: Options,
+    source: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="The question.", show_default=False)],
+    formats: Annotated[
+        str, typer.Option("--format", metavar="png,svg,pdf", help="The pictures' formats.")
+    ] = "png",
+) -> int:
+    """Find drive settings that convey every part at least as fast as asked for, whatever its friction.
+
+    The question says what is known of the parts and the trough, as bands lo:hi, what each drive can do and
+    may drift, and the goal. For every drive and highest regime there are three designs: the gentlest that
+    meets the goal, the fastest, and the safest. With -o they go to STEM.csv and STEM.json too, and there are
+    pictures of one of them. The exit code is 4 if no drive meets the goal: what comes closest is printed.
+    """
+    from vibro.cli.design_report import design_report
+    from vibro.cli.series import SeriesOutput
+    from vibro.files.publication import json_text
+    from vibro.inverse.designs import chosen_of, find_designs
+    from vibro.inverse.reading import read_spec
+    from vibro.plots.design import DESIGN_PICTURES
+
+    console = Console(quiet=options.quiet)
+    wanted = picture_formats(formats)
+    spec = read_spec(source)
+    with SeriesOutput(
+        f"{spec.name}-design",
+        ("",),
+        pictures=DESIGN_PICTURES,
+        formats=wanted,
+        options=options,
+        argv=context.obj,
+        console=console,
+        reads=[source],
+    ) as output:
+        with console.progress("searching", _STEPS) as report:
+            result = find_designs(spec, lambda done, total: report(_STEPS * done // max(total, 1)))
+        chosen = chosen_of(spec, result)
+        output.write(
+            lambda: {"": _columns(result.designs)},
+            lambda: _figures(spec, chosen),
+            _content(source, result) if options.output else {},
+        )
+    if not output.takes_stdout:
+        print(json_text(result.to_dict()) if options.json else design_report(spec, result, chosen))
+    return 0 if result.met else NOT_MET
+
+
+def _columns(designs: Sequence[Design]) -> TableColumns:
+    """Return the table: texts as they are, numbers with NaN where there is none."""
+    import numpy as np
+
+    from vibro.results.designs import DESIGN_COLUMNS
+
+    columns: dict[str, Any] = {}
+    for column in DESIGN_COLUMNS:
+        values = [getattr(design, column.name) for design in designs]
+        texts = any(isinstance(value, str) for value in values)
+        columns[column.name] = [v or "" for v in values] if texts else np.array(values, np.float64)
+    return columns
+
+
+def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
+    """Draw the pictures of the chosen design; none if nothing is guaranteed anywhere."""
+    if chosen is None:
+        return {}
+    from vibro.inverse.fields import setting_fields, speed_band
+    from vibro.plots.design import design_figures
+
+    return design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen))
+
+
+def _content(source: Path, result: DesignResult) -> dict[str, Any]:
+    """Return what the sidecar says: the question as it was asked, and its answer."""
+    from vibro.files.toml_files import read_toml
+    from vibro.results.designs import DESIGN_COLUMNS
+
+    units = {column.name: column.unit for column in DESIGN_COLUMNS}
+    return {"spec": read_toml(source), **result.to_dict(), "columns": units}
