@@ -25,6 +25,7 @@ __all__ = [
     "DEFAULTS",
     "DURATION",
     "IN_GRAVITIES",
+    "LEAST_SPEED",
     "LENGTH",
     "MASS",
     "PERCENT",
@@ -251,6 +252,7 @@ DEFAULTS: Final[Mapping[str, float]] = {q.name: q.default for q in _ALL if q.def
 
 # Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS)
+LEAST_SPEED: Final = Quantity("speed", SPEED, allowed=_POSITIVE)
 STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)
 DURATION: Final = Quantity("duration", TIME)
 START_PHASE: Final = Quantity("start_phase", _ANGLE)

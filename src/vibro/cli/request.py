@@ -6,9 +6,9 @@ import shlex
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro.axes import parse_axis
-from vibro.errors import InputError
+from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
-from vibro.quantities import QUANTITIES
+from vibro.quantities import QUANTITIES, exact_number
 from vibro.sweeps.request import gather
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vibro.quantities import Quantity
     from vibro.sweeps.request import Request
 
-__all__ = ["request_of"]
+__all__ = ["checked_number", "request_of"]
 
 
 class _CommandLine(NamedTuple):
@@ -43,6 +43,15 @@ class _CommandLine(NamedTuple):
         typed = self.argv[:1] if from_scratch else self.argv
         wanted = (f"{QUANTITIES[name].options[0]} {value}" for name, value in values.items())
         return " ".join(["vibro", shlex.join(typed), *wanted])
+
+
+def checked_number(text: str, quantity: Quantity) -> float:
+    """Read a number with or without a unit, in the quantity's default unit, and check its range."""
+    value = float(exact_number(text, quantity))
+    if not quantity.allows(quantity.to_si(value)):
+        allowed = quantity.allowed.text(quantity.unit)
+        raise InputError(f"{quantity.label} = {cut(text)}: must be {allowed}")
+    return value
 
 
 def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:

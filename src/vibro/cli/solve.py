@@ -17,9 +17,11 @@ from vibro.cli.options import (
     refuse_without_flight,
 )
 from vibro.core.codes import Level
-from vibro.errors import InputError, cut
+from vibro.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from vibro.cli.report import OneScene
 
 __all__ = ["solve_command"]
@@ -41,18 +43,39 @@ def solve_command(
             show_default=False,
         ),
     ] = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            "--speed",
+            metavar="SPEED",
+            help="Instead list the amplitudes that convey at least so fast without hopping [mm/s]; the exit"
+            " code is 4 if there are none.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
-    With -o the row of a map's table is written to STEM.csv too.
+    With -o the row of a map's table is written to STEM.csv too. With --speed and without an amplitude the
+    answer is which amplitudes reach that speed.
     """
     from vibro.cli.output import answer_one, make_grid
-    from vibro.cli.request import request_of
+    from vibro.cli.request import checked_number, request_of
+    from vibro.quantities import STAND_RATIO
     from vibro.sweeps.columns import columns_of, standing
 
     if coexist:
         refuse_without_flight("--coexist", flight, accuracy)
-    ratio = None if stand_ratio is None else _positive(stand_ratio)
+    if speed is not None:
+        others = {
+            "-o": options.output is not None,
+            "--flight": flight is not Flight.ON,
+            "--accuracy": accuracy is not Level.EXACT,
+            "--coexist": coexist,
+            "--stand-ratio": stand_ratio is not None,
+        }
+        return _amplitudes(speed, options, context.obj, [name for name, given in others.items() if given])
+    ratio = None if stand_ratio is None else checked_number(stand_ratio, STAND_RATIO)
     request = request_of(options, context.obj)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
     columns = columns_of((), *(() if ratio is None else standing(ratio)))
@@ -60,15 +83,15 @@ def solve_command(
     return answer_one(grid, columns, options, context.obj, request.name or "vibro-solve", report)
 
 
-def _positive(text: str) -> float:
-    """Read a stand ratio."""
-    from vibro.quantities import STAND_RATIO, exact_number
+def _amplitudes(speed: str, options: Options, argv: Sequence[str], others: Sequence[str]) -> int:
+    """List the amplitudes that reach a speed."""
+    from vibro.cli.amplitudes import list_amplitudes
 
-    ratio = float(exact_number(text, STAND_RATIO))
-    if not STAND_RATIO.allows(ratio):
-        allowed = STAND_RATIO.allowed.text(STAND_RATIO.unit)
-        raise InputError(f"{STAND_RATIO.label} = {cut(text)}: must be {allowed}")
-    return ratio
+    if others:
+        raise InputError(
+            f"--speed lists amplitudes: {', '.join(others)} means nothing to it", hint="leave it out"
+        )
+    return list_amplitudes(speed, options, argv)
 
 
 def _upright(one: OneScene, stand_ratio: float) -> str:

@@ -158,6 +158,7 @@ def gather(
     ranges: Mapping[str, str] | None = None,
     needs_length: bool = False,
     must_vary: bool = True,
+    asked_for: str | None = None,
 ) -> Request:
     """Merge a scene file and what a caller gives beside it, and check all that can be known beforehand.
 
@@ -179,6 +180,8 @@ def gather(
         Whether the length of the trough is needed.
     must_vary : bool
         Whether ``ranges`` without any axis are refused.
+    asked_for : str, optional
+        Name of a quantity that is to be found: a caller may not give it, and what a file says does not count.
 
     Returns
     -------
@@ -197,6 +200,12 @@ def gather(
     swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
     own = _by_slot(file.scene, "[scene]", problems)
 
+    if asked_for is not None:
+        own.pop(asked_for, None)
+        if asked_for in typed:
+            problems.add(
+                asked_for, f"{typed.pop(asked_for).quantity.label} is given, and asked for", "leave it out"
+            )
     merged = own | swept | typed
     if not any(spec.varies for spec in merged.values()):
         for slot in ranges.keys() & own.keys() - swept.keys() - typed.keys():
@@ -212,7 +221,8 @@ def gather(
     _check_combinations(merged, problems)
     if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
         problems.add("", "nothing varies", f"give an axis, for example {caller.an_axis}")
-    required = [s for s in _EXAMPLES if s not in ranges and (needs_length or s != "trough_length")]
+    given_up = {*ranges, asked_for, *(() if needs_length else ("trough_length",))}
+    required = [slot for slot in _EXAMPLES if slot not in given_up]
     _check_missing(required, merged, caller, problems)
     problems.settle()
 
