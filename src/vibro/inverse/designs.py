@@ -23,7 +23,7 @@ from vibro.steady import solve
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from vibro.inverse.optima import Optimum
     from vibro.inverse.specs import Drive, Spec
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["Chosen", "chosen_of", "design", "find_designs", "nominal_scene"]
 
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
+_KINDS: Final = ("gentlest", "fastest", "safest")
 _DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
 _NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inwards
 _AT: Final = 1e-6  # relative distance to a limit that is at it
@@ -76,16 +77,15 @@ def design(spec: str | os.PathLike[str] | Mapping[str, Any]) -> DesignResult:
 def find_designs(spec: Spec, tell: Callable[[int, int], None] | None = None) -> DesignResult:
     """Find the designs of a checked question; ``tell`` is told how many of all are found."""
     designs: list[Design] = []
-    total = len(spec.drives) * len(_REGIMES) * 3
+    total = len(spec.drives) * len(_REGIMES) * len(_KINDS)
     for drive in spec.drives:
-        calmer: _Found | None = None
+        calmer: dict[str, _Found] = {}
         for regime in _REGIMES:
             rows = _Rows(Question(spec, drive, regime), calmer)
-            for find in (rows.gentlest, rows.fastest, rows.safest):
-                designs.append(find())
-                if tell:
-                    tell(len(designs), total)
-            calmer = rows.best or calmer
+            designs += [rows.row(kind) for kind in _KINDS]
+            if tell:
+                tell(len(designs), total)
+            calmer = rows.found
     target, highest = spec.goal.speed, spec.goal.highest_regime.label
     met = any(
         d.highest_regime == highest and (d.speed_min_mm_s or 0.0) >= SPEED.from_si(target) for d in designs
@@ -95,11 +95,13 @@ def find_designs(spec: Spec, tell: Callable[[int, int], None] | None = None) -> 
 
 @dataclass(frozen=True)
 class _Found:
-    """A setting as it is printed, and what it guarantees."""
+    """A setting as it is printed, what it guarantees, and its margin, and by which optimiser."""
 
     setting: Setting
     printed: tuple[float, float, float]
     guarantee: Guarantee
+    margin: float | None = None
+    optimiser: Optimiser | None = None
 
 
 class _Rows:
@@ -109,42 +111,49 @@ class _Rows:
     ----------
     question : Question
         What is asked.
-    calmer : _Found, optional
-        The fastest design within a lower regime, which is one here too.
+    calmer : mapping of str to _Found
+        The designs within a lower regime, which are designs here too.
     """
 
-    def __init__(self, question: Question, calmer: _Found | None) -> None:
+    def __init__(self, question: Question, calmer: Mapping[str, _Found]) -> None:
         self._question = question
         self._target = question.spec.goal.speed
-        self._optimiser = Optimiser(question)
-        fastest = self._settled(self._optimiser.fastest(), None, up=False)
-        known = [found for found in (fastest, calmer) if found is not None]
-        #: The fastest design; None where nothing is guaranteed.
-        self.best = max(known, key=lambda found: found.guarantee.speed_min, default=None)
-        self._met = self.best is not None and self.best.guarantee.speed_min >= self._target
+        self._optimiser = optimiser = Optimiser(question)
+        #: The designs by their kind, without those that there are not.
+        self.found: dict[str, _Found] = {}
+        self._keep("fastest", [self._settled(optimiser.fastest(), None, up=False), calmer.get("fastest")])
+        fastest = self.found.get("fastest")
+        if fastest is None or fastest.guarantee.speed_min < self._target:
+            return
+        gentlest = self._settled(optimiser.gentlest(self._target), self._target, up=True)
+        self._keep("gentlest", [gentlest, calmer.get("gentlest"), fastest])
+        safest: list[_Found | None] = [fastest]
+        if question.has_bands:
+            best = self._settled(optimiser.safest(self._target), self._target, up=False)
+            safest = [best, calmer.get("safest"), *self.found.values()]
+        self._keep("safest", safest)
 
-    def gentlest(self) -> Design:
-        """Return the design of least acceleration."""
-        if not self._met:
-            return self._row("gentlest", None)
-        found = self._settled(self._optimiser.gentlest(self._target), self._target, up=True)
-        if found is None:
-            return self._row("gentlest", self.best)
-        jumps = found.guarantee.speed_min > self._target * (1.0 + _AT)
-        return self._row("gentlest", found, set_by="onset" if jumps else "speed")
+    def _keep(self, kind: str, candidates: Iterable[_Found | None]) -> None:
+        """Keep the best of candidates, with its margin."""
+        known = [found for found in candidates if found is not None]
+        if kind == "safest":
+            known = [self._with_margin(found) for found in known]
+        merits: dict[str, Callable[[_Found], float]] = {
+            "fastest": lambda found: found.guarantee.speed_min,
+            "gentlest": lambda found: -float(self._question.load(found.setting)),
+            "safest": lambda found: found.margin or 0.0,
+        }
+        if known:
+            self.found[kind] = self._with_margin(max(known, key=merits[kind]))
 
-    def fastest(self) -> Design:
-        """Return the design of the largest guaranteed speed, whether it meets the goal or not."""
-        return self._row("fastest", self.best, set_by=self._limit(self.best, 1.0))
-
-    def safest(self) -> Design:
-        """Return the design of the largest margin."""
-        if not self._met:
-            return self._row("safest", None)
-        found = self._settled(self._optimiser.safest(self._target), self._target, up=False) or self.best
-        if found is None or not self._question.has_bands:
-            return self._row("safest", self.best, set_by=self._limit(self.best, 1.0))
-        return self._row("safest", found, set_by=self._limit(found, self._margin(found) or 1.0))
+    def _with_margin(self, found: _Found) -> _Found:
+        """Add the margin of a design: at least 1 where it meets the goal."""
+        if found.optimiser is self._optimiser or not self._question.has_bands:
+            return found
+        margin = self._optimiser.margin(found.setting, self._target)
+        if found.guarantee.speed_min >= self._target:
+            margin = max(margin or 1.0, 1.0)
+        return replace(found, margin=margin, optimiser=self._optimiser)
 
     def _settled(self, optimum: Optimum | None, target: float | None, *, up: bool) -> _Found | None:
         """Round a setting inwards, so that it holds as it is printed."""
@@ -185,10 +194,8 @@ class _Rows:
         load = float(question.load(setting))
         return bool(inside and least <= setting.amplitude <= most and load <= drive.acceleration)
 
-    def _limit(self, found: _Found | None, scale: float) -> str | None:
+    def _limit(self, found: _Found, scale: float) -> str:
         """Tell what keeps a setting from being better with bands of a scale."""
-        if found is None:
-            return self._first_cap()
         load = float(self._question.load(found.setting))
         caps = self._question.caps(np.array([[found.setting.drive_angle]]), scale)
         name, cap = min(((name, float(cap[0, 0])) for name, cap in caps.items()), key=lambda pair: pair[1])
@@ -196,6 +203,15 @@ class _Rows:
             return name
         most = self._question.drive.amplitude[1]
         return "limit" if found.setting.amplitude >= most * (1.0 - _AT) else "speed"
+
+    def _set_by(self, kind: str) -> str | None:
+        """Tell what keeps a design from being better; None where the goal is not met, but for the fastest."""
+        found = self.found.get(kind)
+        if found is None:
+            return self._first_cap() if kind == "fastest" else None
+        if kind == "gentlest":
+            return "onset" if found.guarantee.speed_min > self._target * (1.0 + _AT) else "speed"
+        return self._limit(found, found.margin or 1.0 if kind == "safest" else 1.0)
 
     def _first_cap(self) -> str:
         """Tell what ends the load before any speed is guaranteed, in the middle of the drive angles."""
@@ -205,10 +221,15 @@ class _Rows:
         caps["limit"] = min(caps["limit"], reach)
         return min(caps, key=lambda name: caps[name])
 
-    def _row(self, kind: str, found: _Found | None, *, set_by: str | None = None) -> Design:
+    def row(self, kind: str) -> Design:
+        """Return a design as a row of a table; with what ends it alone where there is none."""
+        found = self.found.get(kind)
         question, goal = self._question, self._question.spec.goal
         row = Design(
-            drive=question.drive.name, highest_regime=question.highest.label, design=kind, set_by=set_by
+            drive=question.drive.name,
+            highest_regime=question.highest.label,
+            design=kind,
+            set_by=self._set_by(kind),
         )
         if found is None:
             return row
@@ -233,7 +254,7 @@ class _Rows:
             amplitude_high_mm=None if window is None else _mm(window.high),
             low_set_by=None if window is None else window.low_set_by,
             high_set_by=None if window is None else window.high_set_by,
-            margin=self._margin(found) if question.has_bands else None,
+            margin=found.margin,
             throw_number_max=float(box.load[1] / hop_load(box)),
             frequency_needed_hz=None if met else frequency * share,
             amplitude_needed_mm=None if met else amplitude / share**2,
@@ -241,12 +262,6 @@ class _Rows:
             coexists=g.coexists,
             excluded=g.excluded,
         )
-
-    def _margin(self, found: _Found) -> float | None:
-        """Return the margin of a design: at least 1 where it meets the goal."""
-        margin = self._optimiser.margin(found.setting, self._target)
-        meets = found.guarantee.speed_min >= self._target
-        return max(margin or 1.0, 1.0) if meets else margin
 
     def _window(self, found: _Found) -> Interval | None:
         """Return the amplitudes that keep the guarantee and hold the design."""

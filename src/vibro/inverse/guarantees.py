@@ -10,7 +10,7 @@ import numpy as np
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.bands import box_of
 from vibro.inverse.caps import back_slip_load, hop_load
-from vibro.inverse.extremes import Extreme, Seen, corners, sampled, searched, speeds_of, taken
+from vibro.inverse.extremes import SEEDS, Extreme, Seen, corners, sampled, searched, speeds_of, taken
 from vibro.results.designs import Guarantee
 from vibro.scene import Scene
 
@@ -106,15 +106,15 @@ class Bound(NamedTuple):
     proof: str
 
 
-def bound(box: Box, *, fast: bool, seen: Seen) -> Bound:
-    """Find the slowest or the fastest body of a single box."""
+def bound(box: Box, *, fast: bool, seen: Seen, seeds: int = SEEDS) -> Bound:
+    """Find the slowest or the fastest body of a single box, by so many searches."""
     most = float(box.load[1])
     hops = most > float(hop_load(box))
     if not box.varies.any():
         return Bound(taken(box, np.zeros((5, 1)), fast=fast, flight=True, seen=seen), "corners")
     if not hops and most <= float(back_slip_load(box)) and is_braked(box):
         return _fastest_forward(box, seen) if fast else Bound(_slowest_forward(box, seen), "corners")
-    extreme = searched(box, fast=fast, hops=hops, seen=seen)
+    extreme = searched(box, fast=fast, hops=hops, seen=seen, seeds=seeds)
     if not hops:
         return Bound(extreme, "searched")
     hopping = sampled(box, fast=fast, seen=seen)

@@ -144,7 +144,10 @@ class Question:
     def tip_loads(self, box: Box) -> dict[str, Floats]:
         """Load up to which every part stays upright, where it must: nothing is known of landings."""
         ratio = self.spec.stand_ratio
-        return {"tip": np.minimum(tip_load(box, ratio), hop_load(box))} if math.isfinite(ratio) else {}
+        if math.isinf(ratio):
+            return {}
+        load = tip_load(box, ratio)
+        return {"tip": np.minimum(load, hop_load(box)) if self.flies else load}
 
     def reach(self, frequency: Span) -> Span:
         """Smallest and largest load that the amplitudes allow within a range of frequencies."""
