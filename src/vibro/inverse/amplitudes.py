@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["Family", "feasible_amplitudes", "regime_of"]
 
 _GRID: Final = {False: 4097, True: 257}  # amplitudes looked at first: of one body, of a box of them
+_BOUNCING: Final = 33  # where impacts are not plastic, which takes long
 _CLOSER: Final = 33  # around each extremum of the speed between them
 _ROUNDS: Final = 3
 _BEYOND: Final = 1e3  # times the largest critical load: as far as a body that never hops is followed
@@ -37,6 +38,7 @@ _BESIDE: Final = 1e-12  # [1] relative distance from a critical load at which bo
 _HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the nodes
 _JUMP: Final = 1e-6  # relative change of the speed that is a jump
 _EXCHANGES: Final = 30
+_FLYING_EXCHANGES: Final = 3  # samples find slower bodies again and again
 _LOADS: Final = np.linspace(0.0, 1.0, 9)  # shares of the drift in load, for every body that was found worst
 
 
@@ -182,10 +184,12 @@ class Family:
         start = self.amplitude_of(float(onset_load(self.template)), most=False)
         wide = bool(self.across(1.0, 1.0).varies.any())
         shares = corners(self.across(1.0, 1.0))
+        flies = highest is Regime.HOPPING
+        count = _BOUNCING if flies and self.template.restitution else _GRID[wide]
         found: list[Interval] = []
-        for _ in range(_EXCHANGES):
-            search = _Search(self, shares, target, flight=highest is Regime.HOPPING)
-            found = search.intervals(start, top, top_by, _GRID[wide])
+        for _ in range(_FLYING_EXCHANGES if flies else _EXCHANGES):
+            search = _Search(self, shares, target, flight=flies)
+            found = search.intervals(start, top, top_by, count)
             worse = [self._worse(i, target) if wide else None for i in found]
             if all(w is None for w in worse):
                 return found

@@ -1,4 +1,4 @@
-"""Differential evolution in a unit cube whose faces matter."""
+"""Minima in a unit cube whose faces matter: of what is smooth in pieces, and of what is not."""
 
 from __future__ import annotations
 
@@ -14,11 +14,15 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["evolve", "sobol"]
+__all__ = ["evolve", "scatter", "sobol"]
 
 _OVERHANG: Final = 0.1  # beyond each end, searched for the end itself: optima lie on faces
 _SETTLED: Final = 1e-12  # relative spread of the population at which the search ends
 _WORST: Final = 1e30  # in place of larger costs, so that populations have a spread
+
+_KEPT: Final = 8  # points around which more are scattered
+_AROUND: Final = 0.1  # first standard deviation of these
+_CLOSER: Final = 0.4  # factor from round to round
 
 
 def sobol(dimensions: int, logarithm: int, seed: int) -> Floats:
@@ -73,3 +77,38 @@ def evolve(
             vectorized=True,
         )
     return inside(found.x[:, None]), float(found.fun)
+
+
+def scatter(
+    cost: Callable[[Floats], Floats], first: Floats, *, more: int, rounds: int, seed: int
+) -> tuple[Floats, float]:
+    """Minimise a function over the unit cube that is not smooth in anything: by samples.
+
+    Parameters
+    ----------
+    cost : callable
+        As for ``evolve``.
+    first : (d, n) array
+        The points looked at first.
+    more, rounds : int
+        How many more are looked at in each round, closer and closer around the best.
+    seed : int
+        Of these.
+
+    Returns
+    -------
+    point, cost : (d, 1) array, float
+        The best point; NaN for its cost where all are of no account.
+    """
+    rng = np.random.default_rng(seed)
+    points, costs = first, cost(first)
+    for n in range(rounds + 1):
+        order = np.argsort(costs)[:_KEPT]  # NaN last
+        points, costs = points[:, order], costs[order]
+        if n == rounds or not len(first):
+            break
+        around = np.repeat(points, -(-more // order.size), axis=1)
+        around += _AROUND * _CLOSER**n * rng.standard_normal(around.shape)
+        around = np.clip(around, 0.0, 1.0)
+        points, costs = np.hstack([points, around]), np.append(costs, cost(around))
+    return points[:, :1], float(costs[0])

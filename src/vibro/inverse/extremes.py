@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
-from vibro.inverse.boxes import AXES
+from vibro.inverse.boxes import AXES, Points
 from vibro.inverse.caps import hop_load
-from vibro.inverse.evolution import evolve, sobol
+from vibro.inverse.evolution import evolve, scatter, sobol
 from vibro.results.steady import SteadyCycle
 from vibro.steady import solve
 
@@ -54,13 +54,11 @@ _SEED: Final = 1  # of samples
 _POPULATION: Final = 24  # settings a coordinate
 _GENERATIONS: Final = 100
 
-_HOPS: Final = 11  # base-2 logarithm of the number of samples where impacts are plastic
-_BOUNCES: Final = 7  # and where they are not
-_LANDINGS: Final = 9  # and of samples of landings
-_ROUNDS: Final = 4  # of samples closer to the extreme ones
-_KEPT: Final = 8  # of these in each round
-_AROUND: Final = 0.1  # of the bands, first standard deviation of samples in a round
-_CLOSER: Final = 0.4  # factor from round to round
+# Samples of hopping bodies: base-2 logarithms of those looked at first, and in each round around the extreme
+# ones; the second pair where impacts are not plastic, which takes a hundred times as long.
+_SAMPLES: Final = {False: (11, 7), True: (6, 5)}
+_LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
+_ROUNDS: Final = 3  # of samples closer to the extreme ones
 
 #: Corners of a box, in the order of AXES: shape (5, 32).
 CORNERS: Final = np.array(list(product((0.0, 1.0), repeat=len(AXES)))).T
@@ -216,34 +214,30 @@ def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
     Speeds of hopping bodies are not smooth in anything, so that a search has nothing to hold on to: a few
     thousand points of the whole box, then some around the extreme ones.
     """
-    free = np.flatnonzero(box.varies)
-    shares = np.zeros((len(AXES), 1))
-    if free.size:
-        shares = np.zeros((len(AXES), 2 ** (_BOUNCES if box.restitution else _HOPS)))
-        shares[free] = sobol(free.size, int(math.log2(shares.shape[1])), _SEED)
-        shares = np.hstack([corners(box), shares])
-    rng = np.random.default_rng(_SEED)
+    axes = np.flatnonzero(box.varies)
+    first, more = _SAMPLES[box.restitution > 0.0]
     side = -1.0 if fast else 1.0
-    best = np.empty(0)
-    kept = np.empty((len(AXES), 0))
-    width = _AROUND
-    for last in (*([False] * _ROUNDS), True):
-        points = box.points(shares)
-        throw = points.load * np.sin(points.drive_angle) / np.cos(points.trough_angle)
-        shares = shares[:, throw > 1.0]
-        found = speeds_of(box.scene(box.points(shares), fast=fast), fast=fast, flight=True, seen=seen)
-        seen.excluded += int(np.count_nonzero(np.isnan(found)))
-        best, kept = np.append(best, side * found), np.hstack([kept, shares])
-        order = np.argsort(best)[:_KEPT]  # NaN last
-        best, kept = best[order], kept[:, order]
-        if last or not free.size or not best.size:
-            break
-        shares = np.repeat(kept, 2**_BOUNCES // _KEPT, axis=1)
-        shares[free] = np.clip(shares[free] + width * rng.standard_normal((free.size, shares.shape[1])), 0, 1)
-        width *= _CLOSER
-    if not best.size or np.isnan(best[0]):
-        return Extreme(math.nan, shares[:, :1], box.scene(box.points(CORNERS[:, :1]), fast=fast))
-    return taken(box, kept[:, :1], fast=fast, flight=True, seen=seen)
+
+    def shares_of(x: Floats) -> Floats:
+        shares = np.zeros((len(AXES), x.shape[1]))
+        shares[axes] = x
+        return shares
+
+    def cost(x: Floats) -> Floats:
+        points = box.points(shares_of(x))
+        costs = np.full(x.shape[1], np.nan)
+        hops = points.load * np.sin(points.drive_angle) > np.cos(points.trough_angle)
+        if hops.any():
+            scene = box.scene(Points(*(p[hops] for p in points)), fast=fast)
+            costs[hops] = side * speeds_of(scene, fast=fast, flight=True, seen=seen)
+            seen.excluded += int(np.count_nonzero(np.isnan(costs[hops])))
+        return costs
+
+    shares = np.hstack([corners(box)[axes], sobol(axes.size, first, _SEED)])
+    x, best = scatter(cost, shares, more=2**more, rounds=_ROUNDS, seed=_SEED)
+    if math.isnan(best):
+        return Extreme(math.nan, shares_of(x), box.scene(box.points(shares_of(x)), fast=fast))
+    return taken(box, shares_of(x), fast=fast, flight=True, seen=seen)
 
 
 def taken(box: Box, shares: Floats, *, fast: bool, flight: bool, seen: Seen) -> Extreme:

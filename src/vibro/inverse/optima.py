@@ -13,7 +13,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
-from vibro.inverse.evolution import evolve, sobol
+from vibro.inverse.evolution import evolve, scatter, sobol
 from vibro.inverse.extremes import ANY_LANDING, Seen, corners
 from vibro.inverse.guarantees import bound, is_braked
 from vibro.inverse.questions import Setting
@@ -34,8 +34,6 @@ MOST_MARGIN: Final = 10.0
 
 _SLOWEST_LOAD: Final = 1e-2  # of the largest load, from which on a fastest setting is looked for
 _STEPS: Final = 60  # of bisection between two loads
-_MARGINS: Final = 33  # margins of one setting looked at at once
-_MARGIN_ROUNDS: Final = 5
 _HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the bodies at hand
 _DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's drift, for every body that was the slowest
 _BESIDE: Final = 1e-12  # [1] below a critical load
@@ -53,9 +51,12 @@ class _Effort(NamedTuple):
     loads : int
         Loads between which a speed is looked for.
     population, generations : int
-        Of an evolution, the first as its base-2 logarithm.
+        Of an evolution, or settings looked at first and rounds of scattered ones; the first as its base-2
+        logarithm.
+    margins : int
+        Margins of one setting looked at at once.
     margin : float
-        To which the largest margin is found.
+        To which margins are found.
     exchanges : int
         How often slower bodies are looked for.
     """
@@ -65,14 +66,16 @@ class _Effort(NamedTuple):
     loads: int
     population: int
     generations: int
+    margins: int
     margin: float
     exchanges: int
 
 
-_IN_CONTACT: Final = _Effort(65, 9, 129, 6, 80, 1e-6, 8)
-_FLYING: Final = _Effort(33, 3, 65, 5, 32, 1e-2, 2)
-_BOUNCING: Final = _Effort(9, 1, 17, 4, 6, 1e-1, 1)  # impacts that are not plastic take long
+_IN_CONTACT: Final = _Effort(65, 9, 129, 6, 80, 33, 1e-6, 8)
+_FLYING: Final = _Effort(33, 3, 65, 8, 3, 33, 1e-3, 2)
+_BOUNCING: Final = _Effort(9, 1, 17, 5, 1, 9, 3e-2, 1)  # impacts that are not plastic take long
 
+_SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
 _KEPT: Final = 3  # angles to look around in each round
 _CLOSER: Final = 17  # angles around each, closer by a factor of 8
 
@@ -167,9 +170,9 @@ class Optimiser:
 
     def _margin(self, setting: Setting, target: float) -> float | None:
         low, high = 0.0, MOST_MARGIN
-        for _ in range(_MARGIN_ROUNDS):
-            scales = np.linspace(low, high, _MARGINS)
-            many = Setting(*(np.full(_MARGINS, float(x)) for x in setting))
+        while high - low > self._effort.margin:
+            scales = np.linspace(low, high, self._effort.margins)
+            many = Setting(*(np.full(scales.size, float(x)) for x in setting))
             holds = self._holds(many, scales) & (self._least(many, scales) >= target)
             fails = np.flatnonzero(~holds)
             if not fails.size:
@@ -253,7 +256,7 @@ class Optimiser:
         return self._at(setting, scale)
 
     def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
-        """Search drive angle, load and, where landings have a limit, frequency by differential evolution."""
+        """Search drive angle, load and, where landings have a limit, frequency."""
         least, fastest = self._reach(choice)[0], choice.frequency[1]
         frees = [choice.drive_angle[0] < choice.drive_angle[1], True, self._question.landings != ANY_LANDING]
 
@@ -275,7 +278,11 @@ class Optimiser:
             return -np.where(possible, self._least(setting, scale), -np.inf)
 
         first = sobol(sum(frees), self._effort.population, _SEED)
-        x, _ = evolve(cost, first, generations=generations, seed=_SEED)
+        if self._question.flies:  # one look at many settings is cheaper than many looks at few
+            more = first.shape[1] // _SCATTERED
+            x, _ = scatter(cost, first, more=more, rounds=self._effort.generations, seed=_SEED)
+        else:
+            x, _ = evolve(cost, first, generations=generations, seed=_SEED)
         return self._at(placed(x)[2], scale)
 
     def _at(self, setting: Setting, scale: float) -> Optimum:
