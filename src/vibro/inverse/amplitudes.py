@@ -13,7 +13,7 @@ from vibro.core.contact.limits import critical_loads
 from vibro.errors import InputError, shown
 from vibro.inverse.bands import box_of
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
-from vibro.inverse.extremes import ANY_LANDING, Landings, Seen, corners, counted
+from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, corners, counted, least_of
 from vibro.inverse.guarantees import bound
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
@@ -37,8 +37,11 @@ _BEYOND: Final = 1e3  # times the largest critical load: as far as a body that n
 _BESIDE: Final = 1e-12  # [1] relative distance from a critical load at which both its sides are looked at
 _HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the nodes
 _JUMP: Final = 1e-6  # relative change of the speed that is a jump
-_EXCHANGES: Final = 30
-_FLYING_EXCHANGES: Final = 3  # samples find slower bodies again and again
+_EXCHANGES: Final = 6
+_EDGE: Final = 1e-10  # relative width to which an end is found by the slowest body of every amplitude
+_BEYOND_EDGE: Final = 1e-8  # relative distance from there at which a jump of the speed has happened
+_JUMP_BETWEEN: Final = 1e-4  # of the speed, that is a jump over this distance
+_HALVES: Final = 5  # times that a part is halved which is not confirmed
 _LOADS: Final = np.linspace(0.0, 1.0, 9)  # shares of the drift in load, for every body that was found worst
 
 
@@ -50,17 +53,21 @@ def regime_of(text: object) -> Regime:
     return allowed[text]
 
 
-def positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
-    """Read a positive number that is an argument."""
+def number(name: str, value: Any) -> float:
+    """Read a number that is an argument."""
     try:
-        number = real_number(value)
+        return real_number(value)
     except NotRealError as exc:
         raise InputError(f"{name} = {exc.value}: must be {exc.allowed}") from None
-    if not number > 0.0 or (finite and math.isinf(number)):
-        raise InputError(
-            f"{name} = {number:.15g} {unit}: must be {'finite and ' if finite else ''}> 0 {unit}"
-        )
-    return number
+
+
+def positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
+    """Read a positive number that is an argument."""
+    x = number(name, value)
+    if not x > 0.0 or (finite and math.isinf(x)):
+        allowed = f"finite and > 0 {unit}" if finite else f"> 0 {unit}"
+        raise InputError(f"{name} = {x:.15g} {unit}: must be {allowed}")
+    return x
 
 
 def feasible_amplitudes(
@@ -119,7 +126,7 @@ def feasible_amplitudes(
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
     largest = positive("limit", limit, "m", finite=False)
-    percent = real_number(amplitude_percent)
+    percent = number("amplitude_percent", amplitude_percent)
     if not 0.0 <= percent < 100.0:
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
     if highest is Regime.HOPPING and math.isinf(largest):
@@ -186,29 +193,97 @@ class Family:
         shares = corners(self.across(1.0, 1.0))
         flies = highest is Regime.HOPPING
         count = _BOUNCING if flies and self.template.restitution else _GRID[wide]
+        shares = corners(self.across(1.0, 1.0))
         found: list[Interval] = []
-        for _ in range(_FLYING_EXCHANGES if flies else _EXCHANGES):
+        for _ in range(_EXCHANGES):
             search = _Search(self, shares, target, flight=flies)
             found = search.intervals(start, top, top_by, count)
             worse = [self._worse(i, target) if wide else None for i in found]
             if all(w is None for w in worse):
                 return found
             shares = np.unique(np.hstack([shares, *(w for w in worse if w is not None)]), axis=1)
-        return [i for i, w in zip(found, worse, strict=True) if w is None]
+        return [
+            part
+            for interval, slower in zip(found, worse, strict=True)
+            for part in ([interval] if slower is None else self._confirmed(interval, target))
+        ]
 
     def _worse(self, interval: Interval, target: float) -> Floats | None:
-        """Find a body that is slower than the target somewhere in an interval, as shares of the bands."""
-        box = self.across(interval.low, interval.high)
-        slowest = bound(box, fast=False, seen=Seen()).extreme
-        bodies = self.landings.worst(box)
-        if slowest.speed < target * (1.0 - _HOLDS):
-            bodies = np.hstack([bodies, slowest.shares])
-        if not bodies.size:
+        """Find bodies that miss the target in an interval, as shares of the bands; None where none does."""
+        slowest, landing = self._slowest(interval.low, interval.high)
+        if slowest.speed >= target * (1.0 - _HOLDS) and not landing.size:
             return None
+        bodies = landing if slowest.speed >= target * (1.0 - _HOLDS) else np.hstack([landing, slowest.shares])
         drifts = self.across(1.0, 1.0).varies[0]
         shares = np.repeat(bodies, _LOADS.size if drifts else 1, axis=1)
         shares[0] = np.tile(_LOADS, bodies.shape[1]) if drifts else 0.0
         return shares
+
+    def _slowest(self, low: float, high: float, seeds: int = SEEDS) -> tuple[Extreme, Floats]:
+        """Return the slowest body between two amplitudes, and those that land too hard or fly too long."""
+        box = self.across(low, high)
+        return bound(box, fast=False, seen=Seen(), seeds=seeds).extreme, self.landings.worst(box)
+
+    def _holds(self, low: float, high: float, target: float, seeds: int = SEEDS) -> bool:
+        """Tell whether all amplitudes between two guarantee a speed."""
+        slowest, landing = self._slowest(low, high, seeds)
+        return slowest.speed >= target * (1.0 - _HOLDS) and not landing.size
+
+    def _confirmed(self, interval: Interval, target: float) -> list[Interval]:
+        """Return the parts of an interval that guarantee a speed, where the slowest bodies differ everywhere.
+
+        Every amplitude is asked for its own slowest body; parts that are not confirmed as a whole are halved,
+        and given up when they are short.
+        """
+        low, high = interval.low, interval.high
+        parts: list[tuple[float, float]] = []
+        for part in self._parts(low, high, self._at(low, target), self._at(high, target), target, 0):
+            if parts and parts[-1][1] == part[0]:  # halves of one
+                part = parts.pop()[0], part[1]
+            parts.append(part)
+        return [
+            Interval(
+                a,
+                b,
+                interval.low_set_by if a == low else self._ends_by(a, a * (1.0 - _BEYOND_EDGE)),
+                interval.high_set_by if b == high else self._ends_by(b, b * (1.0 + _BEYOND_EDGE)),
+            )
+            for a, b in parts
+        ]
+
+    def _parts(
+        self, low: float, high: float, holds_low: bool, holds_high: bool, target: float, depth: int
+    ) -> list[tuple[float, float]]:
+        """Return confirmed parts between two amplitudes of which it is known whether they hold."""
+        if holds_low and holds_high and self._holds(low, high, target):
+            return [(low, high)]
+        if holds_low != holds_high:
+            edge = self._edge(low, high, target) if holds_low else self._edge(high, low, target)
+            inner = (low, edge) if holds_low else (edge, high)
+            return self._parts(*inner, True, True, target, depth)
+        if depth == _HALVES:
+            return []
+        middle = math.sqrt(low * high)
+        holds = self._at(middle, target)
+        lower = self._parts(low, middle, holds_low, holds, target, depth + 1)
+        return lower + self._parts(middle, high, holds, holds_high, target, depth + 1)
+
+    def _at(self, amplitude: float, target: float) -> bool:
+        return self._holds(amplitude, amplitude, target, seeds=1)
+
+    def _edge(self, inside: float, outside: float, target: float) -> float:
+        """Close in on the last amplitude that holds before one that does not."""
+        while abs(outside - inside) > _EDGE * inside:
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if self._at(middle, target) else (inside, middle)
+        return inside
+
+    def _ends_by(self, inside: float, outside: float) -> str:
+        """Tell whether the least speed jumps between two amplitudes, which it does where back slip enters."""
+        here, there = (self._slowest(a, a)[0].speed for a in (inside, outside))
+        if there >= here * (1.0 - _JUMP_BETWEEN):
+            return "speed"
+        return "onset" if outside < inside else "back slip"
 
 
 class _Search:
@@ -264,14 +339,13 @@ class _Search:
         return boxes.scene(boxes.points(self._shares[:, None, :]), fast=False)
 
     def _speeds(self, amplitudes: Floats) -> Floats:
-        """Speeds of all bodies at some amplitudes, of shape (m, n); inf where one is left out."""
+        """Speeds of all bodies at some amplitudes, of shape (m, n); NaN where one is left out."""
         cycle = solve(self._scene(amplitudes), flight=self._flight)
         speed = counted(cycle, fast=False)
-        speed = np.where(self._family.landings.exceeded(cycle), -np.inf, speed)
-        return np.where(np.isnan(speed), np.inf, speed)
+        return np.where(self._family.landings.exceeded(cycle), -np.inf, speed)
 
     def _least(self, amplitudes: Floats) -> Floats:
-        return np.asarray(self._speeds(amplitudes).min(axis=1))
+        return least_of(self._speeds(amplitudes))
 
     def _criticals(self) -> list[float]:
         """Nominal amplitudes at which some body changes its regime."""
@@ -308,7 +382,7 @@ class _Search:
     def _set_by(self, inside: float, outside: float) -> str:
         """Tell what happens between two amplitudes of which one misses the target."""
         speed = self._speeds(np.array([inside, outside]))
-        body = int(np.argmin(speed[1]))
+        body = int(np.nanargmin(speed[1]))
         if abs(speed[0, body] - speed[1, body]) <= _JUMP * abs(speed[0, body]):
             return "speed"
         regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]

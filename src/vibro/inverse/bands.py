@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from vibro.errors import Problem, SceneError, shown
 from vibro.inverse.boxes import Box
 from vibro.quantities import QUANTITIES
 from vibro.reals import NotRealError, real_array
-from vibro.scene import field_range, field_text
+from vibro.scene import Scene, field_range, field_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from vibro.inverse.specs import Span
-    from vibro.scene import Scene
 
 __all__ = ["BANDED", "box_of", "one_point"]
 
@@ -32,8 +33,10 @@ BANDED: Final = (
 _RIGHT_ANGLE: Final = 0.5 * math.pi
 
 
-def one_point(scene: Scene) -> None:
-    """Refuse more than one operating point."""
+def one_point(scene: object) -> None:
+    """Refuse what is not one operating point."""
+    if not isinstance(scene, Scene):
+        raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
 
@@ -95,6 +98,11 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
     if drive + trough >= _RIGHT_ANGLE:
         limit = f"less than 90 deg together with trough_angle = {field_text('trough_angle', trough)}"
         problems.append(Problem("drive_angle", field_text("drive_angle", drive), limit))
+    with np.errstate(over="ignore"):
+        loads = [float(load) for load in box.load]
+    if not all(0.0 < load < math.inf for load in loads):
+        beyond = field_text("frequency", spans["frequency"][loads[0] > 0.0])
+        problems.append(Problem("frequency", beyond, "such that A w^2 / g is within the range of doubles"))
     if problems:
         raise SceneError(tuple(problems))
     return box

@@ -74,7 +74,7 @@ class Box:
     def load(self) -> tuple[Floats, Floats]:
         """Smallest and largest load G."""
         low, high = (
-            np.asarray(a * (2.0 * np.pi * f) ** 2 / self.gravity)
+            np.asarray(a * (2.0 * np.pi * np.asarray(f)) ** 2 / self.gravity)
             for a, f in zip(self.amplitude, self.frequency, strict=True)
         )
         return low, high
@@ -128,7 +128,8 @@ class Box:
         """
         weight = points.load * self.gravity / (4.0 * math.pi**2)  # A f^2
         (a_low, a_high), (f_low, f_high) = self.amplitude, self.frequency
-        frequency = np.clip(np.sqrt(weight / (a_high if fast else a_low)), f_low, f_high)
+        with np.errstate(over="ignore"):  # beyond the range of doubles, and so beyond the band
+            frequency = np.clip(np.sqrt(weight / (a_high if fast else a_low)), f_low, f_high)
         amplitude = np.clip(weight / (frequency * frequency), a_low, a_high)
         return Scene.allowing_infeasible(
             amplitude=amplitude,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
+from vibro.core.contact.limits import critical_loads
 from vibro.inverse.boxes import AXES, Points
 from vibro.inverse.caps import hop_load
 from vibro.inverse.evolution import evolve, scatter, sobol
@@ -37,6 +38,8 @@ __all__ = [
     "Seen",
     "corners",
     "counted",
+    "least_of",
+    "look_around",
     "sampled",
     "searched",
     "speeds_of",
@@ -57,6 +60,8 @@ _GENERATIONS: Final = 100
 # Samples of hopping bodies: base-2 logarithms of those looked at first, and in each round around the extreme
 # ones; the second pair where impacts are not plastic, which takes a hundred times as long.
 _SAMPLES: Final = {False: (11, 7), True: (6, 5)}
+_LOOKS: Final = 12  # base-2 logarithm of the samples whose regimes are looked at
+_BESIDE: Final = 1e-12  # relative distance from a critical load
 _LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
 _ROUNDS: Final = 3  # of samples closer to the extreme ones
 
@@ -152,9 +157,37 @@ def counted(cycle: SteadyCycle, *, fast: bool) -> Floats:
     return np.where(lost, side * np.inf, speed)
 
 
+def least_of(speed: Floats) -> Floats:
+    """Least speed of each row of bodies; what is left out does not count, unless nothing else is there."""
+    known = ~np.isnan(speed)
+    return np.where(known.any(axis=1), np.where(known, speed, np.inf).min(axis=1), -np.inf)
+
+
 def corners(box: Box) -> Floats:
     """Return the corners of a box that differ, as shares, of shape (5, n); those without a width at 0."""
     return CORNERS[:, np.all(CORNERS[~box.varies] == 0.0, axis=0)]
+
+
+def look_around(box: Box, seen: Seen) -> None:
+    """See which regimes there are in a box.
+
+    At samples, and at its corners at every load at which their regime changes: what the first and the last
+    body do that slips, slips back or hops.
+    """
+    axes = np.flatnonzero(box.varies)
+    shares = np.zeros((len(AXES), 2**_LOOKS))
+    shares[axes] = sobol(axes.size, _LOOKS, _SEED) if axes.size else 0.0
+    shares = np.hstack([corners(box), shares, np.full((len(AXES), 1), 0.5)])
+    points = box.points(shares)
+    ends = box.points(corners(box))
+    least_angles = np.clip(np.arctan(ends.static_friction), *box.drive_angle)
+    ends = Points(*np.hstack([ends, ends._replace(drive_angle=least_angles)]))
+    loads = critical_loads(ends.drive_angle, ends.static_friction, ends.kinetic_friction, ends.trough_angle)
+    for load in loads:
+        for side in (1.0 - _BESIDE, 1.0 + _BESIDE):
+            within = np.clip(np.nan_to_num(load, posinf=np.inf) * side, *box.load)
+            points = Points(*np.hstack([points, ends._replace(load=within)]))
+    speeds_of(box.scene(points, fast=False), fast=False, flight=False, seen=seen)
 
 
 def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS) -> Extreme:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.bands import box_of
 from vibro.inverse.caps import back_slip_load, hop_load
-from vibro.inverse.extremes import SEEDS, Extreme, Seen, corners, sampled, searched, speeds_of, taken
+from vibro.inverse.extremes import SEEDS, Extreme, Seen, look_around, sampled, searched, speeds_of, taken
 from vibro.results.designs import Guarantee
 from vibro.scene import Scene
 
@@ -80,9 +81,7 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
 def guarantee_of(box: Box) -> Guarantee:
     """Return what holds in a single box."""
     seen = Seen()
-    shares = np.hstack([corners(box), np.full((5, 1), 0.5)])
-    for fast in (False, True):  # what happens there, for the regimes
-        speeds_of(box.scene(box.points(shares), fast=fast), fast=fast, flight=False, seen=seen)
+    look_around(box, seen)
     least, most = (bound(box, fast=fast, seen=seen) for fast in (False, True))
     return Guarantee(
         speed_min=least.extreme.speed,
@@ -119,8 +118,9 @@ def bound(box: Box, *, fast: bool, seen: Seen, seeds: int = SEEDS) -> Bound:
         return Bound(extreme, "searched")
     hopping = sampled(box, fast=fast, seen=seen)
     key = (lambda e: -e.speed) if fast else (lambda e: e.speed)
-    known = [e for e in (extreme, hopping) if not math.isnan(e.speed)]
-    return Bound(min(known, key=key, default=hopping), "sampled")
+    if math.isnan(hopping.speed):  # of no sample a speed could be found: nothing is known of any
+        return Bound(replace(hopping, speed=math.inf if fast else -math.inf), "sampled")
+    return Bound(hopping if math.isnan(extreme.speed) else min(extreme, hopping, key=key), "sampled")
 
 
 def is_braked(box: Box) -> bool:
@@ -144,21 +144,25 @@ def _fastest_forward(box: Box, seen: Seen) -> Bound:
     """Fastest of bodies that slip forward at most: where no end is it, the top between is searched."""
     shares = np.array([[1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
     found = [taken(box, shares[:, [i]], fast=True, flight=False, seen=seen) for i in range(2)]
-    best = max(found, key=lambda extreme: extreme.speed)
     (low, high), point = box.drive_angle, box.points(shares[:, :1])
     tops = (math.atan(float(mu[0])) for mu in (point.kinetic_friction, point.static_friction))
-    first, last = (min(max(top, low), high) for top in tops)
-    if not first < last:  # the top lies beyond the band
-        return Bound(best, "corners")
-    from scipy.optimize import minimize_scalar  # late: it takes a fifth of a second to load
+    first, last = ((min(max(top, low), high) - low) / ((high - low) or 1.0) for top in tops)
 
     def at(share: float) -> Extreme:
         return taken(box, np.array([[1.0], [share], [0.0], [0.0], [0.0]]), fast=True, flight=False, seen=seen)
 
-    ends = ((first - low) / (high - low), (last - low) / (high - low))
-    peak = minimize_scalar(lambda u: -at(u).speed, bounds=ends, method="bounded", options={"xatol": _TOP})
-    top = at(float(peak.x))
-    return Bound(top, "searched") if top.speed > best.speed else Bound(best, "corners")
+    found += [at(first), at(last)]
+    best = max(found, key=lambda extreme: extreme.speed)
+    if first < last:
+        from scipy.optimize import minimize_scalar  # late: it takes a fifth of a second to load
+
+        peak = minimize_scalar(
+            lambda u: -at(u).speed, bounds=(first, last), method="bounded", options={"xatol": _TOP}
+        )
+        top = at(float(peak.x))
+        if top.speed > best.speed:
+            return Bound(top, "searched")
+    return Bound(best, "corners")
 
 
 def _place(scene: Scene) -> dict[str, float]:
@@ -175,7 +179,7 @@ def _limit(extreme: Extreme) -> str:
     )
     for name, text in _JUMPS.items():
         critical = float(getattr(known, name))
-        if not abs(load - critical) <= _NEAR * critical:
+        if not (math.isfinite(critical) and abs(load - critical) <= _NEAR * critical):
             continue
         beside = critical / load * (1.0 + _BESIDE * np.array([-1.0, 1.0]))
         fields: dict[str, Any] = {**at, "amplitude": at["amplitude"] * beside}

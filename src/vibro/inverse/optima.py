@@ -13,8 +13,10 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
+from vibro.inverse.caps import onset_load
+from vibro.inverse.crossings import first_crossing
 from vibro.inverse.evolution import evolve, scatter, sobol
-from vibro.inverse.extremes import ANY_LANDING, Seen, corners
+from vibro.inverse.extremes import ANY_LANDING, Seen, corners, least_of
 from vibro.inverse.guarantees import bound, is_braked
 from vibro.inverse.questions import Setting
 
@@ -32,8 +34,8 @@ __all__ = ["MOST_MARGIN", "Optimiser", "Optimum"]
 #: Factor on the bands up to which a margin is followed.
 MOST_MARGIN: Final = 10.0
 
-_SLOWEST_LOAD: Final = 1e-2  # of the largest load, from which on a fastest setting is looked for
-_STEPS: Final = 60  # of bisection between two loads
+_SLOWEST_LOAD: Final = 1e-2  # of the largest load, from which on settings are looked for
+_STEPS: Final = 60  # at most, to the root of a speed
 _HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the bodies at hand
 _DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's drift, for every body that was the slowest
 _BESIDE: Final = 1e-12  # [1] below a critical load
@@ -196,7 +198,7 @@ class Optimiser:
         return np.asarray(load <= least)
 
     def _least(self, setting: Setting, scale: Floats | float) -> Floats:
-        return np.asarray(self._question.speeds(setting, self._bodies, scale).min(axis=1))
+        return least_of(self._question.speeds(setting, self._bodies, scale))
 
     def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
         """Find an optimum again until no body is slower there than those looked at."""
@@ -307,25 +309,26 @@ class Optimiser:
     def _first_load(self, angles: Floats, target: float, choice: Range) -> Floats:
         """Least loads that reach a speed at drive angles; inf where none does."""
         tops = self._tops(angles, choice, 1.0)
+        boxes = self._question.boxes(Setting(1.0, 1.0, angles[:, None]))
+        # every body must have started forward
+        onset = onset_load(boxes) / boxes.load[0] * self._question.load(Setting(1.0, 1.0, 0.0))
+        bottom = np.maximum(onset[:, 0], self._reach(choice)[0])
+        if not self._monotone:
+            bottom = np.maximum(bottom, _SLOWEST_LOAD * tops)
+        bottom = np.minimum(bottom, tops)
         if self._monotone:
-            grid = tops[:, None]
+            grid = np.column_stack([bottom, tops])
         else:
-            bottom = np.maximum(np.minimum(self._reach(choice)[0], tops), _SLOWEST_LOAD**2 * tops)
             shares = np.linspace(0.0, 1.0, self._effort.loads)
             grid = bottom[:, None] * (tops / bottom)[:, None] ** shares
-            beside = self._entries(angles) * (1.0 - _BESIDE)
+            entries = self._entries(angles)
+            beside = np.hstack([entries * (1.0 - _BESIDE), entries * (1.0 + _BESIDE)])
             grid = np.sort(np.hstack([grid, np.clip(beside, bottom[:, None], tops[:, None])]), axis=1)
-        value = self._value(np.repeat(angles, grid.shape[1]), grid.ravel(), choice, 1.0).reshape(grid.shape)
-        holds = value >= target
-        first = np.argmax(holds, axis=1)
-        rows = np.arange(angles.size)
-        high = grid[rows, first]
-        low = np.where(first > 0, grid[rows, first - 1], self._reach(choice)[0])
-        for _ in range(_STEPS):
-            middle = 0.5 * (low + high)
-            reaches = self._value(angles, middle, choice, 1.0) >= target
-            low, high = np.where(reaches, low, middle), np.where(reaches, middle, high)
-        return np.where(holds.any(axis=1), high, np.inf)
+
+        def value(rows: NDArray[np.intp], loads: Floats) -> Floats:
+            return self._value(angles[rows], loads, choice, 1.0)
+
+        return first_crossing(value, grid, target)
 
     def _entries(self, angles: Floats) -> Floats:
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""

@@ -172,12 +172,12 @@ class Question:
         return np.asarray(setting.amplitude * (2.0 * np.pi * setting.frequency) ** 2 / self.spec.gravity)
 
     def speeds(self, setting: Setting, shares: Floats, scale: Floats | float = 1.0) -> Floats:
-        """Speeds of bodies at settings, 1-D, of shape (settings, bodies); inf where one is left out."""
+        """Speeds of bodies at settings, 1-D, of shape (settings, bodies); NaN where one is left out."""
         columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
         boxes = self.boxes(columns, np.reshape(scale, (-1, 1)))
         cycle = solve(boxes.scene(boxes.points(shares[:, None, :]), fast=False), flight=self.flies)
         speed = counted(cycle, fast=False)
-        return np.where(self.landings.exceeded(cycle), -np.inf, np.where(np.isnan(speed), np.inf, speed))
+        return np.where(self.landings.exceeded(cycle), -np.inf, speed)
 
 
 def _scaled(band: Span, scale: Floats | float) -> Ends:

@@ -13,8 +13,12 @@ from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from vibro.core.codes import Regime
     from vibro.inverse.boxes import Box
+
+    Floats = NDArray[np.float64]
 
 __all__ = ["yield_share"]
 
@@ -69,7 +73,9 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     error = math.inf
     for logarithm in range(_FIRST, _LAST + 1):
         shares = [_share(box, target, highest, logarithm, seed) for seed in range(_SCRAMBLES)]
-        error = float(np.std(shares, ddof=1)) / math.sqrt(_SCRAMBLES)
+        # where all scrambles agree, a share of less than one point may have been missed
+        least = 1.0 / (_SCRAMBLES * 2**logarithm)
+        error = max(float(np.std(shares, ddof=1)) / math.sqrt(_SCRAMBLES), least)
         if error <= _ERROR:
             break
     return float(np.mean(shares)), error
@@ -85,12 +91,34 @@ def _share(box: Box, target: float, highest: Regime, logarithm: int, seed: int) 
     )  # fmt: skip
     low, high = (np.array(ends, np.float64)[:, None] for ends in zip(*spans, strict=True))
     points = qmc.Sobol(len(spans), rng=np.random.default_rng(seed)).random_base2(logarithm).T
-    amplitude, frequency, alpha, beta, mu_s, second = low + points * (high - low)
-    mu_d = second * mu_s if box.is_ratio else second
-    inside = mu_d <= mu_s
-    if not inside.any():  # the bands have one friction in common
-        mu_s, inside = mu_d, np.ones_like(inside)
-    fields = (x[inside] for x in (amplitude, frequency, alpha, mu_s, mu_d, beta))
+    amplitude, frequency, alpha, beta = (low + points * (high - low))[:4]
+    if box.is_ratio:
+        mu_s, ratio = (low + points * (high - low))[4:]
+        mu_d = np.minimum(ratio * mu_s, mu_s)
+    else:
+        mu_s, mu_d = _cut(box, points[4], points[5])
+    fields = (amplitude, frequency, alpha, mu_s, mu_d, beta)
     cycle = solve(Scene.allowing_infeasible(**dict(zip(_FIELDS, fields, strict=True)), **box.constants))
     reaches = (cycle.mean_velocity >= target) & (cycle.regime <= highest)
     return float(np.mean(reaches))
+
+
+def _cut(box: Box, u: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Return frictions that are uniform where mu_d <= mu_s, for uniform numbers.
+
+    Beside a static friction the kinetic one has the width min(mu_s, k_high) - k_low, which is the density of
+    static friction: a trapezoid, whose share up to a friction is inverted.
+    """
+    (s_low, s_high), (k_low, k_high) = box.static_span, box.second_friction
+    knee = min(max(k_high, s_low), s_high)  # up to where kinetic friction is cut
+    slope = 0.5 * (knee - s_low) * (s_low + knee - 2.0 * k_low)
+    whole = slope + (k_high - k_low) * (s_high - knee)
+    if whole > 0.0:
+        area = u * whole
+        rising = k_low + np.sqrt((s_low - k_low) ** 2 + 2.0 * area)
+        flat = knee + (area - slope) / (k_high - k_low)
+        mu_s = np.clip(np.where(area < slope, rising, flat), s_low, s_high)
+    else:  # one friction has no width
+        mu_s = s_low + u * (s_high - s_low)
+    low, high = box.kinetic_span(mu_s)
+    return mu_s, low + v * (high - low)
