@@ -56,6 +56,15 @@ def map_command(
             show_default=False,
         ),
     ] = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            "--speed",
+            metavar="SPEED",
+            help="Draw where this speed is reached; in a map of both frictions, tell which keep it [mm/s].",
+            show_default=False,
+        ),
+    ] = None,
     formats: Annotated[
         str, typer.Option("--format", metavar="png,svg,pdf", help="The pictures' formats.")
     ] = "png",
@@ -69,9 +78,11 @@ def map_command(
     Numbers may carry units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm
     and 5:60 Hz. The results go to STEM.csv, STEM.json and pictures.
     """
+    from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
-    from vibro.cli.request import request_of
+    from vibro.cli.request import checked_number, request_of
     from vibro.plots.view import check_drawable, choose_view
+    from vibro.quantities import LEAST_SPEED
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.request import RANGES
 
@@ -82,27 +93,36 @@ def map_command(
         refuse_without_flight(f"--show {','.join(shown)}", flight, accuracy)
     if coexist:
         refuse_without_flight("--coexist", flight, accuracy)
+    level = None if speed is None else checked_number(speed, LEAST_SPEED)
+    if level is not None and accuracy is not Level.EXACT:
+        raise InputError(
+            "--speed: no speeds are computed with --accuracy regimes", hint="leave one of them out"
+        )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
     columns = columns_of(grid.axes)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
     name = request.name or "vibro-map"
-    if options.output == "-":
-        return write_sweep(grid, columns, options, context.obj, console, name)
-    check_drawable(view)
+    if options.output != "-":
+        check_drawable(view)
 
     def draw() -> dict[str, Figure]:
         from vibro.plots import map_figures
         from vibro.sweeps.run import sweep_picture
 
         result = sweep_picture(grid, view.drawn, request.own, request.name or "")
-        return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None)
+        return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None, level=level)
 
     names = ["regime"] if view.y else []
     if grid.level is Level.EXACT:
         names += ["speed", *(["traverse"] if grid.length is not None else []), *shown]
-    pictures = Pictures(names, wanted, draw) if names else None
-    return write_sweep(grid, columns, options, context.obj, console, name, pictures)
+    pictures = Pictures(names, wanted, draw) if names and options.output != "-" else None
+    window = None if level is None else friction_window(grid, level)
+    look = window.add if window else None
+    code = write_sweep(grid, columns, options, context.obj, console, name, pictures, look)
+    if window:
+        console.echo(window.text())
+    return code
 
 
 def _shown(texts: list[str]) -> list[str]:

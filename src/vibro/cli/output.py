@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibro.cli.options import Options
-    from vibro.results.sweep import Column
+    from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
@@ -95,6 +95,7 @@ def write_sweep(
     console: Console,
     name: str,
     pictures: Pictures | None = None,
+    look: Callable[[Block], None] | None = None,
 ) -> int:
     """Solve a grid and write its table, pictures and sidecar.
 
@@ -114,6 +115,8 @@ def write_sweep(
         The files' name where the options name none, or a folder.
     pictures : Pictures, optional
         What to draw.
+    look : callable, optional
+        Called with every block of solved cells, in their order.
 
     Returns
     -------
@@ -131,7 +134,7 @@ def write_sweep(
     if options.output == "-":
         stream = table_stream(json=options.json)
         with console.progress("solving", grid.size) as report:
-            tally = write_rows(grid, columns, form, stream, report)
+            tally = write_rows(grid, columns, form, stream, report, look)
         return _conclude(tally, grid.size, console)
 
     names = pictures.names if pictures else ()
@@ -148,7 +151,7 @@ def write_sweep(
     ) as files:
         _check_size(grid, files)
         with files.table() as stream, console.progress("solving", grid.size) as report:
-            tally = write_rows(grid, columns, form, stream, report)
+            tally = write_rows(grid, columns, form, stream, report, look)
         content = files.finish(provenance(grid, columns, tally), pictures.saver() if pictures else None)
     if options.json:
         print(json_text(content))

@@ -44,6 +44,7 @@ def map_figures(
     x: str | None = None,
     y: str | None = None,
     at: Mapping[str, float] | None = None,
+    level: float | None = None,
 ) -> dict[str, Figure]:
     """Draw a solved sweep.
 
@@ -57,6 +58,8 @@ def map_figures(
         any.
     x, y, at : optional
         What to draw of it, see ``choose_view``.
+    level : float, optional
+        A speed that stands out where speeds are drawn [mm/s].
 
     Returns
     -------
@@ -75,7 +78,7 @@ def map_figures(
     if view.y is None:
         (line,) = fields
         draw = {
-            "speed": lambda: speed_lines(result, line),
+            "speed": lambda: speed_lines(result, line, level),
             "traverse": lambda: traverse_line(result, line),
             "impact": lambda: impact_line(result, line),
             "flight": lambda: flight_line(result, line),
@@ -83,7 +86,7 @@ def map_figures(
     else:
         draw = {
             "regime": lambda: regime_map(result, fields),
-            "speed": lambda: speed_map(result, fields),
+            "speed": lambda: speed_map(result, fields, level),
             "traverse": lambda: traverse_map(result, fields),
             "impact": lambda: impact_map(result, fields),
             "flight": lambda: flight_map(result, fields),

@@ -35,6 +35,7 @@ from vibro.plots.style import (
     REGIME_COLOURS,
     axis_label,
     ink_on,
+    number_text,
     value_text,
     values_text,
 )
@@ -56,17 +57,26 @@ __all__ = ["Band", "flight_line", "impact_line", "name_bands", "speed_lines", "t
 _TINT: Final = 0.35  # opacity of bands behind lines
 _MARKED: Final = 60  # values on the axis, up to which each is marked
 _WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
+_HEADROOM: Final = 0.15  # above a level, for its name
 _MILLIMETRE: Final = 1e3  # [1/m]
 
 
-def speed_lines(result: SweepResult, fields: Fields) -> Figure:
-    """Mean conveying speed and displacement per cycle over the axis."""
+def speed_lines(result: SweepResult, fields: Fields, level: float | None = None) -> Figure:
+    """Mean conveying speed and displacement per cycle over the axis; a level of speed is marked [mm/s]."""
     cycle = fields.panel.cycle
     rows = {
         "mean conveying speed [mm/s]": _MILLIMETRE * cycle["mean_velocity"][0],
         "displacement per cycle [mm]": _MILLIMETRE * cycle["displacement_per_cycle"][0],
     }
-    return _figure(result, fields, "Mean conveying speed", rows)
+    figure = _figure(result, fields, "Mean conveying speed", rows)
+    if level is not None:
+        _, speeds, _ = figure.axes
+        low, high = speeds.get_ylim()
+        speeds.axhline(level, color=INK, linewidth=2.2, linestyle=(0, (1, 1)), zorder=2.5, gid="level")
+        speeds.set_ylim(low, max(high, level + _HEADROOM * (level - low)))
+        place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
+        outline(speeds.annotate(f"{number_text(level)} mm/s", *place), "#FFFFFF")
+    return figure
 
 
 def impact_line(result: SweepResult, fields: Fields) -> Figure:

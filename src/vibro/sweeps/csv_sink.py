@@ -50,6 +50,7 @@ def write_rows(
     form: CsvFormat,
     stream: TextIO,
     report: Callable[[int], None] = lambda done: None,
+    look: Callable[[Block], None] | None = None,
 ) -> Tally:
     """Solve a grid and write its table, header first.
 
@@ -65,6 +66,8 @@ def write_rows(
         Where to; it keeps line ends as they are.
     report : callable, optional
         Called with the number of cells done so far.
+    look : callable, optional
+        Called with every block, in the order of its cells.
     """
     tally = Tally()
     stream.write(form.header(columns))
@@ -72,6 +75,8 @@ def write_rows(
     for block in sweep_blocks(grid):
         stream.write(form.rows(columns, block))
         tally.add(block)
+        if look is not None:
+            look(block)
         done += block.cycle.status.size
         report(done)
     return tally
