@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibro.files.tables import TableColumns
+    from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Spec
-    from vibro.results.designs import Chosen, Design, DesignResult
+    from vibro.results.designs import Design, DesignResult
 
 __all__ = ["NOT_MET", "design_command"]
 

@@ -12,8 +12,9 @@ from vibro.quantities import LENGTH, QUANTITIES, SPEED
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Drive, Spec
-    from vibro.results.designs import Chosen, Design, DesignResult
+    from vibro.results.designs import Design, DesignResult
 
 __all__ = ["design_report"]
 
@@ -244,12 +245,17 @@ def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
     if design.throw_number_max is not None:
         facts.append(("throw number", f"at most {bound(design.throw_number_max, upper=True)}"))
     loads = [(what, number(load)) for what, load in chosen.loads.items()]
-    costs = [(name.replace("_", " "), _cost(cost)) for name, cost in chosen.costs.items()]
+    costs = [(_input(name), _cost(cost)) for name, cost in chosen.costs.items()]
     return [
         aligned(facts, right=False),
         aligned([("", "load now / load at which"), *loads]),
-        aligned([("1 % more of", "changes the nominal speed by"), *costs]),
+        aligned([("1 % more", "changes the nominal speed by"), *costs]),
     ]
+
+
+def _input(field: str) -> str:
+    name = field.removesuffix("_deg").replace("_", " ")
+    return name if name == field.replace("_", " ") else f"{name}, 1 deg more"
 
 
 def _cost(cost: float) -> str:

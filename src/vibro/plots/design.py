@@ -34,8 +34,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Spec
-    from vibro.results.designs import Chosen, SettingFields, SpeedBand
+    from vibro.results.designs import SettingFields, SpeedBand
 
     Floats = NDArray[np.float64]
 
@@ -121,7 +122,8 @@ class _Layers(MapLayers):
 
     def cover_forbidden(self) -> None:
         """Cover what the goal does not allow: where the first part is in too high a regime."""
-        for regime in self._settings.forbidden[:1]:
+        regime = self._settings.forbidden
+        if regime is not None:
             field = self.fields.log_ratio[BEGINS[regime]]
             self.hatch(field, f"some part {_BEGINS_TO[regime]}", _FORBIDDEN_HATCH)
         self._draw_tips()
@@ -189,7 +191,7 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
     if frequency:
         spans["frequency"] = (float(settings.point[0, 0]),) * 2
     goal = f"goal: at least {number_text(settings.goal)} mm/s"
-    if settings.forbidden:
+    if spec.goal.highest_regime is not Regime.HOPPING:
         goal += f", {spec.goal.highest_regime.label} at most"
     if float(design.speed_min_mm_s or 0.0) < settings.goal:
         goal += " (not met)"
@@ -324,7 +326,7 @@ def _draw_beginnings(axes: Axes, settings: Settings, legend: dict[str, dict[str,
     """Draw the amplitudes at which the first part reaches a regime, and the last one starts."""
     low, high = axes.get_xlim()
     loads: dict[str, tuple[Regime, float]] = {}
-    for regime in LIVELIER:
+    for regime in settings.first(LIVELIER):
         first, last = settings.data.begins[regime]
         loads[BEGINS[regime]] = regime, first
         if regime is Regime.FORWARD_SLIP and first < last:

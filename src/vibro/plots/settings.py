@@ -18,12 +18,13 @@ from vibro.plots.view import Panel
 from vibro.quantities import LENGTH
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Spec
-    from vibro.results.designs import Chosen, SettingFields
+    from vibro.results.designs import SettingFields
 
     Floats = NDArray[np.float64]
 
@@ -120,9 +121,14 @@ class Settings:
         return float(LENGTH.from_si(self.spec.goal.speed))
 
     @property
-    def forbidden(self) -> tuple[Regime, ...]:
-        """Regimes that the goal does not allow, from the first one on."""
-        return tuple(regime for regime in LIVELIER if regime > self.spec.goal.highest_regime)
+    def forbidden(self) -> Regime | None:
+        """What the first part does that the goal does not allow; None if all is allowed."""
+        return next(iter(self.first(tuple(r for r in LIVELIER if r > self.spec.goal.highest_regime))), None)
+
+    def first(self, regimes: Sequence[Regime]) -> list[Regime]:
+        """Leave out regimes that the first part skips, as it reaches a higher one at the same load."""
+        loads = [self.data.begins[regime][0] for regime in regimes]
+        return [r for r, load, n in zip(regimes, loads, [*loads[1:], math.inf], strict=True) if load < n]
 
     @property
     def stretches(self) -> list[Stretch]:
@@ -171,8 +177,9 @@ class Settings:
             self.strong(amplitude, frequency),
             -below(self.goal, np.fmax(self.speed(amplitude, frequency), 0.0)),
             below(self.data.tips, load),
-            *(below(self.data.begins[regime][0], load) for regime in self.forbidden[:1]),
         ]
+        if self.forbidden is not None:
+            excess.append(below(self.data.begins[self.forbidden][0], load))
         if self.data.impact_speed is not None:
             impact = self._at_load(self.data.impact_speed, amplitude, frequency) / frequency
             excess.append(below(float(LENGTH.from_si(goal.impact_speed)), impact))

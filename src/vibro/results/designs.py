@@ -13,13 +13,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.codes import Regime
-    from vibro.inverse.specs import Drive
 
     Floats = NDArray[np.float64]
 
 __all__ = [
     "DESIGN_COLUMNS",
-    "Chosen",
     "Design",
     "DesignColumn",
     "DesignResult",
@@ -158,29 +156,6 @@ class DesignResult:
         """Return what ``vibro design --json`` prints."""
         designs = [{f.name: getattr(d, f.name) for f in fields(d)} for d in self.designs]
         return {"met": self.met, "designs": designs}
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Chosen:
-    """The design that pictures and margins show, and what is said of it beside its columns.
-
-    Attributes
-    ----------
-    design : Design
-        It has a setting.
-    drive : Drive
-        Its drive.
-    loads : mapping of str to float
-        Load now over the load then, by what happens then: ``the last part starts``, ``the first part slips
-        back``, ``the first part hops``; 0 where that never happens [1].
-    costs : mapping of str to float
-        By how much 1 % more of an input changes the nominal speed, by field [%].
-    """
-
-    design: Design
-    drive: Drive
-    loads: Mapping[str, float]
-    costs: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
