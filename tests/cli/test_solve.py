@@ -328,3 +328,70 @@ def test_a_stand_ratio_that_is_none_is_refused(run: Run) -> None:
         result = run("solve", *NUT, "--stand-ratio", text)
         assert result.exit_code == 2
         assert result.stderr.startswith(f"error: {problem}\n")
+
+
+def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
+    scene = NUT[2:]
+    result = run("solve", *scene, "--speed", "0.02815m/s")
+    assert (result.exit_code, result.stderr) == (0, "")
+    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
+    assert lines[1] == "asked for at least 28.15 mm/s without hopping"
+    # Published: 1.177843 to 1.190299 mm and 1.233006 to 3.229052 mm; rounded inwards.
+    assert lines[4:] == [
+        "1.17785 1.19029 the speed is reached back slip makes it slower",
+        "1.23301 3.22905 the speed is reached the body hops",
+    ]
+    answer = json.loads(run("solve", *scene, "--speed", "28.15", "--json").stdout)
+    assert (answer["met"], answer["speed_mm_s"], answer["highest_regime"]) == (True, 28.15, "back-slip")
+    assert "amplitude_mm" not in answer["scene"]
+    for interval in answer["amplitudes"]:
+        for end in ("amplitude_low_mm", "amplitude_high_mm"):
+            cycle = json.loads(run("solve", *scene, "-A", repr(interval[end]), "--json").stdout)
+            assert cycle["mean_velocity_mm_s"] >= 28.15 * (1.0 - 1e-12)
+            assert cycle["regime"] != "hopping"
+
+
+def test_a_speed_that_no_amplitude_reaches(run: Run) -> None:
+    result = run("solve", *NUT[2:], "--speed", "500")
+    assert result.exit_code == 4
+    # what the amplitude of the hop limit gives
+    best = "no amplitude does it: without hopping it gets about 123.3 mm/s, at 3.229 mm"
+    assert result.stdout.splitlines()[-1] == best
+    answer = json.loads(run("solve", *NUT[2:], "--speed", "500", "--json").stdout)
+    assert (answer["met"], answer["amplitudes"]) == (False, [])
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (("-a", "0", "--trough-angle", "-20"), "any"),
+        (("--mu-s", "0", "--mu-d", "0"), "it moves forwards only where it hops, if at all"),
+        (("--trough-angle", "-55"), "it has no steady motion without hopping"),
+        (("--trough-angle", "29"), "without hopping it gets about"),
+    ],
+)
+def test_speeds_of_odd_scenes(run: Run, changes: tuple[str, ...], said: str) -> None:
+    result = run("solve", *NUT[2:], *changes, "--speed", "5")
+    assert result.exit_code == (0 if said == "any" else 4)
+    assert said in result.stdout
+
+
+def test_an_amplitude_is_not_given_where_it_is_asked_for(run: Run) -> None:
+    for option in ("-A", "--stroke"):
+        result = run("solve", *NUT[2:], option, "1", "--speed", "20")
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert "is given, and asked for" in result.stderr
+    scene = Path(__file__).parents[2] / "examples" / "safety_nut.toml"  # whose own amplitude does not count
+    assert json.loads(run("solve", scene, "--speed", "28.15", "--json").stdout)["met"]
+    result = run("solve", "--speed", "20")
+    assert result.exit_code == 2
+    assert "amplitude" not in result.stderr
+
+
+@pytest.mark.parametrize("more", [("--coexist",), ("-o", "x"), ("--stand-ratio", "1"), ("--flight", "off")])
+def test_amplitudes_take_no_other_options(run: Run, more: tuple[str, ...]) -> None:
+    result = run("solve", *NUT[2:], "--speed", "20", *more)
+    assert result.exit_code == 2
+    assert f"{more[0]} means nothing to it" in result.stderr
+    assert run("solve", *NUT[2:], "--speed", "0").exit_code == 2
+    assert run("solve", *NUT[2:], "--speed", "20Hz").exit_code == 2

@@ -119,3 +119,12 @@ def test_flight_over_one_axis(one_axis: SweepResult) -> None:
         (line,) = [line for line in axes.lines if line.get_gid() == "numbers"]
         y = np.asarray(line.get_ydata(), float)
         np.testing.assert_array_equal(y[~np.isnan(y)], expected)
+
+
+@pytest.mark.parametrize("level", [20.0, 1000.0])
+def test_a_speed_that_is_asked_for_is_a_line_across(one_axis: SweepResult, level: float) -> None:
+    axes = map_figures(one_axis, ["speed"], level=level)["speed"].axes[1]
+    (line,) = [line for line in axes.lines if line.get_gid() == "level"]
+    assert set(np.asarray(line.get_ydata(), float)) == {level}
+    assert axes.get_ylim()[1] > level
+    assert f"{level:g} mm/s" in words(axes)

@@ -238,3 +238,16 @@ def test_flight_is_shown_where_there_is_one(flights: tuple[SweepResult, dict[str
         "impact speed, normal to the trough [mm/s]",
         "share of time in flight",
     ]
+
+
+def test_a_speed_that_is_asked_for_stands_out(nut: SweepResult) -> None:
+    figure = map_figures(nut, ["speed"], level=20.0)["speed"]
+    line = curve(only_map(figure), "20 mm/s")
+    speed = 1e3 * solve(scene_of(1e-3 * line[:, 1], line[:, 0])).mean_velocity
+    error = abs(speed / 20.0 - 1.0)
+    assert len(line) > 500
+    assert np.sum(error > 5e-3) <= 4  # where it crosses a jump
+    assert error.max() < 0.1
+    (drawn,) = [line for line in only_map(figure).lines if line.get_gid() == "20 mm/s"]
+    assert drawn.get_linewidth() > 2.0
+    assert "20 mm/s" in said(figure)

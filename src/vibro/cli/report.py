@@ -175,7 +175,7 @@ def estimate(value: float, error: float, unit: str = "") -> str:
 def bound(value: float, unit: str = "", *, upper: bool) -> str:
     """Write a bound for people with six digits, rounded so that it still holds."""
     rounding = ROUND_CEILING if upper else ROUND_FLOOR
-    return number(float(Context(prec=6, rounding=rounding).create_decimal_from_float(value)), unit)
+    return number(float(Context(prec=6, rounding=rounding).create_decimal(repr(float(value)))), unit)
 
 
 def number(value: float, unit: str = "") -> str:

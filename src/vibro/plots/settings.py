@@ -123,12 +123,13 @@ class Settings:
     @property
     def forbidden(self) -> Regime | None:
         """What the first part does that the goal does not allow; None if all is allowed."""
-        return next(iter(self.first(tuple(r for r in LIVELIER if r > self.spec.goal.highest_regime))), None)
+        higher = [regime for regime in LIVELIER if regime > self.spec.goal.highest_regime]
+        return next(iter(self.first(higher)), None)
 
     def first(self, regimes: Sequence[Regime]) -> list[Regime]:
-        """Leave out regimes that the first part skips, as it reaches a higher one at the same load."""
-        loads = [self.data.begins[regime][0] for regime in regimes]
-        return [r for r, load, n in zip(regimes, loads, [*loads[1:], math.inf], strict=True) if load < n]
+        """Leave out regimes that the first part never reaches, or skips: a higher one begins there too."""
+        load = {regime: self.data.begins[regime][0] for regime in regimes}
+        return [r for r in regimes if load[r] < min((load[h] for h in regimes if h > r), default=math.inf)]
 
     @property
     def stretches(self) -> list[Stretch]:

@@ -1,0 +1,313 @@
+"""``vibro design``: what it prints and writes, and how it ends. What it finds is tested elsewhere."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from commands import Run, rows_of
+
+import vibro
+from vibro.files.toml_files import read_toml
+from vibro.inverse import designs as designs_module
+from vibro.results.designs import DESIGN_COLUMNS, Design, DesignResult
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from vibro.inverse.specs import Spec
+
+QUESTION = """
+[scene]
+static_friction = "0.7:0.78"
+kinetic_friction = "0.5:0.6"
+trough_length_mm = 600
+[[drive]]
+name = "motor"
+amplitude_mm = 3
+frequency_hz = "10:30"
+drive_angle_deg = "5:45"
+acceleration_g = 4
+[[drive]]
+name = "magnet"
+amplitude_mm = 0.8
+frequency_hz = "50,100"
+drive_angle_deg = 20
+[drift]
+amplitude_percent = 5
+[goal]
+speed_mm_s = 30
+highest_regime = "forward-slip"
+"""
+SAFEST = Design(
+    drive="motor",
+    highest_regime="forward-slip",
+    design="safest",
+    amplitude_mm=2.80763335,
+    frequency_hz=10.0,
+    drive_angle_deg=45.0,
+    acceleration_g=1.129883,
+    speed_min_mm_s=45.29399999,
+    speed_nominal_mm_s=48.45,
+    speed_max_mm_s=51.89570001,
+    traverse_time_max_s=13.2468,
+    amplitude_low_mm=2.46843701,
+    amplitude_high_mm=3.0,
+    low_set_by="speed",
+    high_set_by="limit",
+    margin=7.39704,
+    throw_number_max=0.798944,
+    set_by="back slip",
+    proof="corners",
+    coexists=False,
+    excluded=0,
+)
+
+
+def rows(drive: str, regime: str, **known: Design) -> list[Design]:
+    """Return the three designs of a drive and a regime; those that are not known have no numbers."""
+    found = []
+    for kind in ("gentlest", "fastest", "safest"):
+        row: dict[str, Any] = {"drive": drive, "highest_regime": regime, "design": kind}
+        found.append(replace(known[kind], **row) if kind in known else Design(**row))
+    return found
+
+
+def answer(*, met: bool) -> DesignResult:
+    """Return an answer as the optimisers give them: the motor meets the goal, or no drive does."""
+    slow = replace(
+        SAFEST, speed_min_mm_s=4.649, margin=None, frequency_needed_hz=2.9, amplitude_needed_mm=30.4,
+        amplitude_low_mm=None, amplitude_high_mm=None, low_set_by=None, high_set_by=None,
+    )  # fmt: skip
+    all_three = {"gentlest": SAFEST, "fastest": SAFEST, "safest": SAFEST}
+    hopping = replace(
+        SAFEST, speed_min_mm_s=228.0, set_by="limit", margin=12.0, proof="sampled", coexists=True, excluded=7
+    )
+    found = [
+        *rows("motor", "forward-slip", **(all_three if met else {"fastest": slow})),
+        *rows("motor", "back-slip", fastest=replace(slow, speed_min_mm_s=6.22, proof="searched")),
+        *rows("motor", "hopping", gentlest=hopping, fastest=hopping, safest=hopping),
+        *rows("magnet", "forward-slip"),
+        *rows("magnet", "back-slip"),
+        *rows("magnet", "hopping"),
+    ]
+    return DesignResult(met, tuple(found))
+
+
+def found(monkeypatch: pytest.MonkeyPatch, result: DesignResult) -> list[Spec]:
+    """Have every question answered so; return the list of those that are asked."""
+    asked: list[Spec] = []
+
+    def find(spec: Spec, tell: Callable[[int, int], None]) -> DesignResult:
+        asked.append(spec)
+        for done in (0, 4, 18):
+            tell(done, 18)
+        return result
+
+    monkeypatch.setattr(designs_module, "find_designs", find)
+    return asked
+
+
+@pytest.fixture(autouse=True)
+def coarse() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.plots.settings._RESOLVED", 41)
+        patch.setattr("vibro.inverse.fields._POINTS", {False: 41, True: 41})
+        yield
+
+
+@pytest.fixture
+def ask(run: Run, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+    """Ask the question of ``nut.toml``, in a folder of its own."""
+    Path("nut.toml").write_text(QUESTION, encoding="utf-8")
+
+    def invoke(*args: object, met: bool = True) -> Any:
+        found(monkeypatch, answer(met=met))
+        return run("design", "nut.toml", *args)
+
+    return invoke
+
+
+def squeezed(text: str) -> list[str]:
+    return [" ".join(line.split()) for line in text.splitlines()]
+
+
+def test_the_report_of_a_goal_that_is_met(ask: Callable[..., Any]) -> None:
+    result = ask()
+    assert (result.exit_code, result.stderr) == (0, "")
+    lines = squeezed(result.stdout)
+    assert lines[0] == "goal at least 30 mm/s for every part, 600 mm in 20 s; forward-slip at most"
+    assert lines[1] == "met by motor"
+    assert lines[2] == "parts static friction 0.7 ... 0.78, kinetic friction 0.5 ... 0.6"
+    assert lines[4] == "drift amplitude +- 5 %"
+    limits = "amplitude up to 3 mm, frequency 10 ... 30 Hz, drive angle 5 ... 45 deg, acceleration up to 4 g"
+    head = lines.index(f"motor: {limits}")
+    # Every digit of a setting; a guarantee is never rounded up, nor what no part exceeds rounded down.
+    setting = "2.80763335 10 45 1.12989 45.2939 48.45 51.8958 7.39704 back slip corners"
+    assert lines[head + 3 : head + 5] == ["forward-slip at most (the goal)", f"gentlest {setting}"]
+    assert "magnet: amplitude up to 0.8 mm, frequency 50 Hz or 100 Hz, drive angle 20 deg" in lines
+    assert lines.count("gentlest - - - - - - - - - -") == 4
+    assert "chosen motor, safest with forward-slip at most: 2.80763335 mm, 10 Hz, 45 deg" in lines
+    window = "2.46844 ... 3 mm keep the goal; below, the slowest part gets too slow; above, the drive ends"
+    assert f"amplitude {window}" in lines
+    assert "margin 7.39704: all bands and drifts may be that many times as wide" in lines
+    assert "traverse time at most 13.2468 s" in lines
+    assert "load now / load at which" in lines
+    for name in ("the first part slips back", "the first part hops", "the last part starts"):
+        assert any(line.startswith(name) for line in lines)
+    costs = lines[lines.index("1 % more changes the nominal speed by") + 1 :]
+    assert costs[0].startswith("amplitude +")
+    assert costs[5].startswith("trough angle, 1 deg more -")
+    assert any(line.startswith("sampled: ") for line in lines)
+    settles = "disturbed parts can settle into another motion than those from rest: motor, hopping, gentlest"
+    assert any(line.startswith(settles) for line in lines)
+    assert any(
+        line.startswith("samples without a speed are left out, up to 7 of: motor, hop") for line in lines
+    )
+
+
+def test_the_report_of_a_goal_that_no_drive_meets(ask: Callable[..., Any]) -> None:
+    result = ask(met=False)
+    assert (result.exit_code, result.stderr) == (4, "")
+    lines = squeezed(result.stdout)
+    assert lines[1] == "met by no drive"
+    head = (
+        "largest guaranteed forward-slip at most set by back-slip hopping nearest drive that meets the goal"
+    )
+    first = lines.index(head)
+    assert lines[first + 1] == "motor 4.649 mm/s back slip 6.22 mm/s 228 mm/s 2.9 Hz and 30.4 mm"
+    assert lines[first + 2] == "magnet nothing - nothing nothing -"
+    assert any(line.startswith("closest motor, fastest with forward-slip at most: ") for line in lines)
+    assert "amplitude none keeps the goal" in lines
+    assert "margin none: the goal is not met" in lines
+
+
+def test_json_is_the_answer_alone(ask: Callable[..., Any]) -> None:
+    for met, code in ((True, 0), (False, 4)):
+        result = ask("--json", met=met)
+        assert (result.exit_code, result.stderr) == (code, "")
+        assert json.loads(result.stdout) == answer(met=met).to_dict()
+    assert list(Path().iterdir()) == [Path("nut.toml")]
+
+
+def test_the_files(ask: Callable[..., Any]) -> None:
+    result = ask("-o", "out/nut", "--json")
+    assert result.exit_code == 0
+    names = ["nut.csv", "nut-regime.png", "nut-speed.png", "nut-band.png", "nut.json"]
+    assert sorted(path.name for path in Path("out").iterdir()) == sorted(names)
+    content = json.loads(Path("out/nut.json").read_text(encoding="utf-8"))
+    assert content["version"] == vibro.__version__
+    assert content["argv"] == ["vibro", "design", "nut.toml", "-o", "out/nut", "--json"]
+    assert content["spec"] == read_toml(Path("nut.toml"))
+    assert content["files"] == names
+    assert {"met": content["met"], "designs": content["designs"]} == json.loads(result.stdout)
+    assert content["columns"]["speed_min_mm_s"] == "mm/s"
+    table = rows_of(Path("out/nut.csv").read_text(encoding="utf-8"))
+    assert list(table[0]) == [column.name for column in DESIGN_COLUMNS]
+    for row, design in zip(table, content["designs"], strict=True):
+        for name, value in design.items():
+            wanted = "" if value is None else str(int(value)) if isinstance(value, bool | int) else value
+            assert row[name] == wanted if isinstance(wanted, str) else float(row[name]) == wanted
+
+
+def test_the_table_goes_to_stdout(ask: Callable[..., Any]) -> None:
+    result = ask("-o", "-", "--decimal-comma")
+    assert result.exit_code == 0
+    assert result.stdout.splitlines()[1].startswith("motor;forward-slip;gentlest;2,80763335;10;45;")
+    assert len(result.stdout.splitlines()) == 19
+    assert ask("-o", "-", met=False).exit_code == 4
+    assert ask("-o", "-", "--json").exit_code == 2
+    assert list(Path().iterdir()) == [Path("nut.toml")]
+
+
+def test_the_formats_of_pictures(ask: Callable[..., Any]) -> None:
+    assert ask("-o", "nut", "--format", "svg,pdf", "-q").exit_code == 0
+    assert {path.suffix for path in Path().iterdir()} == {".toml", ".csv", ".json", ".svg", ".pdf"}
+    assert ask("--format", "gif").exit_code == 2
+
+
+def test_where_nothing_is_guaranteed_there_is_nothing_to_draw(
+    ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert ask("-o", "nut").exit_code == 0
+    regimes = ("forward-slip", "back-slip", "hopping")
+    empty = [d for drive in ("motor", "magnet") for regime in regimes for d in rows(drive, regime)]
+    found(monkeypatch, DesignResult(False, tuple(empty)))
+    result = run("design", "nut.toml", "-o", "nut", "--force")
+    assert result.exit_code == 4
+    assert sorted(path.name for path in Path().iterdir()) == ["nut.csv", "nut.json", "nut.toml"]
+    assert json.loads(Path("nut.json").read_text(encoding="utf-8"))["files"] == ["nut.csv", "nut.json"]
+    assert "removed nut-band.png" in result.stderr
+    assert "closest" not in result.stdout
+
+
+def test_files_are_claimed_before_anything_is_computed(
+    ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert ask("-o", "nut").exit_code == 0
+    asked = found(monkeypatch, answer(met=True))
+    result = run("design", "nut.toml", "-o", "nut")
+    assert (result.exit_code, result.stdout, asked) == (1, "", [])
+    assert "exist already" in result.stderr
+
+
+def test_the_question_is_never_overwritten(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("nut.csv").write_text(QUESTION, encoding="utf-8")
+    asked = found(monkeypatch, answer(met=True))
+    result = run("design", "nut.csv", "-o", "nut", "--force")
+    assert (result.exit_code, asked) == (1, [])
+    assert "it is what this run reads" in result.stderr
+    assert Path("nut.csv").read_text(encoding="utf-8") == QUESTION
+
+
+def test_a_folder_takes_the_questions_name(ask: Callable[..., Any]) -> None:
+    assert ask("-o", f"out{os.sep}").exit_code == 0
+    assert Path("out/nut-design.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("margin", "text"),
+    [
+        (1.0, "1: all bands and drifts may be that many times as wide"),
+        (10.0, "10 or more: all bands and drifts may be that many times as wide"),
+        (0.5, "0.5: all bands and drifts would have to be that share as wide"),
+        (None, "none: nothing is uncertain"),
+    ],
+)
+def test_the_margin_in_words(
+    run: Run, monkeypatch: pytest.MonkeyPatch, margin: float | None, text: str
+) -> None:
+    known = (
+        QUESTION.replace('"0.7:0.78"', "0.74")
+        .replace('"0.5:0.6"', "0.55")
+        .replace("_percent = 5", "_percent = 0")
+    )
+    Path("known.toml").write_text(known, encoding="utf-8")
+    design = replace(SAFEST, margin=margin)
+    found(
+        monkeypatch, DesignResult(True, tuple(rows("motor", "forward-slip", safest=design, gentlest=design)))
+    )
+    assert f"margin {text}" in squeezed(run("design", "known.toml").stdout)
+
+
+def test_what_is_wrong_ends_before_anything_is_computed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = found(monkeypatch, answer(met=True))
+    Path("bad.toml").write_text(QUESTION.replace("speed_mm_s = 30", "speed_mm_s = 0"), encoding="utf-8")
+    result = run("design", "bad.toml", "-o", "bad")
+    assert (result.exit_code, result.stdout, asked) == (2, "", [])
+    assert "speed_mm_s" in result.stderr
+    assert run("design", "none.toml").exit_code == 1
+    assert run("design").exit_code == 2
+    assert list(Path().iterdir()) == [Path("bad.toml")]
+
+
+def test_help_has_the_options_that_apply_alone(run: Run) -> None:
+    text = run("design", "--help").stdout
+    for option in ("-o", "--json", "--format", "--excel", "--decimal-comma", "--force", "-q", "--debug"):
+        assert option in text
+    for option in ("-A", "--mu-s", "--length", "SCENE.toml", "--flight"):
+        assert option not in text

@@ -1,0 +1,354 @@
+"""Pictures of designs: what they show of settings is what bodies of the box do there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from drawn import corners, curve, legend, only_map, path_of, said
+from matplotlib.path import Path as Outline
+
+import vibro
+from vibro import Regime
+from vibro.inverse.designs import chosen_of
+from vibro.inverse.fields import setting_fields, speed_band
+from vibro.inverse.reading import read_spec
+from vibro.plots import settings as settings_module
+from vibro.plots.design import DESIGN_PICTURES, design_figures
+from vibro.plots.settings import LIVELIER, Settings
+from vibro.results.designs import Design, DesignResult
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from vibro.inverse.designs import Chosen
+    from vibro.inverse.specs import Spec
+    from vibro.results.designs import SettingFields
+
+    Floats = NDArray[np.float64]
+
+NUT: dict[str, Any] = {
+    "scene": {"static_friction": "0.7:0.78", "kinetic_friction": "0.5:0.6"},
+    "drive": [{"name": "motor", "amplitude_mm": 3, "frequency_hz": "10:30", "drive_angle_deg": "5:45"}],
+    "goal": {"speed_mm_s": 30, "highest_regime": "forward-slip"},
+}
+FEEDER: dict[str, Any] = {
+    "scene": {"static_friction": "0.3:0.5", "friction_ratio": "0.7:0.9", "trough_angle_deg": 3},
+    "drive": [
+        {"name": "$magnet", "amplitude_mm": 0.8, "frequency_hz": "50,100", "drive_angle_deg": "5:60"},
+        {
+            "name": "unbalance",
+            "amplitude_mm": 3,
+            "frequency_hz": "15:25",
+            "drive_angle_deg": "5:60",
+            "acceleration_g": 4,
+        },
+    ],
+    "goal": {"speed_mm_s": 4, "highest_regime": "back-slip"},
+}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _coarse() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(settings_module, "_RESOLVED", 121)
+        yield
+
+
+def design_of(spec: Spec, drive: int, a: float, f: float, angle: float, **more: Any) -> tuple[Spec, Chosen]:
+    """Choose a setting by hand."""
+    design = Design(
+        drive=spec.drives[drive].name,
+        highest_regime=spec.goal.highest_regime.label,
+        design="safest",
+        amplitude_mm=a,
+        frequency_hz=f,
+        drive_angle_deg=angle,
+        **more,
+    )
+    chosen = chosen_of(spec, DesignResult(met=True, designs=(design,)))
+    assert chosen is not None
+    return spec, chosen
+
+
+def pictures_of(spec: Spec, chosen: Chosen) -> dict[str, Figure]:
+    return design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen))
+
+
+@pytest.fixture(scope="module")
+def nut() -> tuple[Spec, Chosen]:
+    numbers = {"speed_min_mm_s": 36.0, "amplitude_low_mm": 2.3237, "amplitude_high_mm": 3.0}
+    return design_of(read_spec(NUT), 0, 2.45, 10.2, 31.0, **numbers)
+
+
+@pytest.fixture(scope="module")
+def pictures(nut: tuple[Spec, Chosen]) -> dict[str, Figure]:
+    return pictures_of(*nut)
+
+
+@pytest.fixture(scope="module")
+def magnet() -> tuple[Spec, Chosen]:
+    return design_of(read_spec(FEEDER), 0, 0.11, 50.0, 55.0, speed_min_mm_s=4.5)
+
+
+@pytest.fixture(scope="module")
+def magnets_pictures(magnet: tuple[Spec, Chosen]) -> dict[str, Figure]:
+    return pictures_of(*magnet)
+
+
+def settings_over(spec: Spec, chosen: Chosen, count: int) -> tuple[Floats, Floats]:
+    """Return frequencies and amplitudes, spread over what is drawn."""
+    data = setting_fields(spec, chosen)
+    rng = np.random.default_rng(5)
+    slow, fast = data.frequency_hz
+    frequency = slow + (fast - slow) * rng.random(count)
+    low, high = data.amplitude_mm
+    return frequency, low * (high / low) ** rng.random(count)
+
+
+def cycles(spec: Spec, chosen: Chosen, frequency: Floats, amplitude: Floats) -> vibro.SteadyCycle:
+    """Solve settings, a row each, for a grid of frictions; bodies that hop are not followed."""
+    static, second = np.meshgrid(*(np.linspace(*spec.bands[name], 5) for name in list(spec.bands)[:2]))
+    kinetic = second * static if "friction_ratio" in spec.bands else second
+    scene = vibro.Scene(
+        amplitude=1e-3 * amplitude[:, np.newaxis],
+        frequency=frequency[:, np.newaxis],
+        drive_angle=math.radians(chosen.design.drive_angle_deg or 0.0),
+        static_friction=static.ravel(),
+        kinetic_friction=kinetic.ravel(),
+        trough_angle=spec.bands["trough_angle"][0],
+    )
+    return vibro.solve(scene, flight=False)
+
+
+def uppermost(axes: Axes, points: Floats) -> list[str]:
+    """Name what is filled at points."""
+    named = [str(p.get_gid()) for p in axes.patches if p.get_gid() != "beyond the drive"]
+    inside = {name: path_of(axes, name).contains_points(points) for name in named}
+    return [[name for name in named if inside[name][i]][-1] for i in range(len(points))]
+
+
+@pytest.mark.parametrize("which", ["nut", "magnet"])
+def test_regimes_are_those_of_the_least_and_the_most_lively_part(
+    which: str, request: pytest.FixtureRequest
+) -> None:
+    spec, chosen = request.getfixturevalue(which)
+    figure = request.getfixturevalue("pictures" if which == "nut" else "magnets_pictures")["regime"]
+    frequency, amplitude = settings_over(spec, chosen, 400)
+    regime = cycles(spec, chosen, frequency, amplitude).regime
+    names = uppermost(only_map(figure), np.column_stack([frequency, amplitude]))
+    data = setting_fields(spec, chosen)
+    load = Settings(spec, chosen, data).load(amplitude, frequency)
+    clear = np.ones(load.shape, np.bool_)  # of boundaries, which are drawn between the grid's points
+    for edge in np.array(list(data.begins.values())).ravel():
+        clear &= abs(np.log(load / edge)) > 1e-3
+    assert clear.mean() > 0.95
+    seen = set()
+    for least, most, name in zip(
+        regime.min(axis=1)[clear], regime.max(axis=1)[clear], np.array(names)[clear], strict=True
+    ):
+        ends = [Regime(code).label for code in (least, most)]
+        assert name.startswith(ends[0])
+        assert ends[1] in name
+        assert ("by part" in name) == (least != most)
+        seen.add(name)
+    assert len(seen) >= 4
+
+
+def test_what_depends_on_the_part_is_hatched(pictures: dict[str, Figure]) -> None:
+    for patch in only_map(pictures["regime"]).patches:
+        assert bool(patch.get_hatch()) == ("by part" in str(patch.get_gid()))
+
+
+def test_every_region_is_named(pictures: dict[str, Figure], magnets_pictures: dict[str, Figure]) -> None:
+    for figures in (pictures, magnets_pictures):
+        figure = figures["regime"]
+        areas = {str(p.get_gid()) for p in only_map(figure).patches} - {"beyond the drive"}
+        assert areas <= said(figure)
+        assert "hopping" in areas
+    assert "some part slips back" in said(pictures["speed"])
+    assert "some part hops" in said(magnets_pictures["speed"])
+
+
+def test_the_drives_limits_are_drawn(
+    pictures: dict[str, Figure], magnets_pictures: dict[str, Figure]
+) -> None:
+    for name in ("regime", "speed"):
+        outline = curve(only_map(pictures[name]), "drive")
+        np.testing.assert_allclose([outline[:, 0].min(), outline[:, 0].max()], [10.0, 30.0], rtol=1e-3)
+        assert outline[:, 1].max() == pytest.approx(3.0, rel=1e-3)
+        assert "limits of motor" in legend(pictures[name])
+        lines = curve(only_map(magnets_pictures[name]), "drive")
+        assert set(lines[:, 0]) == {50.0, 100.0}
+        assert lines[:, 1].max() == pytest.approx(0.8, rel=1e-3)
+        assert r"limits of \$magnet" in legend(magnets_pictures[name])
+
+
+def test_the_largest_acceleration_is_a_limit() -> None:
+    spec, chosen = design_of(read_spec(FEEDER), 1, 1.1, 15.0, 50.0, speed_min_mm_s=4.0)
+    outline = curve(only_map(pictures_of(spec, chosen)["regime"]), "drive")
+    load = 1e-3 * outline[:, 1] * (2.0 * math.pi * outline[:, 0]) ** 2 / 9.81
+    assert load.max() == pytest.approx(4.0, rel=2e-3)
+    assert np.sum(abs(load - 4.0) < 0.02) > 10
+
+
+@pytest.mark.parametrize("which", ["nut", "magnet"])
+def test_what_meets_the_goal_is_what_every_part_does(which: str, request: pytest.FixtureRequest) -> None:
+    spec, chosen = request.getfixturevalue(which)
+    frequency, amplitude = settings_over(spec, chosen, 1500)
+    drive, goal = chosen.drive, spec.goal
+    if which == "magnet":
+        frequency = np.resize([50.0, 100.0], frequency.shape)
+    found = cycles(spec, chosen, frequency, amplitude)
+    allowed = (found.regime <= goal.highest_regime).all(axis=1)
+    slowest = np.where(allowed, np.nan_to_num(found.mean_velocity, nan=-1.0).min(axis=1), -1.0)
+    possible = amplitude <= 1e3 * drive.amplitude[1]
+    possible &= np.any([(low <= frequency) & (frequency <= high) for low, high in drive.frequency], axis=0)
+    settings = Settings(spec, chosen, setting_fields(spec, chosen))
+    excess = settings.meets(amplitude, frequency)
+    meets = possible & (slowest >= goal.speed)
+    clear = (abs(excess) > 2e-3) & possible
+    assert np.array_equal(excess[clear] > 0.0, meets[clear])
+    assert 0.01 < meets.mean() < 0.5
+    if which == "nut":
+        figure = request.getfixturevalue("pictures")["speed"]
+        inside = Outline(curve(only_map(figure), "meets")).contains_points(
+            np.column_stack([frequency, amplitude])
+        )
+        edge = abs(excess) < 0.05  # of a coarse picture
+        assert np.array_equal(inside[~edge & possible], meets[~edge & possible])
+
+
+def test_the_guaranteed_speed_is_that_of_the_slowest_part(nut: tuple[Spec, Chosen]) -> None:
+    frequency, amplitude = settings_over(*nut, 300)
+    slowest = 1e3 * cycles(*nut, frequency, amplitude).mean_velocity.min(axis=1)
+    drawn = Settings(*nut, setting_fields(*nut)).speed(amplitude, frequency)
+    contact = np.isfinite(slowest)
+    np.testing.assert_allclose(drawn[contact], slowest[contact], rtol=2e-3, atol=2e-2)
+
+
+def test_the_goals_contour_and_the_colours_are_drawn(pictures: dict[str, Figure]) -> None:
+    figure = pictures["speed"]
+    line = curve(only_map(figure), "goal 30 mm/s")
+    assert len(line) > 20
+    assert "goal 30 mm/s" in said(figure)
+    assert figure.axes[-1].get_ylabel() == "guaranteed speed [mm/s]"
+
+
+def test_the_chosen_setting_is_marked(pictures: dict[str, Figure]) -> None:
+    assert tuple(pictures) == DESIGN_PICTURES
+    for name, place in {"regime": (10.2, 2.45), "speed": (10.2, 2.45), "band": (2.45, 36.0)}.items():
+        axes = pictures[name].axes[1 if name == "band" else 0]
+        assert tuple(curve(axes, "safest design")[0]) == pytest.approx(place)
+        assert "safest design" in legend(pictures[name])
+
+
+def test_headings_repeat_the_question(pictures: dict[str, Figure], nut: tuple[Spec, Chosen]) -> None:
+    for figure in pictures.values():
+        text = str(figure.get_suptitle())
+        assert "0.7 ... 0.78" in text
+        assert "0.5 ... 0.6" in text
+        assert "goal: at least 30 mm/s, forward-slip at most" in text
+        assert "not met" not in text
+        assert "vibro" not in text
+    spec, chosen = nut
+    slow = replace(chosen, design=replace(chosen.design, speed_min_mm_s=20.0))
+    drifting = replace(spec, drift=replace(spec.drift, amplitude=0.05, drive_angle=math.radians(1.0)))
+    text = str(pictures_of(drifting, slow)["band"].get_suptitle())
+    assert "(not met)" in text
+    assert r"drift: ±5 % $A$, ±1° $\alpha$" in text
+
+
+def test_the_band_holds_the_speeds_of_all_parts(
+    pictures: dict[str, Figure], nut: tuple[Spec, Chosen]
+) -> None:
+    strip, axes = pictures["band"].axes
+    amplitude = np.linspace(1.2, 3.4, 60)
+    speed = 1e3 * cycles(*nut, np.full(60, 10.2), amplitude).mean_velocity
+    band = speed_band(*nut)
+    for values, wanted in ((band.speed_min, speed.min(axis=1)), (band.speed_max, speed.max(axis=1))):
+        np.testing.assert_allclose(
+            np.interp(amplitude, band.amplitude_mm, values), wanted, rtol=2e-3, atol=2e-2
+        )
+    line = curve(axes, "guaranteed speed")
+    np.testing.assert_array_equal(line[:, 1], band.speed_min)
+    (goal,) = (line for line in axes.lines if line.get_gid() == "goal")
+    assert set(np.asarray(goal.get_ydata(), float)) == {30.0}
+    (window,) = (patch for patch in axes.patches if patch.get_gid() == "window")
+    assert window.get_extents().transformed(axes.transData.inverted()).intervalx == pytest.approx(
+        (2.3237, 3.0)
+    )
+    assert "guarantee kept: 2.3237 ... 3 mm" in legend(pictures["band"])
+    assert {text.get_text() for text in strip.texts} >= {"no-slip", "forward-slip"}
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("amplitude $A$ [mm]", "mean conveying speed [mm/s]")
+
+
+def test_words_do_not_overlap(pictures: dict[str, Figure], magnets_pictures: dict[str, Figure]) -> None:
+    for figure in (*pictures.values(), *magnets_pictures.values()):
+        for axes in figure.axes:
+            boxes = [Outline(corners(text)) for text in axes.texts]
+            for i, box in enumerate(boxes):
+                assert not any(box.intersects_path(other) for other in boxes[:i])
+
+
+def test_a_goal_that_allows_hopping_forbids_nothing(nut: tuple[Spec, Chosen]) -> None:
+    spec, chosen = nut
+    free = replace(spec, goal=replace(spec.goal, highest_regime=Regime.HOPPING))
+    assert Settings(free, chosen, setting_fields(free, chosen)).forbidden is None
+    figure = pictures_of(free, chosen)["speed"]
+    assert not any("some part" in text for text in said(figure))
+
+
+def test_further_limits_narrow_what_meets_the_goal(nut: tuple[Spec, Chosen]) -> None:
+    spec, chosen = nut
+    goal = replace(spec.goal, highest_regime=Regime.HOPPING, impact_speed=0.2, flight_fraction=0.4)
+    limited = replace(spec, goal=goal)
+    data = setting_fields(limited, chosen)
+    steps = {
+        "impact_speed": 200.0 * 20.0 / 0.9,
+        "flight_fraction": 0.4 / 0.9,
+    }
+    for name, above in steps.items():
+        fields: Mapping[str, Any] = {other: np.zeros(data.load.shape) for other in steps}
+        changed = replace(data, **{**fields, name: np.where(data.load > 2.0, above, 0.0)}, tips=math.inf)
+        _assert_ends_at(Settings(limited, chosen, changed), 2.0)
+    _assert_ends_at(Settings(limited, chosen, replace(data, **fields, tips=1.5)), 1.5)
+
+
+def _assert_ends_at(settings: Settings, load: float) -> None:
+    """At 20 Hz no setting beyond a load meets the goal, and those just below do."""
+    for factor in (0.98, 1.02):
+        amplitude = factor * load * 9.81e3 / (2.0 * math.pi * 20.0) ** 2
+        excess = settings.meets(np.array([amplitude]), np.array([20.0]))
+        assert (excess[0] > 0.0) == (factor < 1.0)
+
+
+def test_regimes_that_are_skipped_are_not_told(nut: tuple[Spec, Chosen]) -> None:
+    spec, chosen = nut
+    data = setting_fields(spec, chosen)
+    begins = dict(zip(LIVELIER, ((0.5, 0.6), (1.2, 1.3), (1.2, 1.4)), strict=True))
+    settings = Settings(spec, chosen, replace(data, begins=begins))
+    assert settings.forbidden is Regime.HOPPING
+    names = [stretch.name for stretch in settings.stretches]
+    assert names == [
+        "no-slip",
+        "no-slip or forward-slip, by part",
+        "forward-slip",
+        "forward-slip to hopping, by part",
+        "back-slip or hopping, by part",
+        "hopping",
+    ]
+
+
+def test_numbers_that_do_not_cover_the_picture_are_refused(nut: tuple[Spec, Chosen]) -> None:
+    data: SettingFields = setting_fields(*nut)
+    short = replace(data, load=data.load[:-50], speed_min=data.speed_min[:-50])
+    with pytest.raises(ValueError, match="do not cover"):
+        Settings(*nut, short)
