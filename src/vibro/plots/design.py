@@ -319,7 +319,7 @@ def _draw_goal(axes: Axes, settings: Settings, band: SpeedBand, legend: dict[str
     if band.window_mm is not None:
         low, high = band.window_mm
         axes.axvspan(low, high, gid="window", zorder=0.5, linewidth=0.6, facecolor=_WINDOW, edgecolor=INK)
-        legend[f"guarantee kept: {number_text(low)} ... {number_text(high)} mm"] = {"facecolor": _WINDOW}
+        legend["keeps the guarantee"] = {"facecolor": _WINDOW}
 
 
 def _draw_beginnings(axes: Axes, settings: Settings, legend: dict[str, dict[str, Any]]) -> None:
