@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 
 from vibro.quantities import QUANTITIES
+from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.steady import (
     ARRIVAL_TIME,
     RESULTS,
@@ -40,7 +41,7 @@ def _result(result: Result) -> str:
 
 
 def tables() -> str:
-    """Make both tables, as they stand in the page."""
+    """Make the tables, as they stand in the page."""
     inputs = [
         _row(
             q.symbol,
@@ -58,11 +59,14 @@ def tables() -> str:
             results.append(_result(TRAVERSE_TIME))
     results += [_result(result) for result in ELSEWHERE]
     head = [HEADER, "|---|---|---|---|---|"]
-    return "\n".join(["## Inputs", "", *head, *inputs, "", "## Results", "", *head, *results, "", ""])
+    parts = [["## Inputs", "", *head, *inputs], ["## Results", "", *head, *results]]
+    designs = [f"| `{c.name}` | {c.unit or '1'} | {c.meaning} |" for c in DESIGN_COLUMNS]
+    parts.append(["## Designs", "", "| CSV column | unit | meaning |", "|---|---|---|", *designs])
+    return "".join("\n".join([*part, "", ""]) for part in parts)
 
 
 def page_with(text: str) -> str:
-    """Put both tables into the page."""
+    """Put the tables into the page."""
     page = PAGE.read_text(encoding="utf-8")
     return re.sub(r"## Inputs\n.*?(?=## Groups and loads)", lambda _: text, page, flags=re.DOTALL)
 

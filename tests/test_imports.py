@@ -33,8 +33,11 @@ def test_solving_loads_no_library_for_tables_pictures_or_the_command_line() -> N
 
 # What each public name gives when it is called as its documentation says.
 CALLS = {
+    "DesignResult": "vibro.DesignResult(True, ()).met",
     "FileError": "issubclass(vibro.FileError, vibro.VibroError)",
     "InputError": "issubclass(vibro.InputError, vibro.VibroError)",
+    "Guarantee": "isinstance(vibro.guarantee(scene), vibro.Guarantee)",
+    "Interval": "isinstance(vibro.feasible_amplitudes(scene, 0.02)[0], vibro.Interval)",
     "History": "vibro.simulate(scene, cycles=1).__class__ is vibro.History",
     "Regime": "vibro.Regime(0).label == 'no-slip'",
     "Scene": "scene.shape == ()",
@@ -44,11 +47,15 @@ CALLS = {
     "VibroError": "issubclass(vibro.VibroError, Exception)",
     "arrival_time": "vibro.arrival_time(scene, 0.1) > 0",
     "critical_loads": "vibro.critical_loads(scene).hop > 1",
+    "design": "len(vibro.design(question).designs) == 9",
+    "feasible_amplitudes": "len(vibro.feasible_amplitudes(scene, 0.02)) == 1",
+    "guarantee": "vibro.guarantee(scene).speed_min == vibro.solve(scene).mean_velocity",
     "read_scene": "vibro.read_scene(nut).shape == ()",
     "simulate": "vibro.simulate(scene, cycles=1).end > 0",
     "solve": "vibro.solve(scene).pattern == 'F_'",
     "sweep": "vibro.sweep(nut, frequency_hz=15).shape == (200,)",
     "transitions": "len(vibro.transitions(scene)) == 4",
+    "yield_share": "vibro.yield_share(scene, 0.01, highest_regime='back-slip')[0] == 1.0",
 }
 
 
@@ -62,6 +69,9 @@ def test_no_submodule_hides_a_public_name() -> None:
             "for module in pkgutil.walk_packages(vibro.__path__, 'vibro.'):",
             "    importlib.import_module(module.name)",
             f"scene, nut = vibro.Scene({scene}), {str(NUT)!r}",
+            "friction = {'static_friction': 0.74, 'kinetic_friction': 0.57}",
+            "drive = {'amplitude_mm': 1, 'frequency_hz': 15, 'drive_angle_deg': 20}",
+            "question = {'scene': friction, 'drive': [drive], 'goal': {'speed_mm_s': 10}}",
             *(f"assert {call}, {name!r}" for name, call in CALLS.items()),
         ]
     )

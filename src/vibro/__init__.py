@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.histories import simulate
+    from vibro.results.designs import DesignResult, Guarantee, Interval
     from vibro.results.history import History
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
@@ -25,9 +26,12 @@ if TYPE_CHECKING:
     from vibro.sweeps.whole import read_scene, sweep
 
 __all__ = [
+    "DesignResult",
     "FileError",
+    "Guarantee",
     "History",
     "InputError",
+    "Interval",
     "Regime",
     "Scene",
     "SceneError",
@@ -49,9 +53,12 @@ __all__ = [
 __version__ = "0.1.0"
 
 _HOMES = {
+    "DesignResult": "vibro.results.designs",
     "FileError": "vibro.errors",
+    "Guarantee": "vibro.results.designs",
     "History": "vibro.results.history",
     "InputError": "vibro.errors",
+    "Interval": "vibro.results.designs",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
     "SceneError": "vibro.errors",

@@ -124,7 +124,7 @@ class Box:
         """Return scenes at the points, in SI units.
 
         Of all amplitudes and frequencies with the same load the lowest frequency is the fastest, and the
-        highest the slowest, as speeds go with 1/f; ``fast`` says which is taken.
+        highest the slowest, Eq. (52); ``fast`` says which is taken.
         """
         weight = points.load * self.gravity / (4.0 * math.pi**2)  # A f^2
         (a_low, a_high), (f_low, f_high) = self.amplitude, self.frequency

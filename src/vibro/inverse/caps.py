@@ -39,7 +39,7 @@ def back_slip_load(box: Box) -> Floats:
     """Load above which the first body slips back.
 
     It rises with static friction and the drive angle and falls with kinetic friction and the trough angle
-    (theory.md, section 13): a corner of the box. Only on a decline, where kinetic friction goes along with
+    (theory.md, section 14): a corner of the box. Only on a decline, where kinetic friction goes along with
     the static one, it may fall on the way: there the edge is searched.
     """
     alpha, beta = box.drive_angle[0], box.trough_angle[1]

@@ -1,6 +1,6 @@
 """Slowest and fastest bodies of a box: an optimiser for those in contact, samples for those that hop.
 
-Both follow theory.md, section 13: a body is slower on a steeper trough, whatever its pattern, and of all
+Both follow theory.md, section 14: a body is slower on a steeper trough, whatever its pattern, and of all
 settings with one load the one of the highest frequency is the slowest.
 """
 
@@ -283,6 +283,6 @@ def taken(box: Box, shares: Floats, *, fast: bool, flight: bool, seen: Seen) -> 
 
 
 def _steeper_is_slower(box: Box) -> bool:
-    """Whether a steeper trough is slower for every body, Eq. (64)."""
+    """Whether a steeper trough is slower for every body, Eq. (53)."""
     steepest = max(abs(angle) for angle in box.trough_angle)
     return bool(box.static_friction[1] * math.tan(steepest) < 1.0)

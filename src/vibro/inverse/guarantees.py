@@ -62,7 +62,7 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     Notes
     -----
     Where nothing slips back and nothing hops the speed is monotone, so that corners of the box have both
-    ends (``corners``; theory.md, section 13). Else bodies in contact are searched by differential evolution
+    ends (``corners``; theory.md, section 14). Else bodies in contact are searched by differential evolution
     from several seeds (``searched``), and hopping ones sampled (``sampled``). A body whose motion has no
     short period counts with three standard errors to its disadvantage.
 
