@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.contact.limits import critical_loads
 from vibro.errors import InputError, shown
 from vibro.inverse.bands import box_of
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
-from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, corners, counted, least_of
+from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, corners
 from vibro.inverse.guarantees import bound
+from vibro.inverse.scans import BEYOND, Scan
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
-from vibro.steady import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,12 +30,8 @@ __all__ = ["Family", "feasible_amplitudes", "regime_of"]
 
 _GRID: Final = {False: 4097, True: 257}  # amplitudes looked at first: of one body, of a box of them
 _BOUNCING: Final = 33  # where impacts are not plastic, which takes long
-_CLOSER: Final = 33  # around each extremum of the speed between them
-_ROUNDS: Final = 3
-_BEYOND: Final = 1e3  # times the largest critical load: as far as a body that never hops is followed
-_BESIDE: Final = 1e-12  # [1] relative distance from a critical load at which both its sides are looked at
+_BESIDE: Final = 1e-12  # [1] below a load that is not to be exceeded
 _HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the nodes
-_JUMP: Final = 1e-6  # relative change of the speed that is a jump
 _EXCHANGES: Final = 6
 _EDGE: Final = 1e-10  # relative width to which an end is found by the slowest body of every amplitude
 _BEYOND_EDGE: Final = 1e-8  # relative distance from there at which a jump of the speed has happened
@@ -190,23 +185,29 @@ class Family:
         top = caps[top_by]
         start = self.amplitude_of(float(onset_load(self.template)), most=False)
         wide = bool(self.across(1.0, 1.0).varies.any())
-        shares = corners(self.across(1.0, 1.0))
         flies = highest is Regime.HOPPING
         count = _BOUNCING if flies and self.template.restitution else _GRID[wide]
         shares = corners(self.across(1.0, 1.0))
+        endless = math.isinf(
+            top
+        )  # without a limit, bodies that never hop are followed to where all has begun
+        if endless:
+            criticals = Scan(self.boxes, shares, target, None).criticals()
+            top, top_by = BEYOND * max([start, *criticals]), "limit"
         found: list[Interval] = []
         for _ in range(_EXCHANGES):
-            search = _Search(self, shares, target, flight=flies)
+            search = Scan(self.boxes, shares, target, self.landings if flies else None)
             found = search.intervals(start, top, top_by, count)
             worse = [self._worse(i, target) if wide else None for i in found]
             if all(w is None for w in worse):
-                return found
+                break
             shares = np.unique(np.hstack([shares, *(w for w in worse if w is not None)]), axis=1)
-        return [
+        found = [
             part
             for interval, slower in zip(found, worse, strict=True)
             for part in ([interval] if slower is None else self._confirmed(interval, target))
         ]
+        return [i._replace(high=math.inf) if endless and i.high == top else i for i in found]
 
     def _worse(self, interval: Interval, target: float) -> Floats | None:
         """Find bodies that miss the target in an interval, as shares of the bands; None where none does."""
@@ -283,109 +284,4 @@ class Family:
         here, there = (self._slowest(a, a)[0].speed for a in (inside, outside))
         if there >= here * (1.0 - _JUMP_BETWEEN):
             return "speed"
-        return "onset" if outside < inside else "back slip"
-
-
-class _Search:
-    """The least speed of chosen bodies of a box, over the nominal amplitude.
-
-    Parameters
-    ----------
-    family : Family
-        The boxes.
-    shares : array
-        The bodies, as shares of the bands, of shape (5, n).
-    target : float
-        Speed that is wanted [m/s].
-    flight : bool
-        Whether bodies may hop.
-    """
-
-    def __init__(self, family: Family, shares: Floats, target: float, *, flight: bool) -> None:
-        self._family, self._shares, self._target, self._flight = family, shares, target, flight
-
-    def intervals(self, start: float, top: float, top_by: str, count: int) -> list[Interval]:
-        """Return where the target is reached between two amplitudes; ``top_by`` is what sets the second."""
-        criticals = self._criticals()
-        endless = math.isinf(top)
-        if endless:
-            top = _BEYOND * max(criticals, default=start)
-        if not 0.0 <= start < top < math.inf:
-            return []
-        grid = np.geomspace(max(start, top / _BEYOND**2), top, count)
-        beside = np.outer(criticals, [1.0 - _BESIDE, 1.0 + _BESIDE]).ravel()
-        grid = np.unique(np.concatenate([grid, beside[(beside > grid[0]) & (beside < top)]]))
-        least = self._least(grid)
-        for _ in range(_ROUNDS):
-            grid, least = self._closer(grid, least)
-        holds = least >= self._target
-        edges = np.flatnonzero(holds[1:] != holds[:-1])
-        inside, outside = self._crossings(
-            np.where(holds[edges], grid[edges], grid[edges + 1]),
-            np.where(holds[edges], grid[edges + 1], grid[edges]),
-        )
-        ends = [(x, self._set_by(x, y)) for x, y in zip(inside.tolist(), outside.tolist(), strict=True)]
-        if holds[0]:
-            ends.insert(0, (float(grid[0]), "onset"))
-        if holds[-1]:
-            ends.append((math.inf if endless else top, top_by))
-        return [
-            Interval(low, high, low_by, high_by)
-            for (low, low_by), (high, high_by) in zip(ends[::2], ends[1::2], strict=True)
-        ]
-
-    def _scene(self, amplitudes: Floats) -> Scene:
-        boxes = self._family.boxes(amplitudes[:, None])
-        return boxes.scene(boxes.points(self._shares[:, None, :]), fast=False)
-
-    def _speeds(self, amplitudes: Floats) -> Floats:
-        """Speeds of all bodies at some amplitudes, of shape (m, n); NaN where one is left out."""
-        cycle = solve(self._scene(amplitudes), flight=self._flight)
-        speed = counted(cycle, fast=False)
-        return np.where(self._family.landings.exceeded(cycle), -np.inf, speed)
-
-    def _least(self, amplitudes: Floats) -> Floats:
-        return least_of(self._speeds(amplitudes))
-
-    def _criticals(self) -> list[float]:
-        """Nominal amplitudes at which some body changes its regime."""
-        points = self._family.boxes(np.ones((1, 1))).points(self._shares[:, None, :])
-        loads = critical_loads(
-            points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
-        )
-        at_one = np.asarray(self._scene(np.ones(1)).load)
-        found = np.array([np.broadcast_to(load, at_one.shape) for load in loads]) / at_one
-        return [float(x) for x in np.unique(found[np.isfinite(found) & (found > 0.0)])]
-
-    def _closer(self, grid: Floats, least: Floats) -> tuple[Floats, Floats]:
-        """Add amplitudes around every extremum that may cross the target between two of them."""
-        middle, before, after = least[1:-1], least[:-2], least[2:]
-        dips = (middle <= before) & (middle <= after) & (middle >= self._target)
-        tops = (middle >= before) & (middle >= after) & (middle < self._target) & (middle > 0.0)
-        cells = np.flatnonzero(dips | tops) + 1
-        if not cells.size:
-            return grid, least
-        more = np.linspace(grid[cells - 1], grid[cells + 1], _CLOSER)[1:-1].ravel()
-        amplitudes, first = np.unique(np.concatenate([grid, more]), return_index=True)
-        return amplitudes, np.concatenate([least, self._least(more)])[first]
-
-    def _crossings(self, inside: Floats, outside: Floats) -> tuple[Floats, Floats]:
-        """Close in on amplitudes beyond which the target is missed, to two doubles beside each other."""
-        while inside.size:
-            middle = 0.5 * (inside + outside)
-            if np.all((middle == inside) | (middle == outside)):
-                break
-            holds = self._least(middle) >= self._target
-            inside, outside = np.where(holds, middle, inside), np.where(holds, outside, middle)
-        return inside, outside
-
-    def _set_by(self, inside: float, outside: float) -> str:
-        """Tell what happens between two amplitudes of which one misses the target."""
-        speed = self._speeds(np.array([inside, outside]))
-        body = int(np.nanargmin(speed[1]))
-        if abs(speed[0, body] - speed[1, body]) <= _JUMP * abs(speed[0, body]):
-            return "speed"
-        regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
-        if Regime.HOPPING in regimes:
-            return "hop"
         return "onset" if outside < inside else "back slip"

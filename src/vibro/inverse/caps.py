@@ -30,9 +30,15 @@ def hop_load(box: Box) -> Floats:
 
 
 def onset_load(box: Box) -> Floats:
-    """Load above which the last body starts forward, Eq. (5): it has one least angle between two ends."""
-    mu_s, beta = box.static_friction[1], box.trough_angle[1]
-    return np.maximum(*(critical_loads(alpha, mu_s, mu_s, beta).forward_onset for alpha in box.drive_angle))
+    """Load above which the last body starts forward, Eq. (5).
+
+    Over the drive angle it has one minimum, over the trough angle one maximum.
+    """
+    mu_s, (low, high) = box.static_friction[1], box.trough_angle
+    hardest = np.clip(0.5 * np.pi - np.arctan(mu_s), low, high)
+    return np.maximum(
+        *(critical_loads(alpha, mu_s, mu_s, hardest).forward_onset for alpha in box.drive_angle)
+    )
 
 
 def back_slip_load(box: Box) -> Floats:
@@ -42,7 +48,15 @@ def back_slip_load(box: Box) -> Floats:
     (theory.md, section 14): a corner of the box. Only on a decline, where kinetic friction goes along with
     the static one, it may fall on the way: there the edge is searched.
     """
-    alpha, beta = box.drive_angle[0], box.trough_angle[1]
+    least, most = box.trough_angle
+    load = _back_slip_load(box, most)
+    # where friction is so high that it holds better on a slope, either end may be the first
+    return load if np.all(least == most) else np.minimum(load, _back_slip_load(box, least))
+
+
+def _back_slip_load(box: Box, beta: Floats | float) -> Floats:
+    """Return the same at one trough angle."""
+    alpha = box.drive_angle[0]
     low, high = box.static_span
 
     def load(mu_s: Floats) -> Floats:

@@ -43,6 +43,7 @@ __all__ = [
     "sampled",
     "searched",
     "speeds_of",
+    "steeper_is_slower",
     "taken",
 ]
 
@@ -194,7 +195,7 @@ def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS
     """Find the slowest or the fastest of the bodies in contact by differential evolution.
 
     The best of several seeds; against the reference designs and searches of ten times the size it is within
-    1e-9 (tests/inverse/test_extremes.py, benchmarks/design.py).
+    1e-9 (tests/inverse/test_guarantees.py, benchmarks/design.py).
 
     Parameters
     ----------
@@ -211,7 +212,7 @@ def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS
     """
     free = box.varies
     fixed = np.zeros((len(AXES), 1))
-    if free[_TROUGH] and not hops and _steeper_is_slower(box):
+    if free[_TROUGH] and not hops and steeper_is_slower(box) and not _may_run_away(box):
         free[_TROUGH] = False
         fixed[_TROUGH] = 0.0 if fast else 1.0
     axes = np.flatnonzero(free)
@@ -282,7 +283,13 @@ def taken(box: Box, shares: Floats, *, fast: bool, flight: bool, seen: Seen) -> 
     return Extreme(found[which], shares, scenes[which])
 
 
-def _steeper_is_slower(box: Box) -> bool:
+def steeper_is_slower(box: Box) -> bool:
     """Whether a steeper trough is slower for every body, Eq. (53)."""
     steepest = max(abs(angle) for angle in box.trough_angle)
     return bool(box.static_friction[1] * math.tan(steepest) < 1.0)
+
+
+def _may_run_away(box: Box) -> bool:
+    """Whether gravity along the trough outweighs kinetic friction for some body, up or down."""
+    least, _ = box.kinetic_span(np.asarray(box.static_span[0]))
+    return bool(least <= math.tan(max(abs(angle) for angle in box.trough_angle)))

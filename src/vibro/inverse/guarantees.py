@@ -11,7 +11,17 @@ import numpy as np
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.bands import box_of
 from vibro.inverse.caps import back_slip_load, hop_load
-from vibro.inverse.extremes import SEEDS, Extreme, Seen, look_around, sampled, searched, speeds_of, taken
+from vibro.inverse.extremes import (
+    SEEDS,
+    Extreme,
+    Seen,
+    look_around,
+    sampled,
+    searched,
+    speeds_of,
+    steeper_is_slower,
+    taken,
+)
 from vibro.results.designs import Guarantee
 from vibro.scene import Scene
 
@@ -111,7 +121,7 @@ def bound(box: Box, *, fast: bool, seen: Seen, seeds: int = SEEDS) -> Bound:
     hops = most > float(hop_load(box))
     if not box.varies.any():
         return Bound(taken(box, np.zeros((5, 1)), fast=fast, flight=True, seen=seen), "corners")
-    if not hops and most <= float(back_slip_load(box)) and is_braked(box):
+    if not hops and most <= float(back_slip_load(box)) and is_braked(box) and steeper_is_slower(box):
         return _fastest_forward(box, seen) if fast else Bound(_slowest_forward(box, seen), "corners")
     extreme = searched(box, fast=fast, hops=hops, seen=seen, seeds=seeds)
     if not hops:

@@ -13,6 +13,7 @@ from vibro.core.codes import Regime
 from vibro.inverse.boxes import Box
 from vibro.inverse.caps import back_slip_load, hop_load, tip_load
 from vibro.inverse.extremes import ANY_LANDING, Landings, counted
+from vibro.inverse.jumps import with_jumps
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -175,7 +176,8 @@ class Question:
         """Speeds of bodies at settings, 1-D, of shape (settings, bodies); NaN where one is left out."""
         columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
         boxes = self.boxes(columns, np.reshape(scale, (-1, 1)))
-        cycle = solve(boxes.scene(boxes.points(shares[:, None, :]), fast=False), flight=self.flies)
+        bodies = shares[:, None, :] if self.flies else with_jumps(boxes, shares)
+        cycle = solve(boxes.scene(boxes.points(bodies), fast=False), flight=self.flies)
         speed = counted(cycle, fast=False)
         return np.where(self.landings.exceeded(cycle), -np.inf, speed)
 
