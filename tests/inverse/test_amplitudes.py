@@ -1,0 +1,155 @@
+"""Amplitudes that guarantee a speed: they hold at their ends and inside, and fail just outside."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from boxed import Boxed, boxes, with_fields
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenes import replaced, scene_with
+
+import vibro
+from vibro import InputError, Regime, SceneError
+from vibro.results.designs import Interval
+
+NUT = scene_with()
+
+
+def least(scene: vibro.Scene, amplitude: float, bands: Any, percent: float = 0.0) -> tuple[float, Regime]:
+    """Guarantee of a nominal amplitude: the speed and the highest regime."""
+    drift = percent / 100
+    ends = (amplitude * (1 - drift), amplitude * (1 + drift))
+    found = vibro.guarantee(with_fields(scene, amplitude=amplitude), **bands, amplitude=ends)
+    return found.speed_min, max(found.regimes)
+
+
+def assert_guarantees(
+    scene: vibro.Scene, speed: float, interval: Interval, highest: Regime, bands: Any, percent: float = 0.0
+) -> None:
+    for amplitude in (interval.low, math.sqrt(interval.low * interval.high), interval.high):
+        found, regime = least(scene, amplitude, bands, percent)
+        assert found >= speed * (1 - 1e-9)
+        assert regime <= highest
+    for amplitude, ends in (
+        (interval.low * (1 - 1e-6), interval.low_set_by),
+        (interval.high * (1 + 1e-6), interval.high_set_by),
+    ):
+        if ends == "limit":
+            continue
+        found, regime = least(scene, amplitude, bands, percent)
+        assert found < speed or regime > highest, ends
+
+
+@settings(max_examples=15)
+@given(boxes(), st.floats(0.05, 1.05))
+def test_one_body_is_followed_through_every_jump(box: Boxed, share: float) -> None:
+    scene = box.scene
+    hop = float(vibro.critical_loads(scene).hop / scene.load * scene.amplitude)
+    grid = hop * np.linspace(0.0, 1.0, 5001)[1:-1]
+    speeds = vibro.solve(replaced(scene, amplitude=grid)).mean_velocity
+    speed = share * max(float(np.max(speeds)), 1e-6)
+    intervals = vibro.feasible_amplitudes(scene, speed)
+    inside = np.zeros(grid.size, bool)
+    for interval in intervals:
+        inside |= (grid >= interval.low) & (grid <= interval.high)
+    assert np.array_equal(inside, speeds >= speed)
+    for interval in intervals:
+        assert_guarantees(scene, speed, interval, Regime.BACK_SLIP, {})
+    for before, after in pairwise(intervals):
+        assert before.high < after.low
+
+
+@settings(max_examples=5)
+@given(boxes(), st.floats(0.0, 5.0), st.floats(0.1, 0.9))
+def test_forward_slip_is_guaranteed_in_a_box(box: Boxed, percent: float, share: float) -> None:
+    scene = box.scene
+    highest: dict[str, Any] = {"highest_regime": "forward-slip", "amplitude_percent": percent}
+    some = vibro.feasible_amplitudes(scene, 1e-9, **highest, **box.bands)
+    if not some:
+        return
+    speed = share * least(scene, some[-1].high, box.bands, percent)[0]
+    (interval,) = vibro.feasible_amplitudes(scene, speed, **highest, **box.bands)
+    assert interval.high == some[-1].high
+    assert_guarantees(scene, speed, interval, Regime.FORWARD_SLIP, box.bands, percent)
+
+
+def test_back_slip_is_guaranteed_in_a_box() -> None:
+    bands: dict[str, Any] = {"static_friction": (0.72, 0.76)}
+    speed = 0.0265
+    intervals = vibro.feasible_amplitudes(NUT, speed, amplitude_percent=1.0, **bands)
+    assert intervals
+    for interval in intervals:
+        assert_guarantees(NUT, speed, interval, Regime.BACK_SLIP, bands, 1.0)
+    assert not any(i.low <= 1.2e-3 <= i.high for i in intervals)
+    assert least(NUT, 1.2e-3, bands, 1.0)[0] < speed
+
+
+def test_what_sets_the_ends() -> None:
+    hop = 3.229052215938875e-3
+    assert [i[2:] for i in vibro.feasible_amplitudes(NUT, 0.02815)] == [
+        ("speed", "back slip"),
+        ("speed", "hop"),
+    ]
+    assert [i[2:] for i in vibro.feasible_amplitudes(NUT, 5e-4)] == [("onset", "hop")]
+    (limited,) = vibro.feasible_amplitudes(NUT, 0.02, limit=2e-3)
+    assert limited[1:] == (2e-3, "speed", "limit")
+    (far,) = vibro.feasible_amplitudes(NUT, 0.02, limit=1.0)
+    assert far.high_set_by == "hop"
+    assert far.high == pytest.approx(hop, rel=1e-11)
+    (drifting,) = vibro.feasible_amplitudes(NUT, 0.02, amplitude_percent=5.0)
+    assert drifting.high == pytest.approx(hop / 1.05, rel=1e-11)
+    (forward,) = vibro.feasible_amplitudes(NUT, 0.02, highest_regime="forward-slip")
+    assert forward.high_set_by == "back slip"
+    assert vibro.feasible_amplitudes(NUT, 1.0) == []
+    assert vibro.feasible_amplitudes(NUT, 0.02, limit=0.5e-3) == []
+
+
+def test_hopping_bodies_are_followed_up_to_the_limit() -> None:
+    (interval,) = vibro.feasible_amplitudes(NUT, 0.14, highest_regime="hopping", limit=4e-3)
+    assert interval[1:] == (4e-3, "speed", "limit")
+    assert_guarantees(NUT, 0.14, interval, Regime.HOPPING, {})
+
+
+@settings(max_examples=15)
+@given(boxes(), st.floats(0.2, 5.0))
+def test_amplitudes_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
+    speed = 0.01
+    small = vibro.feasible_amplitudes(box.scene, speed)
+    large = vibro.feasible_amplitudes(
+        replaced(box.scene, frequency=box.scene.frequency * scale), speed / scale
+    )
+    assert [i[2:] for i in small] == [i[2:] for i in large]
+    ends = [end for i in small for end in i[:2]]
+    assert [end * scale**2 for i in large for end in i[:2]] == pytest.approx(ends, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            {"highest_regime": "flying"},
+            "highest_regime = 'flying': must be one of forward-slip, back-slip, hopping",
+        ),
+        ({"highest_regime": Regime.HOPPING}, "must be one of"),
+        ({"highest_regime": "no-slip"}, "must be one of"),
+        ({"highest_regime": "hopping"}, "limit = inf: must be finite"),
+        ({"limit": 0.0}, "limit = 0 m"),
+        ({"limit": math.nan}, "limit = nan"),
+        ({"amplitude_percent": 100.0}, "amplitude_percent = 100"),
+        ({"amplitude_percent": -1.0}, "amplitude_percent = -1"),
+    ],
+)
+def test_arguments_that_cannot_be_are_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        vibro.feasible_amplitudes(NUT, 0.02, **options)
+    assert message in str(caught.value)
+
+
+def test_a_band_of_the_amplitude_is_refused() -> None:
+    with pytest.raises(SceneError, match="band 'amplitude'"):
+        vibro.feasible_amplitudes(NUT, 0.02, amplitude=(1e-3, 2e-3))

@@ -1,0 +1,103 @@
+"""Loads up to which a whole box keeps to a regime, beside dense grids of its bodies."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from boxed import Boxed, boxes
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import scene_with
+
+from vibro.core.contact.limits import critical_loads, tipping_load
+from vibro.inverse.bands import box_of
+from vibro.inverse.caps import back_slip_load, hop_load, onset_load, tip_load
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.inverse.boxes import Box
+
+    Floats = NDArray[np.float64]
+
+COUNT = 9  # values of each band in a grid
+drawn = boxes(drifts=True)
+
+
+def grid_of(box: Box) -> Any:
+    """All combinations of values of angles and frictions, the ends of the bands among them."""
+    shares = np.linspace(0.0, 1.0, COUNT)
+    grid = np.array(np.meshgrid([0.0], *[shares] * 4, indexing="ij")).reshape(5, -1)
+    return box.points(grid)
+
+
+def criticals_of(box: Box) -> Any:
+    points = grid_of(box)
+    return critical_loads(
+        points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
+    )
+
+
+def assert_least(cap: Floats, loads: Floats) -> None:
+    """A cap is below all loads of a grid, but not by more than the grid may miss."""
+    least = np.min(loads)
+    if math.isinf(least):
+        assert math.isinf(cap)
+        return
+    assert cap <= least * (1 + 1e-12)
+    assert cap >= least * 0.98
+
+
+@given(drawn)
+def test_hop_and_onset(box: Boxed) -> None:
+    one = box_of(box.scene, box.bands)
+    loads = criticals_of(one)
+    assert float(hop_load(one)) == pytest.approx(np.min(loads.hop), rel=1e-12)
+    assert float(onset_load(one)) == pytest.approx(np.max(loads.forward_onset), rel=1e-12)
+
+
+@given(drawn)
+def test_back_slip(box: Boxed) -> None:
+    one = box_of(box.scene, box.bands)
+    assert_least(back_slip_load(one), criticals_of(one).back_slip)
+
+
+@given(drawn, st.floats(0.1, 1.5))
+def test_tip(box: Boxed, stand_ratio: float) -> None:
+    one = box_of(box.scene, box.bands)
+    points = grid_of(one)
+    loads = tipping_load(points.drive_angle, points.static_friction, points.trough_angle, stand_ratio)
+    assert_least(tip_load(one, stand_ratio), loads)
+    if one.static_friction[1] <= stand_ratio:
+        assert math.isinf(tip_load(one, stand_ratio))
+
+
+def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
+    found = 0
+    for trough in (-20.0, -15.0, -10.0, -5.0):
+        for ratio in (0.5, 0.7, 0.9):
+            scene = scene_with(
+                drive_angle=math.radians(10), trough_angle=math.radians(trough), kinetic_friction=0.1
+            )
+            box = box_of(scene, {"static_friction": (0.4, 1.5), "friction_ratio": (0.4, ratio)})
+            mu_s = np.linspace(0.4, 1.5, 20001)
+            loads = critical_loads(scene.drive_angle, mu_s, ratio * mu_s, scene.trough_angle).back_slip
+            least = float(np.min(loads))
+            assert float(back_slip_load(box)) == pytest.approx(least, rel=1e-6)
+            assert float(back_slip_load(box)) <= least * (1 + 1e-12)
+            found += least < min(loads[0], loads[-1]) * (1 - 1e-6) or loads[-1] < loads[0]
+    assert found >= 3  # so that the corner alone would not do
+
+
+def test_caps_of_many_boxes_are_those_of_each() -> None:
+    angles = np.radians([[5.0], [20.0], [35.0]])
+    bands = {"static_friction": (0.5, 0.9), "friction_ratio": (0.4, 0.8)}
+    for trough in (0.0, math.radians(-8)):
+        scenes = [scene_with(drive_angle=float(a), trough_angle=trough) for a in angles[:, 0]]
+        single = [box_of(scene, bands) for scene in scenes]
+        many = box_of(scenes[0], bands).__class__(**{**vars(single[0]), "drive_angle": (angles, angles)})
+        for cap in (hop_load, onset_load, back_slip_load, lambda box: tip_load(box, 0.6)):
+            np.testing.assert_array_equal(np.ravel(cap(many)), [float(cap(box)) for box in single])

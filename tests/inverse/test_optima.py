@@ -1,0 +1,182 @@
+"""Optimal settings: beaten by no grid of settings, true to their word, with margins that hold just so."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import pytest
+from boxed import ROWS, question_of
+
+from vibro import Scene, solve
+from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.optima import MOST_MARGIN, Optimiser
+from vibro.inverse.questions import Question, Setting
+from vibro.inverse.specs import Drift
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.inverse.optima import Optimum
+
+    Floats = NDArray[np.float64]
+
+IDS = ("fastest-01", "fastest-02", "fastest-05", "fastest-27")
+FRICTIONS = 5  # of each kind in a grid
+
+
+def row_question(name: str, **drift: float) -> Question:
+    (row,) = (row for row in ROWS if row["id"] == name)
+    question = question_of(row)
+    return replace(question, spec=replace(question.spec, drift=Drift(**drift)))
+
+
+class Grid(NamedTuple):
+    """Settings of a drive, each with the least speed of some bodies; -inf where one exceeds the regime."""
+
+    setting: Setting
+    load: Floats
+    speed: Floats
+
+
+def grid_of(question: Question, count: int) -> Grid:
+    """Solve settings at random, a third of them at the limits of the drive, with frictions on a grid.
+
+    Bodies are taken from the middle of the drifts: others are left out, so that a grid promises too much.
+    """
+    rng = np.random.default_rng(0)
+    drive, bands = question.drive, question.spec.bands
+    (choice,) = question.ranges
+    angle = rng.uniform(*choice.drive_angle, count)
+    frequency = rng.uniform(*choice.frequency, count)
+    weight = np.minimum(drive.acceleration, 1.0 / np.sin(angle)) * question.spec.gravity  # hop, level
+    most = np.minimum(drive.amplitude[1], weight / (2.0 * np.pi * frequency) ** 2)
+    amplitude = most * np.where(rng.random(count) < 0.3, 1.0, rng.random(count))
+    mu_s, second = (
+        x.ravel()
+        for x in np.meshgrid(
+            np.linspace(*bands["static_friction"], FRICTIONS),
+            np.linspace(
+                *bands["friction_ratio" if "friction_ratio" in bands else "kinetic_friction"], FRICTIONS
+            ),
+        )
+    )
+    mu_d = second * mu_s if "friction_ratio" in bands else np.minimum(second, mu_s)
+    setting = Setting(amplitude, frequency, angle)
+    cycle = solve(
+        Scene(
+            **{name: values[:, None] for name, values in setting._asdict().items()},
+            static_friction=mu_s,
+            kinetic_friction=mu_d,
+            trough_angle=bands["trough_angle"][0],
+        ),
+        flight=False,
+    )
+    allowed = np.all(np.asarray(cycle.regime) <= question.highest, axis=1)
+    speed = np.where(allowed, np.asarray(cycle.mean_velocity).min(axis=1), -np.inf)
+    return Grid(setting, question.load(setting), speed)
+
+
+def one(setting: Setting, index: int) -> Setting:
+    return Setting(*(float(x[index]) for x in setting))
+
+
+def guaranteed(question: Question, setting: Setting, scale: float = 1.0) -> float:
+    """Guarantee of a setting; -inf where a body exceeds the regime."""
+    found = guarantee_of(question.boxes(setting, scale))
+    return found.speed_min if max(found.regimes) <= question.highest else -math.inf
+
+
+def assert_allowed(question: Question, found: Optimum) -> None:
+    """A setting is within the limits of its drive, and does what is said of it."""
+    drive, setting = question.drive, found.setting
+    assert drive.amplitude[0] <= setting.amplitude <= drive.amplitude[1] * (1 + 1e-12)
+    assert any(low <= setting.frequency <= high for low, high in drive.frequency)
+    assert any(low <= setting.drive_angle <= high for low, high in drive.drive_angle)
+    assert question.load(setting) <= drive.acceleration * (1 + 1e-12)
+    assert guaranteed(question, setting) == pytest.approx(found.speed, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_no_setting_is_faster(name: str) -> None:
+    question = row_question(name)
+    found = Optimiser(question).fastest()
+    assert found is not None
+    assert_allowed(question, found)
+    grid = grid_of(question, 8000)
+    better = np.flatnonzero(grid.speed > found.speed * (1 + 1e-6))
+    for index in better[np.argsort(-grid.speed[better])][:3]:  # of few frictions, which may promise too much
+        assert guaranteed(question, one(grid.setting, index)) <= found.speed * (1 + 1e-6)
+    assert better.size < 0.002 * grid.speed.size
+    assert np.max(grid.speed) > 0.8 * found.speed  # the grid comes close
+
+
+@pytest.mark.parametrize("name", IDS[2:])
+def test_no_setting_is_gentler(name: str) -> None:
+    question = row_question(name)
+    fastest = Optimiser(question).fastest()
+    assert fastest is not None
+    target = 0.7 * fastest.speed
+    found = Optimiser(question).gentlest(target)
+    assert found is not None
+    assert_allowed(question, found)
+    assert found.speed >= target * (1 - 1e-12)
+    load = float(question.load(found.setting))
+    grid = grid_of(question, 6000)
+    enough = np.flatnonzero(grid.speed >= target)
+    better = enough[grid.load[enough] < load * (1 - 1e-6)]
+    for index in better[np.argsort(grid.load[better])][:3]:
+        assert guaranteed(question, one(grid.setting, index)) < target
+    assert better.size < 0.002 * grid.speed.size
+    assert np.min(grid.load[enough]) < 1.2 * load  # the grid comes close
+
+
+@pytest.mark.parametrize(
+    ("name", "drifts"), [("fastest-01", False), ("fastest-05", True), ("fastest-27", False)]
+)
+def test_no_setting_is_safer(name: str, drifts: bool) -> None:
+    question = row_question(name, **({"amplitude": 0.01, "drive_angle": math.radians(0.5)} if drifts else {}))
+    optimiser = Optimiser(question)
+    fastest = optimiser.fastest()
+    assert fastest is not None
+    target = 0.7 * fastest.speed
+    found = optimiser.safest(target)
+    assert found is not None
+    margin = optimiser.margin(found.setting, target)
+    assert margin is not None
+    assert 1.0 <= margin <= MOST_MARGIN
+    assert guaranteed(question, found.setting, 1 + (margin - 1) * (1 - 1e-5)) >= target * (1 - 1e-9)
+    if margin < MOST_MARGIN:
+        assert guaranteed(question, found.setting, margin * (1 + 1e-5)) < target
+    grid = grid_of(question, 4000)
+    enough = np.flatnonzero(grid.speed >= target)
+    assert enough.size
+    for index in enough[:: max(enough.size // 10, 1)]:
+        other = optimiser.margin(one(grid.setting, index), target)
+        assert other is None or other <= margin * (1 + 1e-4)
+
+
+def test_a_margin_is_of_the_setting_alone() -> None:
+    question = row_question("fastest-05")
+    optimiser = Optimiser(question)
+    fastest = optimiser.fastest()
+    assert fastest is not None
+    assert optimiser.margin(fastest.setting, fastest.speed * (1 - 1e-9)) == pytest.approx(1.0, abs=1e-6)
+    assert optimiser.margin(fastest.setting, 10 * fastest.speed) is None
+    without = replace(
+        question, spec=replace(question.spec, bands={k: (b[1],) * 2 for k, b in question.spec.bands.items()})
+    )
+    best = Optimiser(without).fastest()
+    assert Optimiser(without).safest(1e-3) == best
+    assert Optimiser(without).safest(10.0) is None
+
+
+def test_what_cannot_be_is_told() -> None:
+    question = row_question("fastest-02")
+    optimiser = Optimiser(question)
+    assert optimiser.gentlest(0.08) is None
+    assert optimiser.safest(0.08) is None
+    tiny = replace(question, drive=replace(question.drive, amplitude=(0.0, 1e-6)))
+    assert Optimiser(tiny).fastest() is None
