@@ -1,0 +1,283 @@
+"""Are guarantees what they say, and what do they cost? Searches of boxes beside searches ten times as large.
+
+Usage: python benchmarks/design.py REFERENCE.json [--boxes 20] [--seed 0]
+
+REFERENCE.json is tests/data/design_specs.json. Random boxes in contact, with bands of everything, are
+searched for their slowest and their fastest body, and again with ten times as many bodies: an outlier is a
+body of the larger search that is further out by more than 1e-6 of the speed. Times are in units of one
+``vibro.solve`` of a million scenes in contact, of the same run. Exits with 1 if there is an outlier, if a
+row of the reference is missed by more than its rtol, or if a call takes longer than its budget.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import time
+from collections import defaultdict
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+from unittest import mock
+
+import numpy as np
+
+import vibro
+from vibro import Regime, Scene
+from vibro.inverse import extremes
+from vibro.inverse.bands import box_of
+from vibro.inverse.caps import hop_load
+from vibro.inverse.extremes import Seen, searched
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from vibro.inverse.boxes import Box
+
+    Row = dict[str, Any]
+
+LARGE: Final = 10  # times as many bodies in a generation
+OUTLIER: Final = 1e-6  # [1] of the speed
+#: Most that a call may take, in units of a solution of 1e6 scenes.
+BUDGETS: Final = {
+    "range": 20.0,
+    "amplitude": 5.0,
+    "window": 5.0,
+    "fastest": 100.0,
+    "gentlest": 100.0,
+    "yield": 20.0,
+}
+
+
+def seconds(run: Callable[[], Any]) -> tuple[float, Any]:
+    start = time.perf_counter()
+    result = run()
+    return time.perf_counter() - start, result
+
+
+def million() -> Scene:
+    """Make a million scenes in contact."""
+    return Scene(
+        amplitude=np.linspace(0.5e-3, 3e-3, 1000)[:, None],
+        frequency=15.0,
+        drive_angle=math.radians(20),
+        static_friction=0.74,
+        kinetic_friction=np.linspace(0.3, 0.74, 1000),
+    )
+
+
+def random_box(rng: np.random.Generator) -> Box:
+    """Draw a box whose bodies stay in contact, a third each level, climbing and declining."""
+    low = rng.uniform(0.15, 0.9)
+    ratio = np.sort(rng.uniform(0.35, 1.0, 2))
+    trough = rng.choice([0.0, 1.0, -1.0]) * rng.uniform(0.05, 0.7) * math.atan(low * ratio[0])
+    drive = math.radians(rng.uniform(3.0, 50.0))
+    drift, wobble = rng.uniform(0.0, 0.05), math.radians(rng.uniform(0.0, 1.5))
+    kinetic = {"kinetic_friction": (low * ratio[0], low * ratio[1])}
+    scene = Scene(
+        amplitude=1.0,
+        frequency=15.0,
+        drive_angle=drive,
+        static_friction=low,
+        kinetic_friction=low * ratio[0],
+        trough_angle=trough,
+    )
+    bands: dict[str, Any] = {
+        "static_friction": (low, low * rng.uniform(1.0, 1.7)),
+        "drive_angle": (max(drive - wobble, 0.0), drive + wobble),
+        "trough_angle": (trough - 0.1 * abs(trough), trough + 0.1 * abs(trough)),
+        "frequency": (15.0 * (1.0 - 0.2 * drift), 15.0 * (1.0 + 0.2 * drift)),
+        **({"friction_ratio": tuple(ratio)} if rng.random() < 0.5 else kinetic),
+    }
+    box = box_of(scene, bands)
+    load = float(hop_load(box)) * rng.uniform(0.3, 0.98)
+    amplitude = load * box.gravity / (2.0 * math.pi * box.frequency[1]) ** 2
+    return replace(box, amplitude=(amplitude * (1.0 - drift), amplitude))
+
+
+def compare_searches(count: int, seed: int) -> bool:
+    rng = np.random.default_rng(seed)
+    behind: dict[str, list[float]] = {"slowest": [], "fastest": []}
+    for _ in range(count):
+        box = random_box(rng)
+        for name, fast in (("slowest", False), ("fastest", True)):
+            small = searched(box, fast=fast, hops=False, seen=Seen()).speed
+            with mock.patch.object(extremes, "_POPULATION", LARGE * extremes._POPULATION):
+                large = searched(box, fast=fast, hops=False, seen=Seen()).speed
+            if math.isinf(small):
+                continue  # a body runs away, and nothing is further out
+            gap = (large - small) if fast else (small - large)
+            behind[name].append(gap / max(abs(small), 1e-12))
+    print(f"{'searches':10s} {'boxes':>6s} {'outliers':>9s} {'most behind':>12s}")
+    outliers = 0
+    for name, gaps in behind.items():
+        beyond = int(np.count_nonzero(np.array(gaps) > OUTLIER))
+        outliers += beyond
+        print(f"{name:10s} {len(gaps):6d} {beyond:9d} {max(gaps):12.1e}")
+    return outliers == 0
+
+
+def friction(row: Row) -> Row:
+    """Read the friction bands of a row."""
+    name = "friction_ratio" if "mu_d_over_mu_s" in row else "kinetic_friction"
+    return {"static_friction": row["mu_s"], name: row.get("mu_d_over_mu_s") or row["mu_d"]}
+
+
+def scene_of(row: Row) -> Scene:
+    static, kinetic = (float(np.max(row[name if name in row else "mu_s"])) for name in ("mu_s", "mu_d"))
+    return Scene(
+        amplitude=row.get("amplitude_mm", 1.0) / 1e3,
+        frequency=row["frequency_hz"],
+        drive_angle=math.radians(row["drive_angle_deg"]),
+        trough_angle=math.radians(row["trough_angle_deg"]),
+        static_friction=static,
+        kinetic_friction=kinetic,
+    )
+
+
+def text(value: Any) -> str:
+    """Write a band, or a number, as specs do."""
+    return ":".join(map(repr, value)) if isinstance(value, list) else repr(value)
+
+
+def spec_of(row: Row) -> Row:
+    """Write a row as a spec; the drive's limits as they are."""
+    ratio = "friction_ratio" if "mu_d_over_mu_s" in row else "kinetic_friction"
+    drive = {
+        "amplitude_mm": row["amplitude_max_mm"],
+        "frequency_hz": text(row["frequency_hz"]),
+        "drive_angle_deg": text(row["drive_angle_deg"]),
+    }
+    if "acceleration_max_g" in row:
+        drive["acceleration_g"] = row["acceleration_max_g"]
+    scene = {
+        "static_friction": text(row["mu_s"]),
+        ratio: text(row.get("mu_d_over_mu_s") or row["mu_d"]),
+        "trough_angle_deg": row["trough_angle_deg"],
+    }
+    return {
+        "scene": scene,
+        "drive": [drive],
+        "goal": {"speed_mm_s": row["target_mm_s"], "highest_regime": row["regime"]},
+    }
+
+
+def designed(row: Row) -> tuple[Callable[[], Any], Callable[[Any], float]]:
+    """Return the call that answers a row that asks for a setting, and how far its result is off."""
+    name, key = {
+        "fastest": ("speed_min_mm_s", "speed_guaranteed_mm_s"),
+        "gentlest": ("acceleration_g", "acceleration_g"),
+    }[row["kind"]]
+
+    def error(result: Any) -> float:
+        (design,) = (
+            d for d in result.designs if (d.design, d.highest_regime) == (row["kind"], row["regime"])
+        )
+        value = getattr(design, name)
+        return math.inf if value is None else abs(float(value / row["answer"][key]) - 1.0)
+
+    return lambda: vibro.design(spec_of(row)), error
+
+
+def ranged(row: Row) -> tuple[Callable[[], Any], Callable[[Any], float]]:
+    bands = friction(row)
+    for name, unit in (("amplitude", "mm"), ("frequency", "hz")):
+        value, drift = (
+            row[f"{name}_{unit}"] / (1e3 if unit == "mm" else 1.0),
+            row[f"tol_{name}_percent"] / 100.0,
+        )
+        bands[name] = (value * (1.0 - drift), value * (1.0 + drift))
+    for name in ("drive_angle", "trough_angle"):
+        bands[name] = tuple(np.radians(row[f"{name}_deg"] + row[f"tol_{name}_deg"] * np.array([-1.0, 1.0])))
+
+    def error(found: Any) -> float:
+        return max(
+            abs(float(1e3 * value / row["answer"][key]) - 1.0)
+            for value, key in ((found.speed_min, "speed_min_mm_s"), (found.speed_max, "speed_max_mm_s"))
+        )
+
+    return lambda: vibro.guarantee(scene_of(row), **bands), error
+
+
+def windowed(row: Row) -> tuple[Callable[[], Any], Callable[[Any], float]]:
+    answer = row["answer"]
+    expected = answer.get("feasible_mm") or ([answer["amplitude_mm"]] if answer["feasible"] else [])
+    bands = friction(row) if row["kind"] == "window" else {}
+    highest = row.get("regime", Regime.BACK_SLIP.label)
+
+    def error(found: Any) -> float:
+        if len(found) != len(expected):
+            return math.inf
+        ends = (
+            (1e3 * a, b)
+            for i, e in zip(found, expected, strict=True)
+            for a, b in zip(i[:2], e[:2], strict=True)
+        )
+        return max((abs(a / b - 1.0) for a, b in ends), default=0.0)
+
+    return (
+        lambda: vibro.feasible_amplitudes(
+            scene_of(row), row["target_mm_s"] / 1e3, highest_regime=highest, **bands
+        )
+    ), error
+
+
+def shared(row: Row) -> tuple[Callable[[], Any], Callable[[Any], float]]:
+    def error(found: Any) -> float:  # in units of four standard errors, of the tolerance
+        share, standard = found
+        off = abs(share - float(row["answer"]["share"])) / (4.0 * standard)
+        return float(off * row["rtol"]) if standard <= 3e-4 else math.inf
+
+    return (
+        lambda: vibro.yield_share(
+            scene_of(row), row["target_mm_s"] / 1e3, highest_regime=row["regime"], **friction(row)
+        )
+    ), error
+
+
+ASK: Final = {
+    "amplitude": windowed,
+    "window": windowed,
+    "range": ranged,
+    "fastest": designed,
+    "gentlest": designed,
+    "yield": shared,
+}
+
+
+def compare_rows(rows: list[Row]) -> bool:
+    scene = million()
+    vibro.solve(scene)
+    unit = min(seconds(lambda: vibro.solve(scene))[0] for _ in range(3))
+    groups: dict[str, list[tuple[float, float]]] = defaultdict(list)
+    for row in rows:
+        run, error = ASK[row["kind"]](row)
+        took, result = seconds(run)
+        groups[row["kind"]].append((error(result) / row["rtol"], took / unit))
+    print(f"\none solution of 1e6 scenes: {1e3 * unit:.0f} ms, the unit of time")
+    print(f"{'rows':10s} {'count':>6s} {'missed':>9s} {'error/rtol':>11s} {'longest':>8s} {'budget':>7s}")
+    good = True
+    for kind, pairs in groups.items():
+        errors, times = (np.array(x) for x in zip(*pairs, strict=True))
+        missed = int(np.count_nonzero(~(errors <= 1.0)))
+        good &= missed == 0 and bool(times.max() <= BUDGETS[kind])
+        numbers = f"{missed:9d} {errors.max():11.1e} {times.max():8.1f} {BUDGETS[kind]:7.0f}"
+        print(f"{kind:10s} {len(pairs):6d} {numbers}")
+    return good
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("reference", type=Path, help="tests/data/design_specs.json")
+    parser.add_argument("--boxes", type=int, default=20, help="random boxes to search")
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+    rows = json.loads(arguments.reference.read_text(encoding="utf-8"))
+    agree = compare_searches(arguments.boxes, arguments.seed)
+    if not (compare_rows(rows) and agree):
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()
