@@ -142,6 +142,7 @@ def test_amplitudes_go_with_the_scale_of_length(box: Boxed, scale: float) -> Non
         ({"limit": math.nan}, "limit = nan"),
         ({"amplitude_percent": 100.0}, "amplitude_percent = 100"),
         ({"amplitude_percent": -1.0}, "amplitude_percent = -1"),
+        ({"amplitude_percent": "5"}, "amplitude_percent"),
     ],
 )
 def test_arguments_that_cannot_be_are_refused(options: dict[str, Any], message: str) -> None:
@@ -153,3 +154,16 @@ def test_arguments_that_cannot_be_are_refused(options: dict[str, Any], message: 
 def test_a_band_of_the_amplitude_is_refused() -> None:
     with pytest.raises(SceneError, match="band 'amplitude'"):
         vibro.feasible_amplitudes(NUT, 0.02, amplitude=(1e-3, 2e-3))
+
+
+@pytest.mark.parametrize("drive_angle", [0.0, 1e-9])
+@pytest.mark.parametrize("bands", [{}, {"static_friction": (0.35, 0.4)}], ids=["one body", "a box"])
+def test_horizontal_drives_convey_down_a_decline(drive_angle: float, bands: dict[str, Any]) -> None:
+    """They hop at no load, or at a million times that of the onset."""
+    scene = scene_with(
+        drive_angle=drive_angle, trough_angle=math.radians(-5), static_friction=0.4, kinetic_friction=0.3
+    )
+    (interval,) = vibro.feasible_amplitudes(scene, 0.05, **bands)
+    assert interval.low == pytest.approx(1.31104e-3, rel=1e-5)
+    assert interval.low_set_by == "speed"
+    assert interval.high > 1e3

@@ -240,6 +240,38 @@ class TestWhereCornersAreNotEnough:
         )
 
 
+def test_where_a_part_runs_away_nothing_is_guaranteed() -> None:
+    scene = scene_with(static_friction=0.3, kinetic_friction=0.15)
+    boxes_of_parts: list[dict[str, Any]] = [
+        {"trough_angle": deg(-10, -10)},
+        {"trough_angle": deg(-10, -5)},
+        {"trough_angle": deg(-5, -5), "kinetic_friction": (0.05, 0.15)},
+        {"trough_angle": deg(10, 20)},
+        {"trough_angle": deg(10, 20), "static_friction": (0.2, 0.3)},
+    ]
+    for bands in boxes_of_parts:
+        found = vibro.guarantee(scene, **bands)
+        assert (found.speed_min, found.speed_max) == (-math.inf, math.inf), bands
+        assert vibro.feasible_amplitudes(scene, 0.01, **bands) == []
+
+
+def test_steep_drives_never_slip_back() -> None:
+    """Where mu_s tan(alpha) >= 1 the loads of back slip are infinite."""
+    found = vibro.guarantee(
+        scene_with(drive_angle=math.radians(60), static_friction=0.7, kinetic_friction=0.5),
+        static_friction=(0.6, 0.7),
+    )
+    assert found.proof_min == found.proof_max == "corners"
+    assert found.regimes == {Regime.FORWARD_SLIP}
+
+
+def test_very_steep_climbs_are_not_left_to_corners() -> None:
+    """Where mu_s tan(beta) > 1 a steeper trough may be faster."""
+    scene = scene_with(amplitude=1.25e-3, drive_angle=math.radians(22))
+    bands = {"static_friction": (2.26, 2.37), "friction_ratio": (0.53, 0.56), "trough_angle": deg(60.4, 61.5)}
+    assert_not_beaten(Boxed(scene, bands), vibro.guarantee(scene, **bands))
+
+
 def test_hopping_is_sampled() -> None:
     scene = scene_with(amplitude=4e-3)
     bands = {"static_friction": (0.5, 0.8), "friction_ratio": (0.7, 0.9)}

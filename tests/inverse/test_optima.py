@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from boxed import ROWS, question_of
 
-from vibro import Scene, solve
+from vibro import Regime, Scene, solve
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.optima import MOST_MARGIN, Optimiser
 from vibro.inverse.questions import Question, Setting
-from vibro.inverse.specs import Drift
+from vibro.inverse.specs import Drift, Drive, Goal, Spec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -180,3 +180,17 @@ def test_what_cannot_be_is_told() -> None:
     assert optimiser.safest(0.08) is None
     tiny = replace(question, drive=replace(question.drive, amplitude=(0.0, 1e-6)))
     assert Optimiser(tiny).fastest() is None
+
+
+def test_a_slowest_body_that_moves_along_a_jump_is_not_lost() -> None:
+    """At the optimum the slowest static friction is where back slip begins, which depends on the setting."""
+    bands = {
+        "static_friction": (0.69, 1.0),
+        "friction_ratio": (0.45, 0.5),
+        "trough_angle": (math.radians(-6.7),) * 2,
+    }
+    drive = Drive("drive", (0.0, 0.85e-3), ((10.0, 25.5),), ((math.radians(15), math.radians(57)),))
+    question = Question(Spec(bands, (drive,), Goal(0.02, Regime.BACK_SLIP)), drive, Regime.BACK_SLIP)
+    found = Optimiser(question).fastest()
+    assert found is not None
+    assert_allowed(question, found)
