@@ -11,6 +11,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.errors import InputError, shown
 from vibro.inverse.bands import box_of
+from vibro.inverse.bodies import Bodies
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
 from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, corners
 from vibro.inverse.guarantees import bound
@@ -37,7 +38,7 @@ _EDGE: Final = 1e-10  # relative width to which an end is found by the slowest b
 _BEYOND_EDGE: Final = 1e-8  # relative distance from there at which a jump of the speed has happened
 _JUMP_BETWEEN: Final = 1e-4  # of the speed, that is a jump over this distance
 _HALVES: Final = 5  # times that a part is halved which is not confirmed
-_LOADS: Final = np.linspace(0.0, 1.0, 9)  # shares of the drift in load, for every body that was found worst
+_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the drift in load, for every body that was found worst
 
 
 def regime_of(text: object) -> Regime:
@@ -187,38 +188,51 @@ class Family:
         wide = bool(self.across(1.0, 1.0).varies.any())
         flies = highest is Regime.HOPPING
         count = _BOUNCING if flies and self.template.restitution else _GRID[wide]
-        shares = corners(self.across(1.0, 1.0))
-        endless = math.isinf(
-            top
-        )  # without a limit, bodies that never hop are followed to where all has begun
+        bodies = Bodies.staying(corners(self.across(1.0, 1.0)))
+        endless = math.isinf(top)  # bodies that never hop are followed to where all has begun
         if endless:
-            criticals = Scan(self.boxes, shares, target, None).criticals()
+            criticals = Scan(self.boxes, bodies, target, None).criticals()
             top, top_by = BEYOND * max([start, *criticals]), "limit"
         found: list[Interval] = []
+        missing: list[bool] = []
         for _ in range(_EXCHANGES):
-            search = Scan(self.boxes, shares, target, self.landings if flies else None)
-            found = search.intervals(start, top, top_by, count)
-            worse = [self._worse(i, target) if wide else None for i in found]
-            if all(w is None for w in worse):
+            scan = Scan(self.boxes, bodies, target, self.landings if flies else None)
+            found = scan.intervals(start, top, top_by, count)
+            missing = []
+            for interval in found:
+                worse = self._with_worse(bodies, interval, target) if wide else None
+                missing.append(worse is not None)
+                bodies = worse or bodies
+            if not any(missing):
                 break
-            shares = np.unique(np.hstack([shares, *(w for w in worse if w is not None)]), axis=1)
         found = [
             part
-            for interval, slower in zip(found, worse, strict=True)
-            for part in ([interval] if slower is None else self._confirmed(interval, target))
+            for interval, misses in zip(found, missing, strict=True)
+            for part in (self._confirmed(interval, target) if misses else [interval])
         ]
         return [i._replace(high=math.inf) if endless and i.high == top else i for i in found]
 
-    def _worse(self, interval: Interval, target: float) -> Floats | None:
-        """Find bodies that miss the target in an interval, as shares of the bands; None where none does."""
+    def _with_worse(self, bodies: Bodies, interval: Interval, target: float) -> Bodies | None:
+        """Add bodies that miss the target in an interval; None where none does."""
         slowest, landing = self._slowest(interval.low, interval.high)
-        if slowest.speed >= target * (1.0 - _HOLDS) and not landing.size:
+        is_slow = slowest.speed < target * (1.0 - _HOLDS)
+        if not is_slow and not landing.size:
             return None
-        bodies = landing if slowest.speed >= target * (1.0 - _HOLDS) else np.hstack([landing, slowest.shares])
-        drifts = self.across(1.0, 1.0).varies[0]
-        shares = np.repeat(bodies, _LOADS.size if drifts else 1, axis=1)
-        shares[0] = np.tile(_LOADS, bodies.shape[1]) if drifts else 0.0
-        return shares
+        shares = np.hstack([landing, slowest.shares]) if is_slow else landing
+        # the amplitude at which it was found, and how far it drifts there
+        load = float(np.ravel(slowest.scene.load)[0])
+        middle = 2.0 / sum(float(end) for end in self.across(1.0, 1.0).load)
+        amplitude = min(max(load * middle, interval.low), interval.high)
+        box = self.across(amplitude, amplitude)
+        low, high = (float(end) for end in box.load)
+        if low < high:
+            drifts = np.append(_DRIFTS, min(max((load - low) / (high - low), 0.0), 1.0))
+            count = shares.shape[1]
+            shares = np.repeat(shares, drifts.size, axis=1)
+            shares[0] = np.tile(drifts, count)
+        else:
+            shares[0] = 0.0
+        return bodies.joined(box, shares)
 
     def _slowest(self, low: float, high: float, seeds: int = SEEDS) -> tuple[Extreme, Floats]:
         """Return the slowest body between two amplitudes, and those that land too hard or fly too long."""

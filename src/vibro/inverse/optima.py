@@ -13,6 +13,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
+from vibro.inverse.bodies import Bodies
 from vibro.inverse.caps import onset_load
 from vibro.inverse.crossings import first_crossing
 from vibro.inverse.evolution import evolve, scatter, sobol
@@ -107,11 +108,12 @@ class Optimiser:
             self._effort = _BOUNCING if question.spec.restitution else _FLYING
         self._monotone = question.highest is Regime.FORWARD_SLIP and is_braked(one)
         if self._monotone:  # the slowest bodies, and those that may run away where bands are scaled
-            self._bodies = np.array(
-                [[0, 0, 1, 1], [0, 1, 0, 1], [1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0]], float
+            shares = np.array(
+                [[0, 0, 1, 1], [0, 1, 0, 1], [1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0]], np.float64
             )
         else:
-            self._bodies = corners(one)
+            shares = corners(one)
+        self._bodies = Bodies.staying(shares)
 
     def fastest(self, scale: float = 1.0) -> Optimum | None:
         """Return the setting of the largest guaranteed speed; None where none guarantees any."""
@@ -215,14 +217,12 @@ class Optimiser:
         slowest = bound(box, fast=False, seen=Seen(), seeds=1).extreme
         new = self._question.landings.worst(box)
         if slowest.speed < optimum.speed - _HOLDS * abs(optimum.speed):
-            drifts = bool(box.varies[0])
-            bodies = np.repeat(slowest.shares, _DRIFTS.size if drifts else 1, axis=1)
-            bodies[0] = _DRIFTS if drifts else 0.0
-            new = np.hstack([new, bodies])
-        known = {tuple(body) for body in self._bodies.T}
-        unknown = [tuple(body) not in known for body in new.T]
-        self._bodies = np.hstack([self._bodies, new[:, unknown]])
-        return any(unknown)
+            shares = np.repeat(slowest.shares, _DRIFTS.size if box.varies[0] else 1, axis=1)
+            shares[0, 1:] = _DRIFTS[1:] if box.varies[0] else 0.0
+            new = np.hstack([new, slowest.shares, shares])
+        known = len(self._bodies.axes)
+        self._bodies = self._bodies.joined(box, new)
+        return len(self._bodies.axes) > known
 
     def _tops(self, angles: Floats, choice: Range, scale: float) -> Floats:
         """Largest nominal loads at drive angles."""
@@ -333,7 +333,7 @@ class Optimiser:
     def _entries(self, angles: Floats) -> Floats:
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""
         boxes = self._question.boxes(Setting(1.0, 1.0, angles[:, None]))
-        points = boxes.points(self._bodies[:, None, :])
+        points = boxes.points(self._bodies.at(boxes))
         known = critical_loads(
             points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
         )

@@ -13,12 +13,12 @@ from vibro.core.codes import Regime
 from vibro.inverse.boxes import Box
 from vibro.inverse.caps import back_slip_load, hop_load, tip_load
 from vibro.inverse.extremes import ANY_LANDING, Landings, counted
-from vibro.inverse.jumps import with_jumps
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vibro.inverse.bodies import Bodies
     from vibro.inverse.specs import Drive, Span, Spec
 
     Floats = NDArray[np.float64]
@@ -172,12 +172,12 @@ class Question:
         """Nominal load of a setting [1]."""
         return np.asarray(setting.amplitude * (2.0 * np.pi * setting.frequency) ** 2 / self.spec.gravity)
 
-    def speeds(self, setting: Setting, shares: Floats, scale: Floats | float = 1.0) -> Floats:
+    def speeds(self, setting: Setting, bodies: Bodies, scale: Floats | float = 1.0) -> Floats:
         """Speeds of bodies at settings, 1-D, of shape (settings, bodies); NaN where one is left out."""
         columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
         boxes = self.boxes(columns, np.reshape(scale, (-1, 1)))
-        bodies = shares[:, None, :] if self.flies else with_jumps(boxes, shares)
-        cycle = solve(boxes.scene(boxes.points(bodies), fast=False), flight=self.flies)
+        scene = boxes.scene(boxes.points(bodies.at(boxes)), fast=False)
+        cycle = solve(scene, flight=self.flies)
         speed = counted(cycle, fast=False)
         return np.where(self.landings.exceeded(cycle), -np.inf, speed)
 

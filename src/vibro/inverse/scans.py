@@ -9,7 +9,6 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.extremes import counted, least_of
-from vibro.inverse.jumps import with_jumps
 from vibro.results.designs import Interval
 from vibro.steady import solve
 
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vibro.inverse.bodies import Bodies
     from vibro.inverse.boxes import Box
     from vibro.inverse.extremes import Landings
     from vibro.scene import Scene
@@ -42,8 +42,8 @@ class Scan:
     ----------
     boxes : callable
         Returns the boxes of nominal amplitudes of shape (m, 1).
-    shares : array
-        The bodies, as shares of the bands, of shape (5, n).
+    bodies : Bodies
+        Of each box.
     target : float
         Speed that is wanted [m/s].
     landings : Landings or None
@@ -53,11 +53,11 @@ class Scan:
     def __init__(
         self,
         boxes: Callable[[Floats], Box],
-        shares: Floats,
+        bodies: Bodies,
         target: float,
         landings: Landings | None,
     ) -> None:
-        self._boxes, self._shares, self._target, self._landings = boxes, shares, target, landings
+        self._boxes, self._bodies, self._target, self._landings = boxes, bodies, target, landings
 
     def intervals(self, start: float, top: float, top_by: str, count: int) -> list[Interval]:
         """Return where the target is reached between two amplitudes; ``top_by`` is what sets the second."""
@@ -90,8 +90,7 @@ class Scan:
 
     def _scene(self, amplitudes: Floats) -> Scene:
         boxes = self._boxes(amplitudes[:, None])
-        bodies = self._shares[:, None, :] if self._landings is not None else with_jumps(boxes, self._shares)
-        return boxes.scene(boxes.points(bodies), fast=False)
+        return boxes.scene(boxes.points(self._bodies.at(boxes)), fast=False)
 
     def _speeds(self, amplitudes: Floats) -> Floats:
         """Speeds of all bodies at some amplitudes, of shape (m, n); NaN where one is left out."""
@@ -104,7 +103,8 @@ class Scan:
 
     def criticals(self) -> list[float]:
         """Nominal amplitudes at which some body changes its regime."""
-        points = self._boxes(np.ones((1, 1))).points(self._shares[:, None, :])
+        boxes = self._boxes(np.ones((1, 1)))
+        points = boxes.points(self._bodies.at(boxes))
         loads = critical_loads(
             points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
         )
