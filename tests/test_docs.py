@@ -41,9 +41,10 @@ def cited(text: str) -> set[int]:
 
 
 def rows() -> list[tuple[str, ...]]:
-    """Cells of every table of the nomenclature."""
+    """Cells of every table of the nomenclature that names code: not of the columns of designs."""
     found = []
-    for line in NOMENCLATURE.splitlines():
+    page = re.sub(r"## Designs\n.*?(?=\n## )", "", NOMENCLATURE, flags=re.DOTALL)
+    for line in page.splitlines():
         if line.startswith("|") and line != HEADER and not line.startswith("|---"):
             found.append(tuple(cell.strip() for cell in line.strip("|").split("|")))
     return found

@@ -353,6 +353,8 @@ def test_yields_of_certain_things() -> None:
         (found.speed_max * 1.001, "back-slip", 0.0),
         (found.speed_min * 0.999, "forward-slip", 1.0),
     ):
-        assert vibro.yield_share(scene_with(), speed, highest_regime=regime, **bands) == (share, 0.0)
+        found_share, error = vibro.yield_share(scene_with(), speed, highest_regime=regime, **bands)
+        assert found_share == share
+        assert 0.0 < error < 1e-5  # a sliver of a sample's size may have been missed
     back = scene_with(amplitude=2e-3)
-    assert vibro.yield_share(back, 1e-3, highest_regime="forward-slip", **bands) == (0.0, 0.0)
+    assert vibro.yield_share(back, 1e-3, highest_regime="forward-slip", **bands)[0] == 0.0
