@@ -83,7 +83,10 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     box = question.boxes(chosen.setting)
     begins = {regime: (first * amplitude, last * amplitude) for regime, (first, last) in _begins(box).items()}
     low = min(_BELOW * amplitude, 0.8 * begins[Regime.FORWARD_SLIP][0])
-    high = _BEYOND * max(chosen.drive.amplitude[1], amplitude)
+    high = max(chosen.drive.amplitude[1], amplitude)
+    if spec.goal.highest_regime is not Regime.HOPPING:
+        high = max(min(high, begins[Regime.HOPPING][0]), amplitude)
+    high *= _BEYOND
     amplitudes = _with_jumps(low, high, begins, spec)
     boxes = question.boxes(Setting(amplitudes[:, None], frequency, angle))
     points = boxes.points(_bodies(box)[:, None, :])

@@ -94,6 +94,17 @@ def design_figures(spec: Spec, chosen: Chosen, fields: SettingFields, band: Spee
         }
 
 
+def _veiled(colour: str) -> tuple[float, float, float]:
+    """Return a colour as it looks under the veil."""
+    from matplotlib.colors import to_rgb
+
+    veil, share = to_rgb(_VEIL[0]), _VEIL[1]
+    red, green, blue = (
+        share * over + (1.0 - share) * under for over, under in zip(veil, to_rgb(colour), strict=True)
+    )
+    return red, green, blue
+
+
 class _Layers(MapLayers):
     """The layers of a map of settings."""
 
@@ -104,10 +115,17 @@ class _Layers(MapLayers):
     def fill_stretches(self) -> None:
         """Fill the regimes that are guaranteed, hatched where they depend on the part, and name them."""
         load = self._settings.load(self.fields.y[:, np.newaxis], self.fields.x)
+        reach = self._settings.over(self._settings.strong)
+        is_veiled = (reach > 0.0).any()
         for stretch in self._settings.stretches:
             field = np.minimum(-below(stretch.low, load), below(stretch.high, load))
             if self._fill(field, gid=stretch.name, zorder=1, **stretch.style):
-                self._name_region(stretch.name, field, **stretch.style)
+                # the name stands on what the drive has, if there is any: elsewhere colours are pale
+                inside, style = np.minimum(field, reach), dict(stretch.style)
+                if not (inside > 0.0).any():
+                    inside = field
+                    style["facecolor"] = _veiled(style["facecolor"]) if is_veiled else style["facecolor"]
+                self._name_region(stretch.name, inside, **style)
 
     def draw_boundaries(self) -> None:
         """Draw where the first and the last part reach regimes; the names of the areas say what they are."""
