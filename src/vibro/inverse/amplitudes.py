@@ -15,11 +15,13 @@ from vibro.inverse.bodies import Bodies
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
 from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, corners
 from vibro.inverse.guarantees import bound
-from vibro.inverse.scans import BEYOND, Scan
+from vibro.inverse.scans import BEYOND, Detail, Scan
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from vibro.inverse.boxes import Box
@@ -29,15 +31,15 @@ if TYPE_CHECKING:
 
 __all__ = ["Family", "feasible_amplitudes", "regime_of"]
 
-_GRID: Final = {False: 4097, True: 257}  # amplitudes looked at first: of one body, of a box of them
-_BOUNCING: Final = 33  # where impacts are not plastic, which takes long
+# Of one body, of a box of them, and where they hop, with plastic impacts and others, which take long.
+_ONE: Final = Detail(4097, 3, 0.0, 0, 0, 0.0)
+_BOX: Final = Detail(257, 3, 0.0, 6, 5, 1e-10)
+_FLYING: Final = Detail(129, 1, 1e-9, 2, 2, 1e-4)
+_BOUNCING: Final = Detail(33, 0, 1e-4, 1, 1, 1e-2)
 _BESIDE: Final = 1e-12  # [1] below a load that is not to be exceeded
 _HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the nodes
-_EXCHANGES: Final = 6
-_EDGE: Final = 1e-10  # relative width to which an end is found by the slowest body of every amplitude
 _BEYOND_EDGE: Final = 1e-8  # relative distance from there at which a jump of the speed has happened
 _JUMP_BETWEEN: Final = 1e-4  # of the speed, that is a jump over this distance
-_HALVES: Final = 5  # times that a part is halved which is not confirmed
 _DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the drift in load, for every body that was found worst
 
 
@@ -166,7 +168,7 @@ class Family:
         drift = 1.0 + self.drift if most else 1.0 - self.drift
         return load * self.template.gravity / (2.0 * math.pi * float(frequency)) ** 2 / drift
 
-    def caps(self, highest: Regime, largest: float, others: dict[str, float]) -> dict[str, float]:
+    def caps(self, highest: Regime, largest: float, others: Mapping[str, float]) -> dict[str, float]:
         """Nominal amplitudes up to which a box keeps to a regime, by what ends there; or to other loads."""
         loads = dict(others)
         if highest is not Regime.HOPPING:
@@ -178,16 +180,23 @@ class Family:
         return {**caps, "limit": largest}
 
     def intervals(
-        self, target: float, highest: Regime, largest: float, others: dict[str, float] | None = None
+        self,
+        target: float,
+        highest: Regime,
+        largest: float,
+        others: Mapping[str, float] | None = None,
+        near: float | None = None,
     ) -> list[Interval]:
-        """Return the nominal amplitudes that guarantee a speed; arguments as for ``caps``."""
+        """Return the nominal amplitudes that guarantee a speed; arguments as for ``caps`` and ``Scan``."""
         caps = self.caps(highest, largest, others or {})
         top_by = min(caps, key=lambda name: caps[name])
         top = caps[top_by]
         start = self.amplitude_of(float(onset_load(self.template)), most=False)
         wide = bool(self.across(1.0, 1.0).varies.any())
         flies = highest is Regime.HOPPING
-        count = _BOUNCING if flies and self.template.restitution else _GRID[wide]
+        detail = _BOX if wide else _ONE
+        if flies and wide:
+            detail = _BOUNCING if self.template.restitution else _FLYING
         bodies = Bodies.staying(corners(self.across(1.0, 1.0)))
         endless = math.isinf(top)  # bodies that never hop are followed to where all has begun
         if endless:
@@ -195,9 +204,9 @@ class Family:
             top, top_by = BEYOND * max([start, *criticals]), "limit"
         found: list[Interval] = []
         missing: list[bool] = []
-        for _ in range(_EXCHANGES):
+        for _ in range(max(detail.exchanges, 1)):
             scan = Scan(self.boxes, bodies, target, self.landings if flies else None)
-            found = scan.intervals(start, top, top_by, count)
+            found = scan.intervals(start, top, top_by, detail, near)
             missing = []
             for interval in found:
                 worse = self._with_worse(bodies, interval, target) if wide else None
@@ -208,7 +217,7 @@ class Family:
         found = [
             part
             for interval, misses in zip(found, missing, strict=True)
-            for part in (self._confirmed(interval, target) if misses else [interval])
+            for part in (self._confirmed(interval, target, detail) if misses else [interval])
         ]
         return [i._replace(high=math.inf) if endless and i.high == top else i for i in found]
 
@@ -244,7 +253,7 @@ class Family:
         slowest, landing = self._slowest(low, high, seeds)
         return slowest.speed >= target * (1.0 - _HOLDS) and not landing.size
 
-    def _confirmed(self, interval: Interval, target: float) -> list[Interval]:
+    def _confirmed(self, interval: Interval, target: float, detail: Detail) -> list[Interval]:
         """Return the parts of an interval that guarantee a speed, where the slowest bodies differ everywhere.
 
         Every amplitude is asked for its own slowest body; parts that are not confirmed as a whole are halved,
@@ -252,7 +261,7 @@ class Family:
         """
         low, high = interval.low, interval.high
         parts: list[tuple[float, float]] = []
-        for part in self._parts(low, high, self._at(low, target), self._at(high, target), target, 0):
+        for part in self._parts(low, high, self._at(low, target), self._at(high, target), target, detail):
             if parts and parts[-1][1] == part[0]:  # halves of one
                 part = parts.pop()[0], part[1]
             parts.append(part)
@@ -267,28 +276,33 @@ class Family:
         ]
 
     def _parts(
-        self, low: float, high: float, holds_low: bool, holds_high: bool, target: float, depth: int
+        self, low: float, high: float, holds_low: bool, holds_high: bool, target: float, detail: Detail
     ) -> list[tuple[float, float]]:
         """Return confirmed parts between two amplitudes of which it is known whether they hold."""
         if holds_low and holds_high and self._holds(low, high, target):
             return [(low, high)]
         if holds_low != holds_high:
-            edge = self._edge(low, high, target) if holds_low else self._edge(high, low, target)
+            edge = (
+                self._edge(low, high, target, detail.edge)
+                if holds_low
+                else self._edge(high, low, target, detail.edge)
+            )
             inner = (low, edge) if holds_low else (edge, high)
-            return self._parts(*inner, True, True, target, depth)
-        if depth == _HALVES:
+            return self._parts(*inner, True, True, target, detail)
+        if not detail.halves:
             return []
+        detail = detail._replace(halves=detail.halves - 1)
         middle = math.sqrt(low * high)
         holds = self._at(middle, target)
-        lower = self._parts(low, middle, holds_low, holds, target, depth + 1)
-        return lower + self._parts(middle, high, holds, holds_high, target, depth + 1)
+        lower = self._parts(low, middle, holds_low, holds, target, detail)
+        return lower + self._parts(middle, high, holds, holds_high, target, detail)
 
     def _at(self, amplitude: float, target: float) -> bool:
         return self._holds(amplitude, amplitude, target, seeds=1)
 
-    def _edge(self, inside: float, outside: float, target: float) -> float:
+    def _edge(self, inside: float, outside: float, target: float, width: float) -> float:
         """Close in on the last amplitude that holds before one that does not."""
-        while abs(outside - inside) > _EDGE * inside:
+        while abs(outside - inside) > width * inside:
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if self._at(middle, target) else (inside, middle)
         return inside

@@ -15,13 +15,16 @@ if TYPE_CHECKING:
 
 __all__ = ["first_crossing"]
 
-_STEPS: Final = 60  # of bisection
 _CLOSER: Final = 17  # points around a peak between two points of the grid
-_ROUNDS: Final = 5  # each closer by a factor of 8
 
 
 def first_crossing(
-    value: Callable[[NDArray[np.intp], Floats], Floats], grid: Floats, target: float
+    value: Callable[[NDArray[np.intp], Floats], Floats],
+    grid: Floats,
+    target: float,
+    *,
+    climbs: int,
+    steps: int,
 ) -> Floats:
     """Return the least argument at which each function reaches a target.
 
@@ -34,11 +37,15 @@ def first_crossing(
         between two neighbours of one; both sides of its jumps are among them.
     target : float
         What is to be reached.
+    climbs : int
+        Rounds of looking closer at peaks, each by a factor of 8.
+    steps : int
+        Of bisection.
 
     Returns
     -------
     (m,) array
-        At the argument the target is reached, to rounding; inf where it never is.
+        At the argument the target is reached; inf where it never is.
 
     Notes
     -----
@@ -60,7 +67,7 @@ def first_crossing(
     is_peak[:, :-1] &= values[:, :-1] >= values[:, 1:]
     row, column = np.nonzero(is_peak)
     start, end = grid[row, column - 1], grid[row, np.minimum(column + 1, grid.shape[1] - 1)]
-    for _ in range(_ROUNDS):
+    for _ in range(climbs):
         x = np.linspace(start, end, _CLOSER, axis=-1)
         near = value(np.repeat(row, _CLOSER), x.ravel()).reshape(x.shape)
         best = np.argmax(near, axis=1)
@@ -76,7 +83,7 @@ def first_crossing(
     everywhere, known = np.arange(len(grid)), np.isfinite(high)
     high, found = high[known], everywhere[known]
     low = low[known]
-    for _ in range(_STEPS):
+    for _ in range(steps):
         middle = 0.5 * (low + high)
         reaches = value(found, middle) >= target
         low, high = np.where(reaches, low, middle), np.where(reaches, middle, high)

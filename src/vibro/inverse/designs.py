@@ -272,7 +272,7 @@ class _Rows:
         most = min(most, question.drive.acceleration * question.spec.gravity / w**2)
         family = Family(replace(box, amplitude=(1.0, 1.0)), question.spec.drift.amplitude, question.landings)
         others = {name: float(load) for name, load in question.tip_loads(box).items()}
-        for i in family.intervals(self._target, question.highest, most, others):
+        for i in family.intervals(self._target, question.highest, most, others, setting.amplitude):
             if i.low * (1.0 - _AT) <= setting.amplitude <= i.high * (1.0 + _AT):
                 low, by = (i.low, i.low_set_by) if i.low >= least else (least, "limit")
                 ends = min(low, setting.amplitude), max(i.high, setting.amplitude)

@@ -56,6 +56,8 @@ class _Effort(NamedTuple):
     population, generations : int
         Of an evolution, or settings looked at first and rounds of scattered ones; the first as its base-2
         logarithm.
+    climbs, steps : int
+        Rounds of looking closer at peaks of the speed, and of bisection between two loads.
     margins : int
         Margins of one setting looked at at once.
     margin : float
@@ -69,14 +71,16 @@ class _Effort(NamedTuple):
     loads: int
     population: int
     generations: int
+    climbs: int
+    steps: int
     margins: int
     margin: float
     exchanges: int
 
 
-_IN_CONTACT: Final = _Effort(65, 9, 129, 6, 80, 33, 1e-6, 8)
-_FLYING: Final = _Effort(33, 3, 65, 8, 3, 33, 1e-3, 2)
-_BOUNCING: Final = _Effort(9, 1, 17, 5, 1, 9, 3e-2, 1)  # impacts that are not plastic take long
+_IN_CONTACT: Final = _Effort(65, 9, 129, 6, 80, 5, 60, 33, 1e-6, 8)
+_FLYING: Final = _Effort(33, 3, 65, 8, 3, 1, 30, 33, 1e-3, 2)
+_BOUNCING: Final = _Effort(9, 1, 17, 5, 1, 0, 12, 9, 3e-2, 1)  # impacts that are not plastic take long
 
 _SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
 _KEPT: Final = 3  # angles to look around in each round
@@ -328,7 +332,7 @@ class Optimiser:
         def value(rows: NDArray[np.intp], loads: Floats) -> Floats:
             return self._value(angles[rows], loads, choice, 1.0)
 
-        return first_crossing(value, grid, target)
+        return first_crossing(value, grid, target, climbs=self._effort.climbs, steps=self._effort.steps)
 
     def _entries(self, angles: Floats) -> Floats:
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""

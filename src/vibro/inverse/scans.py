@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -24,15 +24,47 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["BEYOND", "Scan"]
+__all__ = ["BEYOND", "Detail", "Scan"]
 
 #: Times the largest critical load, as far as a body that never hops is followed.
 BEYOND: Final = 1e3
 
 _CLOSER: Final = 33  # amplitudes around each extremum of the speed between two of the grid
-_ROUNDS: Final = 3
 _BESIDE: Final = 1e-12  # relative distance from a critical load at which both its sides are looked at
 _JUMP: Final = 1e-6  # relative change of the speed that is a jump
+
+
+class Detail(NamedTuple):
+    """How closely is looked.
+
+    Attributes
+    ----------
+    amplitudes, rounds : int
+        Amplitudes looked at first, and rounds of looking closer at extrema between them.
+    end : float
+        Relative width to which ends are found.
+    exchanges, halves : int
+        How often slower bodies are looked for, and parts halved that are not confirmed.
+    edge : float
+        Relative width to which an end is found by the slowest body of every amplitude.
+    """
+
+    amplitudes: int
+    rounds: int
+    end: float
+    exchanges: int
+    halves: int
+    edge: float
+
+
+def _run(holds: NDArray[np.bool_], at: int) -> NDArray[np.bool_]:
+    """Return the neighbours of a place that hold without a gap."""
+    gaps = np.flatnonzero(~holds)
+    before, after = gaps[gaps < at], gaps[gaps > at]
+    places = np.arange(holds.size)
+    low = before[-1] if before.size else -1
+    high = after[0] if after.size else holds.size
+    return np.asarray((places > low) & (places < high))
 
 
 class Scan:
@@ -59,24 +91,41 @@ class Scan:
     ) -> None:
         self._boxes, self._bodies, self._target, self._landings = boxes, bodies, target, landings
 
-    def intervals(self, start: float, top: float, top_by: str, count: int) -> list[Interval]:
-        """Return where the target is reached between two amplitudes; ``top_by`` is what sets the second."""
+    def intervals(
+        self, start: float, top: float, top_by: str, detail: Detail, near: float | None = None
+    ) -> list[Interval]:
+        """Return where the target is reached between two amplitudes.
+
+        Parameters
+        ----------
+        start, top : float
+            The amplitudes [m].
+        top_by : str
+            What sets the second.
+        detail : Detail
+            How closely is looked.
+        near : float, optional
+            An amplitude: of the intervals that alone is wanted which holds it.
+        """
         criticals = self.criticals()
         if start == 0.0:
             start = min(criticals, default=top) / BEYOND
         if not start < top:
             return []
-        grid = np.geomspace(start, top, count)
+        grid = np.geomspace(start, top, detail.amplitudes)
         beside = np.outer(criticals, [1.0 - _BESIDE, 1.0 + _BESIDE]).ravel()
         grid = np.unique(np.concatenate([grid, beside[(beside > grid[0]) & (beside < top)]]))
         least = self._least(grid)
-        for _ in range(_ROUNDS):
+        for _ in range(detail.rounds):
             grid, least = self._closer(grid, least)
         holds = least >= self._target
+        if near is not None:
+            holds &= _run(holds, int(np.argmin(np.abs(grid - near))))
         edges = np.flatnonzero(holds[1:] != holds[:-1])
         inside, outside = self._crossings(
             np.where(holds[edges], grid[edges], grid[edges + 1]),
             np.where(holds[edges], grid[edges + 1], grid[edges]),
+            detail.end,
         )
         ends = [(x, self._set_by(x, y)) for x, y in zip(inside.tolist(), outside.tolist(), strict=True)]
         if holds[0]:
@@ -123,9 +172,9 @@ class Scan:
         amplitudes, first = np.unique(np.concatenate([grid, more]), return_index=True)
         return amplitudes, np.concatenate([least, self._least(more)])[first]
 
-    def _crossings(self, inside: Floats, outside: Floats) -> tuple[Floats, Floats]:
-        """Close in on amplitudes beyond which the target is missed, to two doubles beside each other."""
-        while inside.size:
+    def _crossings(self, inside: Floats, outside: Floats, width: float) -> tuple[Floats, Floats]:
+        """Close in on amplitudes beyond which the target is missed, to a relative width or to two doubles."""
+        while inside.size and np.any(np.abs(outside - inside) > width * inside):
             middle = 0.5 * (inside + outside)
             if np.all((middle == inside) | (middle == outside)):
                 break
