@@ -269,8 +269,8 @@ class Family:
             Interval(
                 a,
                 b,
-                interval.low_set_by if a == low else self._ends_by(a, a * (1.0 - _BEYOND_EDGE)),
-                interval.high_set_by if b == high else self._ends_by(b, b * (1.0 + _BEYOND_EDGE)),
+                interval.low_set_by if a == low else self.ends_by(a, a * (1.0 - _BEYOND_EDGE)),
+                interval.high_set_by if b == high else self.ends_by(b, b * (1.0 + _BEYOND_EDGE)),
             )
             for a, b in parts
         ]
@@ -307,7 +307,7 @@ class Family:
             inside, outside = (middle, outside) if self._at(middle, target) else (inside, middle)
         return inside
 
-    def _ends_by(self, inside: float, outside: float) -> str:
+    def ends_by(self, inside: float, outside: float) -> str:
         """Tell whether the least speed jumps between two amplitudes, which it does where back slip enters."""
         here, there = (self._slowest(a, a)[0].speed for a in (inside, outside))
         if there >= here * (1.0 - _JUMP_BETWEEN):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.contact.limits import critical_loads
 from vibro.inverse.boxes import AXES
 
 if TYPE_CHECKING:
@@ -19,10 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["Bodies"]
 
 _STILL: Final = -1  # in place of an axis
-# Along these the speed drops once, as back slip enters; frictions first, which are seldom known.
-_ALONG: Final = tuple(
-    AXES.index(name) for name in ("static_friction", "second_friction", "load", "drive_angle")
-)
+_LOAD: Final = AXES.index("load")
+# Along these back slip enters once; frictions first, which are seldom known.
+_ALONG: Final = tuple(AXES.index(name) for name in ("static_friction", "second_friction", "drive_angle"))
 _BESIDE: Final = 1e-6  # of a band, within which a drop is looked for
 _STEPS: Final = 40  # of bisection
 _INSIDE: Final = 1e-9  # of the way back from a drop that is kept away from it
@@ -38,40 +38,61 @@ class Bodies(NamedTuple):
         Of the bands.
     axes : (n,) array
         Index of the band along which a body keeps to the point where back slip has just entered: where that
-        is moves with the load, so that no share stands for it; -1 for bodies that stay.
+        is moves with the setting, so that no share stands for it; -1 for bodies that stay.
+    ratios : (n,) array
+        Of bodies that keep to a load, that over the load at which back slip enters: past it the speed may fall
+        for a while.
     """
 
     shares: Floats
     axes: NDArray[np.intp]
+    ratios: Floats
 
     @classmethod
     def staying(cls, shares: Floats) -> Bodies:
         """Return bodies at shares of the bands."""
-        return cls(shares, np.full(shares.shape[1], _STILL))
+        return cls(shares, np.full(shares.shape[1], _STILL), np.ones(shares.shape[1]))
 
     def joined(self, box: Box, shares: Floats) -> Bodies:
         """Add bodies at shares of the bands of a single box; those on a drop keep to it from now on."""
         if not shares.shape[1]:
             return self
         axes = np.array([_drops_along(box, shares[:, [i]]) for i in range(shares.shape[1])])
+        points = box.points(shares)
+        ratios = points.load / _entry_load(points)
+        inside = (axes == _STILL) & (shares[_LOAD] > 0.0) & (shares[_LOAD] < 1.0)
+        axes[inside & (ratios >= 1.0)] = _LOAD
         known = set(self._keys())
-        new = Bodies(shares, axes)
+        new = Bodies(shares, axes, np.where(axes == _LOAD, ratios, 1.0))
         fresh = [i for i, key in enumerate(new._keys()) if key not in known]
-        return Bodies(np.hstack([self.shares, shares[:, fresh]]), np.append(self.axes, axes[fresh]))
+        return Bodies(
+            np.hstack([self.shares, shares[:, fresh]]),
+            np.append(self.axes, axes[fresh]),
+            np.append(self.ratios, new.ratios[fresh]),
+        )
 
     def _keys(self) -> list[tuple[float, ...]]:
         shares = np.round(self.shares, _SAME)
         moving = np.flatnonzero(self.axes != _STILL)
         shares[self.axes[moving], moving] = 0.0
-        return [(axis, *share) for axis, share in zip(self.axes.tolist(), shares.T.tolist(), strict=True)]
+        ratios = np.round(self.ratios, _SAME)
+        columns = zip(self.axes.tolist(), ratios.tolist(), shares.T.tolist(), strict=True)
+        return [(axis, ratio, *share) for axis, ratio, share in columns]
 
     def at(self, boxes: Box) -> Floats:
         """Return the shares of all bodies in m boxes, of shape (5, m, n)."""
         ends = np.broadcast(*(end for span in boxes.spans for end in span))
         shares = np.repeat(self.shares[:, None, :], ends.shape[0], axis=1)
-        moving = np.flatnonzero(self.axes != _STILL)
+        moving = np.flatnonzero((self.axes != _STILL) & (self.axes != _LOAD))
         if moving.size:
             shares[:, :, moving] = _on_drops(boxes, shares[:, :, moving], self.axes[moving])
+        loaded = np.flatnonzero(self.axes == _LOAD)
+        if loaded.size:
+            low, high = boxes.load
+            entries = _entry_load(boxes.points(shares[:, :, loaded]))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                share = (self.ratios[loaded] * entries - low) / (high - low)
+            shares[_LOAD][:, loaded] = np.clip(np.nan_to_num(share, nan=1.0), 0.0, 1.0)
         return shares
 
 
@@ -96,6 +117,12 @@ def _on_drops(boxes: Box, shares: Floats, axes: NDArray[np.intp]) -> Floats:
     # well on the side that slips back: rounding decides at the drop itself
     slipping += _INSIDE * (turned - slipping)
     return moved(np.where(first == last, shares[axes, :, bodies], slipping))
+
+
+def _entry_load(at: Points) -> Floats:
+    """Return the load at which back slip enters, or just above."""
+    known = critical_loads(at.drive_angle, at.static_friction, at.kinetic_friction, at.trough_angle)
+    return np.asarray(known.back_slip * (1.0 + _INSIDE))
 
 
 def _drops_along(box: Box, shares: Floats) -> int:

@@ -35,6 +35,7 @@ _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 _KINDS: Final = ("gentlest", "fastest", "safest")
 _DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
 _NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inwards
+_SURPLUSES: Final = (0.0, 1e-6, 1e-4, 1e-2)  # of the goal, for a setting that can be rounded
 _AT: Final = 1e-6  # relative distance to a limit that is at it
 
 
@@ -125,13 +126,24 @@ class _Rows:
         fastest = self.found.get("fastest")
         if fastest is None or fastest.guarantee.speed_min < self._target:
             return
-        gentlest = self._settled(optimiser.gentlest(self._target), self._target, up=True)
-        self._keep("gentlest", [gentlest, calmer.get("gentlest"), fastest])
+        self._keep("gentlest", [self._gentlest(), calmer.get("gentlest"), fastest])
         safest: list[_Found | None] = [fastest]
         if question.has_bands:
             best = self._settled(optimiser.safest(self._target), self._target, up=False)
             safest = [best, calmer.get("safest"), *self.found.values()]
         self._keep("safest", safest)
+
+    def _gentlest(self) -> _Found | None:
+        """Return the gentlest setting that holds as it is printed.
+
+        It may stand where the speed just reaches the goal and back slip just enters: no rounding holds there,
+        but one beside a setting for a little more speed does.
+        """
+        for surplus in _SURPLUSES:
+            optimum = self._optimiser.gentlest(self._target * (1.0 + surplus))
+            if found := self._settled(optimum, self._target, up=True):
+                return found
+        return None
 
     def _keep(self, kind: str, candidates: Iterable[_Found | None]) -> None:
         """Keep the best of candidates, with its margin."""
@@ -277,7 +289,10 @@ class _Rows:
                 low, by = (i.low, i.low_set_by) if i.low >= least else (least, "limit")
                 ends = min(low, setting.amplitude), max(i.high, setting.amplitude)
                 return Interval(*ends, by, i.high_set_by)
-        return None
+        if found.guarantee.speed_min < self._target:
+            return None
+        beyond = family.ends_by(setting.amplitude, setting.amplitude * (1.0 + _AT))
+        return Interval(setting.amplitude, setting.amplitude, "speed", beyond)
 
 
 @dataclass(frozen=True)

@@ -49,8 +49,8 @@ __all__ = [
 
 _TROUGH: Final = AXES.index("trough_angle")
 
-#: Standard errors by which the speed of a body counts as less than its mean, where that is a mean.
-ERRORS: Final = 3.0
+# Standard errors by which the speed of a body counts as less than its mean, where that is a mean.
+_ERRORS: Final = 3.0
 
 #: Searches with different seeds, of which the best counts.
 SEEDS: Final = 3
@@ -153,7 +153,7 @@ def counted(cycle: SteadyCycle, *, fast: bool) -> Floats:
     side = 1.0 if fast else -1.0
     status = np.asarray(cycle.status)
     error = np.where(status == Status.AVERAGED, cycle.mean_velocity_error, 0.0)
-    speed = cycle.mean_velocity + side * ERRORS * error
+    speed = cycle.mean_velocity + side * _ERRORS * error
     lost = ~is_answered(status) & (status != Status.FLIGHT_NOT_MODELLED) & (status != Status.UNRESOLVED)
     return np.where(lost, side * np.inf, speed)
 

@@ -17,7 +17,7 @@ from vibro.inverse.bodies import Bodies
 from vibro.inverse.caps import onset_load
 from vibro.inverse.crossings import first_crossing
 from vibro.inverse.evolution import evolve, scatter, sobol
-from vibro.inverse.extremes import ANY_LANDING, Seen, corners, least_of
+from vibro.inverse.extremes import ANY_LANDING, Seen, corners, least_of, steeper_is_slower
 from vibro.inverse.guarantees import bound, is_braked
 from vibro.inverse.questions import Setting
 
@@ -83,6 +83,7 @@ _FLYING: Final = _Effort(33, 3, 65, 8, 3, 1, 30, 33, 1e-3, 2)
 _BOUNCING: Final = _Effort(9, 1, 17, 5, 1, 0, 12, 9, 3e-2, 1)  # impacts that are not plastic take long
 
 _SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
+_AT_REST: Final = 1e6  # [m/s] against the speed of settings at which no part moves
 _KEPT: Final = 3  # angles to look around in each round
 _CLOSER: Final = 17  # angles around each, closer by a factor of 8
 
@@ -110,7 +111,7 @@ class Optimiser:
         self._effort = _IN_CONTACT
         if question.flies:
             self._effort = _BOUNCING if question.spec.restitution else _FLYING
-        self._monotone = question.highest is Regime.FORWARD_SLIP and is_braked(one)
+        self._monotone = question.highest is Regime.FORWARD_SLIP and is_braked(one) and steeper_is_slower(one)
         if self._monotone:  # the slowest bodies, and those that may run away where bands are scaled
             shares = np.array(
                 [[0, 0, 1, 1], [0, 1, 0, 1], [1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0]], np.float64
@@ -259,7 +260,7 @@ class Optimiser:
 
         angle = np.array([_best(value, choice.drive_angle, self._effort)])
         setting = self._question.setting(self._tops(angle, choice, scale), choice.frequency, angle)
-        return self._at(setting, scale)
+        return _optimum(setting, float(value(angle)[0]))
 
     def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
         """Search drive angle, load and, where landings have a limit, frequency."""
@@ -278,22 +279,27 @@ class Optimiser:
             )
             return loads, tops, setting
 
-        def cost(x: Floats) -> Floats:
+        def speed(x: Floats) -> Floats:
             loads, tops, setting = placed(x)
             possible = (tops > 0.0) & (loads >= least * (1.0 - _BESIDE))
-            return -np.where(possible, self._least(setting, scale), -np.inf)
+            return np.where(possible, self._least(setting, scale), -np.inf)
+
+        def cost(x: Floats) -> Floats:
+            speeds = speed(x)
+            # All parts at rest are worse than some that move backwards: the more, the less they are loaded.
+            # Otherwise rest, from where no speed leads anywhere, attracts whole populations.
+            return np.where(speeds == 0.0, _AT_REST + x[-1 - frees[2]], -speeds)
 
         first = sobol(sum(frees), self._effort.population, _SEED)
+        ends = first.shape[1] // _SCATTERED  # of them at the largest loads, over all angles
+        first[:, :ends] = 0.0
+        first[0, :ends] = np.linspace(0.0, 1.0, ends) if frees[0] else 0.0
         if self._question.flies:  # one look at many settings is cheaper than many looks at few
             more = first.shape[1] // _SCATTERED
             x, _ = scatter(cost, first, more=more, rounds=self._effort.generations, seed=_SEED)
         else:
             x, _ = evolve(cost, first, generations=generations, seed=_SEED)
-        return self._at(placed(x)[2], scale)
-
-    def _at(self, setting: Setting, scale: float) -> Optimum:
-        one = Setting(*(float(np.ravel(x)[0]) for x in setting))
-        return Optimum(one, float(self._least(setting, scale)[0]))
+        return _optimum(placed(x)[2], float(speed(x)[0]))
 
     def _gentlest(self, target: float) -> Optimum | None:
         """Return the setting of least load that reaches a speed, for the bodies looked at."""
@@ -307,7 +313,8 @@ class Optimiser:
             load = self._first_load(angle, target, choice)
             if np.isfinite(load[0]):
                 setting = self._question.setting(load, choice.frequency, angle)
-                found.append((float(load[0]), self._at(setting, 1.0)))
+                speed = float(self._value(angle, load, choice, 1.0)[0])
+                found.append((float(load[0]), _optimum(setting, speed)))
         return min(found, key=lambda pair: pair[0])[1] if found else None
 
     def _first_load(self, angles: Floats, target: float, choice: Range) -> Floats:
@@ -343,6 +350,11 @@ class Optimiser:
         )
         own = points.load / self._question.load(Setting(1.0, 1.0, 0.0))
         return np.where(np.isfinite(known.back_slip), known.back_slip / own, 0.0)
+
+
+def _optimum(setting: Setting, speed: float) -> Optimum:
+    """Return the only one of settings."""
+    return Optimum(Setting(*(float(np.ravel(x)[0]) for x in setting)), speed)
 
 
 def _between(span: tuple[float, float], share: Floats) -> Floats:
