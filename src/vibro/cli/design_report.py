@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["design_report"]
 
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
+_NEARLY: Final = 0.999  # throw number of a setting that is about to hop
 _NONE: Final = "-"
 _HEADS: Final = tuple(
     zip(
@@ -161,8 +162,8 @@ def _closest(spec: Spec, result: DesignResult) -> str:
     for design in _of(result, "fastest", highest):
         needed = _NONE
         if design.frequency_needed_hz is not None and design.amplitude_needed_mm is not None:
-            frequency = number(design.frequency_needed_hz, "Hz")
-            needed = f"{frequency} and {number(design.amplitude_needed_mm, 'mm')}"
+            frequency, amplitude = _exact(design.frequency_needed_hz), _exact(design.amplitude_needed_mm)
+            needed = f"{frequency} Hz, {amplitude} mm at {_exact(design.drive_angle_deg)} deg"
         reached = [_least(design), design.set_by or _NONE, *(_least(other[design.drive]) for other in others)]
         rows.append((design.drive, *reached, needed))
     return aligned(rows)
@@ -268,7 +269,11 @@ def _window(design: Design) -> str:
     if low is None or high is None:
         return "none keeps the goal"
     below, above = (_BEYOND.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
-    ends = f"{bound(low, upper=True)} ... {bound(high, upper=False)} mm"
+    # rounded inwards, but not past the design itself
+    own = design.amplitude_mm or low
+    first = _exact(own) if float(bound(low, upper=True)) > own else bound(low, upper=True)
+    last = _exact(own) if float(bound(high, upper=False)) < own else bound(high, upper=False)
+    ends = f"{first} ... {last} mm"
     return f"{ends} keep the goal; below, {below}; above, {above}"
 
 
@@ -280,6 +285,9 @@ def _margin(spec: Spec, design: Design) -> str:
         sizes = (drift.amplitude, drift.frequency, drift.drive_angle, drift.trough_angle)
         known = all(low == high for low, high in spec.bands.values()) and not any(sizes)
         return "none: nothing is uncertain" if known else "none: the goal is not met"
+    if not _drift(spec) and _NEARLY < (design.throw_number_max or 0.0) <= 1.0:
+        edge = "; no drift of the drive is asked for, and it stands where parts begin to hop"
+        return f"{bound(margin, upper=False)}: all bands may be that many times as wide{edge}"
     if margin >= _MOST_MARGIN:
         return f"{number(_MOST_MARGIN)} or more: all bands and drifts may be that many times as wide"
     if margin >= 1.0:

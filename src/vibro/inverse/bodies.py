@@ -40,8 +40,8 @@ class Bodies(NamedTuple):
         Index of the band along which a body keeps to the point where back slip has just entered: where that
         is moves with the setting, so that no share stands for it; -1 for bodies that stay.
     ratios : (n,) array
-        Of bodies that keep to a load, that over the load at which back slip enters: past it the speed may fall
-        for a while.
+        Of bodies that keep to a load, that over the load at which back slip enters: past it the speed may
+        fall for a while.
     """
 
     shares: Floats

@@ -16,6 +16,7 @@ from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.optima import Optimiser
 from vibro.inverse.questions import Question, Setting
 from vibro.inverse.reading import read_spec
+from vibro.inverse.rounding import in_si, outside, rounded, within
 from vibro.quantities import QUANTITIES, SPEED
 from vibro.results.designs import Design, DesignResult, Interval
 from vibro.scene import Scene
@@ -36,6 +37,8 @@ _KINDS: Final = ("gentlest", "fastest", "safest")
 _DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
 _NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inwards
 _SURPLUSES: Final = (0.0, 1e-6, 1e-4, 1e-2)  # of the goal, for a setting that can be rounded
+_ROUNDING: Final = 1e-12  # relative, of conversions between units
+_NEARLY: Final = 0.98  # of a limit on landings: a setting there is at it
 _AT: Final = 1e-6  # relative distance to a limit that is at it
 
 
@@ -173,7 +176,7 @@ class _Rows:
             return None
         for digits in _DIGITS:
             for printed in self._roundings(optimum.setting, digits, up=up):
-                setting = _in_si(printed)
+                setting = in_si(printed)
                 if not self._optimiser.holds(setting, target or 0.0) or not self._is_allowed(setting):
                     continue
                 found = _Found(setting, printed, guarantee_of(self._question.boxes(setting)))
@@ -186,34 +189,40 @@ class _Rows:
         amplitude, frequency, angle = (
             float(QUANTITIES[name].from_si(float(value))) for name, value in setting._asdict().items()
         )
-        near = _nearest(frequency, digits), _nearest(angle, digits)
+        f_ends, a_ends = min(self._question.ranges, key=lambda ends: outside(ends, setting))
+        near = (
+            within(frequency, "frequency", f_ends, digits),
+            within(angle, "drive_angle", a_ends, digits),
+        )
         # the load that the setting has, with the rounded frequency
         amplitude *= (frequency / near[0]) ** 2
         unit = 10.0 ** (math.floor(math.log10(amplitude)) - digits + 1)
         count = math.ceil(amplitude / unit) if up else math.floor(amplitude / unit)
         step = 1 if up else -1
         steps = (count + step * n for n in range(-1, _NUDGES))
-        return [(_nearest(n * unit, digits), *near) for n in steps]
+        ends = self._question.drive.amplitude
+        return [(within(n * unit, "amplitude", ends, digits), *near) for n in steps]
 
     def _is_allowed(self, setting: Setting) -> bool:
         """Tell whether a drive may be set so."""
         question, drive = self._question, self._question.drive
-        inside = any(
-            low <= setting.frequency <= high and a_low <= setting.drive_angle <= a_high
-            for (low, high), (a_low, a_high) in question.ranges
-        )
+        inside = min(outside(ends, setting) for ends in question.ranges) <= _ROUNDING
         least, most = drive.amplitude
         load = float(question.load(setting))
-        return bool(inside and least <= setting.amplitude <= most and load <= drive.acceleration)
+        stroke = least * (1.0 - _ROUNDING) <= setting.amplitude <= most * (1.0 + _ROUNDING)
+        return bool(inside and stroke and load <= drive.acceleration * (1.0 + _ROUNDING))
 
     def _limit(self, found: _Found, scale: float) -> str:
         """Tell what keeps a setting from being better with bands of a scale."""
-        load = float(self._question.load(found.setting))
-        caps = self._question.caps(np.array([[found.setting.drive_angle]]), scale)
+        question = self._question
+        load = float(question.load(found.setting))
+        if question.landings.scaled(_NEARLY).worst(question.boxes(found.setting, scale)).size:
+            return "limit"
+        caps = question.caps(np.array([[found.setting.drive_angle]]), scale)
         name, cap = min(((name, float(cap[0, 0])) for name, cap in caps.items()), key=lambda pair: pair[1])
         if load >= cap * (1.0 - _AT):
             return name
-        most = self._question.drive.amplitude[1]
+        most = question.drive.amplitude[1]
         return "limit" if found.setting.amplitude >= most * (1.0 - _AT) else "speed"
 
     def _set_by(self, kind: str) -> str | None:
@@ -250,7 +259,9 @@ class _Rows:
         window = self._window(found)
         length, speed = question.spec.length, g.speed_min
         met = speed >= goal.speed
-        share = speed / goal.speed
+        # the nearest drive, rounded so that it does
+        needed = rounded(frequency * speed / goal.speed, _DIGITS[0], down=True)
+        stroke = rounded(amplitude * (frequency / needed) ** 2, _DIGITS[0], down=False)
         box = question.boxes(found.setting)
         return replace(
             row,
@@ -268,8 +279,8 @@ class _Rows:
             high_set_by=None if window is None else window.high_set_by,
             margin=found.margin,
             throw_number_max=float(box.load[1] / hop_load(box)),
-            frequency_needed_hz=None if met else frequency * share,
-            amplitude_needed_mm=None if met else amplitude / share**2,
+            frequency_needed_hz=None if met else needed,
+            amplitude_needed_mm=None if met else stroke,
             proof=g.proof_min,
             coexists=g.coexists,
             excluded=g.excluded,
@@ -334,7 +345,7 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     if not rows:
         return None
     best, drive = max(rows, key=lambda row: (row[0].margin or 0.0, row[0].speed_min_mm_s or 0.0))
-    setting = _in_si((best.amplitude_mm or 0.0, best.frequency_hz or 0.0, best.drive_angle_deg or 0.0))
+    setting = in_si((best.amplitude_mm or 0.0, best.frequency_hz or 0.0, best.drive_angle_deg or 0.0))
     box = Question(spec, drive, highest).boxes(setting)
     least, most = (float(load) for load in box.load)
     with np.errstate(divide="ignore"):
@@ -352,17 +363,6 @@ def nominal_scene(spec: Spec, setting: Setting) -> Scene:
     point = box.points(np.full((5, 1), 0.5))
     fields = {name: float(value[0]) for name, value in point._asdict().items() if name != "load"}
     return Scene(amplitude=setting.amplitude, frequency=setting.frequency, **fields, **box.constants)
-
-
-def _in_si(printed: tuple[float, float, float]) -> Setting:
-    """Convert a setting from the units outside."""
-    return Setting(
-        *(QUANTITIES[name].to_si(value) for name, value in zip(Setting._fields, printed, strict=True))
-    )
-
-
-def _nearest(value: float, digits: int) -> float:
-    return float(f"{value:.{digits}g}")
 
 
 def _mm(value: float) -> float | None:

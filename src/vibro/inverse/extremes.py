@@ -117,6 +117,10 @@ class Landings(NamedTuple):
     impact_speed: float = math.inf
     flight_fraction: float = math.inf
 
+    def scaled(self, factor: float) -> Landings:
+        """Return limits that many times as large."""
+        return Landings(self.impact_speed * factor, self.flight_fraction * factor)
+
     def exceeded(self, cycle: SteadyCycle) -> NDArray[np.bool_]:
         """Tell which bodies land too hard, or fly too long."""
         too_hard = np.asarray(cycle.impact_velocity > self.impact_speed)

@@ -80,7 +80,7 @@ class _Effort(NamedTuple):
 
 _IN_CONTACT: Final = _Effort(65, 9, 129, 6, 80, 5, 60, 33, 1e-6, 8)
 _FLYING: Final = _Effort(33, 3, 65, 8, 3, 1, 30, 33, 1e-3, 2)
-_BOUNCING: Final = _Effort(9, 1, 17, 5, 1, 0, 12, 9, 3e-2, 1)  # impacts that are not plastic take long
+_BOUNCING: Final = _Effort(9, 1, 17, 7, 2, 0, 12, 9, 3e-2, 1)  # impacts that are not plastic take long
 
 _SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
 _AT_REST: Final = 1e6  # [m/s] against the speed of settings at which no part moves

@@ -30,6 +30,9 @@ _RIGHT_ANGLE: Final = 0.5 * math.pi
 _SHORT: Final = 1e-6  # [rad, 1] by which scaled bands keep away from what cannot be
 #: By which a load stays below one that is not to be exceeded, so that no rounding brings it over that.
 _BESIDE: Final = 1e-12
+# Throw number up to which settings that hop are sought: beyond, flights last for many cycles, and landings
+# shake parts and drive apart.
+_MOST_THROW: Final = 10.0
 
 
 class Setting(NamedTuple):
@@ -126,7 +129,8 @@ class Question:
     def caps(self, drive_angle: Floats, scale: Floats | float = 1.0) -> dict[str, Floats]:
         """Nominal loads up to which a drive angle may be driven, by what ends there, of its shape.
 
-        The largest acceleration is for nominal values, and no matter of the scale.
+        The largest acceleration is for nominal values, and no matter of the scale. Settings that hop are not
+        sought beyond a throw number of 10.
         """
         box = self.boxes(Setting(1.0, 1.0, drive_angle), scale)
         drift = self.spec.drift
@@ -140,7 +144,10 @@ class Question:
         # a load that is NaN is of bodies without static friction, of which nothing is known
         loads = {name: np.nan_to_num(load, nan=0.0, posinf=math.inf) for name, load in loads.items()}
         caps = {name: np.broadcast_to(load / most * (1.0 - _BESIDE), shape) for name, load in loads.items()}
-        return {**caps, "limit": np.full(shape, self.drive.acceleration)}
+        limit = np.full(shape, self.drive.acceleration)
+        if self.flies:
+            limit = np.minimum(limit, _MOST_THROW * hop_load(box) / most)
+        return {**caps, "limit": limit}
 
     def tip_loads(self, box: Box) -> dict[str, Floats]:
         """Load up to which every part stays upright, where it must: nothing is known of landings."""

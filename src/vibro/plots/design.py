@@ -26,6 +26,7 @@ from vibro.plots.style import (
     number_text,
     spans_text,
 )
+from vibro.quantities import SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -211,6 +212,12 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
     goal = f"goal: at least {number_text(settings.goal)} mm/s"
     if spec.goal.highest_regime is not Regime.HOPPING:
         goal += f", {spec.goal.highest_regime.label} at most"
+    else:
+        goal += ", hopping allowed"
+    if math.isfinite(spec.goal.impact_speed):
+        goal += f", impacts up to {number_text(float(SPEED.from_si(spec.goal.impact_speed)))} mm/s"
+    if math.isfinite(spec.goal.flight_fraction):
+        goal += f", in flight up to {number_text(100.0 * spec.goal.flight_fraction)} %"
     if float(design.speed_min_mm_s or 0.0) < settings.goal:
         goal += " (not met)"
     return "\n".join([spans_text(spans), goal, *_drift(spec)])
