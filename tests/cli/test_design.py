@@ -179,7 +179,7 @@ def test_the_report_of_a_goal_that_no_drive_meets(ask: Callable[..., Any]) -> No
         "largest guaranteed forward-slip at most set by back-slip hopping nearest drive that meets the goal"
     )
     first = lines.index(head)
-    assert lines[first + 1] == "motor 4.649 mm/s back slip 6.22 mm/s 228 mm/s 2.9 Hz and 30.4 mm"
+    assert lines[first + 1] == "motor 4.649 mm/s back slip 6.22 mm/s 228 mm/s 2.9 Hz, 30.4 mm at 45 deg"
     assert lines[first + 2] == "magnet nothing - nothing nothing -"
     assert any(line.startswith("closest motor, fastest with forward-slip at most: ") for line in lines)
     assert "amplitude none keeps the goal" in lines

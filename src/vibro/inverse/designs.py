@@ -166,8 +166,8 @@ class _Rows:
         if found.optimiser is self._optimiser or not self._question.has_bands:
             return found
         margin = self._optimiser.margin(found.setting, self._target)
-        if found.guarantee.speed_min >= self._target:
-            margin = max(margin or 1.0, 1.0)
+        if found.guarantee.speed_min >= self._target:  # what holds in a lower regime holds here
+            margin = max(margin or 1.0, found.margin or 1.0, 1.0)
         return replace(found, margin=margin, optimiser=self._optimiser)
 
     def _settled(self, optimum: Optimum | None, target: float | None, *, up: bool) -> _Found | None:

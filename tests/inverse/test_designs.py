@@ -1,0 +1,150 @@
+"""Designs as they are printed: they hold, nothing is lost by more choice, and no rounding loses one."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+import vibro
+from vibro.core.codes import Regime
+from vibro.inverse.optima import Optimiser
+from vibro.inverse.questions import Question
+from vibro.inverse.reading import read_spec
+from vibro.results.designs import Design
+
+ORDER = ("forward-slip", "back-slip", "hopping")
+
+
+def rows(question: dict[str, Any]) -> dict[tuple[str, str], Design]:
+    """Designs of the only drive, by regime and kind."""
+    return {(d.highest_regime, d.design): d for d in vibro.design(question).designs}
+
+
+def optimiser(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> Optimiser:
+    spec = read_spec(question)
+    return Optimiser(Question(spec, spec.drives[0], highest))
+
+
+def one_drive(scene: dict[str, Any], drive: dict[str, Any], speed: float, **more: Any) -> dict[str, Any]:
+    return {"scene": scene, "drive": [drive], "goal": {"speed_mm_s": speed}, **more}
+
+
+def test_another_frequency_never_makes_a_goal_impossible() -> None:
+    scene = {"static_friction": 0.2809, "friction_ratio": 0.845}
+    drive = {"amplitude_mm": "0.04158:0.1326", "drive_angle_deg": 29.09}
+    for frequencies in (41.9, [41.9, 59.86], [41.9, 59.86, 80.0]):
+        question = one_drive(scene, {**drive, "frequency_hz": frequencies}, 0.8)
+        best = optimiser(question, Regime.FORWARD_SLIP).fastest()
+        assert best is not None
+        assert best.speed == pytest.approx(1.4566775e-3, rel=1e-7)
+        assert best.setting.frequency == 41.9
+
+
+def test_more_drive_angles_never_lose_the_one_that_does_it() -> None:
+    scene = {"static_friction": 0.2336, "kinetic_friction": "0.20764:0.22736", "trough_angle_deg": 3.496}
+    for angles in ("50:56.81", "30:56.81", "11.81:56.81"):
+        drive = {"amplitude_mm": 0.6002, "frequency_hz": 35.57, "drive_angle_deg": angles}
+        best = optimiser(one_drive(scene, drive, 0.5, drift={"trough_angle_deg": 1.42426})).fastest()
+        assert best is not None
+        assert best.speed == pytest.approx(0.75956e-3, rel=1e-5)
+
+
+@pytest.mark.parametrize("frequency", ["1450rpm", "19.333333333333333", 15])
+@pytest.mark.parametrize("angle", ["0.5rad", 30])
+def test_a_value_that_is_given_is_kept_to_its_last_digit(frequency: Any, angle: Any) -> None:
+    drive = {
+        "amplitude_mm": 2,
+        "frequency_hz": frequency,
+        "drive_angle_deg": angle,
+        "acceleration_g": 1.5,
+    }
+    found = rows(one_drive({"static_friction": 0.5, "friction_ratio": 0.8}, drive, 5))
+    for regime in ORDER:
+        for kind in ("gentlest", "fastest", "safest"):
+            design = found[regime, kind]
+            assert design.speed_min_mm_s is not None
+            assert design.speed_min_mm_s >= 5.0
+    given = {"1450rpm": 145 / 6, "19.333333333333333": 58 / 3, 15: 15.0}[frequency]
+    assert found["back-slip", "fastest"].frequency_hz == pytest.approx(given, rel=1e-14)
+
+
+# The gentlest setting reaches the goal just where back slip enters: no rounding of it holds.
+VERTEX = one_drive(
+    {"static_friction": 0.3841, "kinetic_friction": 0.3111, "trough_angle_deg": 9.795},
+    {
+        "amplitude_mm": 0.194,
+        "frequency_hz": "27.28:54.56",
+        "drive_angle_deg": "5:80",
+        "acceleration_g": 1.421,
+    },
+    2.2135830290521503,
+    drift={"frequency_percent": 0.8539},
+    part={"half_base_mm": 7.485, "centre_height_mm": 8},
+)
+
+
+def test_designs_at_a_vertex_and_what_is_printed_of_them() -> None:
+    found = rows(VERTEX)
+    gentlest = found["back-slip", "gentlest"]
+    assert gentlest.acceleration_g == pytest.approx(0.846747, rel=1e-5)
+    assert found["back-slip", "safest"].margin is not None
+    assert found["back-slip", "safest"].margin > 9.7
+    for (regime, _), design in found.items():
+        if design.amplitude_mm is None or design.frequency_hz is None or design.drive_angle_deg is None:
+            assert regime == "forward-slip"
+            continue
+        assert design.amplitude_low_mm is not None
+        assert design.amplitude_high_mm is not None
+        assert design.amplitude_low_mm <= design.amplitude_mm <= design.amplitude_high_mm
+        scene = vibro.Scene(
+            amplitude=design.amplitude_mm / 1e3,
+            frequency=design.frequency_hz,
+            drive_angle=math.radians(design.drive_angle_deg),
+            static_friction=0.3841,
+            kinetic_friction=0.3111,
+            trough_angle=math.radians(9.795),
+        )
+        drift = (design.frequency_hz * (1 - 0.008539), design.frequency_hz * (1 + 0.008539))
+        holds = vibro.guarantee(scene, frequency=drift)
+        assert holds.speed_min * 1e3 == pytest.approx(design.speed_min_mm_s, rel=1e-6)
+        assert design.proof == "sampled" or holds.speed_min >= 2.2135830290521503e-3 * (1 - 1e-9)
+    for kind, sign in (("gentlest", -1.0), ("fastest", 1.0), ("safest", 1.0)):
+        merits = {"gentlest": "acceleration_g", "fastest": "speed_min_mm_s", "safest": "margin"}
+        values = [getattr(found[regime, kind], merits[kind]) for regime in ORDER]
+        known = [sign * value for value in values if value is not None]
+        assert known == sorted(known)  # what a regime allows, the next one allows too
+
+
+def test_a_margin_counts_the_dip_of_the_speed_within_a_drift() -> None:
+    drive = {
+        "amplitude_mm": "0.05116:0.4045",
+        "frequency_hz": "26.1:52.19",
+        "drive_angle_deg": "0:44.99",
+        "acceleration_g": 2.302,
+    }
+    scene = {"static_friction": 0.72, "kinetic_friction": 0.3717}
+    drift = {"amplitude_percent": 4.924, "frequency_percent": 1.04}
+    search = optimiser(one_drive(scene, drive, 32.3006, drift=drift))
+    safest = search.safest(0.0323006)
+    assert safest is not None
+    margin = search.margin(safest.setting, 0.0323006)
+    assert margin is not None
+    assert margin > 2.25  # 2.057 by a grid of settings
+
+
+def test_the_nearest_drive_meets_the_goal() -> None:
+    scene = {"static_friction": "0.3:0.5", "friction_ratio": "0.7:0.9", "trough_angle_deg": 3}
+    drive = {"amplitude_mm": 0.8, "frequency_hz": 50, "drive_angle_deg": "5:60", "acceleration_g": 1.2}
+    goal = {"speed_mm_s": 80, "highest_regime": "forward-slip"}
+    question = {"scene": scene, "drive": [drive], "goal": goal}
+    result = vibro.design(question)
+    assert not result.met
+    nearest = result.designs[1]
+    assert nearest.set_by == "back slip"
+    assert nearest.frequency_needed_hz == pytest.approx(2.90252154972701, rel=1e-6)
+    drive |= {"amplitude_mm": nearest.amplitude_needed_mm, "frequency_hz": nearest.frequency_needed_hz}
+    best = optimiser(question, Regime.FORWARD_SLIP).fastest()
+    assert best is not None
+    assert best.speed >= 0.08
