@@ -62,6 +62,7 @@ def test_a_fine_range_accumulates_no_error() -> None:
         ("1,,2", "amplitude", "a list with an empty item", "write a list like 15,20,25"),
         ("1,2,", "amplitude", "a list with an empty item", "write a list like 15,20,25"),
         ("3,1,3", "amplitude", "must ascend and differ", "write 1,3"),
+        ("12,5", "amplitude", "must ascend and differ", "write 5,12, or 12.5 if that is meant"),
         ("1,1.00000000000000000001", "amplitude", "must ascend and differ", "write 1"),
         ("1:2:1", "amplitude", "a range has at least 2 values", "write 1"),
         ("1:2:-5", "amplitude", "a range has at least 2 values", "write 1"),

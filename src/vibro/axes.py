@@ -30,6 +30,7 @@ _REPEATED: Final = 40  # characters of a number that a hint repeats
 _COUNT: Final = Quantity("count")
 _STEP: Final = Quantity("step of a logarithmic range")
 _BARE = re.compile(r"[^a-zA-Z\u00b0\u00b5\u03bc]*")
+_WHOLE_NUMBERS = re.compile(r"\s*([+-]?\d{1,20}),(\d{1,20}[^,:\d.]*)")
 _DECIMAL_COMMA = re.compile(r"\s*([+-]?0),(\d+[^,:\d.]*)")
 
 
@@ -227,14 +228,14 @@ def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:
 
 
 def _check_order(
-    values: NDArray[np.float64], text: str, quantity: Quantity, form: str, separator: str
+    values: NDArray[np.float64], text: str, quantity: Quantity, form: str, separator: str, also: str = ""
 ) -> None:
-    """Refuse a list that does not ascend; the hint writes it as it was given, if it is short."""
+    """Refuse a list that does not ascend; the hint writes it as given, if it is short, and then ``also``."""
     if np.all(values[1:] > values[:-1]):
         return
     hint = "sort its values, and give each once"
     if values.size <= _HINTED:
-        hint = f"write {form.format(separator.join(f'{v:.15g}' for v in np.unique(values).tolist()))}"
+        hint = f"write {form.format(separator.join(f'{v:.15g}' for v in np.unique(values).tolist()))}{also}"
     raise InputError(f"{quantity.label} = {text}: the values of a list must ascend and differ", hint=hint)
 
 
@@ -280,7 +281,9 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     if len(items) > MAX_VALUES:
         raise _too_many(shown(text), quantity)
     values = np.array([nearest_double(item, quantity) for item in items])
-    _check_order(values, shown(text), quantity, "{}", ",")
+    decimal = _WHOLE_NUMBERS.fullmatch(text)  # 12,5 may be a decimal
+    also = f", or {decimal[1]}.{decimal[2]} if that is meant" if decimal else ""
+    _check_order(values, shown(text), quantity, "{}", ",", also)
     return AxisSpec(quantity, tuple(values.tolist()))
 
 
