@@ -36,8 +36,9 @@ _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 _KINDS: Final = ("gentlest", "fastest", "safest")
 _DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
 _NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inwards
-_SURPLUSES: Final = (0.0, 1e-6, 1e-4, 1e-2)  # of the goal, for a setting that can be rounded
+_SURPLUSES: Final = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)  # of the goal, for a setting that can be rounded
 _ROUNDING: Final = 1e-12  # relative, of conversions between units
+_SPARE: Final = 1e-8  # of the frequency of the nearest drive, for what is lost by rounding its amplitude
 _NEARLY: Final = 0.98  # of a limit on landings: a setting there is at it
 _AT: Final = 1e-6  # relative distance to a limit that is at it
 
@@ -260,8 +261,8 @@ class _Rows:
         length, speed = question.spec.length, g.speed_min
         met = speed >= goal.speed
         # the nearest drive, rounded so that it does
-        needed = rounded(frequency * speed / goal.speed, _DIGITS[0], down=True)
-        stroke = rounded(amplitude * (frequency / needed) ** 2, _DIGITS[0], down=False)
+        needed = rounded(frequency * speed / goal.speed * (1.0 - _SPARE), _DIGITS[0], down=True)
+        stroke = rounded(amplitude * (frequency / needed) ** 2, _DIGITS[0], down=True)
         box = question.boxes(found.setting)
         return replace(
             row,

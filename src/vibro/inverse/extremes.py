@@ -47,6 +47,7 @@ __all__ = [
     "taken",
 ]
 
+_LOAD: Final = AXES.index("load")
 _TROUGH: Final = AXES.index("trough_angle")
 
 # Standard errors by which the speed of a body counts as less than its mean, where that is a mean.
@@ -57,6 +58,8 @@ SEEDS: Final = 3
 _SEED: Final = 1  # of samples
 _POPULATION: Final = 24  # settings a coordinate
 _GENERATIONS: Final = 100
+_DIPS: Final = np.linspace(0.0, 1.0, 257)  # shares of the load looked at beside every corner
+_SEEDED: Final = 8  # of these in every first population
 
 # Samples of hopping bodies: base-2 logarithms of those looked at first, and in each round around the extreme
 # ones; the second pair where impacts are not plastic, which takes a hundred times as long.
@@ -237,9 +240,14 @@ def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS
     if not axes.size:
         return taken(box, fixed, fast=fast, flight=False, seen=seen)
     ends = CORNERS[:, np.all(CORNERS[~free] == 0.0, axis=0)][axes]
+    if free[_LOAD]:  # past a drop the speed may fall for a while, within a sliver of the load
+        along = np.repeat(ends[:, ends[0] == 0.0], _DIPS.size, axis=1)
+        along[0] = np.tile(_DIPS, along.shape[1] // _DIPS.size)
+        ends = np.hstack([ends, along[:, np.argsort(cost(along))[:_SEEDED]]])
     found = []
     for seed in range(seeds):
-        first = sobol(axes.size, math.ceil(math.log2(_POPULATION * axes.size)), seed)
+        size = max(_POPULATION * axes.size, 2 * ends.shape[1])
+        first = sobol(axes.size, math.ceil(math.log2(size)), seed)
         first[:, : ends.shape[1]] = ends
         found.append(evolve(cost, first, generations=_GENERATIONS, seed=seed))
     x, _ = min(found, key=lambda pair: pair[1])

@@ -83,6 +83,7 @@ _FLYING: Final = _Effort(33, 3, 65, 8, 3, 1, 30, 33, 1e-3, 2)
 _BOUNCING: Final = _Effort(9, 1, 17, 7, 2, 0, 12, 9, 3e-2, 1)  # impacts that are not plastic take long
 
 _SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
+_MISSED: Final = 1e6  # [1] against the load of settings that miss the speed
 _AT_REST: Final = 1e6  # [m/s] against the speed of settings at which no part moves
 _KEPT: Final = 3  # angles to look around in each round
 _CLOSER: Final = 17  # angles around each, closer by a factor of 8
@@ -307,7 +308,13 @@ class Optimiser:
         for choice in self._question.ranges:
 
             def value(angles: Floats, choice: Range = choice) -> Floats:
-                return -self._first_load(angles, target, choice)
+                loads = self._first_load(angles, target, choice)
+                if np.isfinite(loads).all():
+                    return -loads
+                # Angles that do it may lie close together, between two that are looked at first: those that
+                # miss the speed by the least at the largest load lead there.
+                top = self._value(angles, self._tops(angles, choice, 1.0), choice, 1.0)
+                return np.where(np.isfinite(loads), -loads, -_MISSED * (2.0 - top / target))
 
             angle = np.array([_best(value, choice.drive_angle, self._effort)])
             load = self._first_load(angle, target, choice)
