@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import math
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from wild import KEY, TOML_VALUE, exactly
+from questions import FEEDER, GOOD, PLACES, changed
 
 from vibro.core.codes import Regime
 from vibro.errors import FileError, InputError
@@ -21,61 +19,9 @@ from vibro.inverse.reading import read_spec
 from vibro.inverse.specs import Drift, Drive, Goal, Spec
 from vibro.quantities import QUANTITIES
 
-FEEDER = """
-[scene]
-static_friction = "0.3:0.5"
-friction_ratio = "0.7:0.9"
-trough_angle_deg = 3
-trough_length_mm = 1200
-[[drive]]
-name = "magnet"
-amplitude_mm = 0.8
-frequency_hz = "50,100"
-drive_angle_deg = "10:40"
-acceleration_g = 4
-[[drive]]
-stroke_mm = "1:6"
-frequency_hz = "900rpm:25"
-drive_angle_deg = [20, 30.5]
-[drift]
-amplitude_percent = 5
-frequency_percent = "1%"
-drive_angle_deg = 1
-trough_angle_deg = 0.5
-[goal]
-speed_mm_s = 80
-highest_regime = "forward-slip"
-impact_speed_mm_s = 100
-flight_fraction = 0.4
-[part]
-half_base_mm = 6
-centre_height_mm = 8
-"""
-
-GOOD: dict[str, Any] = {
-    "scene": {"static_friction": "0.3:0.5", "friction_ratio": "0.7:0.9"},
-    "drive": [{"amplitude_mm": 0.8, "frequency_hz": 50, "drive_angle_deg": "10:40"}],
-    "goal": {"speed_mm_s": 80},
-}
-
 
 def deg(angle: float) -> float:
     return float(QUANTITIES["drive_angle"].to_si(angle))
-
-
-def changed(**entries: Any) -> dict[str, Any]:
-    """Change a good question: ``goal__speed_mm_s=0``; None leaves a key out."""
-    content = copy.deepcopy(GOOD)
-    for place, value in entries.items():
-        table, _, key = place.partition("__")
-        if not key:
-            content[table] = value
-            continue
-        entry = content["drive"][0] if table == "drive" else content.setdefault(table, {})
-        entry[key] = value
-        if value is None:
-            del entry[key]
-    return content
 
 
 def refusal(content: Any) -> InputError:
@@ -378,97 +324,6 @@ def test_keys_that_are_no_texts() -> None:
     assert [text.split(";")[0] for text in caught.problems] == [
         "unknown key 1", "[goal] unknown key None", "[goal] unknown key a whole number of about 5001 digits",
     ]  # fmt: skip
-
-
-def check(spec: Spec) -> None:
-    """Check what everybody may rely on."""
-    static, trough = spec.bands["static_friction"], spec.bands["trough_angle"]
-    assert set(spec.bands) - {"static_friction", "trough_angle"} in ({"friction_ratio"}, {"kinetic_friction"})
-    for low, high in spec.bands.values():
-        assert -math.inf < low <= high < math.inf
-    assert static[0] > max(math.tan(abs(end) + spec.drift.trough_angle) for end in trough) >= 0.0
-    assert spec.drives
-    assert len({drive.name for drive in spec.drives}) == len(spec.drives)
-    for drive in spec.drives:
-        assert 0.0 <= drive.amplitude[0] <= drive.amplitude[1] < math.inf
-        assert drive.amplitude[1] > 0.0
-        assert drive.acceleration > 0.0
-        assert all(0.0 < low <= high < math.inf for low, high in drive.frequency)
-        assert drive.frequency
-        assert drive.drive_angle
-        for low, high in drive.drive_angle:
-            assert 0.0 <= low <= high
-            assert high + spec.drift.drive_angle + trough[1] + spec.drift.trough_angle < math.pi / 2
-    assert 0.0 < spec.goal.speed < math.inf
-    assert 0.0 <= spec.drift.amplitude < 1.0
-    assert 0.0 <= spec.drift.frequency < 1.0
-
-
-def check_answer(source: Any) -> None:
-    """Check what is understood, or the message that says why it is not."""
-    lines = []
-    try:
-        check(read_spec(source))
-    except InputError as exc:
-        lines = [*exc.problems, *exc.hint.splitlines()]
-    assert all(line.strip() and line.isprintable() for line in lines), lines
-
-
-# Every table and key, with the ways to give the same that the feeder's question does not use.
-PLACES = [
-    *((table, key) for table, given in tomllib.loads(FEEDER).items() if table != "drive" for key in given),
-    *(("drive", key) for key in {**tomllib.loads(FEEDER)["drive"][0], "stroke_mm": 1}),
-    *(("scene", key) for key in ("kinetic_friction", "gravity_m_s2", "restitution")),
-    ("goal", "traverse_time_s"),
-]
-OWN_KEY = st.sampled_from([key for _, key in PLACES])
-HEADING = st.sampled_from(
-    [
-        "[scene]",
-        "[[drive]]",
-        "[drive]",
-        "[drift]",
-        "[goal]",
-        "[part]",
-        "[map]",
-        "",
-        "[[goal]]",
-        "[scene.goal]",
-    ]
-)
-LINE = st.tuples(st.one_of(OWN_KEY, OWN_KEY, KEY), TOML_VALUE).map(" = ".join)
-
-
-@exactly("texts")
-@given(st.lists(st.tuples(HEADING, st.lists(LINE, max_size=4)), max_size=4))
-def test_any_file_is_understood_or_refused_in_lines(
-    tmp_path: Path, sections: list[tuple[str, list[str]]]
-) -> None:
-    path = tmp_path / "wild.toml"
-    text = "\n".join("\n".join([heading, *lines]) for heading, lines in sections)
-    path.write_text(text, encoding="utf-8", errors="surrogatepass")
-    check_answer(path)
-
-
-NUMBER = st.one_of(st.floats(), st.floats(0.0, 100.0), st.integers(), st.integers(0, 90))
-ENDS = st.tuples(st.floats(0.0, 60.0), st.floats(0.0, 60.0)).map(lambda ends: "{:.4g}:{:.4g}".format(*ends))
-VALUE = st.recursive(
-    st.one_of(NUMBER, ENDS, st.none(), st.booleans(), st.text(max_size=5), st.sampled_from(
-        ["steel on steel, dry, lust", "brass on steel", "wood on steel", "hopping", "0.1:0.2:3", "1mm", "5%"]
-    ), st.binary(max_size=2), st.just(np.array([1.0, 2.0])), st.just(object())),
-    lambda some: st.one_of(st.lists(some, max_size=2), st.dictionaries(OWN_KEY, some, max_size=2)),
-    max_leaves=3,
-)  # fmt: skip
-PLAUSIBLE = st.one_of(st.floats(0.3, 1.0), st.floats(0.3, 1.0).map("0.3:{:.4g}".format))
-
-
-@exactly("texts")
-@given(st.dictionaries(st.sampled_from(PLACES), st.one_of(VALUE, PLAUSIBLE), min_size=1, max_size=2))
-def test_a_good_question_with_anything_in_it_is_understood_or_refused(
-    entries: dict[tuple[str, str], Any],
-) -> None:
-    content = changed(**{f"{table}__{key}": value for (table, key), value in entries.items()})
-    check_answer(content)
 
 
 SPAN = st.tuples(st.floats(0.2, 1.0), st.floats(0.2, 1.0)).map(sorted)

@@ -1,0 +1,69 @@
+"""``vibro map --speed``: the contour, and the frictions that keep a speed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from commands import NUT_ANGLE_AND_FRICTION, Run, rows_of
+
+NUT_MAP = ("map", "-A", "0.5,1.1", "-f", "10:30:5", *NUT_ANGLE_AND_FRICTION, "-o", "out/nut")
+
+
+def window(run: Run, *args: str) -> str:
+    result = run("map", "-A", "1", "-f", "15", "-a", "20", *args, "-o", "-")
+    assert result.exit_code == 0, result.stderr
+    return str(result.stderr.splitlines()[-1])
+
+
+def test_a_map_of_frictions_tells_which_keep_a_speed(run: Run) -> None:
+    frictions = ("--mu-s", "0.2:1:17", "--mu-d", "0.2:1:17")
+    result = run("map", "-A", "1", "-f", "15", "-a", "20", *frictions, "--speed", "0.02m/s", "-o", "-")
+    fast = [row for row in rows_of(result.stdout) if float(row["mean_velocity_mm_s"] or "-inf") >= 20.0]
+    possible = [row for row in rows_of(result.stdout) if row["status"] != "infeasible"]
+    ends = [
+        (min(values), max(values))
+        for values in ([float(row[name]) for row in fast] for name in ("static_friction", "kinetic_friction"))
+    ]
+    inside = [
+        row
+        for row in possible
+        if all(
+            low <= float(row[name]) <= high
+            for (low, high), name in zip(ends, ("static_friction", "kinetic_friction"), strict=True)
+        )
+    ]
+    (static, kinetic), share = ends, 100.0 * len(fast) / len(inside)
+    assert result.stderr.splitlines()[-1] == (
+        f"at least 20 mm/s: {len(fast)} of {len(possible)} possible cells; they lie within static friction"
+        f" {static[0]:g} ... {static[1]:g} and kinetic friction {kinetic[0]:g} ... {kinetic[1]:g}, where"
+        f" {share:.1f} % of the possible cells do it"
+    )
+    assert 0 < len(fast) < len(inside) < len(possible)
+
+
+def test_the_window_of_a_friction_ratio_may_be_whole_or_empty(run: Run) -> None:
+    frictions = ("--mu-s", "0.7,0.8", "--mu-ratio", "0.6,0.7")
+    ranges = "static friction 0.7 ... 0.8 and friction ratio 0.6 ... 0.7"
+    whole = f"they lie within {ranges}, where all of the possible cells do it"
+    assert window(run, *frictions, "--speed", "1") == f"at least 1 mm/s: 4 of 4 possible cells; {whole}"
+    assert window(run, *frictions, "--speed", "900") == "at least 900 mm/s: 0 of 4 possible cells"
+
+
+def test_other_maps_tell_no_window(run: Run) -> None:
+    for axes in (("--mu-s", ".7,.8", "--mu-d", ".5"), ("--mu-s", ".7,.8", "--mu-d", ".5,.6", "-f", "15,16")):
+        assert "possible cells" not in window(run, *axes, "--speed", "1")
+
+
+def test_a_speed_is_drawn_where_it_is_reached(run: Run) -> None:
+    line = ("-A", "0.5:1.5:9", "-f", "15", *NUT_ANGLE_AND_FRICTION)
+    assert run("map", *line, "--speed", "20", "-o", "with", "--format", "svg").exit_code == 0
+    assert run("map", *line, "-o", "without", "--format", "svg").exit_code == 0
+    assert Path("with-speed.svg").stat().st_size > Path("without-speed.svg").stat().st_size
+
+
+@pytest.mark.parametrize("wrong", [("0",), ("-5",), ("20Hz",), ("20", "--accuracy", "regimes")])
+def test_speeds_that_cannot_be_asked_for(run: Run, wrong: tuple[str, ...]) -> None:
+    result = run(*NUT_MAP, "--speed", *wrong)
+    assert (result.exit_code, list(Path().rglob("*"))) == (2, [])
+    assert "speed" in result.stderr

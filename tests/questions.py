@@ -1,0 +1,67 @@
+"""A good question of inverse design, and others made of it."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from typing import Any
+
+FEEDER = """
+[scene]
+static_friction = "0.3:0.5"
+friction_ratio = "0.7:0.9"
+trough_angle_deg = 3
+trough_length_mm = 1200
+[[drive]]
+name = "magnet"
+amplitude_mm = 0.8
+frequency_hz = "50,100"
+drive_angle_deg = "10:40"
+acceleration_g = 4
+[[drive]]
+stroke_mm = "1:6"
+frequency_hz = "900rpm:25"
+drive_angle_deg = [20, 30.5]
+[drift]
+amplitude_percent = 5
+frequency_percent = "1%"
+drive_angle_deg = 1
+trough_angle_deg = 0.5
+[goal]
+speed_mm_s = 80
+highest_regime = "forward-slip"
+impact_speed_mm_s = 100
+flight_fraction = 0.4
+[part]
+half_base_mm = 6
+centre_height_mm = 8
+"""
+
+GOOD: dict[str, Any] = {
+    "scene": {"static_friction": "0.3:0.5", "friction_ratio": "0.7:0.9"},
+    "drive": [{"amplitude_mm": 0.8, "frequency_hz": 50, "drive_angle_deg": "10:40"}],
+    "goal": {"speed_mm_s": 80},
+}
+
+# Every table and key, with the ways to give the same that the feeder's question does not use.
+PLACES = [
+    *((table, key) for table, given in tomllib.loads(FEEDER).items() if table != "drive" for key in given),
+    *(("drive", key) for key in {**tomllib.loads(FEEDER)["drive"][0], "stroke_mm": 1}),
+    *(("scene", key) for key in ("kinetic_friction", "gravity_m_s2", "restitution")),
+    ("goal", "traverse_time_s"),
+]
+
+
+def changed(**entries: Any) -> dict[str, Any]:
+    """Change a good question: ``goal__speed_mm_s=0``; None leaves a key out."""
+    content = copy.deepcopy(GOOD)
+    for place, value in entries.items():
+        table, _, key = place.partition("__")
+        if not key:
+            content[table] = value
+            continue
+        entry = content["drive"][0] if table == "drive" else content.setdefault(table, {})
+        entry[key] = value
+        if value is None:
+            del entry[key]
+    return content
