@@ -21,32 +21,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
-    "BY_COLUMN",
-    "DEFAULTS",
-    "DURATION",
-    "IN_GRAVITIES",
-    "LEAST_SPEED",
-    "LENGTH",
-    "MASS",
-    "PERCENT",
-    "PURE",
-    "QUANTITIES",
-    "SPEED",
-    "STANDARD_GRAVITY",
-    "STANDS_FOR",
-    "STAND_RATIO",
-    "START_PHASE",
-    "START_VELOCITY",
-    "SWEPT",
-    "TIME",
-    "Kind",
-    "Quantity",
-    "exact_number",
-    "find_quantity",
-    "kinetic_friction",
-    "nearest_double",
-    "scene_fields",
-]
+    "BY_COLUMN", "DEFAULTS", "DURATION", "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "MASS", "PERCENT", "PURE",
+    "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY",
+    "SWEPT", "TIME", "Kind", "Quantity", "exact_number", "find_quantity", "kinetic_friction",
+    "nearest_double", "scene_fields",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)

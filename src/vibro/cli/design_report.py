@@ -281,10 +281,7 @@ def _margin(spec: Spec, design: Design) -> str:
     """Say how much wider all that is unknown may be."""
     margin = design.margin
     if margin is None:
-        drift = spec.drift
-        sizes = (drift.amplitude, drift.frequency, drift.drive_angle, drift.trough_angle)
-        known = all(low == high for low, high in spec.bands.values()) and not any(sizes)
-        return "none: nothing is uncertain" if known else "none: the goal is not met"
+        return "none: the goal is not met" if spec.has_bands else "none: nothing is uncertain"
     if not _drift(spec) and _NEARLY < (design.throw_number_max or 0.0) <= 1.0:
         edge = "; no drift of the drive is asked for, and it stands where parts begin to hop"
         return f"{bound(margin, upper=False)}: all bands may be that many times as wide{edge}"

@@ -12,7 +12,7 @@ from vibro.core.codes import Regime
 from vibro.errors import InputError, shown
 from vibro.inverse.bands import box_of
 from vibro.inverse.bodies import Bodies
-from vibro.inverse.caps import back_slip_load, hop_load, onset_load
+from vibro.inverse.caps import onset_load, regime_loads
 from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, corners
 from vibro.inverse.guarantees import bound
 from vibro.inverse.scans import BEYOND, Detail, Scan
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Family", "feasible_amplitudes", "regime_of"]
+__all__ = ["Family", "feasible_amplitudes", "number", "positive", "regime_of"]
 
 # Of one body, of a box of them, and where they hop, with plastic impacts and others, which take long.
 _ONE: Final = Detail(4097, 3, 0.0, 0, 0, 0.0)
@@ -37,7 +37,7 @@ _BOX: Final = Detail(257, 3, 0.0, 6, 5, 1e-10)
 _FLYING: Final = Detail(129, 1, 1e-9, 2, 2, 1e-4)
 _BOUNCING: Final = Detail(33, 0, 1e-4, 1, 1, 1e-2)
 _BESIDE: Final = 1e-12  # [1] below a load that is not to be exceeded
-_HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the nodes
+_HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the bodies at hand
 _BEYOND_EDGE: Final = 1e-8  # relative distance from there at which a jump of the speed has happened
 _JUMP_BETWEEN: Final = 1e-4  # of the speed, that is a jump over this distance
 _DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the drift in load, for every body that was found worst
@@ -170,11 +170,8 @@ class Family:
 
     def caps(self, highest: Regime, largest: float, others: Mapping[str, float]) -> dict[str, float]:
         """Nominal amplitudes up to which a box keeps to a regime, by what ends there; or to other loads."""
-        loads = dict(others)
-        if highest is not Regime.HOPPING:
-            loads["hop"] = float(hop_load(self.template))
-        if highest is Regime.FORWARD_SLIP:
-            loads["back slip"] = float(back_slip_load(self.template))
+        regimes = {name: float(load) for name, load in regime_loads(self.template, highest).items()}
+        loads = {**others, **regimes}
         # so that its rounding brings no body over it
         caps = {name: self.amplitude_of(load, most=True) * (1.0 - _BESIDE) for name, load in loads.items()}
         return {**caps, "limit": largest}
@@ -194,9 +191,11 @@ class Family:
         start = self.amplitude_of(float(onset_load(self.template)), most=False)
         wide = bool(self.across(1.0, 1.0).varies.any())
         flies = highest is Regime.HOPPING
-        detail = _BOX if wide else _ONE
-        if flies and wide:
-            detail = _BOUNCING if self.template.restitution else _FLYING
+        bounces = flies and self.template.restitution > 0.0
+        if wide:
+            detail = _BOUNCING if bounces else _FLYING if flies else _BOX
+        else:
+            detail = _FLYING if bounces else _ONE
         bodies = Bodies.staying(corners(self.across(1.0, 1.0)))
         endless = math.isinf(top)  # bodies that never hop are followed to where all has begun
         if endless:

@@ -139,7 +139,10 @@ def _drops_along(box: Box, shares: Floats) -> int:
 
 
 def _slips_back(at: Points) -> Bools:
-    """Tell which bodies in contact that slip forward from rest slip back, too, Eqs. (5) and (22)."""
+    """Tell which bodies in contact that slip forward from rest slip back, too, Eqs. (5) and (22).
+
+    ``solve`` would tell as much, but designs would take twice as long: this is asked forty times a setting.
+    """
     along, across = np.cos(at.drive_angle), np.sin(at.drive_angle)
     normal, tangential = np.cos(at.trough_angle), np.sin(at.trough_angle)
     hold, lift = at.static_friction * normal, at.static_friction * across

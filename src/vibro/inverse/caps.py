@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads, tipping_load
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["back_slip_load", "hop_load", "onset_load", "tip_load"]
+__all__ = ["back_slip_load", "hop_load", "onset_load", "regime_loads", "tip_load"]
 
 _EDGE: Final = 65  # static frictions at which an edge of the box is looked at
 _ROUNDS: Final = 5  # of looking closer, each by a factor of 32
@@ -27,6 +28,16 @@ def hop_load(box: Box) -> Floats:
     b_low, b_high = box.trough_angle
     with np.errstate(divide="ignore"):
         return np.asarray(np.minimum(np.cos(b_low), np.cos(b_high)) / np.sin(box.drive_angle[1]))
+
+
+def regime_loads(box: Box, highest: Regime) -> dict[str, Floats]:
+    """Return the loads up to which every body keeps to a regime, by what ends there."""
+    loads = {}
+    if highest is not Regime.HOPPING:
+        loads["hop"] = hop_load(box)
+    if highest is Regime.FORWARD_SLIP:
+        loads["back slip"] = back_slip_load(box)
+    return loads
 
 
 def onset_load(box: Box) -> Floats:

@@ -132,7 +132,7 @@ class _Rows:
             return
         self._keep("gentlest", [self._gentlest(), calmer.get("gentlest"), fastest])
         safest: list[_Found | None] = [fastest]
-        if question.has_bands:
+        if question.spec.has_bands:
             best = self._settled(optimiser.safest(self._target), self._target, up=False)
             safest = [best, calmer.get("safest"), *self.found.values()]
         self._keep("safest", safest)
@@ -164,7 +164,7 @@ class _Rows:
 
     def _with_margin(self, found: _Found) -> _Found:
         """Add the margin of a design: at least 1 where it meets the goal."""
-        if found.optimiser is self._optimiser or not self._question.has_bands:
+        if found.optimiser is self._optimiser or not self._question.spec.has_bands:
             return found
         margin = self._optimiser.margin(found.setting, self._target)
         if found.guarantee.speed_min >= self._target:  # what holds in a lower regime holds here

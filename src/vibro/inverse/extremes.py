@@ -139,9 +139,8 @@ class Landings(NamedTuple):
             samples = np.zeros((len(AXES), 2**_LANDINGS))
             samples[box.varies] = sobol(int(box.varies.sum()), _LANDINGS, _SEED)
             shares = np.hstack([shares, samples])
-        cycle = solve(
-            box.scene(box.points(shares), fast=True)
-        )  # landings are hardest at the lowest frequency
+        # at one load landings are hardest at the lowest frequency
+        cycle = solve(box.scene(box.points(shares), fast=True))
         found = ((cycle.impact_velocity, self.impact_speed), (cycle.flight_fraction, self.flight_fraction))
         worst = [int(np.nanargmax(x)) for x, limit in found if np.nanmax(x, initial=0.0) > limit]
         return shares[:, worst]

@@ -135,7 +135,7 @@ class Optimiser:
 
     def safest(self, target: float) -> Optimum | None:
         """Return the setting of the largest margin for a speed [m/s]; None where none guarantees it."""
-        if not self._question.has_bands:
+        if not self._question.spec.has_bands:
             best = self.fastest()
             return best if best is not None and best.speed >= target else None
         found = None

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.inverse.boxes import Box
-from vibro.inverse.caps import back_slip_load, hop_load, tip_load
+from vibro.inverse.caps import hop_load, regime_loads, tip_load
 from vibro.inverse.extremes import ANY_LANDING, Landings, counted
 from vibro.steady import solve
 
@@ -19,10 +18,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.bodies import Bodies
+    from vibro.inverse.boxes import Ends
     from vibro.inverse.specs import Drive, Span, Spec
 
     Floats = NDArray[np.float64]
-    Ends = tuple[Any, Any]  # numbers, or arrays
 
 __all__ = ["Question", "Range", "Setting"]
 
@@ -84,13 +83,6 @@ class Question:
         goal = self.spec.goal
         return Landings(goal.impact_speed, goal.flight_fraction) if self.flies else ANY_LANDING
 
-    @cached_property
-    def has_bands(self) -> bool:
-        """Whether anything is unknown or drifts."""
-        drift = self.spec.drift
-        bands = any(low < high for low, high in self.spec.bands.values())
-        return bands or any((drift.amplitude, drift.frequency, drift.drive_angle, drift.trough_angle))
-
     def boxes(self, setting: Setting, scale: Floats | float = 1.0) -> Box:
         """Return the box of a setting, or of several where these are arrays of shape (m, 1).
 
@@ -134,11 +126,7 @@ class Question:
         """
         box = self.boxes(Setting(1.0, 1.0, drive_angle), scale)
         drift = self.spec.drift
-        loads = self.tip_loads(box)
-        if not self.flies:
-            loads["hop"] = hop_load(box)
-        if self.highest is Regime.FORWARD_SLIP:
-            loads["back slip"] = back_slip_load(box)
+        loads = self.tip_loads(box) | regime_loads(box, self.highest)
         most = (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** 2
         shape = np.broadcast_shapes(np.shape(drive_angle), np.shape(scale))
         # a load that is NaN is of bodies without static friction, of which nothing is known

@@ -114,3 +114,8 @@ class Spec:
     restitution: float = 0.0
     stand_ratio: float = math.inf
     name: str = ""
+
+    @property
+    def has_bands(self) -> bool:
+        """Whether anything is unknown or drifts."""
+        return self.drift != Drift() or any(low < high for low, high in self.bands.values())
