@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from vibro.quantities import QUANTITIES
+from vibro.quantities import IN_GRAVITIES, MASS, QUANTITIES, SPEED, TIME
 from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.steady import (
     ARRIVAL_TIME,
@@ -21,15 +21,51 @@ from vibro.results.steady import (
 )
 from vibro.scene import Fields
 
+UNITS = """\
+In options, scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro sign.
+Frictions and the restitution are pure numbers."""
 PAGE = Path(__file__).parents[1] / "docs" / "nomenclature.md"
 ELSEWHERE = (ARRIVAL_TIME, STROKES, UPRIGHT, TIPPING_LOAD_RATIO)
 """Results that are no attributes of ``SteadyCycle``, each described by its name in capitals."""
-HEADER = "| symbol | code name | unit | CSV column | meaning |"
+PLAIN_HEADER = "| symbol | code name | unit | CSV column | meaning |"
+HEADER = f"{PLAIN_HEADER} elsewhere |"
+SYNONYMS = {
+    "amplitude_mm": "$r$, $X_0$, $e$ (eccentricity); half of *Schwingweite* or *Hub*",
+    "stroke_mm": "peak-to-peak, $A_{pp}$, $2r$; *Schwingweite*, *Hub*",
+    "frequency_hz": "$n$ [1/min], speed of the motor; *Erregerfrequenz*",
+    "drive_angle_deg": "**$\\beta$** (German practice), $\\psi$, $i$; angle of vibration, *Wurfwinkel*",
+    "static_friction": "$\\mu_0$, $f_0$; *Haftreibung*",
+    "kinetic_friction": "$\\mu$, $f$, $\\mu_k$; dynamic, sliding friction; *Gleitreibung*",
+    "trough_angle_deg": "**$\\alpha$** (German practice), $\\theta$; slope, inclination; *Rinnenneigung*",
+    "throw_number": "**$\\Gamma$** (German practice); throw coefficient, *Wurfkennzahl*, *Wurfkennziffer*",
+    "acceleration_g": "**$K$** (German practice); machine number, *Maschinenkennzahl*",
+    "restitution": "$k$, $R$; *Stoßzahl*",
+    "trough_length_mm": "track length",
+    "mean_velocity_mm_s": "$v$, transport rate; *Fördergeschwindigkeit*",
+    "displacement_per_cycle_mm": "advance a stroke, conveying step",
+    "flight_fraction": "$n$ over a period; *relative Wurfzeit*, *Zeitkennziffer*",
+    "traverse_time_s": "transit time, *Durchlaufzeit*",
+}
+"""What others write for the same, by column."""
 
 
 def _row(symbol: str, name: str, unit: str, column: str, meaning: str) -> str:
     shown = f"${symbol}$" if symbol else "-"
-    return f"| {shown} | {f'`{name}`' if name else '-'} | {unit or '1'} | `{column}` | {meaning} |"
+    other = SYNONYMS.get(column, "")
+    return f"| {shown} | {f'`{name}`' if name else '-'} | {unit or '1'} | `{column}` | {meaning} | {other} |"
+
+
+def _units() -> list[str]:
+    """Make a row a kind of unit: what takes it, the unit outside, and all that a number may carry."""
+    takers = [(q.kind, q.label) for q in QUANTITIES.values() if q.kind.sizes]
+    takers += [(SPEED, "speeds"), (MASS.kind, "mass"), (TIME, "durations")]
+    takers += [(IN_GRAVITIES, "acceleration of a drive, over gravity")]
+    kinds = {kind.unit: kind for kind, _ in takers}
+    return [
+        f"| {', '.join(label for kind, label in takers if kind.unit == unit)} | `{unit}`"
+        f" | {', '.join(f'`{size}`' for size in kind.sizes)} |"
+        for unit, kind in kinds.items()
+    ]
 
 
 def _result(result: Result) -> str:
@@ -58,8 +94,13 @@ def tables() -> str:
         if result.name == "peak_velocity":
             results.append(_result(TRAVERSE_TIME))
     results += [_result(result) for result in ELSEWHERE]
-    head = [HEADER, "|---|---|---|---|---|"]
-    parts = [["## Inputs", "", *head, *inputs], ["## Results", "", *head, *results]]
+    head = [HEADER, "|---|---|---|---|---|---|"]
+    units = ["| quantity | without a unit | a number may carry |", "|---|---|---|", *_units()]
+    parts = [
+        ["## Units", "", UNITS, "", *units],
+        ["## Inputs", "", *head, *inputs],
+        ["## Results", "", *head, *results],
+    ]
     designs = [f"| `{c.name}` | {c.unit or '1'} | {c.meaning} |" for c in DESIGN_COLUMNS]
     parts.append(["## Designs", "", "| CSV column | unit | meaning |", "|---|---|---|", *designs])
     return "".join("\n".join([*part, "", ""]) for part in parts)
@@ -68,7 +109,7 @@ def tables() -> str:
 def page_with(text: str) -> str:
     """Put the tables into the page."""
     page = PAGE.read_text(encoding="utf-8")
-    return re.sub(r"## Inputs\n.*?(?=## Groups and loads)", lambda _: text, page, flags=re.DOTALL)
+    return re.sub(r"## Units\n.*?(?=## Groups and loads)", lambda _: text, page, flags=re.DOTALL)
 
 
 if __name__ == "__main__":

@@ -59,7 +59,13 @@ def test_the_mains_feeder_hops_above_the_amplitude_that_its_comment_says() -> No
     assert min(hopping) == pytest.approx(0.29, abs=0.005)
 
 
-def test_the_climbing_track_has_angles_that_convey_either_way() -> None:
+def test_the_climbing_track_climbs_and_too_steep_a_one_conveys_backwards() -> None:
+    def speed(*more: object) -> float:
+        answer = json.loads(run("solve", EXAMPLES / "climbing_track.toml", *more, "--json").stdout)
+        return float(answer["mean_velocity_mm_s"])
+
+    assert speed() == pytest.approx(10.7, abs=0.05)
+    assert speed("--trough-angle", 7.25) > 0 > speed("--trough-angle", 7.35)
     speeds = [float(row["mean_velocity_mm_s"] or "nan") for row in rows_of_map("climbing_track.toml")]
     assert min(speeds) < 0 < max(speeds)
 
