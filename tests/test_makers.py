@@ -1,4 +1,4 @@
-"""docs/makers.md: makers' formulas for the conveying speed beside the solver, and the limit in which one is exact."""
+"""docs/makers.md: makers' formulas for the speed beside the solver, and the limit in which one is exact."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def flight_share(throw: float) -> float:
 
 
 def throw_speed(amplitude: float, frequency: float, angle: float) -> float:
-    """VDI 2333: g n^2 / (2 f) cot(drive angle) [m/s], of a part that sticks whenever it lies on the trough."""
+    """VDI 2333: g n^2 / (2 f) cot(drive angle) [m/s], of a part that sticks on the trough."""
     throw = amplitude * (2.0 * math.pi * frequency) ** 2 * math.sin(angle) / GRAVITY
     if throw <= 1.0:
         return 0.0
