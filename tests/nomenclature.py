@@ -11,8 +11,10 @@ from pathlib import Path
 from vibro.quantities import IN_GRAVITIES, MASS, QUANTITIES, SPEED, TIME
 from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.steady import (
+    ACCELERATION,
     ARRIVAL_TIME,
     RESULTS,
+    SPEED_EXPONENT,
     STROKES,
     TIPPING_LOAD_RATIO,
     TRAVERSE_TIME,
@@ -25,7 +27,14 @@ UNITS = """\
 In options, scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro sign.
 Frictions and the restitution are pure numbers."""
 PAGE = Path(__file__).parents[1] / "docs" / "nomenclature.md"
-ELSEWHERE = (ARRIVAL_TIME, STROKES, UPRIGHT, TIPPING_LOAD_RATIO)
+ELSEWHERE = (
+    ARRIVAL_TIME,
+    STROKES,
+    ACCELERATION,
+    SPEED_EXPONENT,
+    UPRIGHT,
+    TIPPING_LOAD_RATIO,
+)
 """Results that are no attributes of ``SteadyCycle``, each described by its name in capitals."""
 PLAIN_HEADER = "| symbol | code name | unit | CSV column | meaning |"
 HEADER = f"{PLAIN_HEADER} elsewhere |"

@@ -18,7 +18,15 @@ import vibro
 from vibro.quantities import QUANTITIES
 from vibro.results import RESULTS
 from vibro.scene import Fields
-from vibro.sweeps.columns import WITH_ARRIVAL, WITH_STROKES, columns_of
+from vibro.sweeps.columns import columns_of
+from vibro.sweeps.derived import (
+    WITH_ACCELERATION,
+    WITH_ARRIVAL,
+    WITH_EXPONENT,
+    WITH_STROKE,
+    WITH_STROKES,
+    standing,
+)
 
 ROOT = Path(__file__).parent.parent
 THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
@@ -120,7 +128,9 @@ def test_a_code_name_that_does_not_exist_is_noticed() -> None:
 def test_columns_are_those_of_the_tables() -> None:
     listed = [row[3].strip("`") for row in rows() if row[3] != "-"]
     assert len(set(listed)) == len(listed)
-    assert {column.name for column in columns_of(QUANTITIES, WITH_ARRIVAL, WITH_STROKES)} <= set(listed)
+    extra = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_ARRIVAL, WITH_STROKES)
+    every = columns_of(QUANTITIES, *extra, *standing(1.0))
+    assert {column.name for column in every} <= set(listed)
 
 
 def test_inputs_and_results_are_those_that_the_code_describes() -> None:

@@ -161,10 +161,14 @@ def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
     [
         (
             ("map", "-A", "0.1:3:1000000", "-f", "5:60:1000000", *NUT_ANGLE_AND_FRICTION),
-            "error: 1000000 x 1000000 = 1 000 000 000 000 cells are about 220 TB, but only 100 B are free",
+            "error: 1000000 x 1000000 = 1 000 000 000 000 cells are about 275 TB, but only 100 B are free",
         ),
-        (TABLE, "error: 3 x 3 = 9 cells are about 1.98 kB, but only 100 B are free in new"),
-        (("solve", *NUT), "error: one cell is about 220 B, but only 100 B are free in new"),
+        (TABLE, "error: 3 x 3 = 9 cells are about 2.65 kB, but only 100 B are free in new"),
+        (
+            (*SMALL, "--columns", "amplitude_mm,mean_velocity_mm_s,regime", "--digits", "4"),
+            "error: 3 x 3 = 9 cells are about 180 B, but only 100 B are free in new",
+        ),
+        (("solve", *NUT), "error: one cell is about 253 B, but only 100 B are free in new"),
     ],
 )
 def test_what_the_disk_cannot_hold_is_refused_with_its_size(

@@ -15,11 +15,13 @@ from hypothesis import strategies as st
 import vibro
 from vibro.axes import parse_axis
 from vibro.core.codes import Status
+from vibro.errors import InputError
 from vibro.files import tables
 from vibro.files.tables import CsvFormat
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block
-from vibro.sweeps.columns import WITH_STROKES, columns_of, records, to_frame
+from vibro.sweeps.columns import Table, chosen, columns_of, records, to_frame
+from vibro.sweeps.derived import WITH_STROKES
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import sweep_blocks
 
@@ -130,7 +132,10 @@ def test_decimal_commas_reach_every_number() -> None:
     assert "." not in text
 
 
-@pytest.mark.parametrize("form", [CsvFormat(), CsvFormat(excel=True, decimal_comma=True)])
+@pytest.mark.parametrize(
+    "form",
+    [CsvFormat(), CsvFormat(excel=True, decimal_comma=True), CsvFormat(digits=3), CsvFormat(False, True, 16)],
+)
 @pytest.mark.parametrize(
     "texts",
     [
@@ -159,6 +164,57 @@ def test_both_ways_write_the_same_numbers(values: list[float], power: int) -> No
     assert form._arrow_numbers(numbers, tables._arrow()).to_pylist() == form._numbers(numbers)
 
 
+@pytest.mark.parametrize("digits", [1, 6, 16, 17])
+def test_digits_are_those_of_python(digits: int) -> None:
+    block = one_block(600.0, amplitude="0.0000001,1,2,30,4e10", frequency="1e-4,15,1e5")
+    exact, form = read(csv_of(block, CsvFormat()), CsvFormat()), CsvFormat(digits=digits)
+    numbers = 0
+    for name, texts in read(csv_of(block, form), form).items():
+        for text, whole in zip(texts, exact[name], strict=True):
+            try:
+                expected = repr(float(format(float(whole), f".{digits}g"))).removesuffix(".0")
+            except ValueError:  # no number
+                expected = whole
+            assert text == expected
+            numbers += expected != whole
+    assert (numbers > 20) == (digits < 17)
+
+
+def test_columns_by_name() -> None:
+    block = one_block(frequency="15,25")
+    names = ["mean_velocity_mm_s", "stroke_mm", "regime", "acceleration_g", "strokes", "amplitude_mm"]
+    columns = chosen(names, COLUMNS)
+    frame, usual = to_frame(columns, block), to_frame(COLUMNS, block)
+    assert list(frame) == names
+    assert (frame["stroke_mm"] == 2.0 * usual["amplitude_mm"]).all()
+    w = 2.0 * math.pi * usual["frequency_hz"]
+    np.testing.assert_allclose(
+        frame["acceleration_g"], 1e-3 * usual["amplitude_mm"] * w**2 / 9.81, rtol=1e-15
+    )
+    np.testing.assert_array_equal(frame["strokes"], usual["frequency_hz"] * usual["traverse_time_s"])
+    assert (frame["regime"] == usual["regime"]).all()
+    assert CsvFormat().header(columns) == ",".join(names) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("names", "problem", "hint"),
+    [
+        (["mean_velocity"], "there is no column 'mean_velocity'", "did you mean mean_velocity_mm_s?\n"),
+        (["regime", "x", "y"], "there is no column 'x'; there is no column 'y'", "those of inputs are ampl"),
+        ([], "no column is named", "those of inputs are amplitude_mm, "),
+        (["regime", "status", "regime"], "column regime is named twice", "name it once"),
+    ],
+)
+def test_columns_that_there_are_not(names: list[str], problem: str, hint: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        chosen(names, COLUMNS)
+    assert str(refusal.value) == problem
+    assert hint in refusal.value.hint
+    if "twice" not in problem:
+        listed = {word.strip(",?") for word in refusal.value.hint.split()}
+        assert listed >= {column.name for column in COLUMNS} | {"acceleration_g", "restitution", "strokes"}
+
+
 def test_no_number_is_an_empty_cell_and_null() -> None:
     block = one_block(length=None, amplitude="1,9", frequency="15", kinetic_friction="0.5,0.9")
     rows = [
@@ -167,7 +223,7 @@ def test_no_number_is_an_empty_cell_and_null() -> None:
     ]
     assert [row["status"] for row in rows] == ["ok", "infeasible", "ok", "infeasible"]
     assert rows[1]["mean_velocity_mm_s"] == rows[1]["throw_number"] == rows[0]["traverse_time_s"] == ""
-    infeasible = list(records(COLUMNS, block))[1]
+    infeasible = list(records(Table(COLUMNS), block))[1]
     assert infeasible["mean_velocity_mm_s"] is None
     assert infeasible["regime"] == ""
     assert infeasible["throw_number"] is None
@@ -177,7 +233,7 @@ def test_no_number_is_an_empty_cell_and_null() -> None:
 def test_record_frame_and_csv_agree(length: float | None) -> None:
     block = one_block(length, amplitude="0.2:4:7", frequency="15")
     frame, table = to_frame(COLUMNS, block), read(csv_of(block, CsvFormat()), CsvFormat())
-    for i, record in enumerate(records(COLUMNS, block)):
+    for i, record in enumerate(records(Table(COLUMNS), block)):
         for name, value in record.items():
             if value is None:
                 assert pd.isna(frame[name].iloc[i])

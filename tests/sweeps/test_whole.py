@@ -78,6 +78,10 @@ def test_a_swept_ratio_has_its_column_and_frictions_are_spelled_as_typed() -> No
     ]
     fixed = {**given, "friction_ratio": 0.8}
     assert "friction_ratio" not in vibro.sweep(frequency_hz=15, **fixed).to_frame().columns
+    few = vibro.sweep(frequency_hz=15, **fixed).to_frame(["regime", "acceleration_g", "restitution"])
+    assert list(few) == ["regime", "acceleration_g", "restitution"]
+    with pytest.raises(vibro.VibroError, match="there is no column 'friction_ratio'"):
+        vibro.sweep(frequency_hz=15, **fixed).to_frame(["friction_ratio"])
 
 
 def test_values_may_carry_units_and_come_as_series() -> None:

@@ -16,6 +16,7 @@ from vibro.cli.options import (
     picture_formats,
     refuse_without_flight,
 )
+from vibro.cli.tables import ColumnsOption, DigitsOption, table_of
 from vibro.core.codes import Level
 from vibro.errors import InputError, cut, shown
 
@@ -71,6 +72,8 @@ def map_command(
     flight: FlightOption = Flight.ON,
     accuracy: LevelOption = Level.EXACT,
     coexist: CoexistOption = False,
+    columns: ColumnsOption = None,
+    digits: DigitsOption = None,
 ) -> int:
     """Map the regimes, speeds and traverse times of a scene over any of its quantities.
 
@@ -100,7 +103,7 @@ def map_command(
         )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
-    columns = columns_of(grid.axes)
+    table = table_of(columns_of(grid.axes), columns, digits, needed={})
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
     name = request.name or "vibro-map"
     if options.output != "-":
@@ -119,7 +122,7 @@ def map_command(
     pictures = Pictures(names, wanted, draw) if names and options.output != "-" else None
     window = None if level is None else friction_window(grid, level)
     look = window.add if window else None
-    code = write_sweep(grid, columns, options, context.obj, console, name, pictures, look)
+    code = write_sweep(grid, table, options, context.obj, console, name, pictures, look)
     if window:
         console.echo(window.text())
     return code

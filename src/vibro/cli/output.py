@@ -15,6 +15,8 @@ from vibro.errors import FileError, InputError
 from vibro.files.publication import Publication, json_text
 from vibro.files.stems import output_stem
 from vibro.files.tables import CsvFormat
+from vibro.quantities import QUANTITIES
+from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import records
 from vibro.sweeps.csv_sink import Tally, provenance, write_rows
 from vibro.sweeps.run import sweep_blocks
@@ -27,14 +29,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibro.cli.options import Options
-    from vibro.results.sweep import Block, Column
+    from vibro.results.sweep import Block
+    from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
 __all__ = ["Pictures", "answer_one", "answer_sweep", "count", "make_grid", "table_stream", "write_sweep"]
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
-_BYTES_PER_ROW: Final = 220  # [B] what a row of all columns comes to, rounded up
+# [B] What cells with their separator come to, rounded up: exact numbers that vary; texts, numbers that do not
+# vary, and those that do where bodies hop alone.
+_LONG, _SHORT = 19, 8
 _UNRESOLVED: Final = 3  # exit code
 
 
@@ -89,7 +94,7 @@ def make_grid(
 
 def write_sweep(
     grid: Grid,
-    columns: Sequence[Column],
+    table: Table,
     options: Options,
     argv: Sequence[str],
     console: Console,
@@ -103,8 +108,8 @@ def write_sweep(
     ----------
     grid : Grid
         What to solve.
-    columns : sequence of Column
-        What the table holds.
+    table : Table
+        What is written of it.
     options : Options
         Where to write, and how.
     argv : sequence of str
@@ -128,13 +133,13 @@ def write_sweep(
     InputError, FileError
         If the grid is too large, or the files cannot be written.
     """
-    form = CsvFormat(options.excel, options.decimal_comma)
+    form = CsvFormat(options.excel, options.decimal_comma, table.digits)
     if grid.size > _ROWS_OF_A_SHEET:
         console.warn(f"{count(grid.size)} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet")
     if options.output == "-":
         stream = table_stream(json=options.json)
         with console.progress("solving", grid.size) as report:
-            tally = write_rows(grid, columns, form, stream, report, look)
+            tally = write_rows(grid, table.columns, form, stream, report, look)
         return _conclude(tally, grid.size, console)
 
     names = pictures.names if pictures else ()
@@ -149,10 +154,10 @@ def write_sweep(
         formats=formats,
         reads=[options.scene],
     ) as files:
-        _check_size(grid, files)
+        _check_size(grid, grid.size * _row_bytes(grid, table), files)
         with files.table() as stream, console.progress("solving", grid.size) as report:
-            tally = write_rows(grid, columns, form, stream, report, look)
-        content = files.finish(provenance(grid, columns, tally), pictures.saver() if pictures else None)
+            tally = write_rows(grid, table.columns, form, stream, report, look)
+        content = files.finish(provenance(grid, table, tally), pictures.saver() if pictures else None)
     if options.json:
         print(json_text(content))
     return _conclude(tally, grid.size, console)
@@ -160,7 +165,7 @@ def write_sweep(
 
 def answer_sweep(
     grid: Grid,
-    columns: Sequence[Column],
+    table: Table,
     options: Options,
     argv: Sequence[str],
     console: Console,
@@ -171,14 +176,14 @@ def answer_sweep(
     Parameters and errors are those of ``write_sweep``.
     """
     if options.output is not None:
-        return write_sweep(grid, columns, options, argv, console, name)
+        return write_sweep(grid, table, options, argv, console, name)
     if not options.json:
-        return write_sweep(grid, columns, replace(options, output="-"), argv, console, name)
+        return write_sweep(grid, table, replace(options, output="-"), argv, console, name)
     tally = Tally()
     between = "[\n"
     for block in sweep_blocks(grid):
         tally.add(block)
-        for cell in records(columns, block):
+        for cell in records(table, block):
             print(between, json.dumps(cell, allow_nan=False), sep="", end="")
             between = ",\n"
     print("\n]")
@@ -187,7 +192,7 @@ def answer_sweep(
 
 def answer_one(
     grid: Grid,
-    columns: Sequence[Column],
+    table: Table,
     options: Options,
     argv: Sequence[str],
     name: str,
@@ -199,8 +204,8 @@ def answer_one(
     ----------
     grid : Grid
         Of a single cell.
-    columns : sequence of Column
-        Keys of the JSON, and what the row holds.
+    table : Table
+        What the row and the JSON hold.
     options : Options
         What to print and where to write.
     argv : sequence of str
@@ -223,12 +228,12 @@ def answer_one(
     if options.output is not None:
         # JSON on stdout is the answer here, not the sidecar.
         quiet = replace(options, json=options.json and options.output == "-")
-        code = write_sweep(grid, columns, quiet, argv, Console(quiet=options.quiet), name)
+        code = write_sweep(grid, table, quiet, argv, Console(quiet=options.quiet), name)
         if options.output == "-":
             return code
     (block,) = sweep_blocks(grid)
     if options.json:
-        print(json_text(next(records(columns, block))))
+        print(json_text(next(records(table, block))))
     else:
         print(report(OneScene(block)))
     return _UNRESOLVED if block.cycle.status == Status.UNRESOLVED else 0
@@ -242,8 +247,16 @@ def table_stream(*, json: bool) -> TextIO:
     return sys.stdout
 
 
-def _check_size(grid: Grid, files: Publication) -> None:
-    needed, free = grid.size * _BYTES_PER_ROW, files.free_space()
+def _row_bytes(grid: Grid, table: Table) -> int:
+    """Estimate what a row of a table comes to [B]."""
+    short = {QUANTITIES[name].column for name in grid.fixed}
+    short |= {result.column for result in RESULTS if result.in_contact is not None or not result.is_number}
+    long = _LONG if table.digits is None else min(_LONG, table.digits + 2)  # a point, a separator
+    return sum(_SHORT if column.name in short else long for column in table.columns)
+
+
+def _check_size(grid: Grid, needed: int, files: Publication) -> None:
+    free = files.free_space()
     if needed > free:
         sizes = f"about {_bytes(needed)}, but only {_bytes(free)} are free"
         product = f"{' x '.join(map(str, grid.shape))} = " if len(grid.shape) > 1 else ""

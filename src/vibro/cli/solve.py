@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer  # typer reads the annotations
 
@@ -16,6 +16,7 @@ from vibro.cli.options import (
     Options,
     refuse_without_flight,
 )
+from vibro.cli.tables import ColumnsOption, DigitsOption, refuse_without_table, table_of
 from vibro.core.codes import Level
 from vibro.errors import InputError
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from vibro.cli.report import OneScene
 
 __all__ = ["solve_command"]
+
+_NEEDS: Final = dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6")
 
 
 def solve_command(
@@ -53,16 +56,19 @@ def solve_command(
             show_default=False,
         ),
     ] = None,
+    columns: ColumnsOption = None,
+    digits: DigitsOption = None,
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
-    With -o the row of a map's table is written to STEM.csv too. With --speed and without an amplitude the
-    answer is which amplitudes reach that speed.
+    With -o the row of a map's table is written to STEM.csv too; --columns chooses what it holds, and what
+    --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed.
     """
     from vibro.cli.output import answer_one, make_grid
     from vibro.cli.request import checked_number, request_of
     from vibro.quantities import STAND_RATIO
-    from vibro.sweeps.columns import columns_of, standing
+    from vibro.sweeps.columns import columns_of
+    from vibro.sweeps.derived import standing
 
     if coexist:
         refuse_without_flight("--coexist", flight, accuracy)
@@ -73,14 +79,19 @@ def solve_command(
             "--accuracy": accuracy is not Level.EXACT,
             "--coexist": coexist,
             "--stand-ratio": stand_ratio is not None,
+            "--columns": columns is not None,
+            "--digits": digits is not None,
         }
         return _amplitudes(speed, options, context.obj, [name for name, given in others.items() if given])
     ratio = None if stand_ratio is None else checked_number(stand_ratio, STAND_RATIO)
+    refuse_without_table(options, columns, digits)
     request = request_of(options, context.obj)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
-    columns = columns_of((), *(() if ratio is None else standing(ratio)))
+    usual = columns_of((), *(() if ratio is None else standing(ratio)))
+    part = {} if ratio is None else {STAND_RATIO.column: ratio}
+    table = table_of(usual, columns, digits, needed=_NEEDS, part=part)
     report = partial(_report, stand_ratio=ratio)
-    return answer_one(grid, columns, options, context.obj, request.name or "vibro-solve", report)
+    return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report)
 
 
 def _amplitudes(speed: str, options: Options, argv: Sequence[str], others: Sequence[str]) -> int:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibro.cli.options import Flight, FlightOption, Options  # typer reads the annotations
+from vibro.cli.tables import ColumnsOption, DigitsOption, refuse_without_table, table_of
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ def traverse_time_command(
         ),
     ] = False,
     flight: FlightOption = Flight.ON,
+    columns: ColumnsOption = None,
+    digits: DigitsOption = None,
 ) -> int:
     """Tell how long a body takes over the trough's length, and why if it never arrives.
 
@@ -38,7 +41,8 @@ def traverse_time_command(
     from vibro.cli.console import Console
     from vibro.cli.output import answer_one, answer_sweep, make_grid
     from vibro.cli.request import request_of
-    from vibro.sweeps.columns import WITH_ARRIVAL, WITH_STROKES, columns_of
+    from vibro.sweeps.columns import columns_of
+    from vibro.sweeps.derived import WITH_ARRIVAL, WITH_STROKES
 
     request = request_of(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
@@ -46,13 +50,15 @@ def traverse_time_command(
         raise InputError("nothing varies", hint="give an axis, for example -A 0.1:3:200")
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
-    columns = columns_of(request.varying, *extra)
+    usual = columns_of(request.varying, *extra)
+    table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"})
     if not request.varying:
+        refuse_without_table(options, columns, digits)
         grid = make_grid(request, flight=flight, arrivals=True)
-        return answer_one(grid, columns, options, context.obj, name, _report)
+        return answer_one(grid, table, options, context.obj, name, _report)
     console = Console(quiet=options.quiet)
     grid = make_grid(request, console, flight=flight, arrivals=follows)
-    return answer_sweep(grid, columns, options, context.obj, console, name)
+    return answer_sweep(grid, table, options, context.obj, console, name)
 
 
 def _report(scene: OneScene) -> str:

@@ -1,4 +1,4 @@
-"""Tables as text: CSV with exact floats."""
+"""Tables as text: CSV with exact floats, or with so many digits."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
+from vibro.files.rounding import rounded
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
     from vibro.results.sweep import Block, Column
 
-__all__ = ["CsvFormat", "TableColumns"]
+__all__ = ["CsvFormat", "TableColumns", "rounded_cells"]
 
 # [cells] from which a block is worth the import of pyarrow
 _WORTH_ARROW: Final = 50_000
@@ -37,10 +39,13 @@ class CsvFormat:
         Whether it begins with a byte order mark, by which spreadsheets know UTF-8.
     decimal_comma : bool
         Whether decimals are written with a comma, and cells separated by semicolons.
+    digits : int or None
+        Significant digits of the numbers of ``rows``; None where they are exact.
     """
 
     excel: bool = False
     decimal_comma: bool = False
+    digits: int | None = None
 
     @property
     def separator(self) -> str:
@@ -64,7 +69,8 @@ class CsvFormat:
         Returns
         -------
         str
-            Floats have the fewest digits that read back as the same double; no number is an empty cell.
+            Floats have the fewest digits that read back as the same double, once rounded if they are to be;
+            no number is an empty cell.
         """
         number = math.prod(block.shape)
         if not number:
@@ -82,7 +88,7 @@ class CsvFormat:
         return text.decode()
 
     def _arrow_cells(self, column: Column, block: Block, arrow: Any) -> Any:
-        values = column.values(block)
+        values = rounded_cells(column, block, self.digits)
         if column.texts is not None:
             codes = values.ravel() % len(column.texts)  # -1 is the last
             texts = arrow.array(column.texts).take(arrow.array(codes))
@@ -133,7 +139,7 @@ class CsvFormat:
         return ("\ufeff" if self.excel else "") + stream.getvalue()
 
     def _cells(self, column: Column, block: Block) -> list[str]:
-        values = column.values(block)
+        values = rounded_cells(column, block, self.digits)
         # Only the values that differ are converted: an axis has few, however many cells there are.
         if column.texts is not None:
             texts = np.array(column.texts, dtype=object)[values]
@@ -150,6 +156,13 @@ class CsvFormat:
         for i in np.flatnonzero(values == np.trunc(values)):
             texts[i] = texts[i].removesuffix(".0")
         return [text.replace(".", ",") for text in texts] if self.decimal_comma else texts
+
+
+def rounded_cells(column: Column, block: Block, digits: int | None) -> NDArray[Any]:
+    """Return the values of a column, as it does, but numbers to so many significant digits."""
+    values = column.values(block)
+    is_number = column.texts is None and values.dtype.kind == "f"
+    return rounded(values, digits) if is_number and digits is not None else values
 
 
 @cache

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibro.core.codes import MODELS, Regime, Status, pattern_texts
 from vibro.errors import Problem, SceneError
-from vibro.quantities import LENGTH, PURE, SPEED, TIME, Kind
+from vibro.quantities import IN_GRAVITIES, LENGTH, PURE, SPEED, TIME, Kind
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     Codes = NDArray[np.int8]
 
 __all__ = [
+    "ACCELERATION",
     "ARRIVAL_TIME",
     "RESULTS",
+    "SPEED_EXPONENT",
     "STROKES",
     "TIPPING_LOAD_RATIO",
     "TRAVERSE_TIME",
@@ -276,6 +278,20 @@ ARRIVAL_TIME: Final = Result(
 )
 STROKES: Final = Result(
     name="strokes", column="strokes", meaning="drive cycles that a traverse takes", symbol="L/d"
+)
+#: What follows from the scene, and how the speed follows the amplitude.
+ACCELERATION: Final = Result(
+    name="acceleration",
+    column="acceleration_g",
+    meaning="peak acceleration of the drive over gravity: the load, which makers call the machine number",
+    symbol=r"G=A\omega^2/g",
+    kind=IN_GRAVITIES,
+)
+SPEED_EXPONENT: Final = Result(
+    name="speed_exponent",
+    column="speed_amplitude_exponent",
+    meaning="percent of speed that 1 % of amplitude brings, within the pattern; empty where there is none",
+    symbol=r"\partial\ln v/\partial\ln A",
 )
 #: What follows from the part's stand ratio.
 UPRIGHT: Final = Result(

@@ -2,32 +2,46 @@
 
 from __future__ import annotations
 
+import difflib
 import math
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.limits import stays_upright, tipping_load
-from vibro.quantities import QUANTITIES, SWEPT, scene_fields
-from vibro.results.steady import (
-    ARRIVAL_TIME,
-    RESULTS,
-    STROKES,
-    TIPPING_LOAD_RATIO,
-    TRAVERSE_TIME,
-    UPRIGHT,
-    Result,
-)
+from vibro.errors import InputError, shown
+from vibro.files.tables import rounded_cells
+from vibro.quantities import BY_COLUMN, QUANTITIES, SWEPT
+from vibro.results.steady import RESULTS, Result
 from vibro.results.sweep import Block, Column
-from vibro.scene import Scene
+from vibro.sweeps.derived import TRAVERSE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, WITH_STROKES
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     import pandas as pd
     from numpy.typing import NDArray
 
-__all__ = ["WITH_ARRIVAL", "WITH_STROKES", "columns_of", "records", "standing", "to_frame"]
+__all__ = ["Table", "chosen", "columns_of", "records", "to_frame"]
+
+
+@dataclass(frozen=True)
+class Table:
+    """What a table holds.
+
+    Attributes
+    ----------
+    columns : sequence of Column
+        In their order.
+    digits : int or None
+        Significant digits of numbers; None where they are exact.
+    part : mapping of str to float
+        What the columns take of the part that is conveyed, by name with unit.
+    """
+
+    columns: Sequence[Column]
+    digits: int | None = None
+    part: Mapping[str, float] = field(default_factory=dict)
 
 
 def _given(name: str) -> Column:
@@ -45,25 +59,9 @@ def _found(result: Result) -> Column:
     return Column(result.column, result.kind.unit, values, result.texts, result.is_flag)
 
 
-def _traverse_time(block: Block) -> NDArray[np.float64]:
-    if block.length is None:
-        return np.full((1,) * len(block.shape), np.nan)
-    return np.asarray(block.cycle.traverse_time(QUANTITIES["trough_length"].to_si(block.length)))
-
-
-def _arrival(block: Block) -> NDArray[np.float64]:
-    return np.full((1,) * len(block.shape), np.nan) if block.arrival is None else block.arrival
-
-
-def _strokes(block: Block) -> NDArray[np.float64]:
-    return _traverse_time(block) * block.values["frequency"]
-
-
 _WHERE_SWEPT: Final = ("friction_ratio", "restitution")
-_TRAVERSE: Final = Column(TRAVERSE_TIME.column, TRAVERSE_TIME.kind.unit, _traverse_time)
-#: What only some tables have.
-WITH_ARRIVAL: Final = Column(ARRIVAL_TIME.column, ARRIVAL_TIME.kind.unit, _arrival)
-WITH_STROKES: Final = Column(STROKES.column, STROKES.kind.unit, _strokes)
+# What is there for the asking.
+_ON_REQUEST: Final = (WITH_STROKE, _given("restitution"), WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKES)
 
 
 def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]:
@@ -81,35 +79,48 @@ def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]
     for result in RESULTS:
         columns += extra if result.name == "model_code" else ()
         columns.append(_found(result))
-        columns += [_TRAVERSE] if result.name == "peak_velocity" else []
+        columns += [TRAVERSE] if result.name == "peak_velocity" else []
     return (*given, *columns)
 
 
-def standing(ratio: float) -> tuple[Column, Column]:
-    """Return the columns of a part with a stand ratio: whether it stays upright, and how near it is."""
+def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...]:
+    """Return columns by name, in the order of the names.
 
-    def scene(block: Block) -> Scene:
-        return Scene.allowing_infeasible(**scene_fields(block.values))
+    Parameters
+    ----------
+    names : sequence of str
+        Which: of ``columns``, and of those that every table can have.
+    columns : sequence of Column
+        What the table holds where nobody chooses.
 
-    def load_ratio(block: Block) -> NDArray[np.float64]:
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            return scene(block).load / tipping_load(scene(block), ratio)
+    Raises
+    ------
+    InputError
+        If there is no such column, or one is named twice.
+    """
+    known = {column.name: column for column in (*columns, *_ON_REQUEST)}
+    unknown = [name for name in names if name not in known]
+    if unknown or not names:
+        close = difflib.get_close_matches(unknown[0] if unknown else "", known, n=1, cutoff=0.5)
+        hints = [f"did you mean {name}?" for name in close]
+        inputs = [name for name in known if name in BY_COLUMN]
+        hints.append(f"those of inputs are {', '.join(inputs)}")
+        hints.append(f"those of results are {', '.join(name for name in known if name not in inputs)}")
+        problems = [f"there is no column {shown(name)}" for name in unknown] or ["no column is named"]
+        raise InputError(*problems, hint="\n".join(hints))
+    twice = [name for i, name in enumerate(names) if name in names[:i]]
+    if twice:
+        raise InputError(f"column {twice[0]} is named twice", hint="name it once")
+    return tuple(known[name] for name in names)
 
-    return (
-        Column(
-            UPRIGHT.column, "", lambda block: stays_upright(scene(block), ratio), UPRIGHT.texts, is_flag=True
-        ),
-        Column(TIPPING_LOAD_RATIO.column, "", load_ratio),
-    )
 
-
-def records(columns: Sequence[Column], block: Block) -> Iterator[dict[str, float | int | str | None]]:
+def records(table: Table, block: Block) -> Iterator[dict[str, float | int | str | None]]:
     """Return cells as mappings, for JSON.
 
     Parameters
     ----------
-    columns : sequence of Column
-        The keys.
+    table : Table
+        The keys, and the digits of numbers.
     block : Block
         Solved cells.
 
@@ -118,9 +129,12 @@ def records(columns: Sequence[Column], block: Block) -> Iterator[dict[str, float
     dict
         One a cell, in their order; None where there is no number.
     """
-    values = [np.broadcast_to(column.values(block), block.shape).ravel().tolist() for column in columns]
+    values = [
+        np.broadcast_to(rounded_cells(column, block, table.digits), block.shape).ravel().tolist()
+        for column in table.columns
+    ]
     for row in zip(*values, strict=True):
-        yield {column.name: _plain(column, value) for column, value in zip(columns, row, strict=True)}
+        yield {column.name: _plain(column, value) for column, value in zip(table.columns, row, strict=True)}
 
 
 def _plain(column: Column, value: float | int | str) -> float | int | str | None:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from vibro.files.tables import CsvFormat
     from vibro.results.sweep import Block, Column
+    from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
 
 __all__ = ["Tally", "provenance", "write_rows"]
@@ -82,15 +83,17 @@ def write_rows(
     return tally
 
 
-def provenance(grid: Grid, columns: Sequence[Column], tally: Tally) -> dict[str, Any]:
+def provenance(grid: Grid, table: Table, tally: Tally) -> dict[str, Any]:
     """Return what a sidecar says of a table: enough to run the sweep again."""
     return {
         **grid.describe(),
+        **({"part": dict(table.part)} if table.part else {}),
         "accuracy": grid.level.value,
         "flight": grid.flight,
         "coexistence": grid.coexistence,
         "cells": grid.size,
         "status": {status.label: tally.status[status] for status in Status if tally.status[status]},
         "regime": {regime.label or "none": tally.regime[regime] for regime in Regime if tally.regime[regime]},
-        "columns": {column.name: column.unit for column in columns},
+        "columns": {column.name: column.unit for column in table.columns},
+        "digits": table.digits,
     }

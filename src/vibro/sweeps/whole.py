@@ -19,12 +19,12 @@ from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
 from vibro.results.sweep import Block, SweepResult
 from vibro.scene import Scene
 from vibro.steady import check_switch, level_of
-from vibro.sweeps.columns import columns_of, to_frame
+from vibro.sweeps.columns import chosen, columns_of, to_frame
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.request import RANGES, gather
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from os import PathLike
 
     import pandas as pd
@@ -107,8 +107,13 @@ class Sweep:
         fixed = {QUANTITIES[name].column: value for name, value in self._grid.fixed.items()}
         return fixed if self._grid.length is None else {**fixed, "trough_length_mm": self._grid.length}
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self, columns: Sequence[str] | None = None) -> pd.DataFrame:
         """Return the cells as a data frame.
+
+        Parameters
+        ----------
+        columns : sequence of str, optional
+            Names as for ``--columns`` of ``vibro map``, in the order wanted; without, its usual ones.
 
         Returns
         -------
@@ -116,9 +121,15 @@ class Sweep:
             One row a cell, the last axis fastest; the columns of the CSV of ``vibro map``, their units in
             their names. Texts are categorical, ``coexists`` is a nullable integer, and a number that there
             is not is NaN.
+
+        Raises
+        ------
+        InputError
+            If there is no such column, or one is named twice.
         """
+        usual = columns_of(self._grid.axes)
         block = Block(self._grid.values(), self.cycle, self._grid.length)
-        return to_frame(columns_of(self._grid.axes), block)
+        return to_frame(usual if columns is None else chosen(columns, usual), block)
 
     def draw(
         self,
