@@ -13,6 +13,8 @@ from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
+    MASS_RATE,
+    PARTS_RATE,
     RESULTS,
     SPEED_EXPONENT,
     STROKES,
@@ -32,6 +34,8 @@ ELSEWHERE = (
     STROKES,
     ACCELERATION,
     SPEED_EXPONENT,
+    PARTS_RATE,
+    MASS_RATE,
     UPRIGHT,
     TIPPING_LOAD_RATIO,
 )

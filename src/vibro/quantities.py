@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
-    "BY_COLUMN", "DEFAULTS", "DURATION", "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "MASS", "PERCENT", "PURE",
-    "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY",
-    "SWEPT", "TIME", "Kind", "Quantity", "exact_number", "find_quantity", "kinetic_friction",
-    "nearest_double", "scene_fields",
+    "BY_COLUMN", "DEFAULTS", "DURATION", "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "MASS", "MASS_FLOW",
+    "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR",
+    "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "exact_number",
+    "find_quantity", "kinetic_friction", "nearest_double", "scene_fields",
 ]  # fmt: skip
 
 
@@ -93,9 +93,12 @@ _ANGLE: Final = Kind("deg", "rad", "_deg",
 _ACCELERATION: Final = Kind("m/s^2", "m/s^2", "_m_s2",
                             dict.fromkeys(("m/s^2", "m/s2", "m/s\u00b2"), Fraction(1)))
 _MASS: Final = Kind("kg", "kg", "_kg",
-                    {"kg": Fraction(1), "g": Fraction(1, 1000), "lb": Fraction("0.45359237")})
+                    {"kg": Fraction(1), "g": Fraction(1, 1000), "mg": Fraction(1, 1_000_000),
+                     "lb": Fraction("0.45359237")})
 TIME: Final = Kind("s", "s", "_s",
                     {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60), "h": Fraction(3600)})
+PER_MINUTE: Final = Kind("1/min", "1/s", "_per_min", {}, per_si=60.0)
+MASS_FLOW: Final = Kind("kg/h", "kg/s", "_kg_h", {}, per_si=3600.0)
 # fmt: on
 
 
@@ -230,7 +233,8 @@ STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio":
 DEFAULTS: Final[Mapping[str, float]] = {q.name: q.default for q in _ALL if q.default is not None}
 
 # Quantities of a run, of a part or of a record, not of a scene.
-MASS: Final = Quantity("mass", _MASS)
+MASS: Final = Quantity("mass", _MASS, allowed=_POSITIVE)
+PITCH: Final = Quantity("pitch", LENGTH, allowed=_POSITIVE)
 LEAST_SPEED: Final = Quantity("speed", SPEED, allowed=_POSITIVE)
 STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)
 DURATION: Final = Quantity("duration", TIME)

@@ -1,4 +1,4 @@
-"""Tables as people ask for them: columns by name, digits."""
+"""Tables as people ask for them: columns by name, digits, parts in a row."""
 
 from __future__ import annotations
 
@@ -53,16 +53,49 @@ def test_digits_are_significant_ones(
 
 
 def test_the_sidecar_tells_what_the_table_holds(run: Run) -> None:
-    options = ("--columns", NAMES, "--digits", "6")
+    options = ("--columns", f"{NAMES},parts_per_min", "--digits", "6", "--pitch", "1in", "--mass", "12g")
     assert run(*MAP, *options, "-o", "few").exit_code == 0
     content = json.loads(Path("few.json").read_text(encoding="utf-8"))
-    assert list(content["columns"]) == NAMES.split(",")
-    assert (content["columns"]["acceleration_g"], content["digits"]) == ("g", 6)
+    assert list(content["columns"]) == [*NAMES.split(","), "parts_per_min"]
+    assert (content["columns"]["acceleration_g"], content["columns"]["parts_per_min"]) == ("g", "1/min")
+    assert (content["digits"], content["part"]) == (6, {"pitch_mm": 25.4, "mass_kg": 0.012})
     assert Path("few.csv").read_text(encoding="utf-8").splitlines()[0] == ",".join(content["columns"])
     assert run(*MAP, "-o", "all", "--accuracy", "regimes").exit_code == 0
     content = json.loads(Path("all.json").read_text(encoding="utf-8"))
     assert content["digits"] is None
     assert "part" not in content
+
+
+def test_parts_pass_at_the_rate_of_speed_over_pitch(run: Run) -> None:
+    rows = rows_of(run(*MAP, "--pitch", "25", "--mass", "12g", "--flight", "off", "-o", "-").stdout)
+    assert list(rows[0])[-4:] == ["parts_per_min", "mass_flow_kg_h", "model", "status"]
+    for row in rows:
+        if row["mean_velocity_mm_s"]:
+            parts = 60.0 * float(row["mean_velocity_mm_s"]) / 25.0
+            assert float(row["parts_per_min"]) == pytest.approx(parts, rel=1e-14)
+            assert float(row["mass_flow_kg_h"]) == pytest.approx(60.0 * 0.012 * parts, rel=1e-14)
+        else:
+            assert row["parts_per_min"] == row["mass_flow_kg_h"] == ""
+    assert {row["parts_per_min"] for row in rows} > {"", "0"}
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (NUT, "39.0323 parts/min, 28.1033 kg/h at most, one part every 25 mm"),
+        ((*NUT, "-A", "0.1"), "0 parts/min, 0 kg/h at most, one part every 25 mm"),
+        ((*NUT, "-A", "4", "--flight", "off"), "unknown"),
+    ],
+)
+def test_the_report_tells_the_throughput(run: Run, args: tuple[str, ...], said: str) -> None:
+    options = ("--pitch", "25mm", "--mass", "12g")
+    lines = dict(
+        line.split("  ", 1) for line in run("solve", *args, *options).stdout.splitlines() if "  " in line
+    )
+    assert lines["throughput"].strip() == said
+    answer = json.loads(run("solve", *args, *options, "--json").stdout)
+    expected = None if said == "unknown" else pytest.approx(float(said.split()[0]), rel=1e-5)
+    assert answer["parts_per_min"] == expected
 
 
 def test_what_solve_writes_is_what_is_asked_for(run: Run) -> None:
@@ -83,6 +116,11 @@ def test_what_solve_writes_is_what_is_asked_for(run: Run) -> None:
         ((*MAP, "--columns", "regime, regime"), "column regime is named twice", "name it once"),
         ((*MAP, "--columns", ""), "there is no column ''", "those of inputs"),
         (
+            (*MAP, "--columns", "mass_flow_kg_h", "--pitch", "9"),
+            "column mass_flow_kg_h: an option that it needs is missing",
+            "add --pitch 25mm --mass 12g",
+        ),
+        (
             (*TRAVERSE, "--columns", "arrival_time_s"),
             "column arrival_time_s: an option that it needs is missing",
             "add --exact",
@@ -96,6 +134,12 @@ def test_what_solve_writes_is_what_is_asked_for(run: Run) -> None:
         ((*MAP, "--digits", "18"), "--digits 18: must be from 1 to 17", "without it"),
         (("solve", *NUT, "--digits", "4"), "--digits: the report is no table", "add --json, -o - or -o STEM"),
         (("traverse-time", *NUT, "-L", "9", "--columns", "regime"), "--columns: the report is no", "add"),
+        ((*MAP, "--mass", "12g"), "--mass: kg an hour need the distance from", "add --pitch"),
+        ((*MAP, "--pitch", "0"), "pitch = 0: must be finite and > 0 mm", None),
+        ((*MAP, "--pitch", "25g"), "pitch = '25g': 'g' is no unit of pitch", "its units are mm, "),
+        ((*MAP, "--pitch", "25", "--mass", "-1"), "mass = -1: must be finite and > 0 kg", None),
+        ((*MAP, "--pitch", "25", "--mass", "nan"), "mass = nan: must be a finite number", None),
+        (("solve", *NUT[2:], "--speed", "9", "--pitch", "9"), "--speed lists amplitudes: --pitch", None),
     ],
 )
 def test_what_cannot_be_asked_for(run: Run, args: tuple[str, ...], problem: str, hint: str | None) -> None:

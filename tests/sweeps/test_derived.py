@@ -1,4 +1,4 @@
-"""What follows from solved cells: how the speed follows the amplitude."""
+"""What follows from solved cells: how the speed follows the amplitude, and how many parts pass."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vibro.core.codes import PATTERNS, Status
 from vibro.core.contact.onset import thresholds
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block
-from vibro.sweeps.derived import WITH_EXPONENT
+from vibro.sweeps.derived import WITH_EXPONENT, throughput
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -142,3 +142,21 @@ def test_a_speed_that_nearly_vanishes_has_none() -> None:
         low, high = (middle, high) if speed(middle) < 0.0 else (low, middle)
     assert np.isnan(exponents(at_load(0.6, [low, high], 0.3, 0.25, 3.0))).all()
     assert np.isfinite(exponents(at_load(0.6, [low - 1e-3, high + 1e-3], 0.3, 0.25, 3.0))).all()
+
+
+def test_parts_pass_where_they_are_conveyed_forward() -> None:
+    scene = at_load(
+        [0.1, 1.0, 3.9, 0.8], [20.0, 20.0, 20.0, 5.0], 0.5, [0.4, 0.4, 0.4, 0.3], [0.0, 0.0, 0.0, 10.0]
+    )
+    cycle = solve(scene, flight=False)
+    assert np.sign(cycle.mean_velocity).tolist()[:2] == [0.0, 1.0]
+    assert np.isnan(cycle.mean_velocity[2])
+    assert cycle.mean_velocity[3] < 0.0
+    block = Block({}, cycle, None)
+    parts, flow = (column.values(block) for column in throughput(25.0, 0.012))
+    expected = 60.0 * cycle.mean_velocity[1] / 0.025
+    np.testing.assert_allclose(parts, [0.0, expected, np.nan, 0.0], rtol=1e-15)
+    np.testing.assert_allclose(flow, [0.0, 60.0 * 0.012 * expected, np.nan, 0.0], rtol=1e-15)
+    (parts_alone,) = throughput(25.0)
+    assert (parts_alone.name, parts_alone.unit) == ("parts_per_min", "1/min")
+    assert np.isinf(throughput(1e-308)[0].values(block)[1])

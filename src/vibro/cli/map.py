@@ -16,7 +16,16 @@ from vibro.cli.options import (
     picture_formats,
     refuse_without_flight,
 )
-from vibro.cli.tables import ColumnsOption, DigitsOption, table_of
+from vibro.cli.tables import (
+    NEEDS_PART,
+    ColumnsOption,
+    DigitsOption,
+    MassOption,
+    PitchOption,
+    part_of,
+    table_of,
+    throughput_of,
+)
 from vibro.core.codes import Level
 from vibro.errors import InputError, cut, shown
 
@@ -74,6 +83,8 @@ def map_command(
     coexist: CoexistOption = False,
     columns: ColumnsOption = None,
     digits: DigitsOption = None,
+    pitch: PitchOption = None,
+    mass: MassOption = None,
 ) -> int:
     """Map the regimes, speeds and traverse times of a scene over any of its quantities.
 
@@ -101,9 +112,11 @@ def map_command(
         raise InputError(
             "--speed: no speeds are computed with --accuracy regimes", hint="leave one of them out"
         )
+    part = part_of(pitch, mass)
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
-    table = table_of(columns_of(grid.axes), columns, digits, needed={})
+    usual = columns_of(grid.axes, *throughput_of(part))
+    table = table_of(usual, columns, digits, needed=NEEDS_PART, part=part)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
     name = request.name or "vibro-map"
     if options.output != "-":

@@ -6,6 +6,8 @@ import math
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from vibro.core.codes import Regime, Status
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 
     from vibro.limits import Transition
     from vibro.motion.settled import CyclePhase
-    from vibro.results.sweep import Block
+    from vibro.results.sweep import Block, Column
 
 __all__ = ["OneScene", "aligned", "bound", "estimate", "number"]
 
@@ -41,14 +43,24 @@ class OneScene:
         The same.
     length : float
         Length of the trough, NaN without one [mm].
+    regime : Regime
+        What the body does.
+    status : Status
+        How far to trust it.
     """
 
     def __init__(self, block: Block) -> None:
         self.given = {name: float(value.item()) for name, value in block.values.items()}
         self.scene = Scene(**scene_fields(self.given))
         self.length = math.nan if block.length is None else block.length
+        self.regime = Regime(int(block.cycle.regime.item()))
+        self.status = Status(int(block.cycle.status.item()))
+        self._block = block
         self._cycle = block.cycle
-        self._arrival = block.arrival
+
+    def value(self, column: Column) -> float:
+        """Return the number that a table has in a column."""
+        return float(np.asarray(column.values(self._block)).item())
 
     def result(self, name: str) -> float:
         """Return a length or speed of the cycle [mm, mm/s]."""
@@ -65,7 +77,7 @@ class OneScene:
     @property
     def hops(self) -> bool:
         """Whether the body leaves the trough."""
-        return Regime(int(self._cycle.regime)) is Regime.HOPPING
+        return self.regime is Regime.HOPPING
 
     @property
     def relative_error(self) -> float:
@@ -76,23 +88,23 @@ class OneScene:
     @property
     def arrival_time(self) -> float:
         """Time from rest at trough phase 0 to the arrival; inf where there is none, NaN if unknown [s]."""
-        return math.nan if self._arrival is None else float(self._arrival.item())
+        arrival = self._block.arrival
+        return math.nan if arrival is None else float(arrival.item())
 
     def facts(self) -> list[tuple[str, str]]:
         """Return what every report says, as pairs of a name and a text."""
-        given = (
-            f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+        given = {
+            name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
             for name, value in self.given.items()
             if value != DEFAULTS.get(name)
-        )
-        regime, pattern = Regime(int(self._cycle.regime)), str(self._cycle.pattern)
-        status = Status(int(self._cycle.status))
+        }
+        pattern = str(self._cycle.pattern)
         facts = [
-            ("scene", ", ".join(given)),
-            ("regime", (regime.label or "none") + (f", pattern {pattern}" if pattern else "")),
+            ("scene", ", ".join(given.values())),
+            ("regime", (self.regime.label or "none") + (f", pattern {pattern}" if pattern else "")),
         ]
-        if status is not Status.OK:
-            facts.append(("status", f"{status.label} ({status.message})"))
+        if self.status is not Status.OK:
+            facts.append(("status", f"{self.status.label} ({self.status.message})"))
         if note := self._other_motions():
             facts.append(("note", note))
         speed = self.result("mean_velocity")
@@ -132,12 +144,12 @@ class OneScene:
         """Say why there is no traverse time, and what to change where the body rests."""
         speed = self.result("mean_velocity")
         if math.isnan(speed):
-            return f"unknown: {Status(int(self._cycle.status)).message}"
+            return f"unknown: {self.status.message}"
         if self.relative_error > _LEAST_CERTAIN:
             return "unknown: the standard error leaves open which way the mean speed goes"
         if speed < 0:
             return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
-        if Regime(int(self._cycle.regime)) is not Regime.NO_SLIP:
+        if self.regime is not Regime.NO_SLIP:
             return "never: the body slides to and fro without being conveyed"
         begins = next((t for t in self.transitions() if t.name in ("forward slip", "hopping")), None)
         if begins is None:  # beyond the range of doubles

@@ -16,18 +16,31 @@ from vibro.cli.options import (
     Options,
     refuse_without_flight,
 )
-from vibro.cli.tables import ColumnsOption, DigitsOption, refuse_without_table, table_of
+from vibro.cli.tables import (
+    NEEDS_PART,
+    ColumnsOption,
+    DigitsOption,
+    MassOption,
+    PitchOption,
+    part_of,
+    refuse_without_table,
+    table_of,
+    throughput_of,
+)
 from vibro.core.codes import Level
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from vibro.cli.report import OneScene
 
 __all__ = ["solve_command"]
 
-_NEEDS: Final = dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6")
+_NEEDS: Final = {
+    **NEEDS_PART,
+    **dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6"),
+}
 
 
 def solve_command(
@@ -58,6 +71,8 @@ def solve_command(
     ] = None,
     columns: ColumnsOption = None,
     digits: DigitsOption = None,
+    pitch: PitchOption = None,
+    mass: MassOption = None,
 ) -> int:
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
@@ -81,16 +96,20 @@ def solve_command(
             "--stand-ratio": stand_ratio is not None,
             "--columns": columns is not None,
             "--digits": digits is not None,
+            "--pitch": pitch is not None,
+            "--mass": mass is not None,
         }
         return _amplitudes(speed, options, context.obj, [name for name, given in others.items() if given])
-    ratio = None if stand_ratio is None else checked_number(stand_ratio, STAND_RATIO)
+    part = part_of(pitch, mass)
+    extra = throughput_of(part)
+    if stand_ratio is not None:
+        part[STAND_RATIO.column] = checked_number(stand_ratio, STAND_RATIO)
+        extra += standing(part[STAND_RATIO.column])
     refuse_without_table(options, columns, digits)
     request = request_of(options, context.obj)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
-    usual = columns_of((), *(() if ratio is None else standing(ratio)))
-    part = {} if ratio is None else {STAND_RATIO.column: ratio}
-    table = table_of(usual, columns, digits, needed=_NEEDS, part=part)
-    report = partial(_report, stand_ratio=ratio)
+    table = table_of(columns_of((), *extra), columns, digits, needed=_NEEDS, part=part)
+    report = partial(_report, part=part)
     return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report)
 
 
@@ -129,18 +148,36 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     return f"{told}: {edge} above {amplitude} or {frequency} (load now / then {number(ratio)})"
 
 
-def _report(one: OneScene, stand_ratio: float | None) -> str:
+def _throughput(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str]]:
+    """Say how many parts pass in a row, and their mass."""
+    from vibro.cli.report import estimate, number
+
+    columns = throughput_of(part)
+    if not columns:
+        return []
+    values = [one.value(column) for column in columns]
+    if math.isnan(values[0]):
+        return [("throughput", "unknown")]
+    rates = [
+        estimate(value, value * one.relative_error, column.unit.replace("1/min", "parts/min"))
+        for value, column in zip(values, columns, strict=True)
+    ]
+    return [("throughput", f"{', '.join(rates)} at most, one part every {number(part['pitch_mm'], 'mm')}")]
+
+
+def _report(one: OneScene, part: Mapping[str, float]) -> str:
     from vibro.cli.report import aligned, number
     from vibro.core.codes import PHASE_NAMES
-    from vibro.quantities import LENGTH
+    from vibro.quantities import LENGTH, STAND_RATIO
 
     facts = [
         *one.facts(),
         *one.numbers(),
         ("acceleration", f"{number(float(one.scene.load))} g along the drive"),
+        *_throughput(one, part),
     ]
-    if stand_ratio is not None:
-        facts.append(("upright", _upright(one, stand_ratio)))
+    if STAND_RATIO.column in part:
+        facts.append(("upright", _upright(one, part[STAND_RATIO.column])))
     heads = [("begins", "load now / then", "amplitude [mm]", "frequency [Hz]")]
     begins = [
         (t.name, number(t.ratio), number(LENGTH.from_si(t.amplitude)), number(t.frequency))

@@ -1,8 +1,8 @@
-"""The options about tables that several commands share: columns and digits."""
+"""The options about tables that several commands share: columns, digits, and parts in a row."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -16,10 +16,15 @@ if TYPE_CHECKING:
     from vibro.sweeps.columns import Table
 
 __all__ = [
+    "NEEDS_PART",
     "ColumnsOption",
     "DigitsOption",
+    "MassOption",
+    "PitchOption",
+    "part_of",
     "refuse_without_table",
     "table_of",
+    "throughput_of",
 ]
 
 ColumnsOption = Annotated[
@@ -41,6 +46,48 @@ DigitsOption = Annotated[
         show_default=False,
     ),
 ]
+PitchOption = Annotated[
+    str | None,
+    typer.Option(
+        "--pitch",
+        metavar="LENGTH",
+        help="Distance from each part to the next [mm]: how many parts a minute? At most, as parts in a"
+        " row do not push each other here.",
+        show_default=False,
+    ),
+]
+MassOption = Annotated[
+    str | None,
+    typer.Option(
+        "--mass", metavar="MASS", help="Mass of a part [kg]; with --pitch: how many kg an hour?",
+        show_default=False,
+    ),
+]  # fmt: skip
+#: Columns that follow from the part's pitch and mass, and what gives these.
+NEEDS_PART: Final = {"parts_per_min": "--pitch 25mm", "mass_flow_kg_h": "--pitch 25mm --mass 12g"}
+
+
+def part_of(pitch: str | None, mass: str | None) -> dict[str, float]:
+    """Read the pitch of parts in a row and the mass of one, by their names with units; what is given."""
+    from vibro.cli.request import checked_number
+    from vibro.quantities import MASS, PITCH
+
+    if mass is not None and pitch is None:
+        raise InputError(
+            "--mass: kg an hour need the distance from part to part too", hint="add --pitch 25mm"
+        )
+    return {
+        quantity.column: checked_number(text, quantity)
+        for quantity, text in ((PITCH, pitch), (MASS, mass))
+        if text is not None
+    }
+
+
+def throughput_of(part: Mapping[str, float]) -> tuple[Column, ...]:
+    """Return the columns that follow from what ``part_of`` has read."""
+    from vibro.sweeps.derived import throughput
+
+    return throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
 
 
 def table_of(

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibro.core.codes import MODELS, Regime, Status, pattern_texts
 from vibro.errors import Problem, SceneError
-from vibro.quantities import IN_GRAVITIES, LENGTH, PURE, SPEED, TIME, Kind
+from vibro.quantities import IN_GRAVITIES, LENGTH, MASS_FLOW, PER_MINUTE, PURE, SPEED, TIME, Kind
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 __all__ = [
     "ACCELERATION",
     "ARRIVAL_TIME",
+    "MASS_RATE",
+    "PARTS_RATE",
     "RESULTS",
     "SPEED_EXPONENT",
     "STROKES",
@@ -292,6 +294,16 @@ SPEED_EXPONENT: Final = Result(
     column="speed_amplitude_exponent",
     meaning="percent of speed that 1 % of amplitude brings, within the pattern; empty where there is none",
     symbol=r"\partial\ln v/\partial\ln A",
+)
+#: What follows from the pitch of parts in a row, from each to the next, and from the mass of one.
+PARTS_RATE: Final = Result(
+    name="parts_rate",
+    column="parts_per_min",
+    meaning="parts of a row that pass at the mean speed; 0 where they are not conveyed forward",
+    kind=PER_MINUTE,
+)
+MASS_RATE: Final = Result(
+    name="mass_rate", column="mass_flow_kg_h", meaning="mass of the parts that pass", kind=MASS_FLOW
 )
 #: What follows from the part's stand ratio.
 UPRIGHT: Final = Result(

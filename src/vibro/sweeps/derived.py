@@ -1,4 +1,4 @@
-"""Columns beside the common ones: what follows from solved cells."""
+"""Columns beside the common ones: what follows from solved cells, and from what is known of the parts."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.steady import (
     ACCELERATION,
     ARRIVAL_TIME,
+    MASS_RATE,
+    PARTS_RATE,
     SPEED_EXPONENT,
     STROKES,
     TIPPING_LOAD_RATIO,
@@ -39,6 +41,7 @@ __all__ = [
     "WITH_STROKE",
     "WITH_STROKES",
     "standing",
+    "throughput",
 ]
 
 # [A] Where slides to and fro nearly cancel, their difference has lost half of its digits, and more below.
@@ -105,3 +108,26 @@ def standing(ratio: float) -> tuple[Column, Column]:
         _column(UPRIGHT, lambda block: stays_upright(scene_of(block.values), ratio)),
         _column(TIPPING_LOAD_RATIO, load_ratio),
     )
+
+
+def throughput(pitch: float, mass: float | None = None) -> tuple[Column, ...]:
+    """Return the columns of parts in a row: how many pass in a minute, and their mass.
+
+    Parameters
+    ----------
+    pitch : float
+        From each part to the next [mm].
+    mass : float, optional
+        Of one part [kg].
+    """
+
+    def rate(block: Block, of_one: float) -> Floats:
+        """Return what passes in a second: nothing where it is not conveyed forward."""
+        with np.errstate(over="ignore"):  # inf beyond the range of doubles
+            passing: Floats = np.maximum(block.cycle.mean_velocity, 0.0) / LENGTH.to_si(pitch) * of_one
+        return passing
+
+    parts = _column(PARTS_RATE, lambda block: PARTS_RATE.kind.from_si(rate(block, 1.0)))
+    if mass is None:
+        return (parts,)
+    return (parts, _column(MASS_RATE, lambda block: MASS_RATE.kind.from_si(rate(block, mass))))
