@@ -14,6 +14,7 @@ import pytest
 from commands import NUT, Run, rows_of
 
 from vibro.sweeps.columns import columns_of
+from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
 
 
 def test_json_has_the_keys_of_a_table(run: Run) -> None:
@@ -21,7 +22,8 @@ def test_json_has_the_keys_of_a_table(run: Run) -> None:
     assert result.exit_code == 0
     assert result.stderr == ""
     answer = json.loads(result.stdout)
-    assert list(answer) == [column.name for column in columns_of()]
+    extra = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
+    assert list(answer) == [column.name for column in columns_of((), *extra)]
     assert answer["mean_velocity_mm_s"] == pytest.approx(16.263456166287, rel=1e-13)
     assert answer["regime"] == "forward-slip"
     assert answer["pattern"] == "F_"
@@ -43,7 +45,7 @@ def test_the_report_says_what_a_practitioner_dials(run: Run) -> None:
     assert lines["mean speed"] == "mean speed 16.2635 mm/s"
     assert lines["peak speed"] == "peak speed 60.1496 mm/s"
     assert lines["per cycle"] == "per cycle 1.08423 mm"
-    assert lines["acceleration"] == "acceleration 0.905468 g along the drive"
+    assert lines["acceleration"] == "acceleration 0.905468 g along the drive (machine number A w^2/g)"
     # Published: physics of the nut's scene, amplitudes at which the classes begin.
     assert lines["forward slip"].split()[2:4] == ["1.4595", "0.685165"]
     assert lines["back slip"].split()[3] == "1.1903"

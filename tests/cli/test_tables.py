@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from vibro.files import tables
 
 MAP = ("map", "-A", "0.1,1,1.15,4", "-f", "14.9876,15", *NUT_ANGLE_AND_FRICTION)
 TRAVERSE = ("traverse-time", *MAP[1:], "-L", "600")
+TO_AND_FRO = ("-A", "1", "-f", "15", "--mu-s", ".3", "--mu-d", ".25", "--trough-angle", "3")
 NAMES = "mean_velocity_mm_s,amplitude_mm,regime,acceleration_g,frequency_hz"
 
 
@@ -96,6 +98,60 @@ def test_the_report_tells_the_throughput(run: Run, args: tuple[str, ...], said: 
     answer = json.loads(run("solve", *args, *options, "--json").stdout)
     expected = None if said == "unknown" else pytest.approx(float(said.split()[0]), rel=1e-5)
     assert answer["parts_per_min"] == expected
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (NUT, "+10 % amplitude: +39.8 % speed (d ln speed / d ln amplitude = 3.79727)"),
+        ((*NUT, "-A", "0.1"), "+10 % amplitude: 0 mm/s"),
+        ((*NUT, "-A", "0.65"), "+10 % amplitude: 2.00514 mm/s, forward-slip"),
+        ((*NUT, "-A", "1.1"), "+10 % amplitude: +20.4 % speed, back-slip (d ln"),
+        ((*NUT, "-A", "4"), "+10 % amplitude: +12.1 % speed"),
+        ((*NUT, "-A", "3", "--flight", "off"), "+10 % amplitude: speed unknown (the body leaves the trough"),
+        ((*NUT, "-a", "0", "--mu-s", ".2", "--mu-d", ".2"), "+10 % amplitude: 0 mm/s"),
+        ((*NUT, "-A", "0.9", "--mu-s", ".3", "--mu-d", ".29", "--trough-angle", "15"), "+10 % amplitude: +"),
+        ((*TO_AND_FRO, "-a", "31.0109"), "+10 % amplitude: +13.2 % speed (d ln"),
+        ((*TO_AND_FRO, "-a", "31.010843891"), "+10 % amplitude: -4.595"),  # 1e-10 mm/s
+        ((*NUT, "--accuracy", "regimes"), None),
+    ],
+)
+def test_the_report_tells_what_more_amplitude_does(run: Run, args: tuple[str, ...], said: str | None) -> None:
+    lines = [line for line in run("solve", *args).stdout.splitlines() if line.startswith("sensitivity")]
+    if said is None:
+        assert lines == []
+        return
+    (line,) = lines
+    told = line.removeprefix("sensitivity").strip()
+    assert told.startswith(said)
+    answer = json.loads(run("solve", *args, "--json").stdout)
+    larger = ("-A", repr(1.1 * answer["amplitude_mm"]))
+    then = json.loads(run("solve", *args, *larger, "--json").stdout)
+    assert then["regime"] == answer["regime"] or then["regime"] in told
+    if "% speed" in told:
+        percent = 100.0 * (then["mean_velocity_mm_s"] / answer["mean_velocity_mm_s"] - 1.0)
+        assert float(told.split()[3]) == pytest.approx(percent, rel=1e-2)
+    exponent = answer["speed_amplitude_exponent"]
+    assert (exponent is not None) == ("d ln" in told)
+    if exponent is not None:
+        assert f"{exponent:.6g}" in told
+
+
+def test_the_report_tells_the_stroke_and_no_minus_zero(run: Run) -> None:
+    text = run("solve", *NUT, "-A", "1.5e-6", "-f", "15000").stdout
+    assert " amplitude 1.5e-06 mm (stroke 3e-06 mm peak to peak), frequency 15000 Hz, " in text
+    assert re.search(r"^back slide +\S+ +\S+ +0\.00000$", text, flags=re.MULTILINE)
+
+
+def test_the_error_of_a_mean_is_that_of_both(run: Run) -> None:
+    """Bodies that bounce without a period have means: the change of one has an error too."""
+    args = ("solve", *NUT, "-A", "8", "--restitution", "0.6")
+    answer = json.loads(run(*args, "--json").stdout)
+    assert answer["status"] == "averaged"
+    assert answer["speed_amplitude_exponent"] is None
+    (line,) = [x for x in run(*args).stdout.splitlines() if x.startswith("sensitivity")]
+    assert " +- " in line
+    assert line.endswith(" % (standard error)")
 
 
 def test_what_solve_writes_is_what_is_asked_for(run: Run) -> None:

@@ -197,6 +197,7 @@ def answer_one(
     argv: Sequence[str],
     name: str,
     report: Callable[[OneScene], str],
+    answer: Table | None = None,
 ) -> int:
     """Solve one scene and print its report or its JSON; write its row if the options name an output.
 
@@ -205,7 +206,7 @@ def answer_one(
     grid : Grid
         Of a single cell.
     table : Table
-        What the row and the JSON hold.
+        What the row holds.
     options : Options
         What to print and where to write.
     argv : sequence of str
@@ -214,6 +215,8 @@ def answer_one(
         The files' name where the options name a folder.
     report : callable
         Writes the report.
+    answer : Table, optional
+        What the JSON holds, if not the same.
 
     Returns
     -------
@@ -233,7 +236,7 @@ def answer_one(
             return code
     (block,) = sweep_blocks(grid)
     if options.json:
-        print(json_text(next(records(table, block))))
+        print(json_text(next(records(answer or table, block))))
     else:
         print(report(OneScene(block)))
     return _UNRESOLVED if block.cycle.status == Status.UNRESOLVED else 0

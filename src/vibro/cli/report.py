@@ -98,6 +98,9 @@ class OneScene:
             for name, value in self.given.items()
             if value != DEFAULTS.get(name)
         }
+        given["amplitude"] += (
+            f" (stroke {QUANTITIES['stroke'].text(2.0 * self.given['amplitude'])} peak to peak)"
+        )
         pattern = str(self._cycle.pattern)
         facts = [
             ("scene", ", ".join(given.values())),
@@ -192,7 +195,7 @@ def bound(value: float, unit: str = "", *, upper: bool) -> str:
 
 def number(value: float, unit: str = "") -> str:
     """Write a number for people, with six digits."""
-    return f"{value:.6g} {unit}".rstrip()
+    return f"{value:z.6g} {unit}".rstrip()
 
 
 def aligned(rows: Iterable[Sequence[str]], *, right: bool = True) -> str:

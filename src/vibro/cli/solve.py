@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from vibro.cli.report import OneScene
+    from vibro.sweeps.grid import Grid
 
 __all__ = ["solve_command"]
 
@@ -41,6 +43,7 @@ _NEEDS: Final = {
     **NEEDS_PART,
     **dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6"),
 }
+_RAISED: Final = 1.1  # amplitude over that of the scene, where its effect is told
 
 
 def solve_command(
@@ -83,7 +86,7 @@ def solve_command(
     from vibro.cli.request import checked_number, request_of
     from vibro.quantities import STAND_RATIO
     from vibro.sweeps.columns import columns_of
-    from vibro.sweeps.derived import standing
+    from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, standing
 
     if coexist:
         refuse_without_flight("--coexist", flight, accuracy)
@@ -109,8 +112,12 @@ def solve_command(
     request = request_of(options, context.obj)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
     table = table_of(columns_of((), *extra), columns, digits, needed=_NEEDS, part=part)
-    report = partial(_report, part=part)
-    return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report)
+    answer = table
+    if columns is None:
+        more = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
+        answer = replace(table, columns=columns_of((), *extra, *more))
+    report = partial(_report, grid=grid, part=part)
+    return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report, answer)
 
 
 def _amplitudes(speed: str, options: Options, argv: Sequence[str], others: Sequence[str]) -> int:
@@ -165,15 +172,52 @@ def _throughput(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str
     return [("throughput", f"{', '.join(rates)} at most, one part every {number(part['pitch_mm'], 'mm')}")]
 
 
-def _report(one: OneScene, part: Mapping[str, float]) -> str:
+def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
+    """Say how the speed follows the amplitude: its exponent, and what a larger amplitude does."""
+    from vibro.cli.report import OneScene, estimate, number
+    from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_EXPONENT
+    from vibro.sweeps.run import sweep_blocks
+
+    speed = one.result("mean_velocity")
+    if math.isnan(speed):
+        return []
+    fixed = {**grid.fixed, "amplitude": _RAISED * grid.fixed["amplitude"]}
+    if not math.isfinite(fixed["amplitude"]):  # beyond the range of doubles
+        return []
+    (block,) = sweep_blocks(replace(grid, fixed=fixed, coexistence=False))
+    raised = OneScene(block)
+    then = raised.result("mean_velocity")
+    still = abs(one.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * grid.fixed["amplitude"]
+    if math.isnan(then):
+        told = f"speed unknown ({raised.status.message})"
+    elif not still and then / speed > 0.0:
+        gain = then / speed
+        error = 100.0 * gain * math.hypot(one.relative_error, raised.relative_error)
+        told = f"{100.0 * (gain - 1.0):+z.3g} % speed"
+        told += f" +- {error:.2g} % (standard error)" if error else ""
+    else:
+        told = estimate(then, raised.result("mean_velocity_error"), "mm/s")
+    if raised.regime is not one.regime:
+        told += f", {raised.regime.label}"
+    exponent = one.value(WITH_EXPONENT)
+    power = "" if math.isnan(exponent) else f" (d ln speed / d ln amplitude = {number(exponent)})"
+    return [("sensitivity", f"+10 % amplitude: {told}{power}")]
+
+
+def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
     from vibro.cli.report import aligned, number
     from vibro.core.codes import PHASE_NAMES
     from vibro.quantities import LENGTH, STAND_RATIO
+    from vibro.sweeps.derived import WITH_ACCELERATION
 
     facts = [
         *one.facts(),
         *one.numbers(),
-        ("acceleration", f"{number(float(one.scene.load))} g along the drive"),
+        (
+            "acceleration",
+            f"{number(one.value(WITH_ACCELERATION))} g along the drive (machine number A w^2/g)",
+        ),
+        *_sensitivity(one, grid),
         *_throughput(one, part),
     ]
     if STAND_RATIO.column in part:
@@ -187,9 +231,9 @@ def _report(one: OneScene, part: Mapping[str, float]) -> str:
     phases = [
         (
             PHASE_NAMES[p.kind],
-            f"{1e3 * p.start:.5f}",
-            f"{1e3 * p.end:.5f}",
-            f"{LENGTH.from_si(p.displacement):.5f}",
+            f"{1e3 * p.start:z.5f}",
+            f"{1e3 * p.end:z.5f}",
+            f"{LENGTH.from_si(p.displacement):z.5f}",
         )
         for p in one.phases()
     ]

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = [
+    "LEAST_DIFFERENCE",
     "TRAVERSE",
     "WITH_ACCELERATION",
     "WITH_ARRIVAL",
@@ -44,8 +45,8 @@ __all__ = [
     "throughput",
 ]
 
-# [A] Where slides to and fro nearly cancel, their difference has lost half of its digits, and more below.
-_LEAST_DIFFERENCE: Final = 2.0**-26
+#: [A] Where slides to and fro nearly cancel, their difference has lost half of its digits, and more below.
+LEAST_DIFFERENCE: Final = 2.0**-26
 
 
 def _column(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column:
@@ -76,7 +77,7 @@ def _speed_exponent(block: Block) -> Floats:
     pattern = cycle.pattern_code.reshape(-1)
     displacement = (cycle.displacement_per_cycle / scene.amplitude).reshape(-1)
     one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
-    conveyed = np.abs(displacement) > np.where(one_way, 0.0, _LEAST_DIFFERENCE)
+    conveyed = np.abs(displacement) > np.where(one_way, 0.0, LEAST_DIFFERENCE)
     slides = (pattern > Pattern.R) & (pattern < HOPPING_PATTERNS)
     cells = np.flatnonzero(slides & conveyed & (cycle.status.reshape(-1) == Status.OK))
     groups = Loads(*(np.broadcast_to(x, block.shape).reshape(-1) for x in scene.arrays().loads()))
