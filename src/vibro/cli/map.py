@@ -30,8 +30,12 @@ from vibro.core.codes import Level
 from vibro.errors import InputError, cut, shown
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from matplotlib.figure import Figure
 
+    from vibro.axes import Axis
+    from vibro.plots import View
     from vibro.sweeps.request import Request
 
 __all__ = ["map_command"]
@@ -43,17 +47,24 @@ def map_command(
     context: typer.Context,
     options: Options,
     x: Annotated[
-        str | None, typer.Option("--x", metavar="AXIS", help="The axis drawn across.", show_default=False)
+        str | None,
+        typer.Option(
+            "--x",
+            metavar="AXIS",
+            help="The range drawn across, or, where no range is left, the list.",
+            show_default=False,
+        ),
     ] = None,
     y: Annotated[
-        str | None, typer.Option("--y", metavar="AXIS", help="The axis drawn up.", show_default=False)
+        str | None, typer.Option("--y", metavar="AXIS", help="The range drawn up.", show_default=False)
     ] = None,
     at: Annotated[
         list[str] | None,
         typer.Option(
             "--at",
             metavar="AXIS=VALUE",
-            help="Where the pictures hold an axis; repeatable.",
+            help="At which of its values the pictures hold an axis; repeatable. Without it, axes that are not"
+            " drawn are held in the middle of their feasible values.",
             show_default=False,
         ),
     ] = None,
@@ -90,11 +101,13 @@ def map_command(
 
     An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log.
     Numbers may carry units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm
-    and 5:60 Hz. The results go to STEM.csv, STEM.json and pictures.
+    and 5:60 Hz. The results go to STEM.csv, STEM.json and pictures. A list of at most 12 values is drawn as
+    curves beside one range, and as a map each beside two.
     """
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
     from vibro.cli.request import checked_number, request_of
+    from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
     from vibro.quantities import LEAST_SPEED
     from vibro.sweeps.columns import columns_of
@@ -117,10 +130,9 @@ def map_command(
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
     usual = columns_of(grid.axes, *throughput_of(part))
     table = table_of(usual, columns, digits, needed=NEEDS_PART, part=part)
-    view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), _held(at or [], request))
+    held = _held(at or [], request)
+    view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), held, grid.fixed)
     name = request.name or "vibro-map"
-    if options.output != "-":
-        check_drawable(view)
 
     def draw() -> dict[str, Figure]:
         from vibro.plots import map_figures
@@ -129,16 +141,34 @@ def map_command(
         result = sweep_picture(grid, view.drawn, request.own, request.name or "")
         return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None, level=level)
 
-    names = ["regime"] if view.y else []
-    if grid.level is Level.EXACT:
-        names += ["speed", *(["traverse"] if grid.length is not None else []), *shown]
+    names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
+    if grid.level is not Level.EXACT:
+        names = [name for name in names if name == "regime"]
     pictures = Pictures(names, wanted, draw) if names and options.output != "-" else None
+    if pictures:
+        check_drawable(view)
+        _tell_choices(view, grid.axes, held, console)
     window = None if level is None else friction_window(grid, level)
     look = window.add if window else None
     code = write_sweep(grid, table, options, context.obj, console, name, pictures, look)
     if window:
         console.echo(window.text())
     return code
+
+
+def _tell_choices(view: View, axes: Mapping[str, Axis], asked: Mapping[str, float], console: Console) -> None:
+    """Tell which values the pictures show of axes of which they do not show all."""
+    from vibro.plots.view import value_of
+    from vibro.quantities import QUANTITIES
+
+    for name, index in view.held.items():
+        if name not in asked:
+            at = f"--at {QUANTITIES[name].letter}=VALUE"
+            console.echo(f"pictures: {axes[name].label} held at {value_of(axes[name], index)}; {at} chooses")
+    facet, shown = view.facet, len(view.facet_indices)
+    if facet is not None and len(facet) > shown:
+        at = f"--at {QUANTITIES[facet.name].letter}=VALUE"
+        console.echo(f"pictures: {facet.label} at {shown} of its {len(facet)} values; {at} chooses one")
 
 
 def _shown(texts: list[str]) -> list[str]:
@@ -163,7 +193,7 @@ def _axis_name(text: str) -> str:
 def _held(texts: list[str], request: Request) -> dict[str, float]:
     from vibro.quantities import exact_number, find_quantity
 
-    held = {}
+    held: dict[str, float] = {}
     for text in (part for given in texts for part in given.split(",")):
         name, equals, value = text.partition("=")
         if not equals:
@@ -176,5 +206,7 @@ def _held(texts: list[str], request: Request) -> dict[str, float]:
                 f"--at {cut(text)}: {shown(name)} is no axis",
                 hint=f"the axes are {', '.join(request.varying)}",
             )
+        if quantity.name in held:
+            raise InputError(f"--at: {quantity.label} is given twice", hint="give it once")
         held[quantity.name] = float(exact_number(value, quantity))
     return held

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from vibro.plots.curves import curve_figure
 from vibro.plots.fields import Fields
-from vibro.plots.lines import flight_line, impact_line, speed_lines, traverse_line
+from vibro.plots.lines import line_figure
 from vibro.plots.maps import flight_map, impact_map, regime_map, speed_map, traverse_map
 from vibro.plots.style import house_style, visible
-from vibro.plots.view import View, choose_view, panels
+from vibro.plots.view import View, choose_view, is_discrete, panels
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from matplotlib.figure import Figure
@@ -27,12 +28,12 @@ __all__ = ["View", "choose_view", "map_figures", "picture_names", "save"]
 _COMPRESSION: Final = 3  # of PNG: against the usual 6, files 10 % larger in half the time
 
 
-def picture_names(axes: int, *, has_length: bool, on_request: bool = True) -> list[str]:
-    """Name the pictures that there are of a sweep over so many axes, with or without a trough length.
+def picture_names(view: View, *, has_length: bool, on_request: bool = True) -> list[str]:
+    """Name the pictures that there are of a sweep, with or without a trough length.
 
     Those of flights are drawn on request alone.
     """
-    names = ["regime"] if axes > 1 else []
+    names = ["regime"] if view.y or view.curves else []
     names += ["speed", *(["traverse"] if has_length else [])]
     return [*names, "impact", "flight"] if on_request else names
 
@@ -51,7 +52,7 @@ def map_figures(
     Parameters
     ----------
     result : SweepResult
-        At least one axis varies; those drawn across and up are evenly spaced, as ``sweep_picture`` has them.
+        At least one axis varies; ranges that are drawn are evenly spaced, as ``sweep_picture`` has them.
     names : sequence of str, optional
         Pictures to draw: ``regime`` (of two axes and more), ``speed``, ``traverse`` (with a length),
         ``impact`` and ``flight`` (the share of time in it). Without it the first three, as far as there are
@@ -64,37 +65,34 @@ def map_figures(
     Returns
     -------
     dict of str to Figure
-        By name: maps where two axes vary or more, else lines over bands of the regimes.
+        By name: maps of two ranges, a line of one over bands of its regimes, curves for the values of a list
+        beside one, and points of lists alone.
 
     Raises
     ------
     InputError
         If what is asked for cannot be drawn.
     """
-    view = choose_view(result.axes, x, y, at)
-    parts = panels(result, view)
-    fields = [Fields(panel) for panel in parts]
-    draw: dict[str, Callable[[], Figure]]
-    if view.y is None:
-        (line,) = fields
-        draw = {
-            "speed": lambda: speed_lines(result, line, level),
-            "traverse": lambda: traverse_line(result, line),
-            "impact": lambda: impact_line(result, line),
-            "flight": lambda: flight_line(result, line),
-        }
-    else:
-        draw = {
-            "regime": lambda: regime_map(result, fields),
-            "speed": lambda: speed_map(result, fields, level),
-            "traverse": lambda: traverse_map(result, fields),
-            "impact": lambda: impact_map(result, fields),
-            "flight": lambda: flight_map(result, fields),
-        }
+    view = choose_view(result.axes, x, y, at, result.fixed)
+    groups = [[Fields(panel) for panel in curves] for curves in panels(result, view)]
     if names is None:
-        names = picture_names(len(result.axes), has_length=result.length is not None, on_request=False)
+        names = picture_names(view, has_length=result.length is not None, on_request=False)
     with house_style():
-        return {name: draw[name]() for name in names}
+        return {name: _figure(name, result, view, groups, level) for name in names}
+
+
+def _figure(
+    name: str, result: SweepResult, view: View, groups: list[list[Fields]], level: float | None
+) -> Figure:
+    if view.y is None and (view.curves is not None or is_discrete(view.x)):
+        return curve_figure(name, result, view, groups, level)
+    fields = [curves[0] for curves in groups]
+    if view.y is None:
+        return line_figure(name, result, fields[0], level)
+    if name == "speed":
+        return speed_map(result, fields, level)
+    draw = {"regime": regime_map, "traverse": traverse_map, "impact": impact_map, "flight": flight_map}
+    return draw[name](result, fields)
 
 
 def save(figure: Figure, path: Path, picture_format: str, metadata: Mapping[str, str]) -> None:

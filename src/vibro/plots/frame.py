@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from vibro.results.sweep import SweepResult
 
 __all__ = [
+    "facet_frame",
     "headline",
     "make_logarithmic",
     "map_frame",
@@ -66,11 +67,10 @@ def renderer_of(figure: Figure) -> Any:
     return canvas.get_renderer()
 
 
-def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[Figure, list[Axes]]:
-    """Make a figure with empty maps, their axes named and scaled."""
+def facet_frame(n: int) -> tuple[Figure, list[Axes], int]:
+    """Make a figure with so many empty panels, and tell how many of them stand in a row."""
     from matplotlib.figure import Figure
 
-    n = len(panels)
     columns = _FACET_COLUMNS[n]
     rows = math.ceil(n / columns)
     size = _SINGLE_SIZE
@@ -78,9 +78,15 @@ def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[F
         size = (columns * _FACET_SIZE[0] + _EXTRA_SIZE[0], rows * _FACET_SIZE[1] + _EXTRA_SIZE[1])
     figure = Figure(figsize=size)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=n > 1, sharey=n > 1)
-    axes: list[Axes] = list(grid.flat)[:n]
     for unused in list(grid.flat)[n:]:
         unused.remove()
+    return figure, list(grid.flat)[:n], columns
+
+
+def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[Figure, list[Axes]]:
+    """Make a figure with empty maps, their axes named and scaled."""
+    n = len(panels)
+    figure, axes, columns = facet_frame(n)
     common = dict(panels[0].values)
     for number, (panel, a) in enumerate(zip(panels, axes, strict=True)):
         assert panel.y is not None

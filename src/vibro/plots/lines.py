@@ -1,4 +1,4 @@
-"""Pictures of one axis: numbers over bands that show the regimes."""
+"""Pictures of one range: numbers over bands that show the regimes."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from vibro.plots.style import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -52,7 +52,18 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Band", "flight_line", "impact_line", "name_bands", "speed_lines", "traverse_line"]
+__all__ = [
+    "Band",
+    "Stretch",
+    "draw_numbers",
+    "finish_numbers",
+    "line_figure",
+    "name_bands",
+    "numbers_of",
+    "overlays",
+    "stretches",
+    "write_name",
+]
 
 _TINT: Final = 0.35  # opacity of bands behind lines
 _MARKED: Final = 60  # values on the axis, up to which each is marked
@@ -61,46 +72,74 @@ _HEADROOM: Final = 0.15  # above a level, for its name
 _MILLIMETRE: Final = 1e3  # [1/m]
 
 
-def speed_lines(result: SweepResult, fields: Fields, level: float | None = None) -> Figure:
-    """Mean conveying speed and displacement per cycle over the axis; a level of speed is marked [mm/s]."""
-    cycle = fields.panel.cycle
-    rows = {
-        "mean conveying speed [mm/s]": _MILLIMETRE * cycle["mean_velocity"][0],
-        "displacement per cycle [mm]": _MILLIMETRE * cycle["displacement_per_cycle"][0],
-    }
-    figure = _figure(result, fields, "Mean conveying speed", rows)
-    if level is not None:
-        _, speeds, _ = figure.axes
-        low, high = speeds.get_ylim()
-        speeds.axhline(level, color=INK, linewidth=2.2, linestyle=(0, (1, 1)), zorder=2.5, gid="level")
-        speeds.set_ylim(low, max(high, level + _HEADROOM * (level - low)))
-        place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
-        outline(speeds.annotate(f"{number_text(level)} mm/s", *place), "#FFFFFF")
-    return figure
+def numbers_of(picture: str, length: float | None) -> tuple[str, Mapping[str, Callable[[Fields], Floats]]]:
+    """Return what is drawn of a line.
+
+    Parameters
+    ----------
+    picture : str
+        ``speed``, ``traverse``, ``impact`` or ``flight``.
+    length : float or None
+        Length of the trough [mm]; needed for ``traverse``.
+
+    Returns
+    -------
+    str
+        What the picture shows.
+    mapping of str to callable
+        The numbers over the axis, by the labels of their scales.
+    """
+
+    def of(name: str, scale: float = 1.0) -> Callable[[Fields], Floats]:
+        return lambda fields: scale * fields.panel.cycle[name][0]
+
+    if picture == "speed":
+        return "Mean conveying speed", {
+            "mean conveying speed [mm/s]": of("mean_velocity", _MILLIMETRE),
+            "displacement per cycle [mm]": of("displacement_per_cycle", _MILLIMETRE),
+        }
+    if picture == "impact":
+        return "Impact speed", {"impact speed [mm/s]": of("impact_velocity", _MILLIMETRE)}
+    if picture == "flight":
+        return "Time in flight", {"share of time in flight": of("flight_fraction")}
+    travelled = length or math.nan
+
+    def time(fields: Fields) -> Floats:
+        speed = _MILLIMETRE * fields.panel.cycle["mean_velocity"][0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(speed > 0.0, travelled / speed, np.nan)
+
+    return f"Traverse time over {travelled:.6g} mm", {"traverse time [s]": time}
 
 
-def impact_line(result: SweepResult, fields: Fields) -> Figure:
-    """Largest normal speed of a landing over the axis."""
-    speed = _MILLIMETRE * fields.panel.cycle["impact_velocity"][0]
-    return _figure(result, fields, "Impact speed", {"impact speed [mm/s]": speed})
+def line_figure(picture: str, result: SweepResult, fields: Fields, level: float | None = None) -> Figure:
+    """Draw numbers over a range, as ``numbers_of`` names them; a level of speed is marked [mm/s]."""
+    from matplotlib.figure import Figure
 
-
-def flight_line(result: SweepResult, fields: Fields) -> Figure:
-    """Share of the time in flight over the axis."""
-    share = fields.panel.cycle["flight_fraction"][0]
-    return _figure(result, fields, "Time in flight", {"share of time in flight": share})
-
-
-def traverse_line(result: SweepResult, fields: Fields) -> Figure:
-    """Time to convey over the trough's length at the mean speed."""
-    length = result.length or math.nan
-    velocity = fields.panel.cycle["mean_velocity"][0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        time = np.where(velocity > 0.0, length / (_MILLIMETRE * velocity), np.nan)
-    figure = _figure(result, fields, f"Traverse time over {length:.6g} mm", {"traverse time [s]": time})
-    known = time[np.isfinite(time)]
-    if known.size and known.max() > _WIDE * known.min():
-        make_logarithmic(figure.axes[1].yaxis, known.min(), known.max())
+    heading, rows = numbers_of(picture, result.length)
+    figure = Figure(figsize=(7.4, 2.2 + 2.1 * len(rows)))
+    strip, *axes = figure.subplots(1 + len(rows), 1, sharex=True, height_ratios=[0.13, *[1.0] * len(rows)])
+    set_heading(figure, headline(heading, result), values_text(fields.panel.values))
+    bands = stretches(fields)
+    legend: dict[str, dict[str, Any]] = {}
+    for a, (label, numbers) in zip(axes, rows.items(), strict=True):
+        values = numbers(fields)
+        _shade(a, bands, legend)
+        # A value alone in its regime makes no line: few values are marked.
+        mark: dict[str, Any] = {"marker": "o", "markersize": 4.0} if values.size <= _MARKED else {}
+        draw_numbers(a, fields, values, legend, color=INK, linewidth=1.8, gid="numbers", **mark)
+        a.set_ylabel(label)
+        _critical_lines(a, fields, legend)
+        for point in operating_points(result, fields.panel):
+            height = np.interp(point[0], fields.panel.x.values, values)
+            mark_operating_point(a, np.array([[point[0], height]]), legend)
+        finish_numbers(a, picture, values, level if a is axes[0] else None)
+    scale_axis(strip.xaxis, fields.panel.x)
+    axes[-1].set_xlabel(axis_label(fields.panel.x))
+    figure.align_ylabels(axes)
+    settle(figure, legend)
+    if unnamed := name_bands(figure, strip, bands):
+        settle(figure, unnamed | legend)
     return figure
 
 
@@ -125,7 +164,7 @@ class Band(Protocol):
 
 
 @dataclass(frozen=True)
-class _Band:
+class Stretch:
     """A stretch of the axis over which regime and status stay the same."""
 
     low: float
@@ -150,57 +189,49 @@ class _Band:
         return self.regime.label
 
 
-def _figure(result: SweepResult, fields: Fields, heading: str, rows: dict[str, Floats]) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.4, 2.2 + 2.1 * len(rows)))
-    strip, *axes = figure.subplots(1 + len(rows), 1, sharex=True, height_ratios=[0.13, *[1.0] * len(rows)])
-    set_heading(figure, headline(heading, result), values_text(fields.panel.values))
-    bands = _bands(fields)
-    legend: dict[str, dict[str, Any]] = {}
-    for a, (label, values) in zip(axes, rows.items(), strict=True):
-        _shade(a, bands, legend)
-        _line(a, fields, values, legend)
-        a.set_ylabel(label)
-        _critical_lines(a, fields, legend)
-        for point in operating_points(result, fields.panel):
-            height = np.interp(point[0], fields.panel.x.values, values)
-            mark_operating_point(a, np.array([[point[0], height]]), legend)
-    scale_axis(strip.xaxis, fields.panel.x)
-    axes[-1].set_xlabel(axis_label(fields.panel.x))
-    figure.align_ylabels(axes)
-    settle(figure, legend)
-    if unnamed := name_bands(figure, strip, bands):
-        settle(figure, unnamed | legend)
-    return figure
-
-
-def _bands(fields: Fields) -> list[_Band]:
-    """Cut the axis wherever the regime or the status changes."""
+def stretches(fields: Fields) -> list[Stretch]:
+    """Cut a range wherever the regime or the status changes."""
     unanswered = {s: fields.unanswered(s) for s in NO_ANSWER_HATCH if s in fields.statuses}
     cuts = [zero_points(fields, fields.log_ratio[c], hiding_fields(fields, c)) for c in BEGINS_AT.values()]
     cuts += [zero_points(fields, field) for field in (*unanswered.values(), fields.coexists)]
     edges = np.unique(np.concatenate([fields.x[[0, -1]], *cuts]))
-    bands: list[_Band] = []
-    for low, high in pairwise(edges):
-        middle = int(np.argmin(np.abs(fields.x - 0.5 * (low + high))))
-        status = next((s for s, field in unanswered.items() if field[0, middle] > 0.0), None)
-        regime = Regime(int(fields.panel.cycle["regime"][0, middle]))
-        bands.append(_Band(float(low), float(high), regime, status, bool(fields.coexists[0, middle] > 0.0)))
-    return bands
+    found: list[Stretch] = []
+    for low, high in pairwise(edges.tolist()):
+        middle = 0.5 * (low + high)
+        nearest = int(np.argmin(np.abs(fields.x - middle)))
+        status = next((s for s, field in unanswered.items() if field[0, nearest] > 0.0), None)
+        coexists = bool(fields.coexists[0, nearest] > 0.0)
+        found.append(Stretch(low, high, _regime_at(fields, middle), status, coexists))
+    return found
 
 
-def _shade(axes: Axes, bands: list[_Band], legend: dict[str, dict[str, Any]]) -> None:
+def _regime_at(fields: Fields, x: float) -> Regime:
+    """Return the regime at a place that may be between points, in a stretch that no point lies in."""
+    regime = Regime.NO_SLIP
+    for later, curve in BEGINS_AT.items():
+        ratio = fields.log_ratio[curve]
+        passed = int(np.searchsorted(zero_points(fields, ratio), x))
+        if (ratio[0, 0] > 0.0) != bool(passed % 2):
+            regime = later
+    return regime
+
+
+def overlays(part: Stretch) -> dict[str, dict[str, Any]]:
+    """Return what is hatched over the colour of a stretch: the styles by their names."""
+    hatches = {COEXISTS_LABEL: COEXISTS_HATCH} if part.coexists else {}
+    if part.unanswered is Status.FLIGHT_NOT_MODELLED:
+        hatches[part.unanswered.label.replace("-", " ")] = NO_ANSWER_HATCH[part.unanswered]
+    common = {"facecolor": "none", "edgecolor": NO_ANSWER_INK}
+    return {label: {**common, "hatch": hatch} for label, hatch in hatches.items()}
+
+
+def _shade(axes: Axes, bands: list[Stretch], legend: dict[str, dict[str, Any]]) -> None:
     for band in bands:
         style = band.style
         if "hatch" not in style:
             style = {**style, "alpha": _TINT, "linewidth": 0.0}
         axes.axvspan(band.low, band.high, zorder=0, gid=band.name, **style)
-        extra = [(COEXISTS_LABEL, COEXISTS_HATCH)] if band.coexists else []
-        if band.unanswered is Status.FLIGHT_NOT_MODELLED:
-            extra.append((band.unanswered.label.replace("-", " "), NO_ANSWER_HATCH[band.unanswered]))
-        for label, hatch in extra:
-            style = {"facecolor": "none", "edgecolor": NO_ANSWER_INK, "hatch": hatch}
+        for label, style in overlays(band).items():
             axes.axvspan(band.low, band.high, zorder=0.5, linewidth=0.0, gid=label, **style)
             legend[label] = style
 
@@ -214,31 +245,57 @@ def _critical_lines(axes: Axes, fields: Fields, legend: dict[str, dict[str, Any]
             legend[label] = look
 
 
-def _line(axes: Axes, fields: Fields, values: Floats, legend: dict[str, dict[str, Any]]) -> None:
+def draw_numbers(
+    axes: Axes,
+    fields: Fields,
+    values: Floats,
+    legend: dict[str, dict[str, Any]],
+    **look: Any,
+) -> None:
     """Draw numbers as a line, broken where regimes meet, since the numbers jump there; means as dots."""
     x = fields.panel.x.values
     averaged = fields.panel.cycle["status"][0] == Status.AVERAGED
     if averaged.any():
-        dots: dict[str, Any] = {"color": INK, "linestyle": "none", "marker": ".", "markersize": 3.0}
-        axes.plot(x[averaged], values[averaged], gid=AVERAGED_LABEL, zorder=3, **dots)
-        legend[AVERAGED_LABEL] = dots
+        size = 8.0 if x.size <= _MARKED else 3.0
+        dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": size}
+        axes.plot(x[averaged], values[averaged], gid=AVERAGED_LABEL, zorder=3, color=look["color"], **dots)
+        legend[AVERAGED_LABEL] = {**dots, "color": INK}
     regime = fields.panel.cycle["regime"][0]
     jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1
-    # A value alone in its regime makes no line: few values are marked.
-    mark: dict[str, Any] = {"marker": "o", "markersize": 4.0} if x.size <= _MARKED else {}
     axes.plot(
         np.insert(x, jumps, np.nan),
         np.insert(np.where(averaged, np.nan, values), jumps, np.nan),
-        color=INK,
-        linewidth=1.8,
-        gid="numbers",
         zorder=3,
-        **mark,
+        **look,
     )
+
+
+def finish_numbers(axes: Axes, picture: str, values: Floats, level: float | None = None) -> None:
+    """Draw what helps to read a scale, and mark a level on it; long times are logarithmic.
+
+    Parameters
+    ----------
+    axes : Axes
+        With everything drawn.
+    picture : str
+        As for ``numbers_of``.
+    values : float array
+        What is drawn.
+    level : float, optional
+        In the unit of the values, mm/s.
+    """
     finite = values[np.isfinite(values)]
     if finite.size and finite.min() < 0.0:
         axes.axhline(0.0, color=INK, linewidth=0.8, zorder=1)
     axes.grid(axis="y", color="#BBBBBB", linewidth=0.5, zorder=0.8)
+    if picture == "traverse" and finite.size and finite.max() > _WIDE * finite.min():
+        make_logarithmic(axes.yaxis, finite.min(), finite.max())
+    if picture == "speed" and level is not None:
+        low, high = axes.get_ylim()
+        axes.axhline(level, color=INK, linewidth=2.2, linestyle=(0, (1, 1)), zorder=2.5, gid="level")
+        axes.set_ylim(low, max(high, level + _HEADROOM * (level - low)))
+        place = (0.005, level), (0, 3), ("axes fraction", "data"), "offset points"
+        outline(axes.annotate(f"{number_text(level)} mm/s", *place), "#FFFFFF")
 
 
 def name_bands(figure: Figure, strip: Axes, bands: Sequence[Band]) -> dict[str, dict[str, Any]]:
@@ -246,27 +303,35 @@ def name_bands(figure: Figure, strip: Axes, bands: Sequence[Band]) -> dict[str, 
     strip.set_yticks([])
     strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
     renderer = renderer_of(figure)
-    to_pixels = strip.transData
     unnamed: dict[str, dict[str, Any]] = {}
     for name, group in groupby(bands, key=lambda band: band.name):
         run = list(group)
         low, high, style = run[0].low, run[-1].high, run[0].style
         strip.axvspan(low, high, gid=name, **{"linewidth": 0.0, **style})
-        left, right = to_pixels.transform([(low, 0.0), (high, 0.0)])[:, 0]
-        middle = to_pixels.inverted().transform((0.5 * (left + right), 0.0))[0]
-        text = strip.text(
-            middle,
-            0.5,
-            name,
-            transform=strip.get_xaxis_transform(),
-            ha="center",
-            va="center_baseline",
-            color=ink_on(style["facecolor"]),
-            fontsize=9.0,
-        )
-        if "hatch" in style:
-            outline(text, style["facecolor"])
-        if text.get_window_extent(renderer).width > right - left - 4.0:
-            text.remove()
+        if not write_name(strip, renderer, (low, high), 0.5, name, style):
             unnamed[name] = style
     return unnamed
+
+
+def write_name(
+    axes: Axes, renderer: Any, ends: tuple[float, float], height: float, name: str, style: dict[str, Any]
+) -> bool:
+    """Write a name into a stretch of the axis, at a height, if it has room there; tell whether it has."""
+    to_pixels = axes.transData
+    (left, y), (right, _) = to_pixels.transform([(end, height) for end in ends])
+    middle = to_pixels.inverted().transform((0.5 * (left + right), y))[0]
+    text = axes.text(
+        middle,
+        height,
+        name,
+        ha="center",
+        va="center_baseline",
+        color=ink_on(style["facecolor"]),
+        fontsize=9.0,
+    )
+    if "hatch" in style:
+        outline(text, style["facecolor"])
+    if text.get_window_extent(renderer).width <= right - left - 4.0:
+        return True
+    text.remove()
+    return False

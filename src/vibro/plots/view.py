@@ -1,4 +1,4 @@
-"""Which part of a sweep a picture shows: two axes, facets for a third, and all others held."""
+"""Which part of a sweep a picture shows: its axes, curves and facets for short lists, all others held."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.core.groups import angle_excess, friction_excess
 from vibro.errors import InputError
+from vibro.quantities import QUANTITIES, kinetic_friction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,11 +25,16 @@ __all__ = [
     "View",
     "check_drawable",
     "choose_view",
+    "is_discrete",
     "panels",
+    "value_of",
 ]
 
 MAX_FACETS: Final = 12
 _LEAST, _MOST = 1e-100, 1e100  # of what is drawn, in its unit
+# A value that is typed with another unit, or copied from a message, differs in its last digits.
+_SAME: Final = 1e-9  # relative difference
+_Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -39,7 +46,9 @@ class View:
     x : Axis
         Across.
     y : Axis or None
-        Up; None where one axis varies.
+        Up, on maps; None on pictures of lines or points.
+    curves : Axis or None
+        What differs from curve to curve.
     facet : Axis or None
         What differs from panel to panel.
     facet_indices : tuple of int
@@ -50,17 +59,31 @@ class View:
 
     x: Axis
     y: Axis | None
+    curves: Axis | None
     facet: Axis | None
     facet_indices: tuple[int, ...]
     held: Mapping[str, int]
 
     @property
     def drawn(self) -> dict[str, tuple[int, ...]]:
-        """Indices of the values that are drawn, for every axis but x and y, by name."""
+        """Indices of the values that are drawn, by name, of every axis that is no continuum here."""
         drawn: dict[str, tuple[int, ...]] = {name: (index,) for name, index in self.held.items()}
         if self.facet is not None:
             drawn[self.facet.name] = self.facet_indices
+        for axis in filter(None, (self.x, self.curves)):
+            if is_discrete(axis):
+                drawn[axis.name] = tuple(range(len(axis)))
         return drawn
+
+
+def is_discrete(axis: Axis) -> bool:
+    """Whether an axis is a short list, whose values are drawn one by one, with nothing between them."""
+    return axis.spacing == "list" and len(axis) <= MAX_FACETS
+
+
+def value_of(axis: Axis, index: int) -> str:
+    """Write a value of an axis with its unit, to so many digits that it is known when it is typed."""
+    return f"{axis.values[index]:.10g} {axis.unit}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,48 +115,60 @@ def choose_view(
     x: str | None = None,
     y: str | None = None,
     at: Mapping[str, float] | None = None,
+    fixed: Mapping[str, float] | None = None,
 ) -> View:
     """Decide what is drawn of a sweep.
 
     Parameters
     ----------
     axes : mapping of str to Axis
-        The axes that vary.
+        The axes that vary. One that is a list of at most ``MAX_FACETS`` values is discrete; any other is a
+        range here.
     x, y : str, optional
         Names of the axes to draw across and up. Without them x is the frequency and y the amplitude
-        where both vary, else the first two axes that are not held.
+        where both are ranges, else the first two ranges that are not held; of discrete axes alone, x is the
+        longest.
     at : mapping of str to float, optional
-        Values, in the user's units, at which axes are held; the nearest on the axis is taken.
+        Values, in the user's units, at which axes are held.
+    fixed : mapping of str to float, optional
+        Every other quantity, in the user's units: with some of it, values of an axis may be infeasible.
 
     Returns
     -------
     View
-        A third axis makes up to ``MAX_FACETS`` facets, spread evenly over its values; the others are held at
-        their first values.
+        Beside two ranges the first discrete axis, or a third range, makes facets, of a range up to
+        ``MAX_FACETS``, spread evenly over its values. Beside one range, or on their own, the first two
+        discrete axes make curves and facets. All others are held, in their order, at the middle of those of
+        their values with which something feasible is left.
 
     Raises
     ------
     InputError
-        If a name is no axis of the sweep, is used twice, or a value lies outside of its axis.
+        If a name is no axis of the sweep, or is used twice, a value is none of its axis, or a discrete axis
+        is asked for as that of a map.
     """
     at = at or {}
     _check_names(axes, x, y, at)
-    free = [name for name in axes if name not in at and name not in (x, y)]
-    if x is None and y is None and {"amplitude", "frequency"} <= set(free):
+    free = [name for name in axes if name not in at]
+    if not free:
+        raise InputError("every axis of the sweep is held: nothing is left to draw", hint="hold one less")
+    lists = [name for name in free if is_discrete(axes[name])]
+    ranges = [name for name in free if name not in lists]
+    _check_map(axes, x, y, lists, ranges)
+    if x is None and y is None and {"amplitude", "frequency"} <= set(ranges):
         x, y = "frequency", "amplitude"
-        free = [name for name in free if name not in (x, y)]
+    ranges = [name for name in ranges if name not in (x, y)]
     if x is None:
-        if not free:
-            if y is not None and not at:
-                raise InputError("the only axis of the sweep is drawn across", hint="leave y out")
-            raise InputError("every axis of the sweep is held: nothing is left to draw", hint="hold one less")
-        x = free.pop(0)
-    if y is None and free:
-        y = free.pop(0)
-    facet = axes[free.pop(0)] if free else None
+        x = ranges.pop(0) if ranges else max(lists, key=lambda name: len(axes[name]))
+    if y is None and ranges:
+        y = ranges.pop(0)
+    lists = [name for name in lists if name != x]
+    curves = axes[lists.pop(0)] if y is None and lists else None
+    others = [*lists, *ranges]
+    facet = axes[others.pop(0)] if others else None
     held = {name: _index(axes[name], value) for name, value in at.items()}
-    held |= dict.fromkeys(free, 0)
-    return View(axes[x], axes[y] if y else None, facet, _facet_indices(facet), held)
+    held |= _middles(axes, [name for name in axes if name in others], held, fixed or {})
+    return View(axes[x], axes[y] if y else None, curves, facet, _facet_indices(facet), held)
 
 
 def check_drawable(view: View) -> None:
@@ -144,7 +179,7 @@ def check_drawable(view: View) -> None:
     InputError
         If a value that is drawn is beyond 1e100, or but for 0 below 1e-100.
     """
-    for axis in filter(None, (view.x, view.y, view.facet)):
+    for axis in filter(None, (view.x, view.y, view.curves, view.facet)):
         sizes = np.abs(axis.values[axis.values != 0.0])
         if np.any((sizes < _LEAST) | (sizes > _MOST)):
             ends = f"{axis.label} = {axis.values[0]:g} ... {axis.values[-1]:g}"
@@ -162,14 +197,70 @@ def _check_names(axes: Mapping[str, Axis], x: str | None, y: str | None, at: Map
             raise InputError(f"{axes[name].label} is asked for twice", hint="give x, y and at different axes")
 
 
-def _index(axis: Axis, value: float) -> int:
-    low, high = float(axis.values[0]), float(axis.values[-1])
-    if not low <= value <= high:
+def _check_map(
+    axes: Mapping[str, Axis], x: str | None, y: str | None, lists: list[str], ranges: list[str]
+) -> None:
+    """Refuse a discrete axis as that of a map, and a y without another range to draw across."""
+    asked = y if y in lists else x if x in lists and ranges else None
+    if asked is not None:
+        axis = axes[asked]
+        hint = f"for a map give it as a range, {axis.values[0]:.10g}:{axis.values[-1]:.10g}; "
+        others = " and ".join(axes[name].label for name in ranges)
+        hint += "else leave y out" if asked == y else f"for points over it, hold {others} at a value"
         raise InputError(
-            f"{axis.label} = {value:.6g} {axis.unit}".rstrip() + " lies outside of the sweep",
-            hint=f"give a value from {low:.6g} to {high:.6g} {axis.unit}".rstrip(),
+            f"{axis.label} is a list of {len(axis)} values, drawn one by one: no axis of a map", hint=hint
         )
-    return int(np.argmin(np.abs(axis.values - value)))
+    if y is not None and x is None and ranges == [y]:
+        raise InputError(f"there is no range beside {axes[y].label} to draw across", hint="leave y out")
+
+
+def _index(axis: Axis, value: float) -> int:
+    nearest = int(np.argmin(np.abs(axis.values - value)))
+    if np.isclose(axis.values[nearest], value, rtol=_SAME, atol=0.0):
+        return nearest
+    above = int(np.searchsorted(axis.values, value))
+    inside = 0 < above < len(axis)
+    where = "is none of the values of this axis" if inside else "lies outside of the sweep"
+    around = " or ".join(f"{axis.values[i]:.10g}" for i in ([above - 1, above] if inside else [nearest]))
+    raise InputError(
+        f"{axis.label} = {value:.10g} {axis.unit}".rstrip() + f" {where}",
+        hint=f"give the nearest, {around} {axis.unit}".rstrip(),
+    )
+
+
+def _middles(
+    axes: Mapping[str, Axis], names: list[str], held: Mapping[str, int], fixed: Mapping[str, float]
+) -> dict[str, int]:
+    """Hold axes in the middle of those of their values that leave a feasible combination."""
+    spans: dict[str, _Span] = {name: (value, value) for name, value in fixed.items()}
+    spans |= {name: (float(axis.values[0]), float(axis.values[-1])) for name, axis in axes.items()}
+    spans |= {name: (float(axes[name].values[i]),) * 2 for name, i in held.items()}
+    middles = {}
+    for name in names:
+        values = axes[name].values
+        feasible = np.flatnonzero(_leaves_some(name, values, spans))
+        # Where what is asked for is all infeasible, the picture shows that.
+        i = int(feasible[len(feasible) // 2]) if feasible.size else len(values) // 2
+        middles[name], spans[name] = i, (float(values[i]),) * 2
+    return middles
+
+
+def _leaves_some(name: str, values: NDArray[np.float64], spans: Mapping[str, _Span]) -> NDArray[np.bool_]:
+    """Tell whether values of a quantity leave feasible combinations with what the others span."""
+    # The most feasible of all: the most static friction, and the least of everything else.
+    best: dict[str, Any] = {
+        other: high if other == "static_friction" else low for other, (low, high) in spans.items()
+    }
+    best[name] = values
+    feasible = np.ones(values.shape, np.bool_)
+    if "friction_ratio" in best and "static_friction" in best:
+        best["kinetic_friction"] = kinetic_friction(best["friction_ratio"], best["static_friction"])
+    if {"static_friction", "kinetic_friction"} <= best.keys():
+        feasible &= friction_excess(best["static_friction"], best["kinetic_friction"]) <= 0.0
+    if {"drive_angle", "trough_angle"} <= best.keys():
+        angles = (QUANTITIES[angle].to_si(best[angle]) for angle in ("drive_angle", "trough_angle"))
+        feasible &= angle_excess(*angles) < 0.0
+    return feasible
 
 
 def _facet_indices(facet: Axis | None) -> tuple[int, ...]:
@@ -179,15 +270,23 @@ def _facet_indices(facet: Axis | None) -> tuple[int, ...]:
     return tuple(int(i) for i in np.round(np.linspace(0, len(facet) - 1, n)))
 
 
-def panels(result: SweepResult, view: View) -> list[Panel]:
-    """Cut the drawn panels out of a sweep, as views of its arrays where possible."""
-    return [_panel(result, view, index) for index in view.facet_indices]
+def panels(result: SweepResult, view: View) -> list[list[Panel]]:
+    """Cut what is drawn out of a sweep, as views of its arrays where possible.
+
+    Returns
+    -------
+    list of list of Panel
+        For every facet its curves; one where there are no curves.
+    """
+    curves = range(len(view.curves)) if view.curves else (-1,)
+    return [[_panel(result, view, facet, curve) for curve in curves] for facet in view.facet_indices]
 
 
-def _panel(result: SweepResult, view: View, facet_index: int) -> Panel:
+def _panel(result: SweepResult, view: View, facet_index: int, curve_index: int) -> Panel:
     held = dict(view.held)
-    if view.facet is not None:
-        held[view.facet.name] = facet_index
+    for axis, index in ((view.facet, facet_index), (view.curves, curve_index)):
+        if axis is not None:
+            held[axis.name] = index
     names = list(result.axes)
 
     def cut(values: NDArray[Any]) -> NDArray[Any]:

@@ -39,6 +39,8 @@ _WALKED_BLOCK: Final = 8_192
 _RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
 # Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show.
 _COARSER: Final = 2
+# A curve of several is read less closely than one alone, and all of them have to be solved.
+_CURVES_COARSER: Final = 4
 
 
 def sweep_blocks(grid: Grid) -> Iterator[Block]:
@@ -79,8 +81,8 @@ def sweep_picture(
     grid : Grid
         The whole grid.
     drawn : mapping of str to tuple of int
-        Indices to keep of an axis, by name; a single one holds the axis at that value. Every other axis is
-        resolved evenly between its ends.
+        Indices to keep of an axis, by name; a single one holds the axis at that value. Every other axis, of
+        at most two, is resolved evenly between its ends.
     operating_point : mapping of str to float, or None
         The scene's own values.
     title : str
@@ -94,8 +96,8 @@ def sweep_picture(
     held = {name: indices[0] for name, indices in drawn.items() if len(indices) == 1}
     fixed = {**grid.fixed, **{name: float(grid.axes[name].values[i]) for name, i in held.items()}}
     varying = [axis for name, axis in grid.axes.items() if name not in held]
-    bounces = fixed.get("restitution", 1.0) > 0.0
-    count = (_RESOLVED[len(varying)] - 1) // (_COARSER if bounces else 1) + 1
+    kept = sum(axis.name in drawn for axis in varying)
+    count = _resolution(len(varying) - kept, kept, bounces=fixed.get("restitution", 1.0) > 0.0)
     axes = {
         axis.name: replace(axis, values=axis.values[list(drawn[axis.name])])
         if axis.name in drawn
@@ -106,6 +108,14 @@ def sweep_picture(
     values = part.values()
     limits, point = critical_loads(scene_of(values)), grid.operating_point(operating_point)
     return SweepResult(axes, fixed, part.solve(values), limits, grid.length, point, title)
+
+
+def _resolution(ranges: int, kept: int, *, bounces: bool) -> int:
+    """Return the number of values of each range of a picture, beside so many axes whose values are kept."""
+    intervals = _RESOLVED[ranges + kept if ranges > 1 else 1] - 1
+    if ranges == 1 and kept:
+        intervals //= _CURVES_COARSER
+    return intervals // (_COARSER if bounces else 1) + 1
 
 
 def _resolved(axis: Axis, count: int) -> Axis:

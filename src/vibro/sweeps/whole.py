@@ -144,12 +144,14 @@ class Sweep:
         Parameters
         ----------
         name : {"regime", "speed", "traverse", "impact", "flight"}
-            What is drawn: a map where two axes vary or more, else lines over bands of the regimes. A third
-            axis makes up to 12 maps beside each other; any more are held at their first values.
+            What is drawn: a map of two ranges, a line of one over bands of its regimes. An axis of at most
+            12 values that were given one by one is no range: it makes curves beside one range, maps beside
+            two, and points where there is none. A third range makes up to 12 maps. Any more axes are held
+            in the middle of their feasible values.
         x, y : str, optional
-            The axes drawn across and up, by key, name or letter (``"amplitude_mm"``, ``"A"``).
+            The ranges drawn across and up, by key, name or letter (``"amplitude_mm"``, ``"A"``).
         at : mapping of str to float or str, optional
-            Where other axes are held, by the same names; at the nearest value of the axis.
+            Where other axes are held, by the same names; each at one of its values.
 
         Returns
         -------
@@ -161,22 +163,28 @@ class Sweep:
         InputError
             If there is no such picture of this sweep, or an axis or a value is not one of its own.
         """
-        from vibro.plots import map_figures, picture_names
+        from vibro.plots import choose_view, map_figures, picture_names
 
         grid = self._grid
-        known = picture_names(len(self.shape), has_length=grid.length is not None)
+        if not self.shape:
+            raise _no_picture(name, "there are none")
+        across, up, held = _axis_name(x), _axis_name(y), _held({} if at is None else at)
+        view = choose_view(grid.axes, across, up, held, grid.fixed)
+        known = picture_names(view, has_length=grid.length is not None)
         if grid.level is Level.REGIMES:
-            known = known[:1] if len(self.shape) > 1 else []
-        if not known or not self.shape or name not in known:
-            hint = f"there are {', '.join(known)}" if known and self.shape else "there are none"
-            if name == "traverse" and grid.length is None:
-                hint = "give trough_length_mm"
-            raise InputError(f"draw({shown(name)}): no such picture of this sweep", hint=hint)
+            known = [picture for picture in known if picture == "regime"]
+        if name not in known:
+            hint = f"there are {', '.join(known) or 'none'}"
+            raise _no_picture(
+                name, "give trough_length_mm" if name == "traverse" and not grid.length else hint
+            )
         limits, point = critical_loads(scene_of(grid.values())), grid.operating_point(self._own)
         result = SweepResult(grid.axes, grid.fixed, self.cycle, limits, grid.length, point, self._title)
-        return map_figures(
-            result, [name], x=_axis_name(x), y=_axis_name(y), at=_held({} if at is None else at)
-        )[name]
+        return map_figures(result, [name], x=across, y=up, at=held)[name]
+
+
+def _no_picture(name: str, hint: str) -> InputError:
+    return InputError(f"draw({shown(name)}): no such picture of this sweep", hint=hint)
 
 
 def _axis_name(called: str | None) -> str | None:
