@@ -61,7 +61,7 @@ def sweep(
     specs = {name: parse_axis(str(texts[name]), QUANTITIES[name]) for name in QUANTITIES if name in texts}
     axes = {name: spec.axis(20) for name, spec in specs.items() if spec.varies}
     fixed = {name: spec.value for name, spec in specs.items() if not spec.varies}
-    view = choose_view(axes, at=at)
+    view = choose_view(axes, at=at, fixed=fixed)
     counts = {} if points is None else dict.fromkeys(run._RESOLVED, points)
     with mock.patch.dict(run._RESOLVED, counts):
         return run.sweep_picture(Grid(axes, fixed, length, flight=flight), view.drawn, own, "a sweep")

@@ -330,35 +330,6 @@ def test_scene_file_and_options_merge_by_name(run: Run) -> None:
     assert {row["kinetic_friction"] for row in rows_of(result.stdout)} == {"0.35", "0.4"}
 
 
-def test_four_axes_draw_a_slice_and_the_table_holds_all(run: Run) -> None:
-    args = ("-A", "0.5:2:3", "-f", "10:30:3", "-a", "10,20", "--mu-s", "0.6,0.7", "--mu-d", "0.5")
-    result = run("map", *args, "-o", "nut", "--at", "mu_s=0.7", "--x", "amplitude", "--y", "drive-angle")
-    assert result.exit_code == 0
-    assert len(rows_of(Path("nut.csv").read_text(encoding="utf-8"))) == 36
-    assert names() == ["nut-regime.png", "nut-speed.png", "nut.csv", "nut.json"]
-
-
-@pytest.mark.parametrize(
-    ("args", "problem"),
-    [
-        (("--x", "mu_s"), "static friction does not vary in this sweep"),
-        (("--x", "f", "--y", "f"), "frequency is asked for twice"),
-        (("--at", "A=9"), "amplitude = 9 mm lies outside of the sweep"),
-        (("--at", "A"), "--at A: not of the form AXIS=VALUE"),
-        (("--at", "colour=1"), "--at colour=1: 'colour' is no axis"),
-        (("--at", "A=1,f=12"), "every axis of the sweep is held: nothing is left to draw"),
-        (("--format", "bmp"), "--format bmp: 'bmp' is not a format of pictures"),
-    ],
-)
-def test_a_wrong_choice_of_picture_is_refused_beforehand(
-    run: Run, args: tuple[str, ...], problem: str
-) -> None:
-    result = run("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION, "-o", "nut", *args)
-    assert result.exit_code == 2
-    assert f"error: {problem}" in result.stderr
-    assert names() == []
-
-
 def test_formats(run: Run) -> None:
     result = run("map", *NUT, "-A", "0.5:2:3", "-o", "nut", "--format", "svg,pdf")
     assert result.exit_code == 0

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from vibro.axes import parse_axis
 from vibro.errors import FileError, InputError, printable
 from vibro.files.stems import PICTURES, output_stem, suffixed
-from vibro.plots import picture_names
+from vibro.plots import choose_view, picture_names
 from vibro.plots.design import DESIGN_PICTURES
+from vibro.quantities import QUANTITIES
 
 
 def test_suffixes_are_appended_whatever_dots_the_stem_has(tmp_path: Path) -> None:
@@ -60,5 +62,6 @@ def test_what_is_neither_a_file_nor_a_folder_is_refused_with_a_hint(tmp_path: Pa
 
 
 def test_every_picture_with_a_name_is_known_by_it() -> None:
-    assert set(PICTURES) == {*picture_names(2, has_length=True), *DESIGN_PICTURES}
+    axes = {name: parse_axis("1:2", QUANTITIES[name]).axis(3) for name in ("amplitude", "frequency")}
+    assert set(PICTURES) == {*picture_names(choose_view(axes), has_length=True), *DESIGN_PICTURES}
     assert len(set(PICTURES)) == len(PICTURES)

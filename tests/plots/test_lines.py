@@ -10,6 +10,7 @@ import pytest
 from drawn import GRAVITY, curve, legend, said, sweep, words
 from matplotlib.colors import to_rgb
 
+import vibro
 from vibro.plots import map_figures
 from vibro.plots.style import COEXISTS_LABEL, REGIME_COLOURS
 from vibro.results.sweep import SweepResult
@@ -55,6 +56,19 @@ def test_bands_meet_at_the_critical_loads(line_pictures: dict[str, Figure], one_
     for name, (low, high) in edges.items():
         assert (bands[name].x0, bands[name].x1) == (pytest.approx(low), pytest.approx(high))
     assert words(strip) == list(edges)
+
+
+def test_bands_between_two_points_have_their_own_regime() -> None:
+    """Of three points none lies in forward slip: its band is there all the same."""
+    t = vibro.sweep(
+        amplitude_mm="0.1:4:3",
+        frequency_hz=15,
+        drive_angle_deg=20,
+        static_friction=0.74,
+        kinetic_friction=0.57,
+    )
+    strip = t.draw("speed").axes[0]
+    assert [p.get_gid() for p in strip.patches] == ["no-slip", "forward-slip", "back-slip", "hopping"]
 
 
 def test_bands_shade_every_panel(line_pictures: dict[str, Figure]) -> None:

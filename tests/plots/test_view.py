@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 from vibro.axes import parse_axis
@@ -14,7 +16,7 @@ from vibro.plots.view import check_drawable
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    pass
+    from vibro.plots import View
 
 
 def test_frequency_across_amplitude_up() -> None:
@@ -45,10 +47,10 @@ def test_one_axis_has_no_y() -> None:
 
 def test_axes_that_are_asked_for() -> None:
     axes = grid_axes("amplitude", "frequency", "drive_angle")
-    view = choose_view(axes, x="drive_angle", at={"frequency": 15})
+    view = choose_view(axes, x="drive_angle", at={"frequency": axes["frequency"].values[7]})
     assert view.y is not None
     assert (view.x.name, view.y.name, view.facet) == ("drive_angle", "amplitude", None)
-    assert axes["frequency"].values[view.held["frequency"]] == pytest.approx(15, abs=55 / 19 / 2)
+    assert view.held == {"frequency": 7}
 
 
 def test_only_y_is_asked_for() -> None:
@@ -56,10 +58,156 @@ def test_only_y_is_asked_for() -> None:
     assert view.x.name == "amplitude"
 
 
-def test_more_than_three_axes_show_their_first_slice() -> None:
+def test_more_than_three_axes_show_their_middle_slice() -> None:
     view = choose_view(grid_axes("amplitude", "frequency", "drive_angle", "static_friction", "trough_angle"))
-    assert view.held == {"static_friction": 0, "trough_angle": 0}
+    assert view.held == {"static_friction": 10, "trough_angle": 10}
     assert view.drawn.keys() == {"drive_angle", "static_friction", "trough_angle"}
+
+
+DRAWN = {"amplitude": "1,2", "frequency": "5:60", "restitution": "0:0.5"}
+
+
+@pytest.mark.parametrize(
+    ("held", "fixed", "at", "middle"),
+    [
+        (
+            {"static_friction": "0.2,0.3,0.4,0.5,0.6"},
+            {"kinetic_friction": 0.35},
+            {},
+            {"static_friction": 0.5},
+        ),
+        (
+            {"kinetic_friction": "0.2,0.3,0.4,0.5,0.6"},
+            {"static_friction": 0.45},
+            {},
+            {"kinetic_friction": 0.3},
+        ),
+        ({"friction_ratio": "0.8,0.9,1,1.1,1.2"}, {"static_friction": 0.45}, {}, {"friction_ratio": 0.9}),
+        ({"static_friction": "0.2,0.3,0.4"}, {"friction_ratio": 0.5}, {}, {"static_friction": 0.3}),
+        ({"drive_angle": "20,40,60,80"}, {"trough_angle": 50.0}, {}, {"drive_angle": 20}),
+        ({"trough_angle": "20,40,60,80"}, {"drive_angle": 40.0}, {}, {"trough_angle": 40}),
+        # Held in their order, each beside those held before it.
+        (
+            {"static_friction": "0.2,0.4,0.6", "kinetic_friction": "0.1,0.3,0.5"},
+            {},
+            {},
+            {"static_friction": 0.4, "kinetic_friction": 0.3},
+        ),
+        (
+            {"drive_angle": "10,30,50", "static_friction": "0.2,0.4,0.6", "kinetic_friction": "0.1,0.3,0.5"},
+            {},
+            {"kinetic_friction": 0.5},
+            {"drive_angle": 30, "static_friction": 0.6},
+        ),
+        # What is asked for cannot be: the picture shows that.
+        ({"static_friction": "0.2,0.3,0.4"}, {"kinetic_friction": 0.5}, {}, {"static_friction": 0.3}),
+    ],
+)
+def test_axes_are_held_in_the_middle_of_what_can_be(
+    held: dict[str, str], fixed: dict[str, float], at: dict[str, float], middle: dict[str, float]
+) -> None:
+    axes = axes_of(**DRAWN, **held)
+    view = choose_view(axes, at=at, fixed=fixed)
+    assert {name: axes[name].values[i] for name, i in view.held.items()} == middle | at
+
+
+def test_what_is_drawn_decides_what_can_be_held() -> None:
+    """A facet of static friction reaches up to 0.4, so that of the kinetic ones 0.1 ... 0.4 are left."""
+    axes = axes_of(
+        amplitude="1:2", frequency="5:60", static_friction="0.2,0.3,0.4", kinetic_friction="0.1,0.2,0.4,0.5"
+    )
+    view = choose_view(axes)
+    assert (shown(view), view.held) == ("frequency amplitude - static_friction", {"kinetic_friction": 1})
+
+
+def shown(view: View) -> str:
+    """Name x, y, curves and facets."""
+    return " ".join(axis.name if axis else "-" for axis in (view.x, view.y, view.curves, view.facet))
+
+
+LIST = "0.2,0.3,0.4"
+LONG = ",".join(f"0.{i}" for i in range(21, 34))
+
+
+@pytest.mark.parametrize(
+    ("texts", "drawn"),
+    [
+        ({"amplitude": "1:2", "frequency": "50,100"}, "amplitude - frequency -"),
+        ({"frequency": "5:60", "amplitude": "1,2"}, "frequency - amplitude -"),
+        ({"amplitude": "1:2", "static_friction": LIST}, "amplitude - static_friction -"),
+        ({"amplitude": "1:2", "static_friction": LONG}, "amplitude static_friction - -"),
+        ({"amplitude": "1:2:3", "static_friction": "0.2:0.4:3"}, "amplitude static_friction - -"),
+        (
+            {"amplitude": "1:2", "frequency": "50,100", "static_friction": LIST},
+            "amplitude - frequency static_friction",
+        ),
+        (
+            {"amplitude": "1:2", "frequency": "5:60", "drive_angle": "10:40", "static_friction": LIST},
+            "frequency amplitude - static_friction",
+        ),
+        (
+            {"amplitude": "1:2", "frequency": "50,100", "drive_angle": "10:40", "static_friction": LIST},
+            "amplitude drive_angle - frequency",
+        ),
+        ({"frequency": "50,100"}, "frequency - - -"),
+        ({"amplitude": "1,2", "static_friction": LIST}, "static_friction - amplitude -"),
+        ({"amplitude": "1,2", "frequency": "50,100"}, "amplitude - frequency -"),
+        (
+            {"amplitude": "1,2", "frequency": "50,100", "static_friction": LIST},
+            "static_friction - amplitude frequency",
+        ),
+    ],
+)
+def test_lists_are_curves_and_facets_but_no_axes_of_maps(texts: dict[str, str], drawn: str) -> None:
+    view = choose_view(axes_of(**texts))
+    assert shown(view) == drawn
+    for axis in (view.x, view.curves):
+        if axis is not None and axis.spacing == "list" and len(axis) <= 12:
+            assert view.drawn[axis.name] == tuple(range(len(axis)))
+    assert "static_friction" in view.drawn or texts.get("static_friction") != LIST
+
+
+def test_points_over_a_list_beside_what_is_held() -> None:
+    axes = axes_of(amplitude="1:2:3", static_friction=LIST)
+    view = choose_view(axes, x="static_friction", at={"amplitude": 1.5})
+    assert (shown(view), view.held) == ("static_friction - - -", {"amplitude": 1})
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "message", "hint"),
+    [
+        (None, "static_friction", "static friction is a list of 3 values", "0.2:0.4; else leave y out"),
+        ("amplitude", "static_friction", "static friction is a list", "0.2:0.4; else leave y out"),
+        ("static_friction", None, "static friction is a list", "over it, hold amplitude at a value"),
+        ("static_friction", "amplitude", "static friction is a list", "over it, hold amplitude at a value"),
+        (None, "amplitude", "no range beside amplitude to draw across", "leave y out"),
+    ],
+)
+def test_a_list_is_no_axis_of_a_map(x: str | None, y: str | None, message: str, hint: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        choose_view(axes_of(amplitude="1:2", static_friction=LIST), x, y)
+    assert hint in caught.value.hint
+
+
+@pytest.mark.parametrize("text", ["10,20,30,40", "10:40:4", "10:40:20", "10:40:7:log", "-10:20:7"])
+def test_a_value_that_is_not_on_its_axis_is_refused_with_those_that_are(text: str) -> None:
+    axes = axes_of(amplitude="1:2", trough_angle=text)
+    values = axes["trough_angle"].values
+    for value in (0.3 * values[1] + 0.7 * values[2], values[-1] + 1.0, values[0] - 1.0, values[1] + 1e-6):
+        with pytest.raises(InputError, match="trough angle = ") as caught:
+            choose_view(axes, at={"trough_angle": value})
+        nearest = re.findall(r"-?[\d.]+", caught.value.hint)
+        found = [choose_view(axes, at={"trough_angle": float(v)}).held["trough_angle"] for v in nearest]
+        above = int(np.searchsorted(values, value))
+        assert found == [i for i in (above - 1, above) if 0 <= i < len(values)]
+
+
+def test_a_value_on_its_axis_may_have_had_another_unit() -> None:
+    axes = axes_of(amplitude="1:2", drive_angle="10,20,30")
+    for value in (20.0, 20 * (1 + 9e-10), math.degrees(math.radians(20.0))):
+        assert choose_view(axes, at={"drive_angle": value}).held == {"drive_angle": 1}
+    with pytest.raises(InputError, match="none of the values"):
+        choose_view(axes, at={"drive_angle": 20 * (1 + 2e-9)})
 
 
 def test_facets_reach_from_end_to_end() -> None:
@@ -85,6 +233,10 @@ def test_what_cannot_be_drawn(x: str | None, y: str | None, at: dict[str, float]
     with pytest.raises(InputError, match=message) as caught:
         choose_view(grid_axes("amplitude", "frequency"), x, y, at)
     assert caught.value.hint
+
+
+def axes_of(**texts: str) -> dict[str, Any]:
+    return {name: parse_axis(texts[name], QUANTITIES[name]).axis(20) for name in QUANTITIES if name in texts}
 
 
 def grid_axes(*names: str) -> dict[str, Any]:

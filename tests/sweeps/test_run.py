@@ -95,6 +95,15 @@ def test_a_picture_has_a_resolution_of_its_own(axes: tuple[str, ...]) -> None:
     assert result.operating_point == {name: FIXED[name] for name in axes}
 
 
+def test_a_picture_of_curves_keeps_the_values_of_the_list() -> None:
+    grid = grid_of(amplitude="0.5:1.5:3", frequency="10,12.5,16", drive_angle="10,20")
+    result = sweep_picture(grid, {"frequency": (0, 1, 2), "drive_angle": (1,)}, None, "")
+    assert result.axes["frequency"].values.tolist() == [10, 12.5, 16]
+    assert 2_000 > result.shape[0] > 500
+    points = sweep_picture(grid_of(frequency="10,12.5,16"), {"frequency": (0, 1, 2)}, None, "")
+    assert points.shape == (3,)
+
+
 def test_a_scene_that_lacks_an_axis_has_no_operating_point() -> None:
     grid = grid_of(amplitude="0.5:1.5:3", frequency="10:16:4")
     assert sweep_picture(grid, {}, {"amplitude": 1.0}, "").operating_point is None

@@ -214,6 +214,32 @@ def test_pictures_of_the_cells_held() -> None:
     )
 
 
+def test_a_list_is_drawn_value_by_value() -> None:
+    t = vibro.sweep(NUT_FILE, amplitude_mm="0.1:3:30", frequency_hz=[15, 20])
+    lines = [line for line in t.draw("speed").axes[1].lines if line.get_gid() == "numbers"]
+    for line, speeds in zip(lines, t.cycle.mean_velocity.T, strict=True):
+        y = np.asarray(line.get_ydata(), float)
+        np.testing.assert_array_equal(y[~np.isnan(y)], 1e3 * speeds)
+    assert t.draw("regime").axes[0].get_yticks().tolist() == [0, 1]
+    with pytest.raises(InputError, match="no such picture"):
+        t.draw("regime", at={"f": 20})
+    assert len([a for a in t.draw("speed", at={"f": 20}).axes[1].lines if a.get_gid() == "numbers"]) == 1
+
+
+def test_axes_that_are_not_drawn_are_held_where_something_can_be() -> None:
+    t = vibro.sweep(
+        NUT_FILE,
+        amplitude_mm="0.5:1:2",
+        frequency_hz="10:20:2",
+        drive_angle_deg=[10, 20],
+        static_friction=[0.5, 0.6, 0.7, 0.8],
+    )
+    assert r"$\mu_s$ = 0.7" in t.draw("regime").get_suptitle()
+    with pytest.raises(InputError, match="none of the values") as caught:
+        t.draw("regime", at={"mu_s": 0.64})
+    assert caught.value.hint == "give the nearest, 0.6 or 0.7"
+
+
 def test_pictures_that_there_are_not() -> None:
     line = vibro.sweep(amplitude_mm=[0.5, 1, 1.3], frequency_hz=15, **NUT)
     (numbers,) = [line for line in line.draw("speed").axes[1].lines if line.get_gid() == "numbers"]
@@ -227,8 +253,9 @@ def test_pictures_that_there_are_not() -> None:
     assert caught.value.hint == "there are speed, impact, flight"
     with pytest.raises(InputError, match="frequency does not vary"):
         line.draw("speed", x="frequency_hz")
-    with pytest.raises(InputError, match="the only axis of the sweep is drawn across"):
+    with pytest.raises(InputError, match="no axis of a map") as caught:
         line.draw("speed", y="A")
+    assert "leave y out" in caught.value.hint
     regimes = vibro.sweep(NUT_FILE, frequency_hz="5:60:7", accuracy="regimes")
     with pytest.raises(InputError, match="no such picture") as caught:
         regimes.draw("speed")
@@ -243,6 +270,7 @@ def test_pictures_that_there_are_not() -> None:
         ({"alpha": "10,20"}, "at: drive angle = '10,20': must be one value"),
         ({"alpha": None}, "must be a number or an axis"),
         ({"alpha": 99}, "drive angle = 99 deg lies outside of the sweep"),
+        ({"alpha": 17}, "drive angle = 17 deg is none of the values of this axis"),
     ],
 )
 def test_places_that_there_are_not(at: dict[str, Any], problem: str) -> None:
@@ -253,7 +281,11 @@ def test_places_that_there_are_not(at: dict[str, Any], problem: str) -> None:
 
 def test_names_stand_in_their_regimes_on_uneven_cells() -> None:
     """What a name stands on is what is filled there, however far apart the cells are."""
-    t = vibro.sweep(NUT_FILE, amplitude_mm=[0.1, 0.5, 0.7, 3, 3.1], frequency_hz=[5, 10, 40, 45, 60])
+    t = vibro.sweep(
+        NUT_FILE,
+        amplitude_mm=[0.1, 0.5, 0.7, *np.linspace(3, 3.1, 10)],
+        frequency_hz=[5, 10, 40, *range(45, 61)],
+    )
     axes = t.draw("regime").axes[0]
     names = [text for text in axes.texts if text.get_text().replace("\n", "") in LABELS]
     assert names

@@ -66,10 +66,10 @@ _TICK: Final = 0.5  # [in] from one number below such an axis to the next
 # From dark to light, and legible on white: in this order for the colour-blind and in grey, too.
 _COLOURS, _LIGHTEST = "plasma", 0.75
 _DASHES: Final[tuple[Any, ...]] = ("-", (0, (6, 2)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
-# Points of several lists lie upon each other: hollow, and of different shapes.
+# Points may lie upon each other: of different shapes, and hollow. Means are filled.
 _MARKERS: Final = "os^Dv"
-_HOLLOW: Final[Mapping[str, Any]] = {"markerfacecolor": "none", "markeredgewidth": 1.4}
 _POINT: Final[Mapping[str, Any]] = {"linestyle": "none", "marker": "o", "markersize": 6.0, "color": INK}
+_HOLLOW: Final[Mapping[str, Any]] = {"markerfacecolor": "none", "markeredgewidth": 1.4}
 
 
 class _Curve(NamedTuple):
@@ -81,11 +81,12 @@ class _Curve(NamedTuple):
 
 
 class _Bar(NamedTuple):
-    """A part of a bar: where there is room for its name, and how it is filled."""
+    """A part of a bar, and how it is filled."""
 
     axes: Axes
     row: int
-    room: tuple[float, float]
+    fields: Fields
+    ends: tuple[float, float]
     name: str
     style: dict[str, Any]
 
@@ -133,7 +134,7 @@ def curve_figure(
     else:
         figure, (strip, *axes) = _stack(view, [_THIN * len(looks), *[_PANEL] * len(rows)])
         strip.tick_params(axis="x", which="both", bottom=False, labelbottom=False)
-        strip.spines["bottom"].set_visible(False)
+        strip.spines[:].set_visible(False)
         hatched: Legend = {}
         bars = _draw_bars(strip, view, facets[0], hatched)
         legend = {bar.name: bar.style for bar in bars} | hatched
@@ -142,7 +143,10 @@ def curve_figure(
     for a, label, curves in panels:
         for curve in curves:
             values = rows[label](curve.fields)
-            draw_numbers(a, curve.fields, values, legend, gid="numbers", label=curve.label, **curve.look)
+            means = {"means": {**_POINT, "marker": curve.look["marker"]}} if is_discrete(view.x) else {}
+            draw_numbers(
+                a, curve.fields, values, legend, **means, gid="numbers", label=curve.label, **curve.look
+            )
             for x in _own_x(result, view, curve.fields):
                 height = float(np.interp(x, curve.fields.x, values))
                 mark_operating_point(a, np.array([[x, height]]), legend)
@@ -171,14 +175,20 @@ def _regimes(result: SweepResult, view: View, facets: list[list[_Curve]]) -> Fig
     for a, curves in zip(axes, facets, strict=True):
         bars += _draw_bars(a, view, curves, legend)
         for row, curve in enumerate(curves):
-            if not is_discrete(view.x):
-                _draw_critical(a, row, curve.fields, legend)
             points = [(x, row) for x in _own_x(result, view, curve.fields)]
             mark_operating_point(a, np.array(points), legend)
+            if not is_discrete(view.x):
+                _draw_critical(a, row, curve.fields, legend)
+        if not is_discrete(view.x):
+            a.spines[["left", "top", "right"]].set_visible(False)
     set_heading(figure, headline("Steady regimes", result), _common(view, facets))
     settle(figure, legend)
     renderer = renderer_of(figure)
-    named = {b.name for b in bars if write_name(b.axes, renderer, b.room, b.row, b.name, b.style)}
+    named = {
+        bar.name
+        for bar in bars
+        if write_name(bar.axes, renderer, _room(result, view, bar), bar.row, bar.name, bar.style)
+    }
     if unnamed := {bar.name: bar.style for bar in bars if bar.name not in named}:
         settle(figure, unnamed | legend)
     return figure
@@ -190,7 +200,7 @@ def _looks(view: View) -> list[tuple[str, Mapping[str, Any]]]:
     from matplotlib.colors import to_hex
 
     if view.curves is None:
-        return [("", _POINT)]
+        return [("", {**_POINT, **_HOLLOW})]
     name, values = view.curves.name, view.curves.values.tolist()
     colours = [to_hex(c) for c in colormaps[_COLOURS](np.linspace(0.0, _LIGHTEST, len(values)))]
     points = is_discrete(view.x)
@@ -262,7 +272,7 @@ def _draw_bars(axes: Axes, view: View, curves: Sequence[_Curve], legend: Legend)
             run = list(group)
             low, high, style = run[0].low, run[-1].high, run[0].style
             _fill(axes, row, low, high, name, style)
-            bars.append(_Bar(axes, row, _widest(low, high, fields), name, style))
+            bars.append(_Bar(axes, row, fields, (low, high), name, style))
         for part in parts:
             for label, style in overlays(part).items():
                 _fill(axes, row, part.low, part.high, label, style)
@@ -270,15 +280,14 @@ def _draw_bars(axes: Axes, view: View, curves: Sequence[_Curve], legend: Legend)
     axes.set_ylim(-0.5, len(curves) - 0.5)
     axes.set_yticks(range(len(curves)), [curve.label for curve in curves])
     axes.tick_params(axis="y", length=0.0)
-    for side in ("left", "top", "right"):
-        axes.spines[side].set_visible(False)
     return bars
 
 
-def _widest(low: float, high: float, fields: Fields) -> tuple[float, float]:
-    """Return the widest part of a stretch that the critical loads leave, for its name."""
-    ends = np.unique(np.clip([low, high, *(x for _, x in _critical(fields))], low, high))
-    return max(pairwise(ends.tolist()), key=lambda part: part[1] - part[0], default=(low, high))
+def _room(result: SweepResult, view: View, bar: _Bar) -> tuple[float, float]:
+    """Return where there is most room for the name of a part of a bar, between what is drawn across it."""
+    across = [x for _, x in _critical(bar.fields)] + _own_x(result, view, bar.fields)
+    cuts = np.unique(np.clip([*bar.ends, *across], *bar.ends)).tolist()
+    return max(pairwise(cuts), key=lambda part: part[1] - part[0], default=bar.ends)
 
 
 def _points(fields: Fields) -> list[Stretch]:

@@ -70,6 +70,7 @@ _MARKED: Final = 60  # values on the axis, up to which each is marked
 _WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
 _HEADROOM: Final = 0.15  # above a level, for its name
 _MILLIMETRE: Final = 1e3  # [1/m]
+_DOTS: Final[Mapping[str, Any]] = {"linestyle": "none", "marker": ".", "markersize": 3.0}
 
 
 def numbers_of(picture: str, length: float | None) -> tuple[str, Mapping[str, Callable[[Fields], Floats]]]:
@@ -250,16 +251,16 @@ def draw_numbers(
     fields: Fields,
     values: Floats,
     legend: dict[str, dict[str, Any]],
+    means: Mapping[str, Any] = _DOTS,
     **look: Any,
 ) -> None:
     """Draw numbers as a line, broken where regimes meet, since the numbers jump there; means as dots."""
     x = fields.panel.x.values
     averaged = fields.panel.cycle["status"][0] == Status.AVERAGED
     if averaged.any():
-        size = 8.0 if x.size <= _MARKED else 3.0
-        dots: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": size}
-        axes.plot(x[averaged], values[averaged], gid=AVERAGED_LABEL, zorder=3, color=look["color"], **dots)
-        legend[AVERAGED_LABEL] = {**dots, "color": INK}
+        place = {"gid": AVERAGED_LABEL, "zorder": 3}
+        axes.plot(x[averaged], values[averaged], **{**means, "color": look["color"], **place})
+        legend[AVERAGED_LABEL] = {**means, "color": INK}
     regime = fields.panel.cycle["regime"][0]
     jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1
     axes.plot(

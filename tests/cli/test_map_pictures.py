@@ -1,0 +1,85 @@
+"""``vibro map``: which part of a sweep its pictures show, and what it says of the others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
+
+
+def names() -> list[str]:
+    return sorted(path.name for path in Path().rglob("*") if path.is_file())
+
+
+def test_four_axes_draw_a_slice_and_the_table_holds_all(run: Run) -> None:
+    args = ("-A", "0.5:2:3", "-f", "10:30:3", "-a", "10,20", "--mu-s", "0.6,0.7", "--mu-d", "0.5")
+    result = run("map", *args, "-o", "nut", "--at", "mu_s=0.7", "--x", "amplitude", "--y", "frequency")
+    assert result.exit_code == 0
+    assert "pictures:" not in result.stderr
+    assert len(rows_of(Path("nut.csv").read_text(encoding="utf-8"))) == 36
+    assert names() == ["nut-regime.png", "nut-speed.png", "nut.csv", "nut.json"]
+
+
+@pytest.mark.parametrize(
+    ("args", "problem"),
+    [
+        (("--x", "mu_s"), "static friction does not vary in this sweep"),
+        (("--x", "f", "--y", "f"), "frequency is asked for twice"),
+        (("--at", "f=15"), "frequency = 15 Hz is none of the values of this axis"),
+        (("--at", "f=20", "--at", "frequency=20"), "--at: frequency is given twice"),
+        (("--at", "A=9"), "amplitude = 9 mm lies outside of the sweep"),
+        (("--at", "A"), "--at A: not of the form AXIS=VALUE"),
+        (("--at", "colour=1"), "--at colour=1: 'colour' is no axis"),
+        (("--at", "A=1,f=12"), "every axis of the sweep is held: nothing is left to draw"),
+        (("--format", "bmp"), "--format bmp: 'bmp' is not a format of pictures"),
+    ],
+)
+def test_a_wrong_choice_of_picture_is_refused_beforehand(
+    run: Run, args: tuple[str, ...], problem: str
+) -> None:
+    result = run("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION, "-o", "nut", *args)
+    assert result.exit_code == 2
+    assert f"error: {problem}" in result.stderr
+    assert names() == []
+
+
+FOUR = ("map", "-A", "0.5:2:3", "-f", "10:30:13", *NUT_ANGLE_AND_FRICTION[2:], "--accuracy", "regimes")
+
+
+def test_what_pictures_do_not_show_is_said(run: Run) -> None:
+    args = (*FOUR, "-a", "10:30:13", "--mu-s", "0.3,0.4,0.6,0.74,0.9", "--trough-angle", "0.0,5")
+    result = run(*args, "-o", "nut")
+    assert [line for line in result.stderr.splitlines() if line.startswith("pictures")] == [
+        "pictures: drive angle held at 20 deg; --at alpha=VALUE chooses",
+        "pictures: trough angle held at 5 deg; --at beta=VALUE chooses",
+    ]
+    result = run(*FOUR, "-a", "10:30:13", "-o", "more")
+    assert "pictures: drive angle at 12 of its 13 values; --at alpha=VALUE chooses one\n" in result.stderr
+    result = run(*args, "-o", "held", "--at", "alpha=0.3490658503988659rad,beta=0")
+    assert result.exit_code == 0
+    assert "pictures" not in result.stderr
+    assert "pictures" not in run(*args, "-o", "-").stderr
+
+
+def test_the_nearest_values_can_be_typed(run: Run) -> None:
+    result = run(*FOUR, "-a", "10:40:7", "-o", "nut", "--at", "drive_angle=33")
+    assert result.exit_code == 2
+    error, hint = [line for line in result.stderr.splitlines() if line.startswith(("error", "hint"))]
+    assert error == "error: drive angle = 33 deg is none of the values of this axis"
+    assert hint == "hint: give the nearest, 30 or 35 deg"
+    assert run(*FOUR, "-a", "10:40:7", "-o", "nut", "--at", "drive_angle=35").exit_code == 0
+
+
+def test_a_list_beside_a_range_is_curves(run: Run) -> None:
+    args = ("map", "-A", "0.01:0.3:5", "-f", "50,100", *NUT_ANGLE_AND_FRICTION)
+    assert run(*args, "-o", "all").exit_code == 0
+    assert run(*args, "-o", "few", "--accuracy", "regimes").exit_code == 0
+    assert run("map", *NUT, "-f", "25,50,100", "-o", "dots").exit_code == 0
+    assert [name for name in names() if name.endswith(".png")] == [
+        "all-regime.png", "all-speed.png", "dots-speed.png", "few-regime.png",
+    ]  # fmt: skip
+    result = run(*args, "-o", "no", "--y", "f")
+    assert result.exit_code == 2
+    assert "error: frequency is a list of 2 values, drawn one by one: no axis of a map" in result.stderr
+    assert "hint: for a map give it as a range, 50:100; else leave y out" in result.stderr
