@@ -39,7 +39,7 @@ _WALKED_BLOCK: Final = 8_192
 _RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
 # Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show.
 _COARSER: Final = 2
-# A curve of several is read less closely than one alone, and all of them have to be solved.
+# A curve of several is read less closely than one alone, in a facet still less, and all have to be solved.
 _CURVES_COARSER: Final = 4
 
 
@@ -114,7 +114,7 @@ def _resolution(ranges: int, kept: int, *, bounces: bool) -> int:
     """Return the number of values of each range of a picture, beside so many axes whose values are kept."""
     intervals = _RESOLVED[ranges + kept if ranges > 1 else 1] - 1
     if ranges == 1 and kept:
-        intervals //= _CURVES_COARSER
+        intervals //= _CURVES_COARSER * kept
     return intervals // (_COARSER if bounces else 1) + 1
 
 
