@@ -66,10 +66,9 @@ def hop_limits() -> Figure:
         axes.plot(frequency, curve, color=INK, linewidth=2.4 if angle == PAPER_ANGLE else 0.9)
         lines[f"α = {angle:g}°"] = np.column_stack([frequency, curve])[curve < 3.0]
     labeller = Labeller(axes)
-    for line in lines.values():
-        labeller.avoid_line(line)
+    labeller.avoid_lines(list(lines.values()))
     for name, line in lines.items():
-        labeller.along(name, [line], beside=True, color=INK, fontsize=9)
+        labeller.along(name, [line], plate="#FFFFFF", color=INK, fontsize=9)
     return figure
 
 

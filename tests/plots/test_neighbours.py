@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from vibro.plots.neighbours import dilate, erode, fill_unknown, room
+from vibro.plots.neighbours import dilate, erode, fill_unknown
 
 SHAPES = [(1, 1), (1, 40), (3, 8), (14, 14), (20, 9), (61, 47)]
 SHARES = [0.0, 0.02, 0.3, 0.7, 0.98, 1.0]
@@ -28,12 +28,6 @@ def test_windows_are_squares_of_ones(width: int) -> None:
             np.testing.assert_array_equal(erode(mask, width, beyond=beyond), expected)
         opened = dilate(erode(mask, width, beyond=False), width)
         np.testing.assert_array_equal(opened, ndimage.binary_opening(mask, square))
-
-
-def test_room_is_the_distance_to_what_is_not_free() -> None:
-    for mask in MASKS:
-        expected = ndimage.distance_transform_edt(np.pad(mask, 1), sampling=(0.3, 0.7))[1:-1, 1:-1]
-        np.testing.assert_allclose(room(mask, 0.3, 0.7), expected, rtol=1e-12)
 
 
 def test_unknown_points_take_the_nearest_known_value_in_line() -> None:

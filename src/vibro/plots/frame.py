@@ -42,6 +42,11 @@ _HEADING_SIZE: Final = 10.5  # [pt]
 _HEADING_SHARE: Final = 0.94  # of the width of a figure, which a headline may have
 _POINTS: Final = 72.0  # [pt/in]
 _DECADES_FOR_TENS: Final = 3.0  # a longer logarithmic scale has ticks at powers of ten alone
+_SHORT: Final = 2.0  # a logarithmic scale that does not end above this multiple of its start has even ticks
+_FEW_TICKS: Final = 4  # on a scale that is long enough for these, numbers have the digits to tell them apart
+_MOST_TICKS: Final = 9
+_TICK_STEPS: Final = (1, 2, 2.5, 5, 10)
+_DIGIT_WIDTH: Final = 0.115  # [in] of a digit on an axis, with its share of the gap between numbers
 _HANDLE_WIDTH: Final = 0.65  # [in] of a handle in a legend, with the gap between columns
 _LETTER_WIDTH: Final = 0.075  # [in] of a letter in a legend
 _MARKER: Final[dict[str, Any]] = {
@@ -146,17 +151,47 @@ def scale_axis(axis: Any, of: Axis) -> None:
     axis.axes.set(**{f"{axis.axis_name}lim": (low, high)})
     if of.spacing == "log":
         make_logarithmic(axis, low, high)
+    else:
+        _spread_ticks(axis)
+
+
+def _spread_ticks(axis: Any) -> None:
+    """Have so few ticks along a horizontal axis that their numbers, written in full, do not meet."""
+    from matplotlib.ticker import MaxNLocator
+
+    if axis.axis_name == "x":
+        # By default there is room for four digits each.
+        low, high = axis.get_view_interval()
+        decimals = max(0, math.ceil(math.log10(_FEW_TICKS / (high - low))))
+        longest = _DIGIT_WIDTH * len(f"{max(abs(low), abs(high)):.{decimals}f}")
+        most = int(axis.axes.bbox.width / axis.axes.figure.dpi / longest)
+        axis.set_major_locator(MaxNLocator(nbins=min(max(most, 1), _MOST_TICKS), steps=_TICK_STEPS))
 
 
 def make_logarithmic(axis: Any, low: float, high: float) -> None:
     """Scale an axis logarithmically, with plain numbers at 1, 2, 5, or at powers of ten on a long one."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    from matplotlib.ticker import (
+        AutoLocator,
+        FuncFormatter,
+        LogLocator,
+        NullFormatter,
+        NullLocator,
+        ScalarFormatter,
+    )
 
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+    if high < _SHORT * low:
+        axis.set_major_locator(AutoLocator())
+        axis.set_major_formatter(ScalarFormatter())
+        axis.set_minor_locator(NullLocator())
+        _spread_ticks(axis)
+        return
     decades = math.log10(high / low)
     subs = (1.0,) if decades > _DECADES_FOR_TENS else (1.0, 2.0, 5.0)
     axis.set_major_locator(LogLocator(subs=subs))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_major_formatter(
+        FuncFormatter(lambda value, _: np.format_float_positional(float(f"{value:.6g}"), trim="-"))
+    )
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -221,7 +256,16 @@ def _add_legend(figure: Figure, styles: Mapping[str, dict[str, Any]]) -> None:
             handles.append(Patch(**{**style, "edgecolor": edge, "linewidth": 0.6, "label": text}))
         else:
             handles.append(Line2D([], [], label=text, **style))
-    longest = max(len(text) for text in styles)
-    per_row = int(figure.get_size_inches()[0] / (_HANDLE_WIDTH + _LETTER_WIDTH * longest))
-    rows = math.ceil(len(handles) / max(1, per_row))
-    figure.legend(handles=handles, loc="outside lower center", ncols=math.ceil(len(handles) / rows))
+    width = float(figure.get_figwidth())
+    figure.legend(handles=handles, loc="outside lower center", ncols=_columns(list(styles), width))
+
+
+def _columns(texts: list[str], room: float) -> int:
+    """Into how many columns of a legend texts are divided to take the fewest rows in a width [in]."""
+    for rows in range(1, len(texts)):
+        columns = math.ceil(len(texts) / rows)
+        # As matplotlib divides them: column by column, the first ones longer if they cannot be equal.
+        parts = np.array_split([_HANDLE_WIDTH + _LETTER_WIDTH * len(text) for text in texts], columns)
+        if sum(part.max() for part in parts) <= room:
+            return columns
+    return 1

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+import math
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.plots.fields import without_hidden, zero_lines, zero_region
 from vibro.plots.labels import Labeller
+from vibro.plots.neighbours import erode
 from vibro.plots.style import (
     AVERAGED_AREA_LABEL,
     AVERAGED_HATCH,
@@ -55,7 +57,32 @@ BEGINS_AT: Final = {
 _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump to and fro, contours fall apart into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
+_HATCHED: Final = 0.01  # of the side of the map: least width of an area in which dots of a hatch are seen
+_LONG: Final = 4.0  # of pieces of contours that have a number each, over the length of the number
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
+
+
+def _coinciding(curves: list[tuple[CurveStyle, list[Floats]]]) -> list[tuple[CurveStyle, list[Floats]]]:
+    """Join curves that are the same line under one name, with the pieces of both."""
+    joined: list[tuple[CurveStyle, list[Floats]]] = []
+    for style, pieces in curves:
+        if joined and _are_same(joined[-1][1], pieces):
+            first, others = joined.pop()
+            joined.append((first._replace(label=f"{first.label}, {style.label}"), [*others, *pieces]))
+        else:
+            joined.append((style, pieces))
+    return joined
+
+
+def _are_same(pieces: list[Floats], others: list[Floats]) -> bool:
+    return len(pieces) == len(others) and all(
+        piece.shape == other.shape and np.allclose(piece, other)
+        for piece, other in zip(pieces, others, strict=True)
+    )
+
+
+def _longest_first(pieces: list[Floats]) -> list[Floats]:
+    return sorted(pieces, key=len, reverse=True)
 
 
 def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
@@ -65,6 +92,15 @@ def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
         statuses.append(Status.RUNAWAY)
     hiding = [fields.log_ratio[other] for other in _HIDDEN_BY[curve]]
     return hiding + [fields.unanswered(status) for status in statuses if status in fields.statuses]
+
+
+class _Contour(NamedTuple):
+    """A contour, and the number that it gets."""
+
+    text: str
+    pieces: list[Floats]
+    ground: Any  # colour
+    artist: Any
 
 
 class MapLayers:
@@ -93,7 +129,7 @@ class MapLayers:
         self._spines: dict[str, list[Floats]] = {}
         self._curves: list[tuple[CurveStyle, list[Floats]]] = []
         self._clear: list[Floats] = []  # lines that words keep clear of
-        self._contours: list[tuple[str, list[Floats], Any]] = []
+        self._contours: list[_Contour] = []
 
     @property
     def open(self) -> NDArray[np.bool_]:
@@ -165,7 +201,7 @@ class MapLayers:
             marks.append((field, AVERAGED_AREA_LABEL, AVERAGED_HATCH, INK))
         for field, label, hatch, ink in marks:
             style = {"facecolor": "none", "hatch": hatch, "edgecolor": ink}
-            if self._fill(field, gid=label, zorder=_COVERS, **style):
+            if self._shows(field) and self._fill(field, gid=label, zorder=_COVERS, **style):
                 self.legend[label] = style
 
     def draw_curves(self, names: Iterable[str]) -> None:
@@ -233,10 +269,10 @@ class MapLayers:
             if pieces:
                 ground = colours(norm(level))
                 width = (1.3 if level == 0.0 else 0.6) * self._scale
-                self._line(
+                line = self._line(
                     pieces, color=ink_on(ground), linewidth=width, zorder=1.5, gid=f"contour {level:g}"
                 )
-                self._contours.append((number_text(level), pieces, ground))
+                self._contours.append(_Contour(number_text(level), pieces, ground, line))
 
     def _is_long(self, piece: Floats) -> bool:
         """Whether a piece of a contour is more than a speck."""
@@ -257,12 +293,10 @@ class MapLayers:
             word.remove()
         labeller = Labeller(self.axes)
         labeller.avoid(avoid, radius=9.0)
-        for piece in self._clear:
-            labeller.avoid_line(piece)
+        labeller.avoid_lines(self._clear)
         self._write_regions(labeller)
         self._write_curves(labeller)
-        for text, pieces, ground in self._contours:
-            labeller.along(text, pieces, halo=ground, color=ink_on(ground), fontsize=8.0 * self._scale)
+        self._write_numbers(labeller)
         self._words = labeller.words
 
     def _write_regions(self, labeller: Labeller) -> None:
@@ -276,14 +310,37 @@ class MapLayers:
                 self.legend[text] = style
 
     def _write_curves(self, labeller: Labeller) -> None:
-        if not self._has_numbers:
-            # On filled regimes dark words are legible, except on hopping, the darkest.
-            labeller.avoid_region(self.fields.evenly(self.fields.log_ratio["hop"]) > 0.0)
-        halo = "#FFFFFF" if self._has_numbers else None
-        for style, pieces in self._curves:
-            type_style: dict[str, Any] = {"halo": halo, "color": INK, "fontsize": 8.5}
-            if self._single and not labeller.along(style.label, pieces, beside=True, **type_style):
+        # A name beside a line may as well be that of the next line. It interrupts its own instead.
+        type_style: dict[str, Any] = {"plate": "#FFFFFF", "color": INK, "fontsize": 8.5}
+        for style, pieces in _coinciding(self._curves) if self._single else []:
+            if not labeller.along(style.label, _longest_first(pieces), **type_style):
                 self._explain_curve(style)
+
+    def _write_numbers(self, labeller: Labeller) -> None:
+        """Write the numbers of contours, on every long piece; contours without room for any are hidden."""
+        for contour in self._contours:
+            labeller.avoid_lines(contour.pieces)
+        crowded = [contour for contour in self._contours if not self._write_number(labeller, contour)]
+        # Among fewer contours there is more room.
+        for contour in crowded:
+            labeller.forget_lines(contour.pieces)
+        for contour in crowded:
+            if self._write_number(labeller, contour):
+                labeller.avoid_lines(contour.pieces)
+
+    def _write_number(self, labeller: Labeller, contour: _Contour) -> bool:
+        ink, size = ink_on(contour.ground), 8.0 * self._scale
+        style: dict[str, Any] = {"plate": contour.ground, "color": ink, "fontsize": size}
+        pieces = _longest_first(contour.pieces)
+        numbers = [labeller.along(contour.text, [piece], least=_LONG, **style) for piece in pieces]
+        shown = any(numbers) or labeller.along(contour.text, pieces, **style)
+        contour.artist.set_visible(shown)
+        return shown
+
+    def _shows(self, field: Floats) -> bool:
+        """Whether the area in which a field is positive is wide enough to see a hatch there."""
+        inside = self.fields.evenly(field) > 0.0
+        return bool(erode(inside, math.ceil(_HATCHED * min(inside.shape)), beyond=False).any())
 
     def _explain_curve(self, style: CurveStyle) -> None:
         self.legend[style.label] = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
@@ -315,8 +372,9 @@ class MapLayers:
         self.axes.add_artist(PathPatch(path, **{"linewidth": 0.0, "edgecolor": "none", **style}))
         return True
 
-    def _line(self, pieces: list[Floats], **style: Any) -> None:
-        """Draw the pieces of one line as one artist."""
+    def _line(self, pieces: list[Floats], **style: Any) -> Any:
+        """Draw the pieces of one line as one artist, and return it."""
         gap = np.full((1, 2), np.nan)
         points = np.concatenate([part for piece in pieces for part in (piece, gap)])
-        self.axes.plot(points[:, 0], points[:, 1], **style)
+        (line,) = self.axes.plot(points[:, 0], points[:, 1], **style)
+        return line

@@ -1,4 +1,4 @@
-"""What surrounds the points of a grid: windows, nearest points, and the room around them.
+"""What surrounds the points of a grid: windows, and nearest points.
 
 SciPy's ``ndimage`` has all of this, but importing it takes as much CPU as drawing two pictures.
 """
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int32]
     Mask = NDArray[np.bool_]
 
-__all__ = ["dilate", "erode", "fill_unknown", "room"]
+__all__ = ["dilate", "erode", "fill_unknown"]
 
 
 def dilate(mask: Mask, width: int) -> Mask:
@@ -106,30 +106,3 @@ def _nearest(mask: Mask) -> tuple[Integers, Integers]:
     right = np.minimum.accumulate(np.where(mask, here, np.int32(2 * mask.size))[:, ::-1], axis=1)[:, ::-1]
     column = np.where(here - left <= right - here, left, right)
     return np.abs(column - here), column
-
-
-def room(free: Mask, step_y: float, step_x: float) -> Floats:
-    """Return the distance from every point to the nearest that is not free.
-
-    Parameters
-    ----------
-    free : (y, x) bool array
-        Nothing beyond its edges is free.
-    step_y, step_x : float
-        Distances between rows and between columns.
-
-    Returns
-    -------
-    (y, x) float array
-        What ``scipy.ndimage.distance_transform_edt`` returns of the padded mask.
-    """
-    padded = np.pad(free, 1)
-    above = (step_y * _nearest(~padded.T)[0].T) ** 2
-    nearest = above.copy()
-    for shift in range(1, padded.shape[1]):
-        aside = (shift * step_x) ** 2
-        if aside >= nearest.max():
-            break
-        for one, other in ((slice(shift, None), slice(-shift)), (slice(-shift), slice(shift, None))):
-            np.minimum(nearest[:, one], above[:, other] + aside, out=nearest[:, one])
-    return np.asarray(np.sqrt(nearest[1:-1, 1:-1]))

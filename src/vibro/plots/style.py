@@ -101,6 +101,9 @@ _RC: Final[Any] = {
     "xtick.direction": "out",
     "ytick.direction": "out",
     "hatch.linewidth": 0.6,
+    # Numbers along axes are written in full, however short they are: nothing to add, or to multiply by.
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-99, 99),
     "legend.fontsize": 8.5,
     "legend.frameon": False,
     "mathtext.fontset": "dejavusans",
