@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
-from drawn import OWN, curve, legend, only_map, said, sweep
+from drawn import OWN, curve, legend, maps_of, only_map, said, sweep
 from matplotlib.figure import Figure
 
 from vibro.plots import map_figures
-from vibro.plots.frame import make_logarithmic
+from vibro.plots.frame import _columns, make_logarithmic, renderer_of
+from vibro.plots.style import house_style
 from vibro.results.sweep import SweepResult
 
 
@@ -69,6 +71,44 @@ def test_a_logarithmic_axis_of_many_decades_has_powers_of_ten() -> None:
     make_logarithmic(axes.yaxis, 0.1, 10.0)
     np.testing.assert_allclose(axes.get_xticks(), 10.0 ** np.round(np.log10(axes.get_xticks())))
     assert 2.0 in axes.get_yticks()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"amplitude": "1:1.001", "frequency": "15:15.01"},
+        {"amplitude": "1:1.00001:log", "frequency": "15:15.00001:log"},
+        {"amplitude": "1e-6:3e-6", "frequency": "20000:20001"},
+        {"amplitude": "1:1.001", "frequency": "15:15.001", "drive_angle": "10,20,30"},
+        {"frequency": "15:15.00001"},
+    ],
+    ids=str,
+)
+def test_numbers_along_axes_are_full_and_apart(changes: dict[str, str]) -> None:
+    result = sweep(points=31, **changes)
+    figure = map_figures(result, ["speed"])["speed"]
+    renderer = renderer_of(figure)
+    with house_style():
+        figure.draw(renderer)
+    for axis in [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]:
+        assert axis.get_offset_text().get_text() == ""
+        shown = [label for label in axis.get_ticklabels() if label.get_visible() and label.get_text()]
+        boxes = [label.get_window_extent(renderer) for label in shown]
+        assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
+    ends = result.axes["frequency"].values[[0, -1]]
+    bottom = maps_of(figure)[-1]
+    ticks = [float(label.get_text()) for label in bottom.get_xticklabels()]
+    within = [tick for tick in ticks if ends[0] - 1e-12 <= tick <= ends[1] + 1e-12]
+    assert len(set(within)) >= 2
+    assert all("e" not in label.get_text() for label in bottom.get_xticklabels())
+
+
+def test_a_legend_takes_the_fewest_rows_that_its_width_allows() -> None:
+    short, long = ["a line"] * 6, "means of motion without a short period, at least in part"
+    assert _columns(short, 7.4) == 6
+    assert _columns(short, 3.6) == 3
+    assert _columns([long, *short[:5]], 7.4) == 3
+    assert _columns([long] * 3, 7.4) == 1
 
 
 def test_the_operating_point_is_marked(pictures: dict[str, Figure]) -> None:

@@ -87,6 +87,16 @@ def test_coexisting_cycles_are_hatched_over_the_colours() -> None:
         assert COEXISTS_LABEL in legend(figure)
 
 
+def test_a_hatch_too_narrow_to_be_seen_is_not_explained(nut: SweepResult) -> None:
+    for width, shown in ((1, False), (8, True)):
+        coexists = np.zeros(nut.shape, np.int8)
+        coexists[:, 200 : 200 + width] = 1
+        cycle = dataclasses.replace(nut.cycle, coexists=coexists)
+        figure = map_figures(dataclasses.replace(nut, cycle=cycle, length=None), ["regime"])["regime"]
+        assert (COEXISTS_LABEL in legend(figure)) == shown
+        assert (patch(only_map(figure), COEXISTS_LABEL) is not None) == shown
+
+
 def test_means_of_irregular_motion_are_marked_down_to_the_last_point(nut: SweepResult) -> None:
     codes = np.full(nut.shape, Status.OK, np.int8)
     codes[100:200, 150:250] = Status.AVERAGED  # amplitude 0.9 ... 1.7 mm, frequency 28 ... 43 Hz

@@ -1,0 +1,151 @@
+"""What is written on whole pictures: apart, each name on its own line, and a legend of what is to be seen."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from drawn import OWN, corners, curve, legend, maps_of, sweep, words
+from matplotlib.path import Path as Outline
+
+from vibro.plots import map_figures
+from vibro.plots.frame import renderer_of
+from vibro.plots.style import CURVES, house_style
+
+if TYPE_CHECKING:
+    from drawn import Floats
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LABELS = {style.label: name for name, style in CURVES.items()}
+POINT = "operating point"
+
+
+@pytest.fixture(scope="module")
+def parallel() -> dict[str, Figure]:
+    """Curves that are straight, parallel and close together."""
+    ranges = {"amplitude": "0.01:10:log", "frequency": "5:200:log"}
+    return map_figures(sweep(own=OWN, length=600, points=201, **ranges))
+
+
+@pytest.fixture(scope="module")
+def joined() -> dict[str, Figure]:
+    """Two curves in one place."""
+    ranges = {"amplitude": "0.1:3", "drive_angle": "5:60"}
+    return map_figures(sweep(static_friction=0.4, kinetic_friction=0.02, points=201, **ranges))
+
+
+@pytest.fixture(params=["pictures", "climb", "friction", "facets", "parallel", "joined"])
+def figures(request: pytest.FixtureRequest) -> list[Figure]:
+    name = (
+        request.param
+        if request.param in ("pictures", "facets", "parallel", "joined")
+        else f"{request.param}_pictures"
+    )
+    return list(request.getfixturevalue(name).values())
+
+
+def pixels(axes: Axes, gid: str) -> Floats:
+    """Return points on a line in pixels, closer together than its letters are high."""
+    points = axes.transData.transform(curve(axes, gid))
+    steps = [np.linspace(one, other, 20) for one, other in itertools.pairwise(points)]
+    return np.concatenate([step for step in steps if np.hypot(*(step[-1] - step[0])) < 60.0])
+
+
+def curves_of(axes: Axes) -> list[str]:
+    return [str(line.get_gid()) for line in axes.lines if line.get_gid() in CURVES]
+
+
+def test_words_are_apart_on_the_map_and_off_the_operating_point(figures: list[Figure]) -> None:
+    for axes in itertools.chain.from_iterable(map(maps_of, figures)):
+        outlines = [(text.get_text(), Outline(corners(text))) for text in axes.texts]
+        box = axes.get_window_extent()
+        for text, outline in outlines:
+            assert (outline.vertices >= [box.x0, box.y0]).all(), text
+            assert (outline.vertices <= [box.x1, box.y1]).all(), text
+        for (one, first), (other, second) in itertools.combinations(outlines, 2):
+            assert not first.intersects_path(second, filled=True), (one, other)
+        for line in axes.lines:
+            if line.get_gid() == POINT:
+                middle = axes.transData.transform(curve(axes, POINT))
+                radius = 0.5 * line.get_markersize() * axes.figure.dpi / 72.0  # type: ignore[union-attr]
+                for text, outline in outlines:
+                    assert not outline.contains_points(middle, radius=radius).any(), text
+
+
+def test_names_of_curves_are_on_their_own_curve_and_on_no_other(figures: list[Figure]) -> None:
+    for axes in itertools.chain.from_iterable(map(maps_of, figures)):
+        for text in axes.texts:
+            outline = Outline(corners(text))
+            named = [LABELS[part] for part in text.get_text().split(", ") if part in LABELS]
+            for name in curves_of(axes):
+                crossed = outline.contains_points(pixels(axes, name)).any()
+                assert crossed == (name in named), (text.get_text(), name)
+
+
+def test_every_curve_is_named_once(figures: list[Figure]) -> None:
+    for figure in figures:
+        explained = {part for text in legend(figure) for part in text.split(", ")}
+        for axes in maps_of(figure):
+            written = [part for text in words(axes) for part in text.split(", ") if part in LABELS]
+            assert len(written) == len(set(written))
+            for name in curves_of(axes):
+                assert (CURVES[name].label in explained) != (CURVES[name].label in written), name
+
+
+def test_every_contour_that_is_seen_has_its_number_on_it(figures: list[Figure]) -> None:
+    for axes in itertools.chain.from_iterable(map(maps_of, figures)):
+        numbers: dict[str, list[Outline]] = {}
+        for text in axes.texts:
+            numbers.setdefault(text.get_text().replace("\N{MINUS SIGN}", "-"), []).append(
+                Outline(corners(text))
+            )
+        for line in axes.lines:
+            gid = str(line.get_gid())
+            if gid.startswith("contour") and line.get_visible():
+                outlines = numbers[gid.split()[1]]
+                assert all(outline.contains_points(pixels(axes, gid)).any() for outline in outlines), gid
+
+
+def test_contours_without_a_number_are_rare(figures: list[Figure]) -> None:
+    for axes in itertools.chain.from_iterable(map(maps_of, figures)):
+        seen = [line.get_visible() for line in axes.lines if str(line.get_gid()).startswith("contour")]
+        assert sum(seen) >= 0.5 * len(seen)
+
+
+def drawn(figure: Figure) -> Any:
+    with house_style():
+        figure.draw(renderer_of(figure))
+    return np.asarray(figure.canvas.buffer_rgba()).copy()  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("name", ["pictures", "facets", "joined"])
+def test_the_legend_explains_what_is_to_be_seen(name: str, request: pytest.FixtureRequest) -> None:
+    for figure in list(request.getfixturevalue(name).values())[-1:]:
+        whole = drawn(figure)
+        for text in legend(figure):
+            names = {text, *text.split(", ")}
+            found = [
+                artist
+                for axes in maps_of(figure)
+                for artist in axes.get_children()
+                if names & {artist.get_gid(), artist.get_label()}
+            ]
+            if not found:  # what no patch covers has the colour of the map
+                assert text == "no-slip"
+                continue
+            for artist in found:
+                artist.set_visible(False)
+            without = drawn(figure)
+            for artist in found:
+                artist.set_visible(True)
+            assert np.count_nonzero((without != whole).any(axis=2)) > 20, text
+
+
+def test_legends_fit_below_the_maps(figures: list[Figure]) -> None:
+    for figure in figures:
+        for box in (found.get_window_extent(renderer_of(figure)) for found in figure.legends):
+            assert figure.bbox.x0 <= box.x0
+            assert box.x1 <= figure.bbox.x1
