@@ -162,13 +162,15 @@ class _Layers(MapLayers):
         outside = -settings.over(settings.strong)
         if outside.min() < 0.0:
             self._fill(outside, gid="beyond the drive", zorder=2.5, facecolor=to_rgba(*_VEIL))
-        self._outline(
-            "drive", f"limits of {_name(settings.chosen)}", settings.pieces(settings.strong), _DRIVE
-        )
+        pieces = settings.pieces(settings.strong)
+        self._outline("drive", f"limits of {_name(settings.chosen)}", pieces, _DRIVE)
+        self._clear += pieces
 
     def draw_meets(self) -> None:
         """Outline the settings that meet the goal."""
-        self._outline("meets", "meets the goal", self._settings.pieces(self._settings.meets), _MEETS)
+        pieces = self._settings.pieces(self._settings.meets)
+        self._outline("meets", "meets the goal", pieces, _MEETS)
+        self._outlines += pieces  # in part along the contour of the goal, whose name may stand on both
 
     def _draw_tips(self) -> None:
         self.draw_curve("tips", _TIPS, zero_lines(self.fields, self.fields.log_ratio["tips"]))
@@ -180,7 +182,6 @@ class _Layers(MapLayers):
             halo = withStroke(linewidth=look["linewidth"] + 2.0, foreground="#FFFFFF")
             self._line(pieces, label=label, gid=name, zorder=4, path_effects=[halo], **look)
             self.legend[label] = dict(look)
-            self._clear += pieces
 
 
 def _begin_text(regime: Regime, name: str) -> str:

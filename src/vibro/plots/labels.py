@@ -182,8 +182,8 @@ class Labeller:
 
     def _text(self, words: str, style: dict[str, Any]) -> tuple[Any, float, float]:
         """Return words that are yet to be put somewhere, and their width and height with margins."""
-        style = {"ha": "center", "va": "center", "rotation_mode": "anchor", **style}
-        artist = self._axes.text(0, 0, words, zorder=6, transform=self._axes.transAxes, **style)
+        style = {"ha": "center", "va": "center", "rotation_mode": "anchor", "zorder": 6, **style}
+        artist = self._axes.text(0, 0, words, transform=self._axes.transAxes, **style)
         extent = artist.get_window_extent(self._renderer)
         return artist, extent.width + 2.0 * _MARGIN, extent.height + 2.0 * _MARGIN
 

@@ -129,6 +129,7 @@ class MapLayers:
         self._spines: dict[str, list[Floats]] = {}
         self._curves: list[tuple[CurveStyle, list[Floats]]] = []
         self._clear: list[Floats] = []  # lines that words keep clear of
+        self._outlines: list[Floats] = []  # lines that numbers keep clear of, but curves may follow
         self._contours: list[_Contour] = []
 
     @property
@@ -296,6 +297,7 @@ class MapLayers:
         labeller.avoid_lines(self._clear)
         self._write_regions(labeller)
         self._write_curves(labeller)
+        labeller.avoid_lines(self._outlines)
         self._write_numbers(labeller)
         self._words = labeller.words
 
@@ -329,8 +331,9 @@ class MapLayers:
                 labeller.avoid_lines(contour.pieces)
 
     def _write_number(self, labeller: Labeller, contour: _Contour) -> bool:
-        ink, size = ink_on(contour.ground), 8.0 * self._scale
-        style: dict[str, Any] = {"plate": contour.ground, "color": ink, "fontsize": size}
+        # Whatever lies over the contour lies over its number too.
+        style: dict[str, Any] = {"plate": contour.ground, "color": ink_on(contour.ground), "zorder": _COVERS}
+        style["fontsize"] = 8.0 * self._scale
         pieces = _longest_first(contour.pieces)
         numbers = [labeller.along(contour.text, [piece], least=_LONG, **style) for piece in pieces]
         shown = any(numbers) or labeller.along(contour.text, pieces, **style)
