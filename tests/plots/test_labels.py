@@ -109,12 +109,6 @@ def test_the_first_piece_with_room_is_taken(axes: Axes) -> None:
     assert middle(axes)[1] == pytest.approx(200.0, abs=1.0)
 
 
-def test_a_piece_may_be_asked_to_be_longer(axes: Axes) -> None:
-    line = straight(3.0 * size(axes)[0])
-    assert not Labeller(axes).along(NAME, [line], least=4.0)
-    assert Labeller(axes).along(NAME, [line], least=2.0)
-
-
 @pytest.mark.parametrize("cut", [250.0, 550.0])
 def test_the_longest_free_stretch_is_taken_next_to_the_middle(axes: Axes, cut: float) -> None:
     labeller = Labeller(axes)

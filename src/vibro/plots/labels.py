@@ -113,15 +113,7 @@ class Labeller:
             artist.remove()
         return False
 
-    def along(
-        self,
-        text: str,
-        lines: Sequence[Floats],
-        *,
-        least: float = _LEAST_LENGTH,
-        plate: Any = None,
-        **style: Any,
-    ) -> bool:
+    def along(self, text: str, lines: Sequence[Floats], plate: Any = None, **style: Any) -> bool:
         """Write a line's name on it, where it is straight and clear.
 
         Parameters
@@ -130,8 +122,6 @@ class Labeller:
             The name.
         lines : sequence of (n, 2) float array
             Pieces of the line, in the user's units; those that come first are preferred.
-        least : float, optional
-            Length that a piece must have, over that of the name.
         plate : color, optional
             Of the ground under the words, which interrupts the line.
         **style
@@ -147,21 +137,21 @@ class Labeller:
         artist, width, height = self._text(text, style)
         others = self._crowd - self._under(lines)
         for piece in map(self._on_paper, lines):
-            if (found := self._place_on(piece, others, least, width, height)) is not None:
+            if (found := self._place_on(piece, others, width, height)) is not None:
                 self._put(artist, width, height, *found)
                 return True
         artist.remove()
         return False
 
     def _place_on(
-        self, line: Points, others: Integers, least: float, width: float, height: float
+        self, line: Points, others: Integers, width: float, height: float
     ) -> tuple[complex, complex] | None:
         """Return the middle of a label on a line, and its direction; None if it fits nowhere.
 
         Of the places on the longest free stretch, take the one next to the middle of the line.
         """
         arc = _arc(line)
-        if arc[-1] < least * width:
+        if arc[-1] < _LEAST_LENGTH * width:
             return None
         at = np.linspace(0.5 * width, arc[-1] - 0.5 * width, _PLACES)[:, np.newaxis]
         under = np.interp(at + np.linspace(-0.5, 0.5, 2 + int(width / _CELL)) * width, arc, line)

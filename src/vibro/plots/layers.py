@@ -58,7 +58,6 @@ _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump to and fro, contours fall apart into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
 _HATCHED: Final = 0.01  # of the side of the map: least width of an area in which dots of a hatch are seen
-_LONG: Final = 4.0  # of pieces of contours that have a number each, over the length of the number
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
 
 
@@ -319,26 +318,16 @@ class MapLayers:
                 self._explain_curve(style)
 
     def _write_numbers(self, labeller: Labeller) -> None:
-        """Write the numbers of contours, on every long piece; contours without room for any are hidden."""
+        """Write the numbers of contours; one that has no room for its number is hidden, but for zero."""
         for contour in self._contours:
             labeller.avoid_lines(contour.pieces)
-        crowded = [contour for contour in self._contours if not self._write_number(labeller, contour)]
-        # Among fewer contours there is more room.
-        for contour in crowded:
-            labeller.forget_lines(contour.pieces)
-        for contour in crowded:
-            if self._write_number(labeller, contour):
-                labeller.avoid_lines(contour.pieces)
-
-    def _write_number(self, labeller: Labeller, contour: _Contour) -> bool:
-        # Whatever lies over the contour lies over its number too.
-        style: dict[str, Any] = {"plate": contour.ground, "color": ink_on(contour.ground), "zorder": _COVERS}
-        style["fontsize"] = 8.0 * self._scale
-        pieces = _longest_first(contour.pieces)
-        numbers = [labeller.along(contour.text, [piece], least=_LONG, **style) for piece in pieces]
-        shown = any(numbers) or labeller.along(contour.text, pieces, **style)
-        contour.artist.set_visible(shown)
-        return shown
+        for text, pieces, ground, artist in self._contours:
+            # Whatever lies over the contour lies over its number too.
+            style: dict[str, Any] = {"plate": ground, "color": ink_on(ground), "zorder": _COVERS}
+            fits = labeller.along(text, _longest_first(pieces), fontsize=8.0 * self._scale, **style)
+            artist.set_visible(fits or text == "0")
+            if not artist.get_visible():
+                labeller.forget_lines(pieces)  # leaves more room to the next
 
     def _shows(self, field: Floats) -> bool:
         """Whether the area in which a field is positive is wide enough to see a hatch there."""
