@@ -55,6 +55,13 @@ def test_histories(run: Run, scene: Path, name: str) -> None:
     assert titles("out") == [NAMES[name]] * 2
 
 
+def test_histories_of_no_file(run: Run) -> None:
+    given = ("-A", "1", "-f", "15", "-a", "20", "--mu-s", "0.74", "--mu-d", "0.57", "--cycles", "1")
+    result = run("simulate", *given, "-o", "out", "--format", "png,svg", "-q")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert titles("out") == ["Motion"] * 2
+
+
 def test_comparisons(run: Run, scene: Path, name: str) -> None:
     data = scene.with_suffix(".csv")
     header, *rows = STUDY_FILE.read_text(encoding="utf-8").splitlines()

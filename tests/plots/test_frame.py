@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,7 +85,7 @@ def test_a_logarithmic_axis_of_many_decades_has_powers_of_ten() -> None:
     ],
     ids=str,
 )
-def test_numbers_along_axes_are_full_and_apart(changes: dict[str, str]) -> None:
+def test_numbers_along_axes_are_full_and_apart(changes: dict[str, Any]) -> None:
     result = sweep(points=31, **changes)
     figure = map_figures(result, ["speed"])["speed"]
     renderer = renderer_of(figure)

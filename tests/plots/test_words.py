@@ -26,25 +26,19 @@ POINT = "operating point"
 @pytest.fixture(scope="module")
 def parallel() -> dict[str, Figure]:
     """Curves that are straight, parallel and close together."""
-    ranges = {"amplitude": "0.01:10:log", "frequency": "5:200:log"}
-    return map_figures(sweep(own=OWN, length=600, points=201, **ranges))
+    return map_figures(sweep(own=OWN, length=600, points=201, amplitude="0.01:10:log", frequency="5:200:log"))
 
 
 @pytest.fixture(scope="module")
 def joined() -> dict[str, Figure]:
     """Two curves in one place."""
-    ranges = {"amplitude": "0.1:3", "drive_angle": "5:60"}
+    ranges: dict[str, Any] = {"amplitude": "0.1:3", "drive_angle": "5:60"}
     return map_figures(sweep(static_friction=0.4, kinetic_friction=0.02, points=201, **ranges))
 
 
-@pytest.fixture(params=["pictures", "climb", "friction", "facets", "parallel", "joined"])
+@pytest.fixture(params=["pictures", "climb_pictures", "friction_pictures", "facets", "parallel", "joined"])
 def figures(request: pytest.FixtureRequest) -> list[Figure]:
-    name = (
-        request.param
-        if request.param in ("pictures", "facets", "parallel", "joined")
-        else f"{request.param}_pictures"
-    )
-    return list(request.getfixturevalue(name).values())
+    return list(request.getfixturevalue(request.param).values())
 
 
 def pixels(axes: Axes, gid: str) -> Floats:
@@ -60,19 +54,19 @@ def curves_of(axes: Axes) -> list[str]:
 
 def test_words_are_apart_on_the_map_and_off_the_operating_point(figures: list[Figure]) -> None:
     for axes in itertools.chain.from_iterable(map(maps_of, figures)):
-        outlines = [(text.get_text(), Outline(corners(text))) for text in axes.texts]
+        outlines = {text: corners(text) for text in axes.texts}
         box = axes.get_window_extent()
-        for text, outline in outlines:
-            assert (outline.vertices >= [box.x0, box.y0]).all(), text
-            assert (outline.vertices <= [box.x1, box.y1]).all(), text
-        for (one, first), (other, second) in itertools.combinations(outlines, 2):
-            assert not first.intersects_path(second, filled=True), (one, other)
+        for text, outline in outlines.items():
+            assert (outline >= [box.x0, box.y0]).all(), text
+            assert (outline <= [box.x1, box.y1]).all(), text
+        paths = [Outline(outline) for outline in outlines.values()]
         for line in axes.lines:
             if line.get_gid() == POINT:
-                middle = axes.transData.transform(curve(axes, POINT))
-                radius = 0.5 * line.get_markersize() * axes.figure.dpi / 72.0  # type: ignore[union-attr]
-                for text, outline in outlines:
-                    assert not outline.contains_points(middle, radius=radius).any(), text
+                (middle,) = axes.transData.transform(curve(axes, POINT))
+                figure: Any = axes.figure
+                paths.append(Outline.circle(middle, 0.5 * line.get_markersize() * figure.dpi / 72.0))
+        for first, second in itertools.combinations(paths, 2):
+            assert not first.intersects_path(second, filled=True), [text.get_text() for text in outlines]
 
 
 def test_names_of_curves_are_on_their_own_curve_and_on_no_other(figures: list[Figure]) -> None:

@@ -144,7 +144,7 @@ def _figure(history: History, samples: int, panels: str | None, request: Request
     seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
     rows = trace(history, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
     given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
-    return history_figure(phases, rows, seen, request.name or "vibro", given)
+    return history_figure(phases, rows, seen, request.name or "Motion", given)
 
 
 def _cycles(cycles: float | None, duration: float | None, frequency: float) -> float:
