@@ -138,8 +138,9 @@ def test_the_legend_explains_what_is_to_be_seen(name: str, request: pytest.Fixtu
             assert np.count_nonzero((without != whole).any(axis=2)) > 20, text
 
 
-def test_legends_fit_below_the_maps(figures: list[Figure]) -> None:
-    for figure in figures:
+@pytest.mark.parametrize("name", ["pictures", "facets", "joined", "line_pictures"])
+def test_legends_fit_below_the_axes(name: str, request: pytest.FixtureRequest) -> None:
+    for figure in request.getfixturevalue(name).values():
         for box in (found.get_window_extent(renderer_of(figure)) for found in figure.legends):
             assert figure.bbox.x0 <= box.x0
             assert box.x1 <= figure.bbox.x1

@@ -47,8 +47,8 @@ _FEW_TICKS: Final = 4  # on a scale that is long enough for these, numbers have 
 _MOST_TICKS: Final = 9
 _TICK_STEPS: Final = (1, 2, 2.5, 5, 10)
 _DIGIT_WIDTH: Final = 0.115  # [in] of a digit on an axis, with its share of the gap between numbers
-_HANDLE_WIDTH: Final = 0.65  # [in] of a handle in a legend, with the gap between columns
-_LETTER_WIDTH: Final = 0.075  # [in] of a letter in a legend
+_HANDLE_WIDTH: Final = 0.62  # [in] of a handle in a legend, with the gap between columns
+_LETTER_WIDTH: Final = 0.065  # [in] of a letter in a legend
 _MARKER: Final[dict[str, Any]] = {
     "marker": "o",
     "markersize": 8.0,

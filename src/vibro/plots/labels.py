@@ -28,7 +28,7 @@ __all__ = ["Labeller", "outline"]
 _CELL: Final = 4.0  # [px] side of the cells into which the map is divided, each taken or free
 _OFF: Final = 1000  # more than the things on a map
 _MARGIN: Final = 3.0  # [px] kept free around a label, as part of it
-_APART: Final = 12.0  # [px] between two labels, beside the margins
+_APART: Final = 6.0  # [px] between the margin of a label and that of the next
 _HALO: Final = 2.4  # [pt]
 _ROOMIER: Final = 1.2  # from one size of free rectangles to the next
 _PLACES: Final = 45  # tried along a line
@@ -182,7 +182,9 @@ class Labeller:
         artist.set_position((middle.real / self._box.width, middle.imag / self._box.height))
         angle = math.degrees(cmath.phase(direction))
         artist.set_rotation(angle - 180.0 * round(angle / 180.0))
-        self._crowd[self._cells(_rectangle(width + _APART, height + _APART) * direction + middle)] += 1
+        self._crowd[
+            self._cells(_rectangle(width + 2 * _APART, height + 2 * _APART) * direction + middle)
+        ] += 1
         self.words.append(artist)
 
     def _on_paper(self, points: Floats) -> Points:
