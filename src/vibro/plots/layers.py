@@ -321,13 +321,20 @@ class MapLayers:
         """Write the numbers of contours; one that has no room for its number is hidden, but for zero."""
         for contour in self._contours:
             labeller.avoid_lines(contour.pieces)
-        for text, pieces, ground, artist in self._contours:
-            # Whatever lies over the contour lies over its number too.
-            style: dict[str, Any] = {"plate": ground, "color": ink_on(ground), "zorder": _COVERS}
-            fits = labeller.along(text, _longest_first(pieces), fontsize=8.0 * self._scale, **style)
-            artist.set_visible(fits or text == "0")
-            if not artist.get_visible():
-                labeller.forget_lines(pieces)  # leaves more room to the next
+        crowded = [contour for contour in self._contours if not self._write_number(labeller, contour)]
+        for contour in crowded:
+            labeller.forget_lines(contour.pieces)
+        for contour in crowded:  # among fewer contours there may be room
+            if self._write_number(labeller, contour):
+                labeller.avoid_lines(contour.pieces)
+
+    def _write_number(self, labeller: Labeller, contour: _Contour) -> bool:
+        # Whatever lies over the contour lies over its number too.
+        style: dict[str, Any] = {"plate": contour.ground, "color": ink_on(contour.ground), "zorder": _COVERS}
+        size = 8.0 * self._scale
+        fits = labeller.along(contour.text, _longest_first(contour.pieces), fontsize=size, **style)
+        contour.artist.set_visible(fits or contour.text == "0")
+        return fits
 
     def _shows(self, field: Floats) -> bool:
         """Whether the area in which a field is positive is wide enough to see a hatch there."""
