@@ -54,7 +54,7 @@ def test_colour_bars_have_units(pictures: dict[str, Figure]) -> None:
     assert bar.get_ylabel() == "mean conveying speed [mm/s]"
     (bar,) = [a for a in pictures["traverse"].axes if a.get_label() == "<colorbar>"]
     assert bar.get_ylabel() == "traverse time [s]"
-    assert [label.get_text() for label in bar.get_yticklabels()] == ["1", "2", "5", "10", "20", "50"]
+    assert [label.get_text() for label in bar.get_yticklabels()] == ["1", "2", "5", "10", "20", "50", "100"]
 
 
 def test_logarithmic_axes_have_plain_numbers() -> None:

@@ -12,7 +12,13 @@ from matplotlib.colors import to_rgba
 
 from vibro import Status
 from vibro.plots import map_figures
-from vibro.plots.style import AVERAGED_AREA_LABEL, AVERAGED_LABEL, COEXISTS_LABEL, NO_ANSWER_HATCH
+from vibro.plots.style import (
+    AVERAGED_AREA_LABEL,
+    AVERAGED_LABEL,
+    BACKWARDS_LABEL,
+    COEXISTS_LABEL,
+    NO_ANSWER_HATCH,
+)
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -133,4 +139,4 @@ def test_means_of_irregular_motion_are_dots_beside_a_line() -> None:
 def test_no_hatch_without_a_reason(climb_pictures: dict[str, Figure], climb: SweepResult) -> None:
     assert not (climb.cycle.coexists == 1).any()
     axes = only_map(climb_pictures["regime"])
-    assert [p for p in axes.patches if p.get_hatch()] == []
+    assert [p.get_gid() for p in axes.patches if p.get_hatch()] == [BACKWARDS_LABEL]

@@ -12,6 +12,7 @@ from drawn import (
     colours_of,
     curve,
     image_of,
+    legend,
     maps_of,
     only_map,
     path_of,
@@ -20,12 +21,12 @@ from drawn import (
     sweep,
     words,
 )
-from matplotlib.colors import CenteredNorm, LogNorm, Normalize, PowerNorm
+from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
 
 from vibro import Regime, Scene, solve
 from vibro.plots import map_figures
-from vibro.plots.maps import levels_from_zero, levels_of_times, scale_from_zero
-from vibro.plots.style import AVERAGED_AREA_LABEL
+from vibro.plots.scales import even_levels, log_levels, scale_of, time_scale
+from vibro.plots.style import AVERAGED_AREA_LABEL, BACKWARDS_LABEL
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
@@ -34,43 +35,75 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def test_speeds_in_a_sequential_scale_from_zero(pictures: dict[str, Figure], nut: SweepResult) -> None:
+def test_hopping_leaves_colours_to_speeds_in_contact(pictures: dict[str, Figure], nut: SweepResult) -> None:
     image = image_of(only_map(pictures["speed"]))
     assert image.get_cmap().name == "cividis"
-    assert type(image.norm).__name__ == "PowerNorm"  # irregular motion is twice as fast as any other
-    answered = np.isfinite(nut.cycle.mean_velocity)
-    fastest = 1e3 * np.nanmax(nut.cycle.mean_velocity)
-    assert (image.norm.vmin, image.norm.vmax) == (0, pytest.approx(fastest, rel=0.02))
+    assert isinstance(image.norm, LogNorm)
+    speed = 1e3 * nut.cycle.mean_velocity
+    answered = np.isfinite(speed)
+    assert image.norm.vmax == pytest.approx(np.nanmax(speed), rel=0.02)
     moving = answered & (nut.cycle.regime != Regime.NO_SLIP)
-    expected = colours_of(only_map(pictures["speed"]), 1e3 * nut.cycle.mean_velocity[moving])
+    expected = colours_of(only_map(pictures["speed"]), np.maximum(speed[moving], image.norm.vmin))
     np.testing.assert_array_equal(image.get_array()[moving], expected)
+    in_contact = speed[moving & (nut.cycle.regime != Regime.HOPPING)]
+    assert in_contact.max() < 0.2 * image.norm.vmax
+    assert np.ptp(np.asarray(image.norm(np.maximum(in_contact, image.norm.vmin)))) > 0.4
+
+
+LEVEL = np.linspace(0.0, 10.0, 101)
 
 
 @pytest.mark.parametrize(
-    ("seen", "smooth", "expected"),
+    ("seen", "regular", "calm", "reverses", "expected", "ends", "extend"),
     [
-        ((0.0, 10.0), (0.0, 10.0), Normalize),
-        ((0.0, 10.0), (0.0, 6.0), Normalize),
-        ((0.0, 10.0), (0.0, 4.0), PowerNorm),  # most motion would be dark in an even scale
-        ((-0.8, 10.0), (0.0, 10.0), Normalize),  # a few bounces go backwards
-        ((-1.5, 10.0), (0.0, 10.0), CenteredNorm),
-        ((-0.1, 10.0), (-0.1, 10.0), CenteredNorm),  # the feeder itself reverses
-        ((0.0, 0.0), (0.0, 0.0), Normalize),
+        (LEVEL, LEVEL, LEVEL, False, Normalize, (0, 10), "neither"),
+        (LEVEL, LEVEL, LEVEL[LEVEL < 4], False, Normalize, (0, 10), "neither"),
+        (LEVEL, LEVEL, LEVEL[LEVEL < 3], False, LogNorm, (None, 10), "min"),  # hopping is much faster
+        (LEVEL, LEVEL[LEVEL < 4], LEVEL[:0], False, LogNorm, (None, 10), "min"),  # irregular motion is
+        (LEVEL**4, LEVEL**4, LEVEL**4, False, LogNorm, (None, 1e4), "min"),  # most numbers are small
+        (LEVEL[1:] - 0.8, LEVEL, LEVEL, False, Normalize, (0, 9.2), "min"),  # a few bounces go backwards
+        (LEVEL - 2, LEVEL - 2, LEVEL - 2, True, CenteredNorm, (-8, 8), "neither"),
+        (LEVEL - 2, LEVEL - 2, LEVEL[LEVEL < 2] - 1, True, AsinhNorm, (-8, 8), "neither"),
+        (LEVEL + 12, LEVEL + 12, LEVEL + 12, False, Normalize, (12, 22), "neither"),  # all alike
+        (LEVEL - 22, LEVEL - 22, LEVEL - 22, True, Normalize, (-22, -12), "neither"),
+        (np.zeros(3), np.zeros(3), np.zeros(3), False, Normalize, (0, 1), "neither"),
+        (LEVEL[:0], LEVEL[:0], LEVEL[:0], False, Normalize, (0, 1), "neither"),
     ],
 )
-def test_scales_show_what_most_motion_does(
-    seen: tuple[float, float], smooth: tuple[float, float], expected: type[Normalize]
+def test_scales_tell_apart_what_most_bodies_do(
+    seen: Floats,
+    regular: Floats,
+    calm: Floats,
+    reverses: bool,
+    expected: type[Normalize],
+    ends: tuple[float | None, float],
+    extend: str,
 ) -> None:
-    norm = scale_from_zero(seen, smooth)
-    assert type(norm) is expected
-    assert (norm.vmin, norm.vmax) == (-seen[1] if expected is CenteredNorm else 0.0, seen[1] or 1.0)
+    scale = scale_of(seen, regular, calm, reverses=reverses)
+    assert type(scale.norm) is expected
+    assert scale.norm.vmin == (ends[0] if ends[0] is not None else scale.norm.vmin)
+    assert scale.norm.vmax == pytest.approx(ends[1])
+    assert scale.extend == extend
+    assert 0.0 not in scale.levels
+    if expected in (LogNorm, AsinhNorm):
+        heights = np.asarray(scale.norm(np.maximum(calm if calm.size else regular, scale.norm.vmin)))
+        assert np.ptp(heights) > 0.3
+
+
+def test_times_near_rest_do_not_set_the_scale() -> None:
+    times = np.concatenate([np.linspace(1.0, 20.0, 200), [1e3, 1e9]])
+    scale = time_scale(times)
+    assert scale.norm.vmin == 1.0
+    assert 19.0 < float(scale.norm.vmax or 0.0) < 21.0
+    assert scale.extend == "max"
 
 
 def test_contours_lie_between_the_least_and_the_largest_number() -> None:
-    assert levels_from_zero(0.0, 400.0, zero=False).tolist() == [50, 100, 150, 200, 250, 300, 350]
-    assert levels_from_zero(-100.0, 200.0, zero=True).tolist() == [-50, 0, 50, 100, 150]
-    assert levels_of_times(1.5, 60.0).tolist() == [2, 5, 10, 20, 50]
-    assert levels_of_times(10.0, 14.0).tolist() == [11, 12, 13]
+    assert even_levels(0.0, 400.0).tolist() == [50, 100, 150, 200, 250, 300, 350]
+    assert even_levels(-100.0, 200.0).tolist() == [-50, 0, 50, 100, 150]
+    assert even_levels(10.0, 14.0).tolist() == [10.5, 11, 11.5, 12, 12.5, 13, 13.5]
+    assert log_levels(1.5, 60.0).tolist() == [2, 5, 10, 20, 50]
+    assert log_levels(1.5, 6e5).tolist() == [10, 100, 1000, 10000, 100000]
 
 
 @pytest.mark.parametrize("name", ["speed", "traverse"])
@@ -93,9 +126,9 @@ def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:
         frequency, amplitude = curve(axes, f"contour {level}").T
         cycle = solve(scene_of(1e-3 * amplitude, frequency))
         speed = 1e3 * cycle.mean_velocity
-        off = np.abs(speed - float(level))[np.isfinite(speed)]
-        assert np.median(off) < 1e-2
-        assert np.quantile(off, 0.98) < 2.5  # the speed drops by 6 % where back slip begins
+        off = np.abs(speed / float(level) - 1.0)[np.isfinite(speed)]
+        assert np.median(off) < 1e-3
+        assert np.quantile(off, 0.98) < 0.06  # by which the speed drops where back slip begins
 
 
 def test_rest_is_not_a_speed(pictures: dict[str, Figure], nut: SweepResult) -> None:
@@ -108,12 +141,19 @@ def test_rest_is_not_a_speed(pictures: dict[str, Figure], nut: SweepResult) -> N
 
 
 def test_a_diverging_scale_about_zero_where_transport_reverses(climb_pictures: dict[str, Figure]) -> None:
-    axes = only_map(climb_pictures["speed"])
-    image = image_of(axes)
+    image = image_of(only_map(climb_pictures["speed"]))
     assert image.get_cmap().name == "RdBu"
     assert image.norm.vmin == -image.norm.vmax
-    assert "0" in words(axes)
-    amplitude, angle = curve(axes, "contour 0").T
+
+
+@pytest.mark.parametrize("name", ["regime", "speed"])
+def test_where_bodies_move_backwards_is_hatched_up_to_the_line_of_zero_speed(
+    climb_pictures: dict[str, Figure], climb: SweepResult, name: str
+) -> None:
+    axes = only_map(climb_pictures[name])
+    assert "zero speed" in words(axes)
+    assert BACKWARDS_LABEL in legend(climb_pictures[name])
+    amplitude, angle = curve(axes, "zero speed").T
     cycle = solve(
         Scene(
             amplitude=1e-3 * amplitude,
@@ -124,7 +164,31 @@ def test_a_diverging_scale_about_zero_where_transport_reverses(climb_pictures: d
             trough_angle=np.radians(angle),
         )
     )
-    assert np.median(np.abs(cycle.mean_velocity)) < 1e-4
+    assert np.nanmax(np.abs(cycle.mean_velocity)) < 1e-2 * np.nanmax(np.abs(climb.cycle.mean_velocity))
+    y, x = (climb.axes[name].values for name in ("trough_angle", "amplitude"))
+    speed = climb.cycle.mean_velocity.T
+    hatched = path_of(axes, BACKWARDS_LABEL).contains_points(
+        np.column_stack([np.tile(x, len(y)), np.repeat(y, len(x))])
+    )
+    sure = np.abs(speed) > 0.01 * np.nanmax(np.abs(speed))
+    np.testing.assert_array_equal(hatched.reshape(speed.shape)[sure], (speed < 0.0)[sure])
+
+
+def test_nothing_is_said_of_reversal_where_there_is_none(pictures: dict[str, Figure]) -> None:
+    for name in ("regime", "speed"):
+        axes = only_map(pictures[name])
+        assert [line for line in axes.lines if line.get_gid() == "zero speed"] == []
+        assert [p for p in axes.patches if p.get_gid() == BACKWARDS_LABEL] == []
+
+
+def test_contours_end_before_the_crest_over_the_load(pictures: dict[str, Figure], nut: SweepResult) -> None:
+    """Beyond it they would turn around: each is passed once on the way up, at any frequency."""
+    axes = only_map(pictures["speed"])
+    for name in contours(axes):
+        frequency, amplitude = curve(axes, name).T
+        hops = amplitude > 1.01e3 * nut.limits.hop.item() * GRAVITY / (2 * math.pi * frequency) ** 2
+        steps = np.diff(np.log(amplitude)) / np.diff(np.log(frequency))
+        assert np.all(steps[hops[1:] & hops[:-1]] < -0.5), name
 
 
 def test_negative_contours_have_a_minus() -> None:
@@ -138,11 +202,12 @@ def test_traverse_times(pictures: dict[str, Figure], nut: SweepResult) -> None:
     image = image_of(only_map(pictures["traverse"]))
     assert type(image.norm) is LogNorm
     moving = np.isfinite(nut.cycle.mean_velocity) & (nut.cycle.mean_velocity > 0)
-    expected = colours_of(only_map(pictures["traverse"]), 0.6 / nut.cycle.mean_velocity[moving])
+    times = 0.6 / nut.cycle.mean_velocity[moving]
+    expected = colours_of(only_map(pictures["traverse"]), times)
     np.testing.assert_array_equal(image.get_array()[moving], expected)
     shortest, longest = image.get_clim()
-    assert shortest == pytest.approx(0.6 / np.nanmax(nut.cycle.mean_velocity), rel=0.02)
-    assert longest == pytest.approx(100 * shortest)
+    assert shortest == pytest.approx(times.min(), rel=0.02)
+    assert 0.97 < np.mean(times < longest) < 0.99
 
 
 def test_bodies_that_move_backwards_never_arrive(
@@ -178,9 +243,9 @@ def test_no_speed_is_missing_where_bodies_hop(flights: tuple[SweepResult, dict[s
     axes = only_map(figures["speed"])
     hopping = result.cycle.regime == Regime.HOPPING
     assert hopping.mean() > 0.5
-    assert {p.get_gid() for p in axes.patches} - {"rings", AVERAGED_AREA_LABEL} == {"no-slip"}
-    expected = colours_of(axes, 1e3 * result.cycle.mean_velocity[hopping])
-    np.testing.assert_array_equal(image_of(axes).get_array()[hopping], expected)
+    assert {p.get_gid() for p in axes.patches} - {AVERAGED_AREA_LABEL} == {"no-slip"}
+    speed = np.maximum(1e3 * result.cycle.mean_velocity[hopping], image_of(axes).norm.vmin)
+    np.testing.assert_array_equal(image_of(axes).get_array()[hopping], colours_of(axes, speed))
     assert curve(axes, "hop").size
 
 

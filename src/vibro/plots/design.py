@@ -12,7 +12,8 @@ from vibro.plots.fields import zero_lines
 from vibro.plots.frame import mark_operating_point, set_heading, settle, single_frame
 from vibro.plots.layers import MapLayers
 from vibro.plots.lines import name_bands
-from vibro.plots.maps import colour_bar, levels_from_zero, place_words
+from vibro.plots.maps import colour_bar, place_words
+from vibro.plots.scales import Scale, even_levels
 from vibro.plots.settings import BEGINS, LAST, LIVELIER, Settings, below
 from vibro.plots.style import (
     CURVES,
@@ -248,7 +249,6 @@ def _regime_map(settings: Settings) -> Figure:
 
 def _speed_map(settings: Settings) -> Figure:
     """Map of the speed that no part stays below, with the settings that meet the goal."""
-    from matplotlib import colormaps
     from matplotlib.colors import Normalize
 
     figure, layers = _start(settings, "Guaranteed speed")
@@ -259,13 +259,13 @@ def _speed_map(settings: Settings) -> Figure:
     # Beyond the drive, speeds may be so high that its own would look all alike.
     within = moves & layers.open & (settings.strong(layers.fields.y[:, np.newaxis], layers.fields.x) > 0.0)
     high = float(speed[within].max()) if within.any() else 1.0
-    norm, colours = Normalize(0.0, high), colormaps["cividis"]
-    layers.draw_numbers(speed, norm, colours, levels_from_zero(0.0, high, zero=False))
+    extend = "max" if np.any(speed[moves & layers.open] > high) else "neither"
+    scale = Scale(Normalize(0.0, high), "cividis", even_levels(0.0, high), None, extend)
+    layers.draw_numbers(speed, scale)
     layers.draw_level(speed, settings.goal, f"goal {number_text(settings.goal)} mm/s")
     layers.draw_drive()
     layers.draw_meets()
-    extend = "max" if np.any(speed[moves & layers.open] > high) else "neither"
-    colour_bar(figure, [layers], norm, colours, "guaranteed speed [mm/s]", extend)
+    colour_bar(figure, [layers], scale, "guaranteed speed [mm/s]")
     return _finish(figure, layers, settings)
 
 

@@ -41,6 +41,10 @@ _SMOOTH_AROUND: Final = 5
 # which closes gaps and makes lonely points large enough to be made out: what is not hatched is exact.
 _SEEN: Final = 0.01  # of the side of the map
 
+_ROUNDING: Final = 1e-9  # of the largest speed: less is none
+_SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
+_CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
+
 _EVEN_POINTS: Final = 100  # along an axis, where places for words are looked for
 # Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
 _LEAST_RATIO: Final = 1e-30
@@ -115,12 +119,62 @@ class Fields:
         return fill_unknown(values, known) if known.any() else np.full(values.shape, np.nan)
 
     @cached_property
+    def regular(self) -> Floats:
+        """Positive where motion repeats every cycle, with a margin; elsewhere lines would be noise."""
+        return _without(self._several_cycles)
+
+    @cached_property
     def smooth(self) -> Floats:
-        """Positive where motion repeats every cycle, with a margin; elsewhere contours would be noise."""
+        """Positive where contours are lines: motion repeats every cycle, and goes farther with the load.
+
+        Around the crest that comes before irregular motion contours turn, and would end in hooks.
+        """
+        return _without(self._several_cycles | self._beyond_crest)
+
+    @property
+    def _several_cycles(self) -> NDArray[np.bool_]:
         answered = np.isfinite(self.panel.cycle["mean_velocity"])
-        longer = answered & (self.panel.cycle["period_cycles"] != 1.0)
-        rough = erode(dilate(longer, _SMOOTH_ACROSS), _SMOOTH_ACROSS - _SMOOTH_AROUND + 1, beyond=True)
-        return np.where(rough, -0.5, 0.5)
+        return np.asarray(answered & (self.panel.cycle["period_cycles"] != 1.0))
+
+    @property
+    def _beyond_crest(self) -> NDArray[np.bool_]:
+        """Whether a body hops, and its advance a cycle, over the amplitude, falls as the load rises."""
+        drives = {
+            axis.name: i
+            for i, axis in enumerate((self.panel.y, self.panel.x))
+            if axis is not None and axis.name in ("amplitude", "frequency")
+        }
+        cycle = self.panel.cycle
+        hops = self.log_ratio["hop"] > 0.0
+        if not drives or not hops.any() or "displacement_per_cycle" not in cycle:
+            return np.zeros(hops.shape, np.bool_)
+        advance = cycle["displacement_per_cycle"]
+        if "amplitude" in drives:
+            advance = advance / self._quantity("amplitude")
+        rise = np.gradient(advance, axis=min(drives.values()))
+        return np.asarray(hops & (advance > 0.0) & (rise < 0.0))
+
+    @cached_property
+    def reversal(self) -> Floats:
+        """Positive where the mean speed is negative, over the largest; zero where it is lost in rounding."""
+        known = np.nan_to_num(self.velocity)
+        largest = float(np.abs(known).max()) or 1.0
+        return np.where(np.abs(known) <= _ROUNDING * largest, 0.0, -known / largest)
+
+    @cached_property
+    def backwards(self) -> Floats:
+        """Positive where bodies move backwards; where numbers are uncertain means, in patches and surely."""
+        cycle = self.panel.cycle
+        with np.errstate(invalid="ignore"):
+            certain = cycle["mean_velocity"] < -_CERTAIN * cycle["mean_velocity_error"]
+        patches = dilate(erode(certain, _SMOOTH_AROUND, beyond=True), _SMOOTH_AROUND)
+        exact = cycle["period_cycles"] == 1.0
+        return np.minimum(np.where(exact, self.reversal, np.where(patches, 0.5, -0.5)), -self.rest)
+
+    @property
+    def reverses(self) -> bool:
+        """Whether bodies move backwards in a part of the picture that is seen."""
+        return float(np.mean(self.backwards > 0.0)) > _SEEN_SHARE
 
     @cached_property
     def averaged(self) -> Floats:
@@ -206,6 +260,12 @@ class Fields:
         if panel.y is not None and name == panel.y.name:
             return self.y[:, np.newaxis]
         return panel.values[name]
+
+
+def _without(rough: NDArray[np.bool_]) -> Floats:
+    """Positive away from rough points, and from what lies between them."""
+    closed = erode(dilate(rough, _SMOOTH_ACROSS), _SMOOTH_ACROSS - _SMOOTH_AROUND + 1, beyond=True)
+    return np.where(closed, -0.5, 0.5)
 
 
 def _is_even(axis: Axis) -> bool:

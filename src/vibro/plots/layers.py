@@ -13,8 +13,8 @@ from vibro.plots.labels import Labeller
 from vibro.plots.neighbours import erode
 from vibro.plots.style import (
     AVERAGED_AREA_LABEL,
-    AVERAGED_HATCH,
-    AVERAGED_RINGS,
+    BACKWARDS_HATCH,
+    BACKWARDS_LABEL,
     COEXISTS_HATCH,
     COEXISTS_LABEL,
     CURVES,
@@ -23,6 +23,7 @@ from vibro.plots.style import (
     NO_ANSWER_HATCH,
     NO_ANSWER_INK,
     REGIME_COLOURS,
+    ZERO_SPEED,
     CurveStyle,
     ink_on,
     number_text,
@@ -32,10 +33,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from matplotlib.axes import Axes
-    from matplotlib.colors import Colormap, Normalize
     from numpy.typing import NDArray
 
     from vibro.plots.fields import Fields
+    from vibro.plots.scales import Scale
 
     Floats = NDArray[np.float64]
 
@@ -58,6 +59,7 @@ _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump to and fro, contours fall apart into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
 _HATCHED: Final = 0.01  # of the side of the map: least width of an area in which dots of a hatch are seen
+_STRIPE: Final = 14.0  # [px at 100 dpi] from one stripe over irregular motion to the next
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
 
 
@@ -196,13 +198,49 @@ class MapLayers:
         """Hatch, over the colours, where another motion exists and where a number is a mean."""
         marks = [(self.fields.coexists, COEXISTS_LABEL, COEXISTS_HATCH, NO_ANSWER_INK)]
         if self._has_numbers:
-            field, rings = self.fields.averaged, {"hatch": AVERAGED_RINGS, "edgecolor": "#FFFFFF"}
-            self._fill(field, gid="rings", zorder=_COVERS, facecolor="none", **rings)
-            marks.append((field, AVERAGED_AREA_LABEL, AVERAGED_HATCH, INK))
+            self._stripe(self.fields.averaged, AVERAGED_AREA_LABEL)
         for field, label, hatch, ink in marks:
             style = {"facecolor": "none", "hatch": hatch, "edgecolor": ink}
             if self._shows(field) and self._fill(field, gid=label, zorder=_COVERS, **style):
                 self.legend[label] = style
+
+    def _stripe(self, field: Floats, label: str) -> None:
+        """Draw wide stripes over the area in which a field is positive, dark in white.
+
+        A hatch of matplotlib's has one colour, and is fine enough to be taken for a pattern of the numbers.
+        """
+        from matplotlib.collections import LineCollection
+        from matplotlib.patheffects import withStroke
+
+        if not self._shows(field) or not self._fill(field, gid=label, zorder=_COVERS, facecolor="none"):
+            return
+        box = self.axes.bbox
+        rise = box.width / box.height  # of a stripe, which leans by 45 degrees on the paper
+        feet = np.arange(-rise, 1.0, _STRIPE / box.height)
+        stripes = LineCollection(
+            [[(0.0, foot), (1.0, foot + rise)] for foot in feet],
+            colors=INK,
+            linewidths=0.7 * self._scale,
+            transform=self.axes.transAxes,
+            path_effects=[withStroke(linewidth=2.0 * self._scale, foreground="#FFFFFF")],
+            zorder=_COVERS,
+            gid=label,
+        )
+        self.axes.add_collection(stripes, autolim=False)
+        stripes.set_clip_path(self.axes.patches[-1])
+        self.legend[label] = {"facecolor": "none", "edgecolor": INK, "hatch": "//"}
+
+    def draw_reversal(self) -> None:
+        """Hatch where bodies move backwards, and draw the line on which they stand still on average."""
+        fields = self.fields
+        style = {"facecolor": "none", "hatch": BACKWARDS_HATCH, "edgecolor": INK}
+        if not self._shows(fields.backwards):
+            return
+        self._fill(fields.backwards, gid=BACKWARDS_LABEL, zorder=1.2, **style)
+        self.legend[BACKWARDS_LABEL] = style
+        hidden = [*self._covers, fields.rest, -fields.regular]
+        pieces = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
+        self.draw_curve(ZERO_SPEED.label, ZERO_SPEED, [piece for piece in pieces if self._is_long(piece)])
 
     def draw_curves(self, names: Iterable[str]) -> None:
         """Draw the critical curves where they bound a regime."""
@@ -219,16 +257,17 @@ class MapLayers:
         if not pieces:
             return
         width = style.width * self._scale
+        look = {"color": style.colour, "linestyle": style.dashes, "linewidth": width}
         halo = withStroke(linewidth=width + 1.4, foreground="#FFFFFF", alpha=0.7)
+        if style.colour != INK:
+            halo = withStroke(linewidth=width + 1.8, foreground=INK)
         self._line(
             pieces,
             label=style.label,
             gid=name,
-            color=INK,
-            linestyle=style.dashes,
-            linewidth=width,
             zorder=3,
-            path_effects=[halo] if self._has_numbers else None,
+            path_effects=[halo] if self._has_numbers or style.colour != INK else None,
+            **look,
         )
         self._curves.append((style, pieces))
         self._clear += pieces
@@ -242,14 +281,17 @@ class MapLayers:
         pieces = [piece for piece in zero_lines(self.fields, heights, hidden) if self._is_long(piece)]
         self.draw_curve(text, CurveStyle(text, "-", 2.6), pieces)
 
-    def draw_numbers(self, values: Floats, norm: Normalize, colours: Colormap, levels: Floats) -> None:
+    def draw_numbers(self, values: Floats, scale: Scale) -> None:
         """Draw numbers as colours beneath the covers, with contours that ``write`` labels."""
-        fields = self.fields
+        from matplotlib import colormaps
+
+        fields, norm, colours = self.fields, scale.norm, colormaps[scale.colours]
         self._has_numbers = True
         self.axes.set_facecolor(NO_ANSWER_FACE)
         # A mesh of so many cells draws slowly, and so do numbers that become colours pixel by pixel. But the
         # grid is even on the paper, whatever the axes' scales: an image of colours is the same picture.
-        heights = np.asarray(norm(values))
+        # Numbers below a logarithmic scale have the colour of its foot.
+        heights = np.asarray(norm(np.maximum(values, float(norm.vmin or 0.0))))
         right, up = (0.5 / (n - 1) for n in values.shape[::-1])
         image = self.axes.imshow(
             colours(heights, bytes=True),
@@ -263,15 +305,13 @@ class MapLayers:
         image.set(norm=norm, cmap=colours)  # not applied again, but the image can tell its scale
         hidden = [*self._covers, -fields.smooth]
         heights = without_hidden(np.nan_to_num(heights), hidden)
-        for level in levels:
+        for level in scale.levels:
             pieces = zero_lines(fields, heights - norm(level), hidden)
             pieces = [piece for piece in pieces if self._is_long(piece)]
             if pieces:
                 ground = colours(norm(level))
-                width = (1.3 if level == 0.0 else 0.6) * self._scale
-                line = self._line(
-                    pieces, color=ink_on(ground), linewidth=width, zorder=1.5, gid=f"contour {level:g}"
-                )
+                look = {"color": ink_on(ground), "linewidth": 0.6 * self._scale, "zorder": 1.5}
+                line = self._line(pieces, gid=f"contour {level:g}", **look)
                 self._contours.append(_Contour(number_text(level), pieces, ground, line))
 
     def _is_long(self, piece: Floats) -> bool:
@@ -318,22 +358,23 @@ class MapLayers:
                 self._explain_curve(style)
 
     def _write_numbers(self, labeller: Labeller) -> None:
-        """Write the numbers of contours; one that has no room for its number is hidden, but for zero."""
+        """Write the numbers of contours; one that has no room for its number is hidden."""
         for contour in self._contours:
             labeller.avoid_lines(contour.pieces)
         crowded = [contour for contour in self._contours if not self._write_number(labeller, contour)]
         for contour in crowded:
             labeller.forget_lines(contour.pieces)
         for contour in crowded:  # among fewer contours there may be room
-            if self._write_number(labeller, contour):
-                labeller.avoid_lines(contour.pieces)
+            labeller.avoid_lines(contour.pieces)
+            if not self._write_number(labeller, contour):
+                labeller.forget_lines(contour.pieces)
 
     def _write_number(self, labeller: Labeller, contour: _Contour) -> bool:
         # Whatever lies over the contour lies over its number too.
         style: dict[str, Any] = {"plate": contour.ground, "color": ink_on(contour.ground), "zorder": _COVERS}
         size = 8.0 * self._scale
         fits = labeller.along(contour.text, _longest_first(contour.pieces), fontsize=size, **style)
-        contour.artist.set_visible(fits or contour.text == "0")
+        contour.artist.set_visible(fits)
         return fits
 
     def _shows(self, field: Floats) -> bool:

@@ -9,12 +9,12 @@ import numpy as np
 
 from vibro.plots.frame import map_frame, mark_operating_point, operating_points, settle
 from vibro.plots.layers import MapLayers
-from vibro.plots.style import CURVES, number_text
+from vibro.plots.scales import Scale, scale_of, time_scale
+from vibro.plots.style import BACKWARDS_HATCH, BACKWARDS_LABEL, CURVES, number_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from matplotlib.colors import Colormap, Normalize
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -27,26 +27,12 @@ __all__ = [
     "colour_bar",
     "flight_map",
     "impact_map",
-    "levels_from_zero",
-    "levels_of_times",
     "place_words",
     "regime_map",
-    "scale_from_zero",
     "speed_map",
     "traverse_map",
 ]
 
-_NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
-_BELOW_TOP: Final = 1.0 - 1e-6  # of the largest number: a contour there would trace its rounding errors
-# Irregular motion reaches far higher speeds than the motion that most troughs are built for. Where the
-# numbers of regular motion stay below this share of the largest, an even scale would hardly tell them apart.
-_UNEVEN: Final = 0.5
-# A scale diverges about zero if regular motion goes backwards, or if any motion does at more than this share
-# of the largest speed.
-_REVERSES: Final = 0.1
-_WIDE: Final = 5.0  # ratio of the longest to the shortest time above which contours are at 1, 2, 5, 10 ...
-# Traverse times grow without bound near rest. Up to this multiple of the shortest, colours tell them apart.
-_LONGEST_OVER_SHORTEST: Final = 100.0
 # [m/s] Keeps times finite where the body moves backwards or rests; both are covered.
 _LEAST_VELOCITY: Final = 1e-12
 _MILLIMETRE: Final = 1e3  # [1/m]
@@ -59,6 +45,7 @@ def regime_map(result: SweepResult, fields: list[Fields]) -> Figure:
         layers.fill_regimes()
         layers.hatch_unanswered(regimes_show=True)
         layers.name_regimes()
+        layers.draw_reversal()
     return _finish(figure, result, maps)
 
 
@@ -72,7 +59,9 @@ def speed_map(result: SweepResult, fields: list[Fields], level: float | None = N
         layers.hatch_unanswered(regimes_show=False)
         layers.cover_rest()
     speeds = [_MILLIMETRE * f.velocity for f in fields]
-    _draw_from_zero(figure, maps, speeds, "mean conveying speed [mm/s]")
+    _draw_numbers(figure, maps, speeds, "mean conveying speed [mm/s]")
+    for layers in maps:
+        layers.draw_reversal()
     if level is not None:
         for layers, numbers in zip(maps, speeds, strict=True):
             layers.draw_level(numbers, level, f"{number_text(level)} mm/s")
@@ -98,95 +87,38 @@ def _flight_map(
     for layers in maps:
         layers.hatch_unanswered(regimes_show=False)
         layers.cover_contact()
-    _draw_from_zero(figure, maps, values, label)
+    _draw_numbers(figure, maps, values, label)
     return _finish(figure, result, maps, ("hop",))
 
 
-def _draw_from_zero(figure: Figure, maps: list[MapLayers], values: list[Floats], label: str) -> None:
-    """Draw numbers and their contours, in a scale that rises from zero or diverges about it."""
-    from matplotlib import colormaps
-    from matplotlib.colors import CenteredNorm
-
-    low, high = seen = _range(maps, values)
-    smooth = _range(maps, values, smooth=True)
-    norm = scale_from_zero(seen, smooth)
-    reverses = isinstance(norm, CenteredNorm)
-    colours = colormaps["RdBu" if reverses else "cividis"]
-    levels = levels_from_zero(*smooth, zero=reverses)
+def _draw_numbers(figure: Figure, maps: list[MapLayers], values: list[Floats], label: str) -> None:
+    """Draw numbers and their contours, in a scale that tells apart what most bodies do."""
+    seen = _seen(maps, values)
+    regular = _seen(maps, values, [layers.fields.smooth > 0.0 for layers in maps])
+    calm = _seen(maps, values, [layers.fields.log_ratio["hop"] <= 0.0 for layers in maps])
+    scale = scale_of(seen, regular, calm, reverses=any(layers.fields.reverses for layers in maps))
     for layers, numbers in zip(maps, values, strict=True):
-        layers.draw_numbers(numbers, norm, colours, levels)
-    if (low, high) != (0.0, 0.0):
-        colour_bar(figure, maps, norm, colours, label, "min" if low < 0.0 and not reverses else "neither")
-
-
-def scale_from_zero(seen: tuple[float, float], smooth: tuple[float, float]) -> Normalize:
-    """Choose how numbers become colours.
-
-    Parameters
-    ----------
-    seen : (float, float)
-        Least and largest number on the maps.
-    smooth : (float, float)
-        The same of motion that repeats with the drive.
-
-    Returns
-    -------
-    Normalize
-        Diverging about zero where motion reverses, else from zero up: evenly, or by square roots.
-    """
-    from matplotlib.colors import CenteredNorm, Normalize, PowerNorm
-
-    low, high = seen
-    # A few bounces backwards in irregular motion do not make a map of reversals.
-    if smooth[0] < 0.0 or low < -_REVERSES * high:
-        return CenteredNorm(0.0, max(-low, high))
-    if 0.0 < smooth[1] < _UNEVEN * high:
-        return PowerNorm(0.5, 0.0, high)
-    return Normalize(0.0, high or 1.0)
-
-
-def levels_from_zero(least: float, most: float, *, zero: bool) -> Floats:
-    """Return the round numbers within a range at which contours are drawn; zero only if it is wanted."""
-    from matplotlib.ticker import MaxNLocator
-
-    levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(min(least, 0.0), most))
-    return np.asarray(levels[(levels > least) & (levels < _BELOW_TOP * most) & (zero | (levels != 0.0))])
-
-
-def levels_of_times(shortest: float, longest: float) -> Floats:
-    """Return the round times within a range at which contours are drawn: 1, 2, 5, 10 ... if it is wide."""
-    from matplotlib.ticker import LogLocator, MaxNLocator
-
-    wide = longest > _WIDE * shortest
-    locator = LogLocator(subs=(1.0, 2.0, 5.0)) if wide else MaxNLocator(nbins=7, steps=_NICE)
-    levels = np.asarray(locator.tick_values(shortest, longest))
-    return np.asarray(levels[(levels > shortest) & (levels < longest)])
+        layers.draw_numbers(numbers, scale)
+    if seen.any():
+        colour_bar(figure, maps, scale, label)
 
 
 def traverse_map(result: SweepResult, fields: list[Fields]) -> Figure:
     """Map of the time to convey over the trough's length at the mean speed, in a logarithmic scale."""
-    from matplotlib import colormaps
-    from matplotlib.colors import LogNorm
-
     length = result.length or math.nan
     figure, maps = _start(result, fields, f"Traverse time over {length:.6g} mm")
     times = []
     for layers, f in zip(maps, fields, strict=True):
         layers.hatch_unanswered(regimes_show=False)
         layers.cover_rest()
-        layers.hatch(np.nan_to_num(-f.velocity, nan=-1.0), "moves backwards", "||")
+        layers.hatch(np.nan_to_num(-f.velocity, nan=-1.0), BACKWARDS_LABEL, BACKWARDS_HATCH)
         times.append(length / (_MILLIMETRE * np.maximum(f.velocity, _LEAST_VELOCITY)))
-    shortest, longest = _range(maps, times)
-    moves = shortest > 0.0
-    shortest = shortest or 1.0
-    top = max(1.01 * shortest, min(longest, _LONGEST_OVER_SHORTEST * shortest))
-    levels = levels_of_times(shortest, top)
-    norm, colours = LogNorm(shortest, top), colormaps["cividis_r"]
+    seen = _seen(maps, times)
+    scale = time_scale(seen)
     for layers, time in zip(maps, times, strict=True):
-        layers.draw_numbers(time, norm, colours, levels)
-    if moves:
-        extend = "max" if longest > top else "neither"
-        colour_bar(figure, maps, norm, colours, "traverse time [s]", extend, levels)
+        layers.draw_numbers(time, scale)
+    if seen.size:
+        colour_bar(figure, maps, scale, "traverse time [s]")
     return _finish(figure, result, maps)
 
 
@@ -195,35 +127,28 @@ def _start(result: SweepResult, fields: list[Fields], heading: str) -> tuple[Fig
     return figure, [MapLayers(a, f, single=len(fields) == 1) for a, f in zip(axes, fields, strict=True)]
 
 
-def _range(maps: list[MapLayers], values: list[Floats], *, smooth: bool = False) -> tuple[float, float]:
-    """Least and largest finite value that is visible, or visible and smooth; (0, 0) if there is none."""
-    seen = np.concatenate(
+def _seen(
+    maps: list[MapLayers], values: list[Floats], among: list[NDArray[np.bool_]] | None = None
+) -> Floats:
+    """Return the finite values that are visible, of those among certain points."""
+    return np.concatenate(
         [
-            v[m.open & np.isfinite(v) & ((m.fields.smooth > 0.0) | (not smooth))]
-            for m, v in zip(maps, values, strict=True)
+            v[m.open & np.isfinite(v) & (True if among is None else among[i])]
+            for i, (m, v) in enumerate(zip(maps, values, strict=True))
         ]
     )
-    return (float(seen.min()), float(seen.max())) if seen.size else (0.0, 0.0)
 
 
-def colour_bar(
-    figure: Figure,
-    maps: list[MapLayers],
-    norm: Normalize,
-    colours: Colormap,
-    label: str,
-    extend: str = "neither",
-    ticks: Floats | None = None,
-) -> None:
-    """Draw the scale of the numbers beside the maps."""
+def colour_bar(figure: Figure, maps: list[MapLayers], scale: Scale, label: str) -> None:
+    """Draw the scale of the numbers beside the maps, its numbers in full."""
+    from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
 
     axes = [layers.axes for layers in maps]
-    bar = figure.colorbar(
-        ScalarMappable(norm, colours), ax=axes, label=label, extend=extend, pad=0.02, aspect=28
-    )
-    if ticks is not None:
-        bar.set_ticks(list(ticks), labels=[f"{tick:g}" for tick in ticks])
+    numbers = ScalarMappable(scale.norm, colormaps[scale.colours])
+    bar = figure.colorbar(numbers, ax=axes, label=label, extend=scale.extend, pad=0.02, aspect=28)
+    if scale.ticks is not None:
+        bar.set_ticks(list(scale.ticks), labels=[number_text(tick) for tick in scale.ticks])
         bar.minorticks_off()
 
 

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AVERAGED_AREA_LABEL",
-    "AVERAGED_HATCH",
     "AVERAGED_LABEL",
-    "AVERAGED_RINGS",
+    "BACKWARDS_HATCH",
+    "BACKWARDS_LABEL",
     "COEXISTS_HATCH",
     "COEXISTS_LABEL",
     "CURVES",
@@ -32,6 +32,7 @@ __all__ = [
     "NO_ANSWER_HATCH",
     "NO_ANSWER_INK",
     "REGIME_COLOURS",
+    "ZERO_SPEED",
     "CurveStyle",
     "axis_label",
     "figure_text",
@@ -63,11 +64,10 @@ NO_ANSWER_HATCH: Final[Mapping[Status, str]] = {
     Status.INDETERMINATE: "---",
     Status.UNRESOLVED: "+++",
 }
+BACKWARDS_HATCH: Final = "|"
+BACKWARDS_LABEL: Final = "moves backwards"
 COEXISTS_HATCH: Final = "..."
 COEXISTS_LABEL: Final = "another motion exists"
-# Dark dots in white rings: on any colour one of them shows.
-AVERAGED_HATCH: Final = ".."
-AVERAGED_RINGS: Final = "oo"
 AVERAGED_LABEL: Final = "mean of motion without a short period"
 AVERAGED_AREA_LABEL: Final = "means of motion without a short period, at least in part"
 
@@ -78,6 +78,7 @@ class CurveStyle(NamedTuple):
     label: str
     dashes: Any
     width: float
+    colour: str = INK
 
 
 # Keys are the fields of CriticalLoads, in the order in which the usual scene passes them as the load rises.
@@ -87,6 +88,8 @@ CURVES: Final[Mapping[str, CurveStyle]] = {
     "rest_vanishes": CurveStyle("rest vanishes", (0, (1, 1.6)), 1.4),
     "hop": CurveStyle("hop limit", "-", 1.8),
 }
+
+ZERO_SPEED: Final = CurveStyle("zero speed", "-", 1.6, "#FFFFFF")
 
 _DPI: Final = 150
 _FONT: Final = "DejaVu Sans"  # comes with matplotlib

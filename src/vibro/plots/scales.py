@@ -1,0 +1,132 @@
+"""How numbers become colours: scales that tell them apart, and round numbers at which contours lie."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.colors import Normalize
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Scale", "even_levels", "log_levels", "scale_of", "time_scale"]
+
+_NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
+_BELOW_TOP: Final = 1.0 - 1e-6  # of the largest number: a contour there would trace its rounding errors
+# Where all numbers are alike, a scale from zero would hide how they differ.
+_ALIKE: Final = 0.5  # least over largest
+# Bodies that hop are 10 to 100 times as fast as those in contact, and irregular motion is faster still: an
+# even scale shows all other numbers in one colour. It is left where the largest is so many times ...
+_OVER_CONTACT: Final = 3.0  # ... the largest in contact,
+_OVER_REGULAR: Final = 2.0  # the largest of motion that repeats with the drive,
+_OVER_MIDDLE: Final = 10.0  # or the median.
+# Near rest speeds fall to 0, and times grow without bound: ...
+_BEYOND: Final = 0.02  # ... of the visible numbers so many may lie beyond the end of a logarithmic scale.
+_MOST_DECADES: Final = 5.0  # of a logarithmic scale
+_DENSE_DECADES: Final = 3.0  # up to which contours lie at 1, 2 and 5 of each
+_LINEAR_SHARE: Final = 0.25  # of the numbers in contact, up to which an asinh scale is nearly even
+_WIDE: Final = 5.0  # ratio of the longest to the shortest time above which contours are at 1, 2, 5, 10 ...
+
+
+class Scale(NamedTuple):
+    """How numbers become colours, where contours lie, and what the colour bar says."""
+
+    norm: Normalize
+    colours: str
+    levels: Floats
+    ticks: Floats | None  # None leaves them to matplotlib
+    extend: str  # which ends of the bar stand for numbers beyond it
+
+
+def scale_of(seen: Floats, regular: Floats, calm: Floats, *, reverses: bool) -> Scale:
+    """Choose the scale of speeds, or of shares.
+
+    Parameters
+    ----------
+    seen : float array
+        All visible numbers.
+    regular : float array
+        Those of motion that repeats with the drive.
+    calm : float array
+        Those of bodies that stay in contact.
+    reverses : bool
+        Whether any body is certain to move backwards.
+
+    Returns
+    -------
+    Scale
+        Diverging about zero where motion reverses. From zero up elsewhere; from the least number where all
+        are alike, and logarithmic where few large ones would leave most others in one colour.
+    """
+    from matplotlib.colors import AsinhNorm, CenteredNorm, LogNorm, Normalize
+
+    if not seen.size or not seen.any():
+        return Scale(Normalize(0.0, 1.0), "cividis", np.empty(0), None, "neither")
+    low, high = float(seen.min()), float(seen.max())
+    least, most = (float(end) for end in (np.abs(seen).min(), np.abs(seen).max()))
+    ends = (float(regular.min()), float(regular.max())) if regular.size else (0.0, 0.0)
+    if low * high > 0.0 and least > _ALIKE * most:
+        return Scale(Normalize(low, high), "cividis", even_levels(low, high), None, "neither")
+    usual = float(np.abs(calm).max()) if calm.size else 0.0
+    uneven = (
+        0.0 < _OVER_CONTACT * usual < most
+        or 0.0 < _OVER_REGULAR * max(-ends[0], ends[1]) < most
+        or _OVER_MIDDLE * float(np.median(np.abs(seen))) < most
+    )
+    if reverses:
+        if not uneven:
+            levels = even_levels(*ends)
+            return Scale(CenteredNorm(0.0, most), "RdBu", levels[levels != 0.0], None, "neither")
+        width = _LINEAR_SHARE * (usual or float(np.median(np.abs(seen))))
+        sizes = log_levels(width, most)
+        ticks = np.concatenate([-sizes[::-1], [0.0], sizes])
+        within = ticks[(ticks > ends[0]) & (ticks < _BELOW_TOP * ends[1]) & (ticks != 0.0)]
+        return Scale(AsinhNorm(width, -most, most), "RdBu", within, ticks, "neither")
+    below = "min" if low < 0.0 else "neither"  # a few bounces of irregular motion, or an uncertain mean
+    if not uneven:
+        levels = even_levels(max(ends[0], 0.0), ends[1])
+        return Scale(Normalize(0.0, high), "cividis", levels[levels > 0.0], None, below)
+    foot = max(float(np.quantile(seen[seen > 0.0], _BEYOND)), high * 10.0**-_MOST_DECADES)
+    foot = min(foot, high / _OVER_REGULAR)
+    ticks = log_levels(foot, high)
+    levels = ticks[ticks < _BELOW_TOP * ends[1]]
+    return Scale(LogNorm(foot, high), "cividis", levels, ticks, "min" if low < foot else "neither")
+
+
+def time_scale(seen: Floats) -> Scale:
+    """Choose the scale of the visible times, logarithmic."""
+    from matplotlib.colors import LogNorm
+
+    if not seen.size:
+        return Scale(LogNorm(1.0, 2.0), "cividis_r", np.empty(0), None, "neither")
+    bottom, longest = float(seen.min()), float(seen.max())
+    top = min(float(np.quantile(seen, 1.0 - _BEYOND)), bottom * 10.0**_MOST_DECADES)
+    top = max(1.01 * bottom, top)
+    levels = log_levels(bottom, top) if top > _WIDE * bottom else even_levels(bottom, top)
+    return Scale(LogNorm(bottom, top), "cividis_r", levels, levels, "max" if longest > top else "neither")
+
+
+def even_levels(least: float, most: float) -> Floats:
+    """Return the round numbers within a range, evenly spaced."""
+    from matplotlib.ticker import MaxNLocator
+
+    levels = np.asarray(MaxNLocator(nbins=8, steps=_NICE).tick_values(least, most))
+    return np.asarray(levels[(levels > least) & (levels < _top(most))])
+
+
+def log_levels(least: float, most: float) -> Floats:
+    """Return the numbers 1, 2, 5, 10 ... within a range above 0; within a long one powers of ten alone."""
+    from matplotlib.ticker import LogLocator
+
+    subs = (1.0, 2.0, 5.0) if math.log10(most / least) <= _DENSE_DECADES else (1.0,)
+    locator: Any = LogLocator(subs=subs, numticks=99)
+    levels = np.asarray(locator.tick_values(least, most))
+    return np.asarray(levels[(levels > least) & (levels < _top(most))])
+
+
+def _top(most: float) -> float:
+    return _BELOW_TOP * most if most > 0.0 else most
