@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.fields import zero_points
+from vibro.plots.fields import hiding_fields, zero_points
 from vibro.plots.frame import (
     facet_frame,
     headline,
@@ -19,7 +19,6 @@ from vibro.plots.frame import (
     set_heading,
     settle,
 )
-from vibro.plots.layers import hiding_fields
 from vibro.plots.lines import (
     Stretch,
     draw_numbers,

@@ -30,7 +30,31 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Fields", "clip_line", "without_hidden", "zero_lines", "zero_points", "zero_region"]
+__all__ = [
+    "BEGINS_AT",
+    "HIDDEN_BY",
+    "Fields",
+    "clip_line",
+    "hiding_fields",
+    "without_hidden",
+    "zero_lines",
+    "zero_points",
+    "zero_region",
+]
+
+# Once one of these other curves has been passed, another regime holds, and the curve bounds nothing there.
+HIDDEN_BY: Final = {
+    "forward_onset": ("back_slip", "hop"),
+    "back_slip": ("hop",),
+    "rest_vanishes": ("hop",),
+    "hop": (),
+}
+# Where several have begun, the last of them holds.
+BEGINS_AT: Final = {
+    Regime.FORWARD_SLIP: "forward_onset",
+    Regime.BACK_SLIP: "back_slip",
+    Regime.HOPPING: "hop",
+}
 
 # Where the motion takes several cycles to repeat, numbers jump from point to point, and contours would be
 # noise. No contour passes between two such points that are less than the first width apart, nor through the
@@ -144,15 +168,13 @@ class Fields:
             for i, axis in enumerate((self.panel.y, self.panel.x))
             if axis is not None and axis.name in ("amplitude", "frequency")
         }
-        cycle = self.panel.cycle
-        hops = self.log_ratio["hop"] > 0.0
-        if not drives or not hops.any() or "displacement_per_cycle" not in cycle:
-            return np.zeros(hops.shape, np.bool_)
-        advance = cycle["displacement_per_cycle"]
+        advance = self.panel.cycle.get("displacement_per_cycle")
+        if not drives or advance is None:
+            return np.zeros((len(self.y), len(self.x)), np.bool_)
         if "amplitude" in drives:
             advance = advance / self._quantity("amplitude")
         rise = np.gradient(advance, axis=min(drives.values()))
-        return np.asarray(hops & (advance > 0.0) & (rise < 0.0))
+        return np.asarray((self.log_ratio["hop"] > 0.0) & (advance > 0.0) & (rise < 0.0))
 
     @cached_property
     def reversal(self) -> Floats:
@@ -260,6 +282,15 @@ class Fields:
         if panel.y is not None and name == panel.y.name:
             return self.y[:, np.newaxis]
         return panel.values[name]
+
+
+def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
+    """Return fields that are positive where a critical curve bounds nothing, or where there is no answer."""
+    statuses = [Status.INFEASIBLE, Status.INDETERMINATE]
+    if curve != "hop":
+        statuses.append(Status.RUNAWAY)
+    hiding = [fields.log_ratio[other] for other in HIDDEN_BY[curve]]
+    return hiding + [fields.unanswered(status) for status in statuses if status in fields.statuses]
 
 
 def _without(rough: NDArray[np.bool_]) -> Floats:

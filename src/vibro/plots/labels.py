@@ -121,7 +121,7 @@ class Labeller:
         text : str
             The name.
         lines : sequence of (n, 2) float array
-            Pieces of the line, in the user's units; those that come first are preferred.
+            Pieces of the line, in the user's units; the longest is preferred.
         plate : color, optional
             Of the ground under the words, which interrupts the line.
         **style
@@ -136,7 +136,7 @@ class Labeller:
             style["bbox"] = {"boxstyle": "square,pad=0.12", "facecolor": plate, "edgecolor": "none"}
         artist, width, height = self._text(text, style)
         others = self._crowd - self._under(lines)
-        for piece in map(self._on_paper, lines):
+        for piece in map(self._on_paper, sorted(lines, key=len, reverse=True)):
             if (found := self._place_on(piece, others, width, height)) is not None:
                 self._put(artist, width, height, *found)
                 return True

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.fields import without_hidden, zero_lines, zero_region
+from vibro.plots.fields import BEGINS_AT, HIDDEN_BY, hiding_fields, without_hidden, zero_lines, zero_region
 from vibro.plots.labels import Labeller
 from vibro.plots.neighbours import erode
 from vibro.plots.style import (
@@ -40,26 +40,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["BEGINS_AT", "MapLayers", "hiding_fields"]
+__all__ = ["MapLayers"]
 
-# Once one of these other curves has been passed, another regime holds, and the curve bounds nothing there.
-_HIDDEN_BY: Final = {
-    "forward_onset": ("back_slip", "hop"),
-    "back_slip": ("hop",),
-    "rest_vanishes": ("hop",),
-    "hop": (),
-}
-# Where several have begun, the last of them holds.
-BEGINS_AT: Final = {
-    Regime.FORWARD_SLIP: "forward_onset",
-    Regime.BACK_SLIP: "back_slip",
-    Regime.HOPPING: "hop",
-}
 _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump to and fro, contours fall apart into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
 _HATCHED: Final = 0.01  # of the side of the map: least width of an area in which dots of a hatch are seen
-_STRIPE: Final = 14.0  # [px at 100 dpi] from one stripe over irregular motion to the next
+_STRIPE: Final = 14.0  # [px] from one stripe over irregular motion to the next
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
 
 
@@ -80,19 +67,6 @@ def _are_same(pieces: list[Floats], others: list[Floats]) -> bool:
         piece.shape == other.shape and np.allclose(piece, other)
         for piece, other in zip(pieces, others, strict=True)
     )
-
-
-def _longest_first(pieces: list[Floats]) -> list[Floats]:
-    return sorted(pieces, key=len, reverse=True)
-
-
-def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
-    """Return fields that are positive where a critical curve bounds nothing, or where there is no answer."""
-    statuses = [Status.INFEASIBLE, Status.INDETERMINATE]
-    if curve != "hop":
-        statuses.append(Status.RUNAWAY)
-    hiding = [fields.log_ratio[other] for other in _HIDDEN_BY[curve]]
-    return hiding + [fields.unanswered(status) for status in statuses if status in fields.statuses]
 
 
 class _Contour(NamedTuple):
@@ -169,7 +143,7 @@ class MapLayers:
             return []
         ratio = self.fields.log_ratio
         begin = ratio[BEGINS_AT[regime]]
-        end = np.maximum.reduce([ratio[name] for name in _HIDDEN_BY[BEGINS_AT[regime]]])
+        end = np.maximum.reduce([ratio[name] for name in HIDDEN_BY[BEGINS_AT[regime]]])
         return zero_lines(self.fields, begin + end, [-begin, *self._covers])
 
     def hatch_unanswered(self, *, regimes_show: bool) -> None:
@@ -354,7 +328,7 @@ class MapLayers:
         # A name beside a line may as well be that of the next line. It interrupts its own instead.
         type_style: dict[str, Any] = {"plate": "#FFFFFF", "color": INK, "fontsize": 8.5}
         for style, pieces in _coinciding(self._curves) if self._single else []:
-            if not labeller.along(style.label, _longest_first(pieces), **type_style):
+            if not labeller.along(style.label, pieces, **type_style):
                 self._explain_curve(style)
 
     def _write_numbers(self, labeller: Labeller) -> None:
@@ -373,7 +347,7 @@ class MapLayers:
         # Whatever lies over the contour lies over its number too.
         style: dict[str, Any] = {"plate": contour.ground, "color": ink_on(contour.ground), "zorder": _COVERS}
         size = 8.0 * self._scale
-        fits = labeller.along(contour.text, _longest_first(contour.pieces), fontsize=size, **style)
+        fits = labeller.along(contour.text, contour.pieces, fontsize=size, **style)
         contour.artist.set_visible(fits)
         return fits
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.plots.fields import zero_points
+from vibro.plots.fields import BEGINS_AT, hiding_fields, zero_points
 from vibro.plots.frame import (
     headline,
     make_logarithmic,
@@ -22,7 +22,6 @@ from vibro.plots.frame import (
     settle,
 )
 from vibro.plots.labels import outline
-from vibro.plots.layers import BEGINS_AT, hiding_fields
 from vibro.plots.style import (
     AVERAGED_LABEL,
     COEXISTS_HATCH,
