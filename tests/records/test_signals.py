@@ -34,12 +34,15 @@ from vibro.records.signals import signal_unit
         ("N", "force", 1.0),
         ("mN", "force", 1e-3),
         ("kN", "force", 1e3),
+        ("mV", "voltage", 1e-3),
+        ("V", "voltage", 1.0),
+        ("Volt", "voltage", 1.0),
     ],
 )
 def test_spellings_of_units(text: str, kind: str, size: float) -> None:
     assert signal_unit(text) == (kind, size)
 
 
-@pytest.mark.parametrize("text", ["", "deg", "1/s", "furlong"])
+@pytest.mark.parametrize("text", ["", "deg", "1/s", "furlong", "v"])
 def test_what_is_no_unit(text: str) -> None:
     assert signal_unit(text) is None

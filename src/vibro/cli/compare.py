@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import math
 import os
-import sys
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated, Any, Final
 
 import typer
 from typer.core import TyperCommand
 
 from vibro.cli.console import Console
 from vibro.cli.options import Options, picture_formats
-from vibro.errors import InputError, cut, printable, shown
+from vibro.errors import InputError, cut, shown
 from vibro.quantities import QUANTITIES
-
-if TYPE_CHECKING:
-    from vibro.records.comparison import Row
-    from vibro.records.fitting import Parameter
-    from vibro.records.tables import ComparisonTables
-    from vibro.scene import Scene
 
 __all__ = ["CompareCommand", "compare_command"]
 
@@ -71,6 +63,15 @@ def compare_command(
         str | None,
         _column("friction", "Column of the friction on the body, or --force HEADER; needs --mass."),
     ] = None,
+    sensitivity: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--sensitivity",
+            metavar="100mV/g",
+            help="What a sensor's voltage stands for; of one of several columns: velocity=125mm/s/V.",
+            show_default=False,
+        ),
+    ] = None,
     mass: Annotated[
         str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
     ] = None,
@@ -96,12 +97,14 @@ def compare_command(
     trigger time is found. Measured and computed figures are printed; with -o they go to STEM.csv (signals),
     STEM-summary.csv, STEM.json and a picture.
     """
+    from vibro.cli.compare_report import comparison_report
     from vibro.cli.request import request_of
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.quantities import MASS, exact_number
     from vibro.records.alignment import Observation
     from vibro.records.comparison import compare
     from vibro.records.reading import read_record
+    from vibro.records.sensitivities import read_sensitivities
     from vibro.records.tables import ComparisonTables
 
     console = Console(quiet=options.quiet)
@@ -123,7 +126,8 @@ def compare_command(
         "acceleration": acceleration,
         "force": friction,
     }
-    record = read_record(data, {name: text for name, text in given.items() if text is not None})
+    columns = {name: text for name, text in given.items() if text is not None}
+    record = read_record(data, columns, read_sensitivities(sensitivity or ()))
     for note in record.notes:
         console.echo(note)
     if "force" in record.signals and body is None:
@@ -172,7 +176,7 @@ def compare_command(
 
         print(json_text(content))
     else:
-        print(_Report(tables, data, scene).text())
+        print(comparison_report(tables, data, scene))
     return 0
 
 
@@ -202,84 +206,3 @@ def _fitted_names(text: str | None) -> list[str]:
             raise InputError(f"--fit {cut(text)}: {shown(part.strip())} {wrong}", hint=f"choose from {known}")
         names.append(quantity.name)
     return names
-
-
-class _Report:
-    """The comparison in words."""
-
-    def __init__(self, tables: ComparisonTables, data: Path, scene: Scene) -> None:
-        self.tables = tables
-        self.comparison, self.fit, self.units = tables.comparison, tables.fit, tables.units
-        self.data = data
-        self.scene = scene
-
-    def text(self) -> str:
-        """Return what is printed."""
-        from vibro.cli.report import aligned
-
-        parts = [aligned(self._facts(), right=False)]
-        head = ("", "measured", "computed", "difference")
-        parts.append(aligned([head, *map(self._row, self.comparison.rows)]))
-        if self.fit is not None:
-            rows = []
-            for p, (unit, size) in self.tables.parameters():
-                own = float(getattr(self.scene, p.name)) / size
-                label = f"{QUANTITIES[p.name].letter} {f'[{unit}]' if unit else ''}".strip()
-                rows.append((label, *_estimated(p, size), f"{own:.6g}"))
-            parts.append(aligned([("fitted", "estimate", "95 % interval", "scene"), *rows]))
-            parts += ["\n".join(self.fit.statements)] if self.fit.statements else []
-        return "\n\n".join(parts)
-
-    def _facts(self) -> list[tuple[str, str]]:
-        observation, alignment = self.comparison.observation, self.comparison.alignment
-        span = float(observation.time[-1] - observation.time[0])
-        cycles = span * observation.frequency
-        facts = [
-            (
-                "data",
-                f"{printable(str(self.data))}: {observation.time.size} rows, {cycles:.4g} cycles,"
-                f" {(observation.time.size - 1) / cycles:.4g} samples a cycle",
-            ),
-            ("computed", f"pattern {self.comparison.motion.pattern}"),
-        ]
-        if not math.isnan(alignment.shift):
-            begin = (float(observation.time[0]) + alignment.shift) % observation.period
-            facts.append(
-                (
-                    "alignment",
-                    f"the data begin {1e3 * begin:.3f} \u00b1 {1e3 * alignment.error:.2g} ms after the trough"
-                    f" passes its middle upwards ({360.0 * begin / observation.period:.1f} deg)",
-                )
-            )
-        return facts
-
-    def _row(self, row: Row) -> tuple[str, str, str, str]:
-        unit, size = self.units[row.kind]
-        measured, error = row.measured.value / size, row.measured.error / size
-        text = "not seen" if math.isnan(measured) else _uncertain(measured, error)
-        computed = "" if math.isnan(row.computed) else f"{row.computed / size:.6g}"
-        difference = ""
-        if not math.isnan(measured) and not math.isnan(row.computed):
-            off = measured - row.computed / size
-            relative = row.kind != "time" and row.computed != 0.0
-            difference = f"{100.0 * off / (row.computed / size):+.1f} %" if relative else f"{off:+.3g}"
-        return f"{row.label} [{unit}]", text, computed, difference
-
-
-def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
-    """Write an estimate and its intervals, to two digits of the narrowest interval's half."""
-    pieces = [(low / size, high / size) for low, high in parameter.intervals]
-    if not pieces:
-        return "-", "not identified"
-    half = max(min(0.5 * (high - low) for low, high in pieces), sys.float_info.epsilon * abs(pieces[-1][1]))
-    digits = max(0, 1 - math.floor(math.log10(half)))
-    interval = " or ".join(f"{low:.{digits}f} ... {high:.{digits}f}" for low, high in pieces)
-    return f"{parameter.value / size:.{digits}f}" if parameter.identified else "-", interval
-
-
-def _uncertain(value: float, error: float) -> str:
-    """Write a value with its standard error, to two digits of that."""
-    if not math.isfinite(error) or error <= 0.0:
-        return f"{value:.4g}"
-    digits = max(0, 1 - math.floor(math.log10(error)))
-    return f"{value:.{digits}f} \u00b1 {error:.{digits}f}"

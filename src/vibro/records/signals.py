@@ -1,4 +1,4 @@
-"""The units of measured signals, and how programs spell them."""
+"""The signals that a record may hold, their units, and how programs spell these."""
 
 from __future__ import annotations
 
@@ -10,11 +10,20 @@ from vibro.quantities import LENGTH
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["MOST", "SIGNAL_UNITS", "signal_unit"]
+__all__ = ["KINDS", "MOST", "SIGNALS", "SIGNAL_UNITS", "TROUGH", "option_of", "signal_unit"]
 
 #: Most that a record, or a scene beside it, may hold of anything [SI]. Up to the fourth power of it is summed
 #: over the rows, which must stay far below the largest double, and nothing that is measured comes near it.
 MOST: Final = 1e20
+
+#: Signals of the body that a record may hold in addition to its time; each name is also the kind of its unit.
+SIGNALS: Final = ("displacement", "velocity", "acceleration", "force")
+#: Accelerations of the trough that it may hold: along its surface, and normal to it.
+TROUGH: Final = ("trough_along", "trough_normal")
+#: What each column is measured in.
+KINDS: Final[Mapping[str, str]] = {kind: kind for kind in ("time", *SIGNALS)} | dict.fromkeys(
+    TROUGH, "acceleration"
+)
 
 
 def _per_time(suffix: str) -> dict[str, float]:
@@ -28,11 +37,13 @@ SIGNAL_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
     "velocity": _per_time("/s"),
     "acceleration": {"m/s^2": 1.0, "g": 9.80665} | _per_time("/s^2"),
     "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
+    "voltage": {"V": 1.0, "mV": 1e-3},
 }
 # How programs spell the same: MATLAB, SolidWorks and the column names of vibro.
 _SPELLINGS: Final = (
     (r"seconds?|sec", "s"),
     (r"newtons?", "n"),
+    (r"volts?", "v"),
     (r"\u00b2", "2"),
     (r"[\s\u00b7.*^]", ""),
     (r"(?<=[mn])_(?=s)", "/"),
@@ -45,13 +56,15 @@ def signal_unit(text: str) -> tuple[str, float] | None:
     Parameters
     ----------
     text : str
-        Such as ``mm``, ``mm/sec**2``, ``m_s2`` or ``newton``.
+        Such as ``mm``, ``mm/sec**2``, ``m_s2``, ``newton`` or ``mV``.
 
     Returns
     -------
     tuple of str and float, or None
         A key of ``SIGNAL_UNITS`` and the unit's size in SI units; None where the text is no unit of a signal.
     """
+    if text == "v":  # a velocity's name, not a volt
+        return None
     name = text.casefold()
     for spelling, plain in _SPELLINGS:
         name = re.sub(spelling, plain, name)
@@ -60,3 +73,8 @@ def signal_unit(text: str) -> tuple[str, float] | None:
             if name == unit.casefold().replace("^", ""):
                 return kind, size
     return None
+
+
+def option_of(role: str) -> str:
+    """Name the option that gives the column of a signal."""
+    return "--" + role.replace("_", "-")

@@ -1,0 +1,254 @@
+"""Which columns of a table hold the signals: by their units, or by the names that a user gives."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from vibro.errors import InputError, shown
+from vibro.records.sensitivities import EXAMPLES
+from vibro.records.signals import KINDS, SIGNAL_UNITS, SIGNALS, option_of, signal_unit
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from vibro.records.sensitivities import Sensitivity
+
+__all__ = ["Columns", "Header", "Wanted", "choose", "headers_of", "sensitivity_of"]
+
+# Words in a header that decide between columns with the same kind of unit.
+_WORDS: Final[Mapping[str, str]] = {
+    "time": r"time|zeit|t",
+    "displacement": r"displacement|position|weg|relative.*|x|xi|s",
+    "velocity": r"velocity|speed|geschwindigkeit|relative.*|v|vx",
+    "acceleration": r"acceleration|beschleunigung|relative.*|a|ax",
+    "force": r"friction|friction force|reibkraft|f",
+}
+_BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
+_IN: Final = re.compile(r"(.*\S)\s+(?:in|/)\s+(\S.*)", re.IGNORECASE)  # Zeit in s, or Zeit / s
+_LISTED: Final = 12  # headers that a message lists
+
+
+class Header(NamedTuple):
+    """A column: its index, its header, the name and the unit in it as text, and the unit's kind and size."""
+
+    place: int
+    text: str
+    name: str
+    stated: str
+    unit: tuple[str, float] | None
+
+
+class Wanted(NamedTuple):
+    """What a user says of the columns: headers by the keys of ``KINDS``, and what voltages stand for."""
+
+    headers: Mapping[str, str]
+    sensitivities: Sequence[Sensitivity] = ()
+
+
+#: The column of every signal, and the size of its unit in SI units.
+Columns = dict[str, tuple[Header, float]]
+
+
+def headers_of(above: list[list[str]]) -> list[Header]:
+    """Read the header row, the last one of ``above``, and a row of units under it if there is one."""
+    texts = above[-1]
+    units = [text.strip("[]()") for text in texts]
+    if len(above) > 1 and len(above[-2]) == len(units) and all(signal_unit(unit) for unit in units if unit):
+        texts = [f"{name} [{unit}]" if unit else name for name, unit in zip(above[-2], units, strict=True)]
+    headers = []
+    for place, text in enumerate(texts):
+        name, unit = _split(text)
+        headers.append(Header(place, text, name, unit, signal_unit(unit) if unit else _unit_at_end(name)))
+    return headers
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Split ``X [mm]`` or ``X in mm`` into name and unit."""
+    if match := _BRACKETS.fullmatch(text):
+        return match[1], match[2].strip()
+    match = _IN.fullmatch(text)
+    return (match[1], match[2].strip()) if match and signal_unit(match[2].strip()) else (text, "")
+
+
+def _unit_at_end(name: str) -> tuple[str, float] | None:
+    """Find the unit that ends a name of vibro's own tables, such as ``velocity_mm_s``."""
+    words = name.split("_")
+    for count in (2, 1):
+        if len(words) > count and (unit := signal_unit("_".join(words[-count:]))):
+            return unit
+    return None
+
+
+def choose(path: Path, headers: list[Header], wanted: Wanted) -> Columns:
+    """Find the columns of the signals.
+
+    Parameters
+    ----------
+    path : Path
+        For messages.
+    headers : list of Header
+        Of all columns.
+    wanted : Wanted
+        If no signal of the body is named, every column whose unit is unambiguous is taken, and that no other
+        signal takes. Voltages and accelerations of the trough have to be named.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, ambiguous, without a unit, or named twice; if a voltage has no sensitivity, or
+        a sensitivity no voltage.
+    """
+    problems: list[str] = []
+    hints: list[str] = []
+    found: Columns = {}
+    named = [role for role in KINDS if role in wanted.headers]
+    # A user who names one signal wants only the named ones; the time is needed in any case.
+    alone = any(role in wanted.headers for role in SIGNALS)
+    sought = [role for role in ("time", *SIGNALS) if role not in named and (role == "time" or not alone)]
+    for role in (*named, *sought):
+        try:
+            if role in wanted.headers:
+                found[role] = _named(path, headers, role, wanted)
+            else:
+                taken = {header.place for header, _ in found.values()}
+                found |= _detected(path, [h for h in headers if h.place not in taken], role)
+        except InputError as exc:
+            problems += exc.problems
+            hints += [exc.hint]
+    if not problems and "time" not in found:
+        problems.append(f"{path}: no column of time found among {_list(headers)}")
+        hints.append('name it, with its unit: --time "t [s]"')
+    if not problems and not any(role in found for role in SIGNALS):
+        of_body = " of the body" if len(found) > 1 else ""
+        problems.append(f"{path}: no signal{of_body} found among {_list(headers)}")
+        hints.append(_name_one(headers, wanted))
+    if problems:
+        raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
+    columns = {role: found[role] for role in KINDS if role in found}
+    _check_once(path, columns)
+    _check_used(path, headers, columns, wanted)
+    return columns
+
+
+def _check_once(path: Path, columns: Columns) -> None:
+    """Refuse a column that is to be two signals."""
+    for header, _ in columns.values():
+        same = [role for role, (other, _) in columns.items() if other.place == header.place]
+        if len(same) > 1:
+            names = " and as ".join(role.replace("_", " ") for role in same)
+            raise InputError(f"{path}: column {shown(header.text)} is given as {names}")
+
+
+def _check_used(path: Path, headers: list[Header], columns: Columns, wanted: Wanted) -> None:
+    """Refuse a sensitivity that no column uses: the voltage that it is for is not read."""
+    for sensitivity in wanted.sensitivities:
+        if any(sensitivity_of(role, header, wanted) == sensitivity for role, (header, _) in columns.items()):
+            continue
+        role = sensitivity.role or sensitivity.kind
+        free = [h for h in _voltages(headers) if all(h.place != used.place for used, _ in columns.values())]
+        name = f'name the column: {option_of(role)} "{free[0].text}"' if free else "leave it out"
+        raise InputError(
+            f"{path}: no column that is read as {role.replace('_', ' ')} is a voltage for --sensitivity"
+            f" {sensitivity.text}",
+            hint=name,
+        )
+
+
+def _voltages(headers: list[Header]) -> list[Header]:
+    return [header for header in headers if header.unit and header.unit[0] == "voltage"]
+
+
+def _name_one(headers: list[Header], wanted: Wanted) -> str:
+    """Hint at how a signal is named: a voltage with what it stands for, if there is one."""
+    for header in _voltages(headers):
+        role = next((role for role in SIGNALS if _word_of(role).fullmatch(header.name)), "acceleration")
+        name = f'{option_of(role)} "{header.text}"'
+        if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
+            return f"name the voltage: {name}"
+        return f"name one, and say what its voltage stands for: {name} --sensitivity {EXAMPLES[role]}"
+    return 'name one, with its unit: --displacement "X [mm]"'
+
+
+def _word_of(role: str) -> re.Pattern[str]:
+    return re.compile(rf"(?:{_WORDS[role]})(?:[\W_\d].*)?", re.IGNORECASE)
+
+
+def _unit_of(role: str, header: Header, wanted: Wanted) -> tuple[str, float] | None:
+    """Return the unit of a column: that of its header, else the one that the option gives."""
+    stated = _split(wanted.headers.get(role, "").strip())[1]
+    return signal_unit(stated) if stated and not header.stated else header.unit
+
+
+def sensitivity_of(role: str, header: Header, wanted: Wanted) -> Sensitivity | None:
+    """Find what the voltage in a column stands for: what is said of this column goes before its kind."""
+    unit = _unit_of(role, header, wanted)
+    if unit is None or unit[0] != "voltage":
+        return None
+    serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
+    return next(iter(sorted(serving, key=lambda sensitivity: not sensitivity.role)), None)
+
+
+def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tuple[Header, float]:
+    key = wanted.headers[role].strip()
+    name, unit_text = _split(key)
+    found = (
+        [h for h in headers if h.text == key]
+        or [h for h in headers if h.text.casefold() == key.casefold()]
+        or [h for h in headers if h.name.casefold() == name.casefold() and not (unit_text and h.stated)]
+    )
+    option, kind = option_of(role), KINDS[role]
+    if not found:
+        close = difflib.get_close_matches(key, [h.text for h in headers], n=1, cutoff=0.5)
+        raise InputError(
+            f"{path}: no column {shown(key)} for {option}; its columns are {_list(headers)}",
+            hint=f"did you mean {shown(close[0])}?" if close else "write it as the header row does",
+        )
+    if len(found) > 1:
+        raise InputError(
+            f"{path}: {len(found)} columns are called {shown(key)}",
+            hint="give them different names in the file",
+        )
+    (header,) = found
+    unit = _unit_of(role, header, wanted)
+    if unit is not None and unit[0] == kind:
+        return header, unit[1]
+    said = f"{path}: column {shown(header.text)} for {option}"
+    if unit is not None and unit[0] == "voltage" and kind in EXAMPLES:
+        sensitivity = sensitivity_of(role, header, wanted)
+        if sensitivity is None:
+            raise InputError(
+                f"{said}: what its voltage stands for is not said",
+                hint=f"give the sensor's sensitivity: --sensitivity {EXAMPLES[kind]}",
+            )
+        return header, unit[1] * sensitivity.per_volt
+    stated = unit_text or header.stated
+    problem = f"{shown(stated)} is no unit of {kind}" if stated else "it has no unit"
+    voltage = f", or mV and V with --sensitivity {EXAMPLES[kind]}" if kind in EXAMPLES else ""
+    raise InputError(
+        f"{said}: {problem}",
+        hint=f'write the unit in brackets: {option} "{header.name} [{next(iter(SIGNAL_UNITS[kind]))}]"; '
+        f"units of {kind} are {', '.join(SIGNAL_UNITS[kind])}{voltage}",
+    )
+
+
+def _detected(path: Path, headers: list[Header], role: str) -> Columns:
+    """Find the one column whose unit fits, or the one among several whose name does; or none."""
+    fitting = [(h, h.unit[1]) for h in headers if h.unit and h.unit[0] == role]
+    if len(fitting) > 1:
+        word = _word_of(role)
+        fitting = [(h, size) for h, size in fitting if word.fullmatch(h.name)] or fitting
+    if len(fitting) > 1:
+        raise InputError(
+            f"{path}: {_list([h for h, _ in fitting])} could each be the {role}",
+            hint=f'choose: --{role} "{fitting[0][0].text}"',
+        )
+    return {role: fitting[0]} if fitting else {}
+
+
+def _list(headers: Sequence[Header]) -> str:
+    texts = [shown(h.text) for h in headers if h.text]
+    more = len(texts) - _LISTED
+    return ", ".join(texts[:_LISTED]) + (f" and {more} more" if more > 0 else "")
