@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Alignment", "Observation", "align", "check_size", "computed", "data_frequency"]
+__all__ = ["Alignment", "Observation", "align", "check_size", "computed"]
 
 _GRID: Final = 512  # shifts that the search starts from
 # A signal that fits exactly would outweigh all others: its misfit counts as at least this fraction of the
@@ -42,7 +42,6 @@ _SEARCHED_CYCLES: Final = 4.0
 # The fine search covers this fraction of the cycle on each side of the rough result, with this many points.
 _SEARCHED: Final = 0.05
 _STEPS: Final = 41
-_CLEAR: Final = 0.02  # share of the power above which the data clearly contain a wave
 _SIGMAS: Final = 3.0  # within which a second position in the cycle counts as fitting equally well
 _TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
 
@@ -320,27 +319,3 @@ def _reach(loss: Callable[[float], float], shift: float, least: float, period: f
         middle = 0.5 * (near + far)
         near, far = (middle, far) if loss(shift + middle) - least < 0.5 else (near, middle)
     return abs(far)
-
-
-def data_frequency(observation: Observation) -> float:
-    """Frequency at which the data repeat, near that of the drive [Hz].
-
-    The frequency of the largest wave between half and twice that of the drive; NaN if noise hides it.
-    """
-    names = ("velocity", "acceleration", "friction", "displacement")
-    name = next(name for name in names if name in observation.signals)
-    part = observation.middle
-    time = part.time - part.time.mean()
-    trend = np.vander(time / np.ptp(time), 2, increasing=True)
-    values = part.signals[name] - trend @ np.linalg.lstsq(trend, part.signals[name], rcond=None)[0]
-
-    def strength(frequency: float) -> float:
-        return abs(complex(np.exp(-2j * math.pi * frequency * time) @ values))
-
-    step = 0.25 / float(np.ptp(time))
-    grid = np.arange(0.5 * part.frequency, 2.0 * part.frequency, step)
-    peak = float(grid[np.argmax([strength(g) for g in grid])])
-    if strength(peak) ** 2 < _CLEAR * time.size * float(values @ values):
-        return math.nan
-    best = minimize_scalar(lambda g: -strength(g), bounds=(peak - step, peak + step), method="bounded")
-    return float(best.x)

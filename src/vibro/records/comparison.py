@@ -9,15 +9,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.motion.settled import SettledMotion, settled_motion
-from vibro.records.alignment import (
-    Alignment,
-    Observation,
-    align,
-    check_size,
-    computed,
-    data_frequency,
-)
+from vibro.records.alignment import Alignment, Observation, align, check_size, computed
 from vibro.records.folding import Estimate, fold
+from vibro.records.frequencies import foreign_frequency
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,7 +29,7 @@ __all__ = ["Comparison", "Row", "compare"]
 _THRESHOLD: Final = 0.1  # of a slide's computed peak speed: the level that marks its start and end
 _FINE: Final = 4096  # points per cycle at which folded signals are searched
 _CURVE: Final = 1001  # points of a smooth curve
-_FOREIGN: Final = 0.05  # cycles by which drive and data may drift apart over the record
+_ASTRAY: Final = 0.01  # cycles by which a frequency that is proposed may drift from the data over the record
 _WAYS: Final = {"F": 1, "B": -1}
 _NAN: Final = Estimate(math.nan, math.nan)
 
@@ -305,12 +299,7 @@ def _warnings(
         warnings.append(
             f"the data fit almost as well if they begin {1e3 * rival:.4g} ms after the trough's middle"
         )
-    found = data_frequency(observation)
-    span = float(np.ptp(observation.middle.time))
-    if abs(found - observation.frequency) * span > _FOREIGN:
-        warnings.append(
-            f"the data repeat at {found:.5g} Hz, the drive of the scene at {observation.frequency:.5g} Hz"
-        )
+    warnings += _of_another_frequency(observation)
     advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
     if advance * motion.advance < 0.0:
         warnings.append("the data run against the computed direction: --reverse reverses their axis")
@@ -319,6 +308,23 @@ def _warnings(
             "the friction has the opposite sign: it must be the force on the body, not on the trough"
         )
     return tuple(warnings)
+
+
+def _of_another_frequency(observation: Observation) -> list[str]:
+    """Name the frequency of data that are not those of the drive."""
+    foreign = foreign_frequency(observation)
+    if foreign is None:
+        return []
+    found, error = foreign.frequency
+    off = max(error, _ASTRAY / float(np.ptp(observation.time)))
+    plain = next(text for digits in range(18) if abs(float(text := f"{found:.{digits}f}") - found) <= off)
+    said, remedy = f"{found:.5g} Hz", f"-f {plain}"
+    if foreign.cycles:
+        return [
+            f"the data repeat at {said}, every {foreign.cycles} cycles of the drive: the body hops so, or the"
+            f" drive runs at that frequency: {remedy}"
+        ]
+    return [f"the data repeat at {said}, the scene says {observation.frequency:.5g} Hz: {remedy}"]
 
 
 def _oppose(one: Floats, other: Floats) -> bool:

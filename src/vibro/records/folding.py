@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Estimate", "Folded", "fold", "independent_samples"]
+__all__ = ["Estimate", "Folded", "fold", "harmonics", "independent_samples", "independent_share"]
 
 # The velocity of a slide has kinks, whose harmonics fall off quadratically: more of them add nothing.
 _MOST_HARMONICS: Final = 24
@@ -27,8 +27,7 @@ _LEAST_CYCLES: Final = 2.0
 _LEAST_SAMPLES: Final = 8  # per cycle
 
 
-@dataclass(frozen=True)
-class Estimate:
+class Estimate(NamedTuple):
     """A measured value and its standard error; NaN where there is none."""
 
     value: float
@@ -78,11 +77,12 @@ class Folded:
 
     def _basis(self, time: Floats, derivative: int) -> Floats:
         count = (self.coefficients.size - self.trends) // 2
-        waves = _harmonics(np.atleast_1d(time), self.frequency, count, derivative)
+        waves = harmonics(np.atleast_1d(time), self.frequency, count, derivative)
         return np.hstack([np.zeros((waves.shape[0], self.trends)), waves])
 
 
-def _harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -> Floats:
+def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -> Floats:
+    """Return cosines, then sines, of the harmonics of a frequency, or derivatives of them, by column."""
     rates = 2.0 * math.pi * frequency * np.arange(1, count + 1)
     angles = np.outer(time, rates) + 0.5 * math.pi * derivative
     return np.hstack([np.cos(angles), np.sin(angles)]) * np.tile(rates**derivative, 2)
@@ -130,7 +130,7 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     count = min(_MOST_HARMONICS, int(_OF_NYQUIST * 0.5 * samples))
     middle, half = float(time[0]) + 0.5 * span, 0.5 * span
     powers = np.vander((time - middle) / half, trends, increasing=True)
-    basis = np.hstack([powers, _harmonics(time, frequency, count)])
+    basis = np.hstack([powers, harmonics(time, frequency, count)])
     # Normal equations lose digits. Harmonics are nearly orthogonal, so they lose few, and one step of
     # refinement restores them.
     inverse = np.linalg.pinv(basis.T @ basis)
@@ -138,7 +138,7 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     coefficients += inverse @ (basis.T @ (signal - basis @ coefficients))
     residual = signal - basis @ coefficients
     freedom = max(1, time.size - basis.shape[1])
-    variance = float(residual @ residual) / freedom / _independent_share(residual)
+    variance = float(residual @ residual) / freedom / independent_share(residual)
     return Folded(frequency, trends, middle, half, coefficients, variance * inverse)
 
 
@@ -166,14 +166,14 @@ def independent_samples(time: Floats, misfit: Floats, frequency: float) -> float
     total = float(powers.sum())
     if total + noise == 0.0:
         return float(time.size)
-    spread = noise / (time.size * _independent_share(rest))
+    spread = noise / (time.size * independent_share(rest))
     if total > 0.0:
         # the total over twice the effective number of strong harmonics
         spread += float(powers @ powers) / (2.0 * total)
     return (total + noise) / spread
 
 
-def _independent_share(residual: Floats) -> float:
+def independent_share(residual: Floats) -> float:
     """Effective number of independent samples over their number, from the correlation of neighbours."""
     power = float(residual @ residual)
     if power == 0.0 or residual.size < 3:

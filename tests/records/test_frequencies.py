@@ -1,0 +1,133 @@
+"""At which frequency data repeat: named where it is clearly not that of the drive, and never else."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from made_records import FREQUENCY, Walked, nut
+
+from vibro.motion.histories import simulate
+from vibro.records.alignment import Observation
+from vibro.records.comparison import compare
+from vibro.records.frequencies import Foreign, foreign_frequency
+
+SIGNALS = ("displacement", "velocity", "acceleration", "friction")
+
+
+def seen(observation: Observation, factor: float = 1.0) -> Foreign | None:
+    """Ask of a record beside a drive whose frequency is the true one times a factor."""
+    return foreign_frequency(
+        Observation(observation.time, observation.signals, observation.frequency * factor)
+    )
+
+
+def noisy(scene: Any, signal: str, cycles: float, samples: int, level: float, seed: int) -> Observation:
+    """Sample a signal of a scene, with normal noise of a level relative to its range, and an offset."""
+    frequency = float(scene.frequency)
+    time = 0.3 + np.arange(round(cycles * samples) + 1) / (samples * frequency)
+    exact = getattr(Walked(scene), signal)(time)
+    span = float(np.ptp(exact - np.polyval(np.polyfit(time, exact, 1), time)))
+    random = np.random.default_rng(seed)
+    return Observation(
+        time, {signal: exact + span * (0.5 + level * random.standard_normal(time.size))}, frequency
+    )
+
+
+SCENES = {
+    "F_": nut(),
+    "F_B": nut(1.5),
+    "FB": nut(2.0),
+    "climbing": nut(2.0, trough_angle=math.radians(4.0)),
+    "a magnet": nut(0.1, frequency=50.0),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("signal", SIGNALS)
+def test_no_other_frequency_is_claimed_of_data_that_repeat_with_the_drive(name: str, signal: str) -> None:
+    """Also of records that are short, coarse and noisy, of which no frequency could be told sharply."""
+    claims = []
+    for seed, cycles in enumerate((2.0, 2.1, 2.6, 3.3, 4.0, 7.7, 20.0)):
+        for samples, level in ((10, 0.05), (24, 0.2), (60, 0.0)):
+            claim = seen(noisy(SCENES[name], signal, cycles, samples, level, seed))
+            claims += [] if claim is None else [(cycles, samples, level, claim)]
+    assert claims == []
+
+
+@pytest.mark.parametrize("signal", SIGNALS)
+@pytest.mark.parametrize("factor", [0.4, 0.5, 0.7, 0.98, 1.02, 1.3, 2.0, 2.5, 3.0])
+def test_a_wrong_frequency_is_named_with_the_right_one(signal: str, factor: float) -> None:
+    """Twice and half the true one too; all within what the record tells."""
+    for name in ("F_", "FB"):
+        observation = noisy(SCENES[name], signal, 20.0, 60, 0.05, 1)
+        claim = seen(observation, factor)
+        assert claim is not None, name
+        off = abs(claim.frequency.value - FREQUENCY)
+        assert off < 4.0 * claim.frequency.error, name
+        assert off * 20.0 / FREQUENCY < 0.02, name
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_standard_error_of_a_frequency_is_that_of_repeated_noise(seed: int) -> None:
+    found = [seen(noisy(SCENES["F_"], "velocity", 10.0, 40, 0.1, 100 * seed + k), 1.3) for k in range(20)]
+    off = np.array([claim.frequency.value - FREQUENCY for claim in found if claim])
+    told = np.array([claim.frequency.error for claim in found if claim])
+    assert off.size == 20
+    assert 0.5 < float(np.sqrt(np.mean((off / told) ** 2))) < 1.8
+    assert float(np.abs(off / told).max()) < 4.5
+
+
+@pytest.mark.parametrize("throw", [1.3, 2.6, 3.2, 4.0, 5.5, 7.0])
+def test_hopping_is_no_wrong_frequency(throw: float) -> None:
+    """A body that hops may repeat its motion every few cycles, or never: nothing else is said of the drive."""
+    frequency, angle = 25.0, math.radians(30.0)
+    amplitude = throw * 9.81 / math.sin(angle) / (2.0 * math.pi * frequency) ** 2
+    scene = nut(frequency=frequency, amplitude=amplitude, drive_angle=angle)
+    history = simulate(scene, cycles=100)
+    time = np.arange(40 * 40 + 1) / (40 * frequency)
+    sample = history.sample(time + 50.3 / frequency)
+    for name, values in (("velocity", sample.velocity), ("displacement", sample.position)):
+        claim = seen(Observation(time, {name: values}, frequency))
+        assert claim is None or claim.cycles > 1
+
+
+def test_a_motion_that_repeats_every_other_cycle_is_told_as_such() -> None:
+    time = np.arange(801) / 600.0
+    waves = 2.0 * math.pi * FREQUENCY * time
+    values = np.cos(waves) + np.cos(0.5 * waves)
+    observation = Observation(time, {"velocity": 0.01 * values}, FREQUENCY)
+    claim = seen(observation)
+    assert claim is not None
+    assert claim.cycles == 2
+    (warning,) = (text for text in compare(nut(), observation).warnings if "repeat" in text)
+    assert "at 7.5 Hz, every 2 cycles of the drive: the body hops so, or the drive runs" in warning
+    assert warning.endswith(": -f 7.5")
+
+
+@pytest.mark.parametrize("kind", ["noise", "slow", "still", "drift", "digits"])
+def test_data_without_a_wave_have_no_frequency(kind: str) -> None:
+    random = np.random.default_rng(5)
+    time = np.arange(801) / 600.0
+    for _ in range(10):
+        white = random.standard_normal(time.size)
+        values = {
+            "noise": white,
+            "slow": np.cumsum(white),
+            "still": np.zeros(time.size),
+            "drift": 3.0 * time,
+            "digits": np.round(0.3 + 1e-7 * time, 9),
+        }[kind]
+        assert seen(Observation(time, {"velocity": values}, FREQUENCY)) is None
+
+
+@pytest.mark.parametrize(("true", "stated", "remedy"), [(20.0, 50.0, "-f 20"), (49.9, 25.0, "-f 49.9")])
+def test_the_warning_names_the_option(true: float, stated: float, remedy: str) -> None:
+    scene = nut(15.0**2 / true**2, frequency=true)
+    observation = noisy(scene, "velocity", 30.0, 60, 0.02, 1)
+    other = Observation(observation.time, observation.signals, stated)
+    (warning,) = (text for text in compare(nut(frequency=stated), other).warnings if "repeat" in text)
+    assert warning.startswith(f"the data repeat at {true:.3g}")
+    assert warning.endswith(f" Hz, the scene says {stated:g} Hz: {remedy}")
