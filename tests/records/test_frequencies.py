@@ -82,7 +82,7 @@ def test_the_standard_error_of_a_frequency_is_that_of_repeated_noise(seed: int) 
 
 @pytest.mark.parametrize("throw", [1.3, 2.6, 3.2, 4.0, 5.5, 7.0])
 def test_hopping_is_no_wrong_frequency(throw: float) -> None:
-    """A body that hops may repeat its motion every few cycles, or never: nothing else is said of the drive."""
+    """A body that hops may repeat its motion every few cycles, or never: no other drive is named."""
     frequency, angle = 25.0, math.radians(30.0)
     amplitude = throw * 9.81 / math.sin(angle) / (2.0 * math.pi * frequency) ** 2
     scene = nut(frequency=frequency, amplitude=amplitude, drive_angle=angle)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from itertools import zip_longest
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 from typer.core import TyperCommand
@@ -13,12 +13,20 @@ from typer.core import TyperCommand
 from vibro.cli.console import Console
 from vibro.cli.options import Options, picture_formats
 from vibro.errors import InputError, cut, shown
-from vibro.quantities import QUANTITIES
+from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from vibro.records.trough import MeasuredDrive, Trough
+    from vibro.sweeps.request import Request
 
 __all__ = ["CompareCommand", "compare_command"]
 
 # What follows the flag --force without being a header.
 _FILES: Final = (".toml", ".csv", ".txt")
+# In the place of what is measured, while the rest of a scene is read: valid whatever that is [SI].
+_HARMLESS: Final = {"amplitude": 1e-3, "frequency": 1.0, "drive_angle": 0.0}
 
 
 class CompareCommand(TyperCommand):
@@ -63,6 +71,17 @@ def compare_command(
         str | None,
         _column("friction", "Column of the friction on the body, or --force HEADER; needs --mass."),
     ] = None,
+    trough_along: Annotated[
+        str | None,
+        _column(
+            "trough-along",
+            "Column of the trough's acceleration along its surface: gives amplitude, frequency.",
+        ),
+    ] = None,
+    trough_normal: Annotated[
+        str | None,
+        _column("trough-normal", "The same normal to its surface, upwards; both give the drive angle too."),
+    ] = None,
     sensitivity: Annotated[
         list[str] | None,
         typer.Option(
@@ -101,17 +120,17 @@ def compare_command(
     from vibro.cli.request import request_of
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.quantities import MASS, exact_number
-    from vibro.records.alignment import Observation
+    from vibro.records.alignment import Observation, check_size
     from vibro.records.comparison import compare
     from vibro.records.reading import read_record
     from vibro.records.sensitivities import read_sensitivities
     from vibro.records.tables import ComparisonTables
+    from vibro.records.trough import trough_of
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     names = _fitted_names(fitted)
     options, data = _arguments(options, data)
-    request = request_of(options, context.obj)
     body = None
     if mass is not None:
         body = float(exact_number(mass, MASS))
@@ -125,6 +144,8 @@ def compare_command(
         "velocity": velocity,
         "acceleration": acceleration,
         "force": friction,
+        "trough_along": trough_along,
+        "trough_normal": trough_normal,
     }
     columns = {name: text for name, text in given.items() if text is not None}
     record = read_record(data, columns, read_sensitivities(sensitivity or ()))
@@ -132,8 +153,20 @@ def compare_command(
         console.echo(note)
     if "force" in record.signals and body is None:
         console.warn(f"column {record.headers['force']!r} is left out: a force needs --mass")
+    trough = trough_of(record, reverse=reverse)
+    if trough is None:
+        drive, request = None, request_of(options, context.obj)
+    else:
+        drive, request = _with_measured(trough, options, context.obj, console)
     scene = request.scene()
-    observation = Observation.of(record, float(scene.frequency), mass=body, reverse=reverse)
+    check_size(scene)
+    observation = Observation.of(
+        record,
+        float(scene.frequency),
+        mass=body,
+        reverse=reverse,
+        clock=drive.clock if drive else None,
+    )
     with SeriesOutput(
         f"{data.stem}-compare",
         ("", "summary"),
@@ -157,7 +190,7 @@ def compare_command(
 
             fit = fit_scene(scene, observation, names)
 
-        tables = ComparisonTables(comparison, record, body, fit)
+        tables = ComparisonTables(comparison, record, body, fit, drive)
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}
         title = f"{data.name} – {request.name or 'scene'}, computed pattern {comparison.motion.pattern}"
 
@@ -189,6 +222,41 @@ def _arguments(options: Options, data: Path | None) -> tuple[Options, Path]:
     if data is None:
         raise InputError("missing: DATA.csv", hint="for example: vibro compare scene.toml data.csv")
     return options, data
+
+
+def _with_measured(
+    trough: Trough, options: Options, argv: Sequence[str], console: Console
+) -> tuple[MeasuredDrive, Request]:
+    """Put what was measured of the trough in the place of what the scene file gives, and say so."""
+    from dataclasses import replace
+
+    from vibro.cli.compare_report import measured
+    from vibro.cli.request import request_of
+
+    found = ["amplitude", "frequency", *(["drive_angle"] if trough.drive_angle else [])]
+    columns = " and ".join(shown(wave.header) for wave in trough.waves)
+    problems = [
+        f"{QUANTITIES[name].options[0]} {cut(text)}: it is measured, too"
+        for name, text in options.given.items()
+        if STANDS_FOR.get(name, name) in found
+    ]
+    if problems:
+        raise InputError(*problems, hint="leave it out, or leave out --trough-along and --trough-normal")
+
+    def request_with(values: Mapping[str, float]) -> Request:
+        texts = {name: repr(float(QUANTITIES[name].from_si(value))) for name, value in values.items()}
+        return request_of(replace(options, given={**options.given, **texts}), argv)
+
+    # One acceleration alone gives the amplitude by the drive angle of the scene, which is read with any.
+    given = request_with({name: _HARMLESS[name] for name in found})
+    drive = trough.drive(scene_fields(given.fixed)["drive_angle"])
+    for name, estimate in drive.quantities.items():
+        own = given.own.get(name)
+        instead = "" if own is None else f"; the scene gives {QUANTITIES[name].text(own)}"
+        console.echo(f"{measured(name, estimate)} from column {columns}{instead}")
+    for warning in trough.warnings:
+        console.warn(warning)
+    return drive, request_with({name: estimate.value for name, estimate in drive.quantities.items()})
 
 
 def _fitted_names(text: str | None) -> list[str]:

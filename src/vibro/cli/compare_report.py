@@ -15,10 +15,12 @@ if TYPE_CHECKING:
 
     from vibro.records.comparison import Row
     from vibro.records.fitting import Parameter
+    from vibro.records.folding import Estimate
     from vibro.records.tables import ComparisonTables
+    from vibro.records.trough import MeasuredDrive
     from vibro.scene import Scene
 
-__all__ = ["comparison_report"]
+__all__ = ["comparison_report", "measured"]
 
 
 def comparison_report(tables: ComparisonTables, data: Path, scene: Scene) -> str:
@@ -72,6 +74,8 @@ class _Report:
             ),
             ("computed", f"pattern {self.comparison.motion.pattern}"),
         ]
+        if self.tables.drive is not None:
+            facts.append(("trough", _trough(self.tables.drive)))
         if not math.isnan(alignment.shift):
             begin = (float(observation.time[0]) + alignment.shift) % observation.period
             facts.append(
@@ -105,6 +109,24 @@ def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
     digits = max(0, 1 - math.floor(math.log10(half)))
     interval = " or ".join(f"{low:.{digits}f} ... {high:.{digits}f}" for low, high in pieces)
     return f"{parameter.value / size:.{digits}f}" if parameter.identified else "-", interval
+
+
+def _trough(drive: MeasuredDrive) -> str:
+    """Say what was measured of the trough's motion."""
+    said = [measured(name, estimate) for name, estimate in drive.quantities.items()]
+    for wave in drive.trough.waves:
+        shares = f"harmonics {100.0 * wave.harmonics:.2g} %, rest {100.0 * wave.rest:.2g} %"
+        said.append(f"{shares} in {printable(wave.header)}")
+    if drive.drive_angle is not None and not math.isnan(drive.trough.phase):
+        said.append(f"phase of normal to along {math.degrees(drive.trough.phase):+.1f} deg")
+    return ", ".join(said)
+
+
+def measured(name: str, estimate: Estimate) -> str:
+    """Write an estimate of a quantity of a scene, given in SI units, in the user's."""
+    quantity = QUANTITIES[name]
+    value, error = (float(quantity.from_si(number)) for number in estimate)
+    return f"{quantity.label} {_uncertain(value, error)} {quantity.unit}"
 
 
 def _uncertain(value: float, error: float) -> str:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.motion.settled import SettledMotion
+    from vibro.records.folding import Estimate
     from vibro.records.reading import Record
     from vibro.scene import Scene
 
@@ -78,15 +79,24 @@ class Observation:
         per unit mass, positive in the conveying direction; any subset.
     frequency : float
         Of the drive [Hz].
+    clock : Estimate or None
+        Trough time at the clock's zero, in [0, period), where it was measured [s].
     """
 
     time: Floats
     signals: Mapping[str, Floats]
     frequency: float
+    clock: Estimate | None = None
 
     @classmethod
     def of(
-        cls, record: Record, frequency: float, *, mass: float | None = None, reverse: bool = False
+        cls,
+        record: Record,
+        frequency: float,
+        *,
+        mass: float | None = None,
+        reverse: bool = False,
+        clock: Estimate | None = None,
     ) -> Observation:
         """Take what can be compared from a record.
 
@@ -100,6 +110,8 @@ class Observation:
             Of the body [kg]; without it forces cannot be compared.
         reverse : bool
             Whether the record's axis points against the conveying direction.
+        clock : Estimate, optional
+            Trough time at the clock's zero [s].
 
         Raises
         ------
@@ -118,7 +130,12 @@ class Observation:
             raise InputError(
                 "the data hold a force alone, and the mass is unknown", hint="give --mass 0.02kg"
             )
-        return cls(record.time, signals, frequency)
+        if "acceleration" in signals:
+            # The velocity of a steady motion repeats, so that its acceleration has no mean: what a record has
+            # of it is the sensor's zero, or gravity on a sensor that is not level.
+            steady = fold(record.time, signals["acceleration"], frequency, _TRENDS["acceleration"])
+            signals["acceleration"] = signals["acceleration"] - steady.coefficients[0]
+        return cls(record.time, signals, frequency, clock)
 
     @property
     def period(self) -> float:
@@ -148,7 +165,7 @@ class Observation:
         first = (self.time.size - rows) // 2
         part = slice(first, first + rows)
         signals = {name: values[part] for name, values in self.signals.items()}
-        return Observation(self.time[part], signals, self.frequency)
+        return Observation(self.time[part], signals, self.frequency, self.clock)
 
     def residuals(
         self, motion: SettledMotion, shift: float, *, trend: bool = True, window: float = 1.0
@@ -250,7 +267,7 @@ def computed(motion: SettledMotion, names: Iterable[str], time: Floats, window: 
 
 
 def align(observation: Observation, motion: SettledMotion) -> Alignment:
-    """Find the trough time of a record's clock.
+    """Find the trough time of a record's clock, where it was not measured.
 
     One-dimensional search for the least mean absolute misfit, each signal weighted by the inverse of its
     own; the growth of the displacement does not count. Friction that is smoothed, by a solver or an elastic
@@ -270,6 +287,8 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
     Alignment
         The best shift.
     """
+    if observation.clock is not None:
+        return Alignment(observation.clock.value, observation.clock.error, ())
     observation = observation.middle
     period = observation.period
     rough, losses = observation.rough_shift(motion)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -30,6 +30,9 @@ _THRESHOLD: Final = 0.1  # of a slide's computed peak speed: the level that mark
 _FINE: Final = 4096  # points per cycle at which folded signals are searched
 _CURVE: Final = 1001  # points of a smooth curve
 _ASTRAY: Final = 0.01  # cycles by which a frequency that is proposed may drift from the data over the record
+_SIGMAS: Final = 4.0  # between the clock of the trough and that of the body: less is no difference,
+_APART: Final = 0.02  # nor is less than this share of a cycle
+_OPPOSITE: Final = 0.06  # of a cycle: as near to half of one
 _WAYS: Final = {"F": 1, "B": -1}
 _NAN: Final = Estimate(math.nan, math.nan)
 
@@ -300,6 +303,7 @@ def _warnings(
             f"the data fit almost as well if they begin {1e3 * rival:.4g} ms after the trough's middle"
         )
     warnings += _of_another_frequency(observation)
+    warnings += _of_another_clock(observation, motion, alignment)
     advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
     if advance * motion.advance < 0.0:
         warnings.append("the data run against the computed direction: --reverse reverses their axis")
@@ -319,12 +323,32 @@ def _of_another_frequency(observation: Observation) -> list[str]:
     off = max(error, _ASTRAY / float(np.ptp(observation.time)))
     plain = next(text for digits in range(18) if abs(float(text := f"{found:.{digits}f}") - found) <= off)
     said, remedy = f"{found:.5g} Hz", f"-f {plain}"
+    if observation.clock is not None:
+        trough = f"the trough at {observation.frequency:.5g} Hz"
+        return [f"the body's signals repeat at {said}, {trough}: are both of one run, and of one clock?"]
     if foreign.cycles:
         return [
             f"the data repeat at {said}, every {foreign.cycles} cycles of the drive: the body hops so, or the"
             f" drive runs at that frequency: {remedy}"
         ]
     return [f"the data repeat at {said}, the scene says {observation.frequency:.5g} Hz: {remedy}"]
+
+
+def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Alignment) -> list[str]:
+    """Say where the body's signals alone would place the record in the cycle, if that is elsewhere."""
+    if observation.clock is None:
+        return []
+    own = align(replace(observation, clock=None), motion)
+    off = math.remainder(own.shift - clock.shift, motion.period)
+    least = max(_SIGMAS * math.hypot(own.error, clock.error), _APART * motion.period)
+    if math.isnan(off) or abs(off) < least:
+        return []
+    where = "later" if off > 0.0 else "earlier"
+    why = "a channel lags, or the body does not move as computed"
+    if abs(off) > (0.5 - _OPPOSITE) * motion.period:
+        why = "one of the sensors may be inverted (--reverse, or a negative sensitivity)"
+    apart = f"{1e3 * abs(off):.3g} ms ({360.0 * abs(off) / motion.period:.0f} deg) {where} in the cycle"
+    return [f"the body's signals alone fit best {apart} than the trough's acceleration says: {why}"]
 
 
 def _oppose(one: Floats, other: Floats) -> bool:

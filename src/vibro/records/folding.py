@@ -68,6 +68,11 @@ class Folded:
         """Harmonic part of the signal, or a derivative of it, at times on the record's clock [s]."""
         return np.asarray(self._basis(time, derivative) @ self.coefficients)
 
+    def fitted(self, time: Floats) -> Floats:
+        """Trend and harmonic part of the signal at times on the record's clock [s]."""
+        powers = np.vander((time - self.middle) / self.half, self.trends, increasing=True)
+        return powers @ self.coefficients[: self.trends] + self.periodic(time)
+
     def error(self, time: Floats, derivative: int = 0, power: int | None = None) -> Floats:
         """Return the standard error of ``periodic``, plus one of the trend's coefficients if named."""
         basis = self._basis(time, derivative)

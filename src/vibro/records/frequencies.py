@@ -33,7 +33,7 @@ _HARMONICS: Final = 8.0  # of the largest wave: up to there signals are explaine
 _PADDING: Final = 4  # of the spectrum, so that its peaks lie within an eighth of 1/T
 _NEAR: Final = 0.6  # of 1/T: how far the best frequency may lie from the peak
 _STEP: Final = 0.02  # of 1/T: step of the curvature, over which the end of the record turns by 3.6 deg
-_FRACTIONS: Final = (2, 3)  # the largest wave may be this harmonic
+_FRACTIONS: Final = (2, 3, 4, 5, 6)  # the largest wave may be this harmonic
 _DIGITS: Final = 1e-6  # of a signal's largest value: less than that beside its trend is rounding
 _RIDGE: Final = 1e-12  # of the power of a wave
 _ROUNDING: Final = 1e-12  # of the power: less of it is not left unexplained
@@ -156,14 +156,16 @@ class Repetition:
         counts = self.counts(found.value)
         if self.share(found.value) < _LEAST_SHARE or not self.is_clear(self.gain(found.value, None, counts)):
             return None
-        for n in _FRACTIONS:
-            if found.value / n * self.span >= _LEAST_CYCLES:
-                lower = found.value / n
-                more = self.share(lower) - self.share(found.value)
-                gain = self.gain(lower, found.value, self.counts(lower))
-                if more > _MISSING and self.is_clear(gain):
-                    return self.near(lower)
-        return found
+        lower = [found.value / n for n in _FRACTIONS if found.value / n * self.span >= _LEAST_CYCLES]
+        shares = {f: self.share(f) for f in lower if self._adds(f, found.value)}
+        # A fraction of the fundamental explains as much as that: the highest that explains the most.
+        best = next((f for f, share in shares.items() if share > max(shares.values()) - _MISSING), None)
+        return found if best is None else self.near(best)
+
+    def _adds(self, lower: float, frequency: float) -> bool:
+        """Whether the waves between the multiples of a frequency are there."""
+        more = self.share(lower) - self.share(frequency)
+        return more > _MISSING and self.is_clear(self.gain(lower, frequency, self.counts(lower)))
 
 
 class Foreign(NamedTuple):

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from vibro.records.comparison import Comparison
     from vibro.records.fitting import Fit, Parameter
     from vibro.records.reading import Record
+    from vibro.records.trough import MeasuredDrive
 
 __all__ = ["ComparisonTables"]
 
@@ -42,12 +43,15 @@ class ComparisonTables:
         Of the body [kg]; without it friction is per unit mass.
     fit : Fit or None
         Estimates from the record.
+    drive : MeasuredDrive or None
+        What accelerations of the trough gave for the scene.
     """
 
     comparison: Comparison
     record: Record
     mass: float | None = None
     fit: Fit | None = None
+    drive: MeasuredDrive | None = None
 
     @property
     def units(self) -> dict[str, tuple[str, float]]:
@@ -113,6 +117,8 @@ class ComparisonTables:
                 for row in comparison.rows
             },
         }
+        if self.drive is not None:
+            content["trough"] = _measured(self.drive)
         if self.fit is not None:
             content["fit"] = {
                 p.name: {
@@ -126,6 +132,27 @@ class ComparisonTables:
             }
             content["fit_statements"] = list(self.fit.statements)
         return content
+
+
+def _measured(drive: MeasuredDrive) -> dict[str, Any]:
+    """Return what was measured of the trough's motion."""
+    trough = drive.trough
+    content: dict[str, Any] = {}
+    for name, estimate in drive.quantities.items():
+        quantity = QUANTITIES[name]
+        value, error = (float(quantity.from_si(number)) for number in estimate)
+        content[quantity.column] = {"measured": value, "standard_error": _number(error)}
+    content["phase_normal_to_along_deg"] = _number(math.degrees(trough.phase))
+    for name, wave in (("along", trough.along), ("normal", trough.normal)):
+        if wave is not None:
+            content[name] = {
+                "column": wave.header,
+                "acceleration_m_s2": {"measured": abs(wave.value), "standard_error": _number(wave.error)},
+                "harmonics": wave.harmonics,
+                "rest": wave.rest,
+            }
+    content["warnings"] = list(trough.warnings)
+    return content
 
 
 def _number(value: float) -> float | None:
