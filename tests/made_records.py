@@ -14,6 +14,7 @@ from scenes import Groups
 
 import vibro
 from vibro.records.alignment import Observation
+from vibro.records.reading import Record
 
 Floats = NDArray[np.float64]
 
@@ -111,3 +112,39 @@ class Walked:
             exact = getattr(self, name)(trough)
             values[name] = exact + noise * NOISE[name] * random.standard_normal(time.size)
         return Observation(time, values, FREQUENCY)
+
+
+def trough_record(
+    amplitude: float = 1.02e-3,
+    frequency: float = 15.003,
+    angle: float = math.radians(20.5),
+    *,
+    trigger: float = 0.0137,
+    start: float = 0.0,
+    cycles: float = 12.0,
+    samples: int = 40,
+    noise: float = 0.0,
+    offset: float = 0.0,
+    ellipse: float = 0.0,
+    harmonic: float = 0.0,
+    columns: tuple[str, ...] = ("trough_along", "trough_normal"),
+    lost: float = 0.0,
+    seed: int = 1,
+) -> Record:
+    """Sample the accelerations of a trough that moves as a sine along a line, or nearly so.
+
+    Noise and offset are in m/s^2; ``ellipse`` is the phase by which the normal motion runs ahead,
+    ``harmonic`` the third one's share of the acceleration, ``lost`` the share of rows that are left out.
+    """
+    random = np.random.default_rng(seed)
+    time = np.arange(round(cycles * samples) + 1) / (samples * frequency)
+    time = time[random.random(time.size) >= lost]
+    phase = 2.0 * math.pi * frequency * (time + trigger)
+    peak = amplitude * (2.0 * math.pi * frequency) ** 2
+    parts = {"trough_along": (math.cos(angle), 0.0), "trough_normal": (math.sin(angle), ellipse)}
+    signals = {}
+    for name in columns:
+        part, ahead = parts[name]
+        wave = -peak * part * (np.sin(phase + ahead) + harmonic * np.sin(3.0 * (phase + ahead)))
+        signals[name] = wave + offset + noise * random.standard_normal(time.size)
+    return Record(time + start, {}, signals, {name: name for name in columns})

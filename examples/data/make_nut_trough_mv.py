@@ -1,9 +1,9 @@
 """Make nut_trough_mv.csv: a nut on a feeder as a logger records it, with two accelerometers on the trough.
 
-A displacement sensor follows the nut relative to the trough. The accelerometers give millivolts, 100 mV/g, with
-an offset and noise; cells are empty where the logger lost samples. The nut slides forwards once in a cycle, by
-the closed form of a slide; vibro has no part in it. The clock starts at a trough phase that the file does not
-tell.
+A displacement sensor follows the nut relative to the trough. The accelerometers give millivolts, 100 mV/g,
+with an offset and noise; cells are empty where the logger lost samples. The nut slides forwards once in a
+cycle, by the closed form of a slide; vibro has no part in it. The clock starts at a trough phase that the
+file does not tell.
 
     python examples/data/make_nut_trough_mv.py examples/data/nut_trough_mv.csv
 """

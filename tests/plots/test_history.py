@@ -143,7 +143,7 @@ def test_panels_are_chosen() -> None:
 
 def test_a_comparison_has_a_row_a_signal() -> None:
     comparison = compare(nut(), Walked(nut()).observe("displacement", "velocity", cycles=5))
-    figure = comparison_figure(comparison, "title", comparison)
+    figure = comparison_figure(comparison, "title", {}, comparison)
     figure.draw_without_rendering()
     assert len(figure.axes) == 4
     assert [axes.get_ylabel() for axes in figure.axes[::2]] == [

@@ -120,7 +120,7 @@ def test_every_kind_of_picture(plane: SweepResult, name: str) -> None:
     rows = trace(history, until=history.end, samples_per_cycle=40, both_sides=True)
     figures.append(history_figure(history.phases, rows, ["velocity", "position"], name, OWN))
     comparison = compare(nut(), Walked(nut()).observe("displacement", "velocity", cycles=3))
-    figures.append(comparison_figure(comparison, f"{name}.csv – {name}"))
+    figures.append(comparison_figure(comparison, f"{name}.csv – {name}", OWN))
     for figure in figures:
         assert_heading_is_inside(figure)
 

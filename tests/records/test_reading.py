@@ -317,7 +317,7 @@ def test_a_few_rows_without_a_value_are_skipped_and_counted(tmp_path: Path, cell
     kept = [row for row in range(2, 102) if row not in (first, first + 1, 20)]
     np.testing.assert_allclose(record.signals["displacement"], np.array(kept) / 1000)
     rows = ", ".join(map(str, sorted((first, first + 1, 20))))
-    assert f"data.csv: 3 of 100 rows are skipped, for want of a value: rows {rows}" in record.notes
+    assert f"data.csv: 3 of 100 rows lack a value and are skipped: rows {rows}" in record.notes
 
 
 def test_cells_of_columns_that_are_not_read_may_be_empty(tmp_path: Path) -> None:

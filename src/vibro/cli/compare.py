@@ -18,6 +18,7 @@ from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from vibro.records.folding import Estimate
     from vibro.records.trough import MeasuredDrive, Trough
     from vibro.sweeps.request import Request
 
@@ -192,13 +193,16 @@ def compare_command(
 
         tables = ComparisonTables(comparison, record, body, fit, drive)
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}
-        title = f"{data.name} – {request.name or 'scene'}, computed pattern {comparison.motion.pattern}"
+        computed = f"computed pattern {comparison.motion.pattern}"
+        title = f"{' – '.join(filter(None, (data.name, request.name)))}, {computed}"
 
         def draw() -> dict[str, Any]:
             from vibro.plots.comparison import comparison_figure
 
             return {
-                "": comparison_figure(comparison, title, compare(fit.scene, observation) if fit else None)
+                "": comparison_figure(
+                    comparison, title, request.fixed, compare(fit.scene, observation) if fit else None
+                )
             }
 
         output.write(lambda: {"": tables.signals(), "summary": tables.summary()}, draw, content)
@@ -209,7 +213,7 @@ def compare_command(
 
         print(json_text(content))
     else:
-        print(comparison_report(tables, data, scene))
+        print(comparison_report(tables, data, request))
     return 0
 
 
@@ -232,23 +236,25 @@ def _with_measured(
 
     from vibro.cli.compare_report import measured
     from vibro.cli.request import request_of
+    from vibro.records.folding import Estimate
+    from vibro.records.trough import spelled
 
     found = ["amplitude", "frequency", *(["drive_angle"] if trough.drive_angle else [])]
     columns = " and ".join(shown(wave.header) for wave in trough.waves)
     problems = [
-        f"{QUANTITIES[name].options[0]} {cut(text)}: it is measured, too"
+        f"{QUANTITIES[name].options[0]} {cut(text)}: the {QUANTITIES[slot].label} is measured already"
         for name, text in options.given.items()
-        if STANDS_FOR.get(name, name) in found
+        if (slot := STANDS_FOR.get(name, name)) in found
     ]
     if problems:
         raise InputError(*problems, hint="leave it out, or leave out --trough-along and --trough-normal")
 
-    def request_with(values: Mapping[str, float]) -> Request:
-        texts = {name: repr(float(QUANTITIES[name].from_si(value))) for name, value in values.items()}
+    def request_with(values: Mapping[str, Estimate]) -> Request:
+        texts = {name: spelled(*map(QUANTITIES[name].from_si, value)) for name, value in values.items()}
         return request_of(replace(options, given={**options.given, **texts}), argv)
 
     # One acceleration alone gives the amplitude by the drive angle of the scene, which is read with any.
-    given = request_with({name: _HARMLESS[name] for name in found})
+    given = request_with({name: Estimate(_HARMLESS[name], 0.0) for name in found})
     drive = trough.drive(scene_fields(given.fixed)["drive_angle"])
     for name, estimate in drive.quantities.items():
         own = given.own.get(name)
@@ -256,7 +262,7 @@ def _with_measured(
         console.echo(f"{measured(name, estimate)} from column {columns}{instead}")
     for warning in trough.warnings:
         console.warn(warning)
-    return drive, request_with({name: estimate.value for name, estimate in drive.quantities.items()})
+    return drive, request_with(drive.quantities)
 
 
 def _fitted_names(text: str | None) -> list[str]:

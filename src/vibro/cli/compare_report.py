@@ -6,9 +6,9 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
-from vibro.cli.report import aligned
+from vibro.cli.report import aligned, number
 from vibro.errors import printable
-from vibro.quantities import QUANTITIES
+from vibro.quantities import DEFAULTS, QUANTITIES
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from vibro.records.folding import Estimate
     from vibro.records.tables import ComparisonTables
     from vibro.records.trough import MeasuredDrive
-    from vibro.scene import Scene
+    from vibro.sweeps.request import Request
 
 __all__ = ["comparison_report", "measured"]
 
 
-def comparison_report(tables: ComparisonTables, data: Path, scene: Scene) -> str:
+def comparison_report(tables: ComparisonTables, data: Path, request: Request) -> str:
     """Say what was measured, what is computed and what is estimated.
 
     Parameters
@@ -32,20 +32,20 @@ def comparison_report(tables: ComparisonTables, data: Path, scene: Scene) -> str
         The comparison.
     data : Path
         The record.
-    scene : Scene
-        As given, before anything was estimated.
+    request : Request
+        The scene as given, or measured, before anything was estimated.
     """
-    return _Report(tables, data, scene).text()
+    return _Report(tables, data, request).text()
 
 
 class _Report:
     """The comparison in words."""
 
-    def __init__(self, tables: ComparisonTables, data: Path, scene: Scene) -> None:
+    def __init__(self, tables: ComparisonTables, data: Path, request: Request) -> None:
         self.tables = tables
         self.comparison, self.fit, self.units = tables.comparison, tables.fit, tables.units
         self.data = data
-        self.scene = scene
+        self.request = request
 
     def text(self) -> str:
         """Return what is printed."""
@@ -55,10 +55,10 @@ class _Report:
         if self.fit is not None:
             rows = []
             for p, (unit, size) in self.tables.parameters():
-                own = float(getattr(self.scene, p.name)) / size
+                own = self.request.fixed[p.name]
                 label = f"{QUANTITIES[p.name].letter} {f'[{unit}]' if unit else ''}".strip()
                 rows.append((label, *_estimated(p, size), f"{own:.6g}"))
-            parts.append(aligned([("fitted", "estimate", "95 % interval", "scene"), *rows]))
+            parts.append(aligned([("fitted", "estimate", "95 % interval", "given"), *rows]))
             parts += ["\n".join(self.fit.statements)] if self.fit.statements else []
         return "\n\n".join(parts)
 
@@ -72,10 +72,11 @@ class _Report:
                 f"{printable(str(self.data))}: {observation.time.size} rows, {cycles:.4g} cycles,"
                 f" {(observation.time.size - 1) / cycles:.4g} samples a cycle",
             ),
+            ("scene", self._scene()),
             ("computed", f"pattern {self.comparison.motion.pattern}"),
         ]
         if self.tables.drive is not None:
-            facts.append(("trough", _trough(self.tables.drive)))
+            facts += _trough(self.tables.drive)
         if not math.isnan(alignment.shift):
             begin = (float(observation.time[0]) + alignment.shift) % observation.period
             facts.append(
@@ -86,6 +87,15 @@ class _Report:
                 )
             )
         return facts
+
+    def _scene(self) -> str:
+        """Name the scene file, and say what it comes to."""
+        given = (
+            f"{QUANTITIES[name].label} {number(value, QUANTITIES[name].unit)}"
+            for name, value in self.request.fixed.items()
+            if value != DEFAULTS.get(name)
+        )
+        return ": ".join(filter(None, (printable(self.request.name or ""), ", ".join(given))))
 
     def _row(self, row: Row) -> tuple[str, str, str, str]:
         unit, size = self.units[row.kind]
@@ -111,15 +121,19 @@ def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
     return f"{parameter.value / size:.{digits}f}" if parameter.identified else "-", interval
 
 
-def _trough(drive: MeasuredDrive) -> str:
+def _trough(drive: MeasuredDrive) -> list[tuple[str, str]]:
     """Say what was measured of the trough's motion."""
-    said = [measured(name, estimate) for name, estimate in drive.quantities.items()]
+    facts = [("trough", ", ".join(measured(name, estimate) for name, estimate in drive.quantities.items()))]
     for wave in drive.trough.waves:
-        shares = f"harmonics {100.0 * wave.harmonics:.2g} %, rest {100.0 * wave.rest:.2g} %"
-        said.append(f"{shares} in {printable(wave.header)}")
-    if drive.drive_angle is not None and not math.isnan(drive.trough.phase):
-        said.append(f"phase of normal to along {math.degrees(drive.trough.phase):+.1f} deg")
-    return ", ".join(said)
+        shares = (
+            f"harmonics {100.0 * wave.harmonics:.2g} % of the fundamental, the rest {100.0 * wave.rest:.2g} %"
+        )
+        facts.append(("", f"{printable(wave.header)}: {shares}"))
+    phase = math.degrees(drive.trough.phase)
+    if not math.isnan(phase):
+        ahead = "ahead of" if phase > 0.0 else "behind"
+        facts.append(("", f"its normal motion is {abs(phase):.1f} deg {ahead} that along it"))
+    return facts
 
 
 def measured(name: str, estimate: Estimate) -> str:

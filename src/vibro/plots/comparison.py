@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.plots.frame import set_heading
 from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
-from vibro.plots.style import INK, house_style
+from vibro.plots.style import INK, house_style, values_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -52,7 +52,9 @@ _SIGNALS: Final = {
 }
 
 
-def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | None = None) -> Figure:
+def comparison_figure(
+    comparison: Comparison, title: str, given: Mapping[str, float], fitted: Comparison | None = None
+) -> Figure:
     """Draw a comparison.
 
     Parameters
@@ -61,6 +63,8 @@ def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | N
         What to draw.
     title : str
         What the record and the scene are called.
+    given : mapping of str to float
+        Quantities of the scene, in the user's units, written under the title.
     fitted : Comparison, optional
         The same record beside a scene that was fitted to it.
 
@@ -89,7 +93,7 @@ def comparison_figure(comparison: Comparison, title: str, fitted: Comparison | N
         grid[-1][0].set_xlabel("time of the record [ms]")
         grid[-1][1].set_xlabel("time after the trough's middle, upwards [ms]")
         figure.align_ylabels(grid[:, 0])
-        set_heading(figure, title)
+        set_heading(figure, title, values_text(given))
         kinds = {phase.kind for phase in comparison.motion.phases} - {"_"}
         handles = [
             Line2D([], [], **{**_MEASURED, "markersize": 7}),

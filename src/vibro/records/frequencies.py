@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vibro.records.alignment import Observation
 
     Floats = NDArray[np.float64]
+    Places = NDArray[np.intp]
 
 __all__ = ["Foreign", "Repetition", "foreign_frequency"]
 
@@ -35,6 +36,8 @@ _NEAR: Final = 0.6  # of 1/T: how far the best frequency may lie from the peak
 _STEP: Final = 0.02  # of 1/T: step of the curvature, over which the end of the record turns by 3.6 deg
 _FRACTIONS: Final = (2, 3, 4, 5, 6)  # the largest wave may be this harmonic
 _DIGITS: Final = 1e-6  # of a signal's largest value: less than that beside its trend is rounding
+# Times the power that noise leaves in a harmonic on average: less is none; noise is more in 3 of 10 000.
+_SIGNIFICANT: Final = 8.0
 _RIDGE: Final = 1e-12  # of the power of a wave
 _ROUNDING: Final = 1e-12  # of the power: less of it is not left unexplained
 # Log-likelihood that must be gained: 5 sigma, and the logarithm of the number of frequencies tried.
@@ -91,26 +94,42 @@ class Repetition:
             total += shaped / (shaped.sum() or 1.0)
         return float(frequency[sought][np.argmax(total)])
 
-    def residuals(self, frequency: float) -> Floats:
-        """Return what is left of the signals, shape (N, signals), beside harmonics up to one frequency."""
+    def _count(self, frequency: float) -> int:
+        """Harmonics of a frequency, up to one that is common to all that are tried."""
         top = min(_HARMONICS * self.peak, 0.5 * _OF_NYQUIST * self.rate)
         most = min(_MOST_HARMONICS, self._time.size // 6)
-        count = max(1, min(most, int(top / frequency * (1.0 + 1e-9))))
-        basis = np.hstack([self._trend, harmonics(self._time, frequency, count)])
+        return max(1, min(most, int(top / frequency * (1.0 + 1e-9))))
+
+    def _explained(self, frequency: float, which: Places | None = None) -> tuple[Floats, Floats]:
+        """Coefficients of the trend and of all harmonics, or some, and what is left, (N, signals)."""
+        count = self._count(frequency) if which is None else int(which[-1]) + 1
+        basis = harmonics(self._time, frequency, count)
+        if which is not None:
+            basis = basis[:, np.concatenate([which, count + which])]
+        basis = np.hstack([self._trend, basis])
         # Normal equations are quick, and accurate enough where waves are nearly orthogonal. The ridge keeps
         # them solvable where waves are indistinguishable.
         ridge = _RIDGE * self._time.size * np.eye(basis.shape[1])
-        left = self._signals - basis @ np.linalg.solve(basis.T @ basis + ridge, basis.T @ self._signals)
-        return np.asarray(left * math.sqrt(self._time.size / (self._time.size - basis.shape[1])))
+        coefficients = np.linalg.solve(basis.T @ basis + ridge, basis.T @ self._signals)
+        left = self._signals - basis @ coefficients
+        made_up = math.sqrt(self._time.size / (self._time.size - basis.shape[1]))
+        return np.asarray(coefficients, np.float64), left * made_up
 
-    def squares(self, frequency: float) -> Floats:
+    def _powers_of_waves(self, frequency: float) -> Floats:
+        """Power of each harmonic over that of the signal, shape (harmonics, signals)."""
+        waves = self._explained(frequency)[0][2:]
+        squares = 0.5 * self._time.size * waves**2
+        cosines, sines = np.split(squares, 2)
+        return np.asarray((cosines + sines) / np.where(self.power > 0.0, self.power, 1.0))
+
+    def squares(self, frequency: float, which: Places | None = None) -> Floats:
         """Sum of squares of what is left of each signal, made up for the number of waves."""
-        left = self.residuals(frequency)
+        left = self._explained(frequency, which)[1]
         return np.asarray(np.einsum("ij,ij->j", left, left) + _ROUNDING * self.power)
 
     def counts(self, frequency: float) -> Floats:
         """Effective number of independent samples of what is left of each signal."""
-        return np.array([left.size * independent_share(left) for left in self.residuals(frequency).T])
+        return np.array([left.size * independent_share(left) for left in self._explained(frequency)[1].T])
 
     def near(self, frequency: float) -> Estimate:
         """Best frequency in the neighbourhood of another, with its standard error [Hz]."""
@@ -120,15 +139,19 @@ class Repetition:
         weights = self.power > 0.0
         place = int(np.argmin([float(np.log(s[weights]).sum()) for s in tried]))
         scale = np.where(weights, tried[place], 1.0)
+        # Noise at a harmonic that is not there would shift the frequency, and the more the higher it is.
+        noise = 2.0 * tried[place] / np.where(weights, self.power, 1.0) / self._time.size
+        real = (self._powers_of_waves(float(grid[place])) > _SIGNIFICANT * noise).any(axis=1)
+        which = np.flatnonzero(real) if real.any() else np.array([0])
         best = minimize_scalar(
-            lambda f: float((self.squares(f) / scale).sum()),
+            lambda f: float((self.squares(f, which) / scale).sum()),
             bounds=(grid[max(place - 1, 0)], grid[min(place + 1, grid.size - 1)]),
             method="bounded",
             options={"xatol": 1e-6 * step},
         )
         found, h = float(best.x), _STEP * step
-        least = self.squares(found)
-        bend = (self.squares(found + h) + self.squares(found - h) - 2.0 * least) / (2.0 * h * h)
+        least = self.squares(found, which)
+        bend = (self.squares(found + h, which) + self.squares(found - h, which) - 2.0 * least) / (2.0 * h * h)
         certainty = float((self.counts(found) * bend / np.where(weights, least, 1.0))[weights].sum())
         return Estimate(found, 1.0 / math.sqrt(certainty) if certainty > 0.0 else math.inf)
 
@@ -153,19 +176,19 @@ class Repetition:
         if math.isnan(self.peak):
             return None
         found = self.near(self.peak)
-        counts = self.counts(found.value)
-        if self.share(found.value) < _LEAST_SHARE or not self.is_clear(self.gain(found.value, None, counts)):
-            return None
         lower = [found.value / n for n in _FRACTIONS if found.value / n * self.span >= _LEAST_CYCLES]
         shares = {f: self.share(f) for f in lower if self._adds(f, found.value)}
         # A fraction of the fundamental explains as much as that: the highest that explains the most.
         best = next((f for f, share in shares.items() if share > max(shares.values()) - _MISSING), None)
-        return found if best is None else self.near(best)
+        found = found if best is None else self.near(best)
+        if self.share(found.value) < _LEAST_SHARE:
+            return None
+        return found if self.is_clear(self.gain(found.value, None, self.counts(found.value))) else None
 
     def _adds(self, lower: float, frequency: float) -> bool:
-        """Whether the waves between the multiples of a frequency are there."""
-        more = self.share(lower) - self.share(frequency)
-        return more > _MISSING and self.is_clear(self.gain(lower, frequency, self.counts(lower)))
+        """Whether a lower frequency has a wave of its own, and adds to what is explained."""
+        own = float(self._powers_of_waves(lower)[0].max())
+        return own > _MISSING and self.is_clear(self.gain(lower, frequency, self.counts(lower)))
 
 
 class Foreign(NamedTuple):

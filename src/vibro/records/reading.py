@@ -126,7 +126,7 @@ def read_record(
         rows = [table.rows[i][0] for i in np.flatnonzero(~kept)]
         more = f" and {len(rows) - _TOLD} more" if len(rows) > _TOLD else ""
         told = f"row{'s' if len(rows) > 1 else ''} {', '.join(map(str, rows[:_TOLD]))}{more}"
-        notes.append(f"{path.name}: {len(rows)} of {kept.size} rows are skipped, for want of a value: {told}")
+        notes.append(f"{path.name}: {len(rows)} of {kept.size} rows lack a value and are skipped: {told}")
     for role, (header, _) in chosen.items():
         sensitivity = sensitivity_of(role, header, wanted)
         at = f" at {sensitivity.text}" if sensitivity else ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["MeasuredDrive", "Trough", "Wave", "trough_of"]
+__all__ = ["MeasuredDrive", "Trough", "Wave", "spelled", "trough_of"]
 
 _ALONG, _NORMAL = "trough_along", "trough_normal"
 _TRENDS: Final = 2  # an offset, gravity's part in it, and a slow drift of the sensor
@@ -28,6 +29,7 @@ _FEW: Final = 0.1  # of the fundamental's root mean square: harmonics below it a
 _MUCH: Final = 0.3  # of the same: what else may be left
 _ROUND: Final = math.radians(10.0)  # phase between the two axes below which the motion counts as a line
 _LEAST_SINE: Final = 1e-3  # of the drive's direction: less of the motion cannot be scaled up to all of it
+_DIGITS: Final = 2  # below the first one of the error
 _SHORTEST: Final = 1e-3  # of the longer axis of the motion: less of it has no phase that would matter
 
 
@@ -65,11 +67,14 @@ class Trough:
     along, normal : Wave or None
         Accelerations along the trough's surface, positive in the conveying direction, and normal to it,
         positive up and away from it.
+    span : float
+        Length of the record [s].
     """
 
     frequency: Estimate
     along: Wave | None
     normal: Wave | None
+    span: float
 
     @property
     def waves(self) -> tuple[Wave, ...]:
@@ -96,7 +101,8 @@ class Trough:
             return None
         x, y = self.along.value, self.normal.value
         angle = 0.5 * math.atan2(2.0 * (x * y.conjugate()).real, abs(x) ** 2 - abs(y) ** 2)
-        angle = max(angle, 0.0)  # noise alone can make it negative (_check_direction)
+        if angle < 0.0:  # by noise alone (_check_direction): one of the two is next to nothing
+            angle = 0.0 if abs(x) > abs(y) else 0.5 * math.pi
         across = math.hypot(self.along.error * math.sin(angle), self.normal.error * math.cos(angle))
         return Estimate(angle, across / math.hypot(abs(x), abs(y)))
 
@@ -117,7 +123,8 @@ class Trough:
         value, error = self._along_the_drive(angle.value if angle else drive_angle or 0.0)
         frequency, size = self.frequency, abs(value)
         rate = 2.0 * math.pi * frequency.value
-        relative = math.hypot(error / size, 2.0 * frequency.error / frequency.value)
+        relative_error = frequency.error / frequency.value
+        relative = math.hypot(error / size, 2.0 * relative_error)
         # The acceleration of A sin(w t) is opposed to it.
         shift = float(np.angle(-value)) / rate % (1.0 / frequency.value)
         return MeasuredDrive(
@@ -125,7 +132,8 @@ class Trough:
             Estimate(size / rate**2, size / rate**2 * relative),
             frequency,
             angle,
-            Estimate(shift, error / size / rate),
+            # The frequency is known less well than the phase: at the ends of the record both errors count.
+            Estimate(shift, math.hypot(error / size / rate, 0.5 * self.span * relative_error)),
         )
 
     def _along_the_drive(self, drive_angle: float) -> tuple[complex, float]:
@@ -237,16 +245,20 @@ def trough_of(record: Record, *, reverse: bool = False) -> Trough | None:
         raise InputError(
             f"no wave stands out in column {columns}", hint="is it the acceleration of a trough that runs?"
         )
-    # Nobody reads digits far below the error.
-    digits = min(15, max(0, 3 - math.floor(math.log10(frequency.error)))) if frequency.error else 15
-    frequency = Estimate(round(frequency.value, digits), frequency.error)
+    frequency = Estimate(float(spelled(*frequency)), frequency.error)
     waves = {
         name: _wave(record.time, values, frequency.value, record.headers[name])
         for name, values in signals.items()
     }
-    trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL))
-    _check_direction(trough)
+    trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
+    _check_direction(trough, reverse)
     return trough
+
+
+def spelled(value: float, error: float) -> str:
+    """Write a value without the digits that are far below its error."""
+    digits = _DIGITS - math.floor(math.log10(error)) if error > 0.0 else sys.float_info.dig
+    return f"{value:.{min(max(0, digits), sys.float_info.dig)}f}"
 
 
 def _wave(time: Floats, values: Floats, frequency: float, header: str) -> Wave:
@@ -255,6 +267,7 @@ def _wave(time: Floats, values: Floats, frequency: float, header: str) -> Wave:
     count = (folded.coefficients.size - _TRENDS) // 2
     cosines, sines = folded.coefficients[_TRENDS:].reshape(2, count)
     powers = 0.5 * (cosines**2 + sines**2)
+    noise = 0.5 * np.diagonal(folded.covariance)[_TRENDS:].reshape(2, count).sum(axis=0)
     left = values - folded.fitted(time)
     first = (_TRENDS, _TRENDS + count)
     error = math.sqrt(0.5 * float(folded.covariance[first, first].sum()))
@@ -262,16 +275,16 @@ def _wave(time: Floats, values: Floats, frequency: float, header: str) -> Wave:
         header,
         complex(sines[0], cosines[0]),
         error,
-        math.sqrt(float(powers[1:].sum()) / float(powers[0])),
+        math.sqrt(max(0.0, float((powers - noise)[1:].sum())) / float(powers[0])),
         math.sqrt(float(np.mean(left**2)) / float(powers[0])),
     )
 
 
-def _check_direction(trough: Trough) -> None:
+def _check_direction(trough: Trough, reverse: bool) -> None:
     """Refuse a motion that leads down in the conveying direction: no drive angle is below 0."""
     if abs(trough.phase) > 0.5 * math.pi:
         raise InputError(
             "the trough moves down while it moves forwards: one of its two sensors is inverted",
-            hint="--reverse, if the axis along the trough points against the conveying direction\n"
-            "a negative sensitivity turns the other one: --sensitivity trough-normal=-100mV/g",
+            hint=f"{'leave out --reverse, unless' if reverse else '--reverse, if'} the axis along the trough"
+            " points against the conveying direction; a negative sensitivity turns one sensor alone",
         )

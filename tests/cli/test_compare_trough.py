@@ -1,0 +1,166 @@
+"""``vibro compare`` with accelerometers on the trough, voltages, lost samples, and without a scene file."""
+
+from __future__ import annotations
+
+import json
+import re
+import runpy
+import shlex
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from commands import NUT, Run
+from made_records import EXAMPLES, STUDY_FILE
+
+from vibro.plots.comparison import comparison_figure
+from vibro.records.sensitivities import read_sensitivities
+
+SCENE = EXAMPLES / "safety_nut.toml"
+MADE: dict[str, Any] = runpy.run_path(str(EXAMPLES / "data" / "make_nut_trough_mv.py"))
+FILE = EXAMPLES / "data" / "nut_trough_mv.csv"
+ALONG, NORMAL = ("--trough-along", "Trog längs [mV]"), ("--trough-normal", "Trog normal [mV]")
+BOTH = (*ALONG, *NORMAL, "--sensitivity", "100mV/g")
+FRICTION = ("--mu-s", "0.74", "--mu-d", "0.57")
+TRUE = {"amplitude_mm": 1.02, "frequency_hz": 15.003, "drive_angle_deg": 20.5}
+GUIDE = (EXAMPLES.parent / "docs" / "compare.md").read_text(encoding="utf-8")
+
+
+def test_the_committed_record_is_what_its_script_makes() -> None:
+    header, *lines = FILE.read_text(encoding="utf-8").splitlines()
+    made = MADE["table"]()
+    assert header == ";".join(made)
+    rows = [[float(cell.replace(",", ".") or "nan") for cell in line.split(";")] for line in lines]
+    for values, column in zip(made.values(), np.array(rows).T, strict=True):
+        np.testing.assert_allclose(column, values, atol=2e-2)
+    assert FILE.stat().st_size < 60_000
+
+
+def test_the_measured_drive_replaces_what_the_scene_gives(run: Run) -> None:
+    result = run("compare", SCENE, FILE, *BOTH, "-o", "out")
+    assert result.exit_code == 0, result.stderr
+    content = json.loads(Path("out.json").read_text(encoding="utf-8"))
+    for column, true in TRUE.items():
+        found = content["trough"][column]
+        assert abs(found["measured"] - true) < 3.0 * found["standard_error"] < 0.02 * true
+        assert content["scene"][column] == pytest.approx(
+            found["measured"], abs=0.01 * found["standard_error"]
+        )
+    assert abs(content["trough_time_at_zero_s"] - MADE["TRIGGER_TIME"]) < 3.0 * content["trough_time_error_s"]
+    assert content["trough_time_error_s"] < 5e-5
+    assert content["trough"]["along"]["column"] == "Trog längs [mV]"
+    assert content["trough"]["normal"]["rest"] < 0.1
+    assert content["columns"]["displacement"] == "Weg in mm"
+    assert content["warnings"] == content["trough"]["warnings"] == []
+    for said in (
+        "nut_trough_mv.csv: 4 of 481 rows lack a value and are skipped: rows 59, 202, 203, 313",
+        "trough along: column 'Trog längs [mV]' at 100mV/g",
+        "amplitude 1.02",
+        "from column 'Trog längs [mV]' and 'Trog normal [mV]'; the scene gives 1 mm",
+        "; the scene gives 15 Hz",
+        "; the scene gives 20 deg",
+    ):
+        assert said in result.stderr
+    lines = {line.split("  ")[0]: line for line in result.stdout.splitlines()}
+    assert re.search(
+        r"amplitude 1\.02\d* ± 0\.00\d+ mm, frequency 15\.00\d* ± 0\.00\d+ Hz, drive", lines["trough"]
+    )
+    assert "safety_nut: amplitude 1.02" in lines["scene"]
+
+
+def test_the_scene_needs_no_amplitude_and_no_frequency_then(run: Run) -> None:
+    result = run("compare", FILE, *FRICTION, *BOTH, "--json")
+    assert result.exit_code == 0, result.stderr
+    assert "the scene gives" not in result.stderr
+    assert json.loads(result.stdout)["scene"]["drive_angle_deg"] == pytest.approx(20.5, abs=0.3)
+    one = (*ALONG, "--sensitivity", "100mV/g")
+    result = run("compare", FILE, *FRICTION, "-a", "20.5", *one, "--json")
+    assert result.exit_code == 0, result.stderr
+    trough = json.loads(result.stdout)["trough"]
+    assert abs(trough["amplitude_mm"]["measured"] - 1.02) < 3.0 * trough["amplitude_mm"]["standard_error"]
+    assert "drive_angle_deg" not in trough
+    assert trough["phase_normal_to_along_deg"] is None
+    missing = run("compare", FILE, *FRICTION, *one)
+    assert missing.exit_code == 2
+    assert "error: missing: drive angle (-a)" in missing.stderr
+    example = next(line for line in missing.stderr.splitlines() if line.startswith("hint: for example: "))
+    assert run(*shlex.split(example.removeprefix("hint: for example: "))[1:]).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("-A", "1"), "-A 1: the amplitude is measured already"),
+        (("--stroke", "2"), "--stroke 2: the amplitude is measured already"),
+        (("-f", "15"), "-f 15: the frequency is measured already"),
+        (("-a", "20"), "-a 20: the drive angle is measured already"),
+        (("--reverse",), "the trough moves down while it moves forwards"),
+        (("--sensitivity", "trough-normal=-100mV/g"), "the trough moves down while it moves forwards"),
+        (("--sensitivity", "2V/mm"), "no column that is read as displacement is a voltage"),
+        (("--displacement", "Trog normal"), "for --displacement: what its voltage stands for is not said"),
+    ],
+)
+def test_what_contradicts_the_measurement_is_refused(run: Run, args: tuple[str, ...], said: str) -> None:
+    result = run("compare", SCENE, FILE, *BOTH, *args)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert said in result.stderr
+    assert "hint: " in result.stderr
+
+
+def test_an_inverted_sensor_is_turned_by_its_sensitivity(run: Run) -> None:
+    result = run("compare", SCENE, FILE, *ALONG, "--sensitivity", "-100mV/g")
+    assert "one of the sensors may be inverted" in result.stderr
+    result = run("compare", SCENE, FILE, *ALONG, "--sensitivity", "100mV/g")
+    assert "warning" not in result.stderr
+
+
+def test_without_a_scene_file_title_and_report_give_the_values(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    headings = []
+
+    def drawn(*args: Any) -> Any:
+        figure = comparison_figure(*args)
+        headings.append((figure.get_label(), figure.get_suptitle()))
+        return figure
+
+    monkeypatch.setattr("vibro.plots.comparison.comparison_figure", drawn)
+    for scene in ((), (SCENE,)):
+        result = run(
+            "compare", *scene, STUDY_FILE, *NUT, "--velocity", "V [mm/s]", "-o", "out", "--force", "-q"
+        )
+        assert result.exit_code == 0, result.stderr
+        assert "amplitude 1 mm, frequency 15 Hz, drive angle 20 deg, static friction 0.74" in result.stdout
+    (bare, below), (named, _) = headings
+    assert bare == "nut_smoothed_600hz.csv, computed pattern F_"
+    assert named == "nut_smoothed_600hz.csv – safety_nut, computed pattern F_"
+    assert re.sub(r"[${}\\]", "", below).splitlines()[1].startswith("A = 1 mm, f = 15 Hz, alpha = 20°")
+
+
+@pytest.mark.parametrize(
+    "line", re.findall(r"^vibro .*$", "".join(re.findall(r"```bash\n(.*?)```", GUIDE, re.DOTALL)), re.M)
+)
+def test_the_commands_of_the_guide_run(run: Run, line: str) -> None:
+    shutil.copytree(EXAMPLES, "examples")
+    result = run(*shlex.split(line, comments=True)[1:])
+    assert result.exit_code == 0, result.stderr
+    assert "warning" not in result.stderr
+
+
+def test_the_sensitivities_of_the_guide_are_understood() -> None:
+    table = "".join(
+        line for line in GUIDE.splitlines(keepends=True) if "--sensitivity" in line or "also" in line
+    )
+    texts = re.findall(r"--sensitivity ([^\s`]+)|also `([^`]+)`", table)
+    assert len(texts) > 9
+    for text in texts:
+        assert read_sensitivities(["".join(text)])
+
+
+def test_the_guide_shows_what_is_printed(run: Run) -> None:
+    shutil.copytree(EXAMPLES, "examples")
+    line, shown = re.findall(r"```console\n\$ (vibro .*?)\n(.*?)```", GUIDE, re.DOTALL)[0]
+    assert len(shown.splitlines()) > 6
+    assert run(*shlex.split(line)[1:], "-q").stdout.startswith(shown)

@@ -1,0 +1,237 @@
+"""Accelerometers on the trough: what they tell of the drive, against motions with known truth."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from made_records import FREQUENCY, PERIOD, Walked, nut, trough_record
+
+from vibro.errors import InputError
+from vibro.motion.settled import settled_motion
+from vibro.records.alignment import Observation, align
+from vibro.records.comparison import compare
+from vibro.records.folding import Estimate
+from vibro.records.reading import Record
+from vibro.records.trough import MeasuredDrive, spelled, trough_of
+
+TRUE = {"amplitude": 1.02e-3, "frequency": 15.003, "drive_angle": math.radians(20.5)}
+TRIGGER = 0.0137
+ALONG, NORMAL = ("trough_along",), ("trough_normal",)
+
+
+def measured(record: Record, angle: float | None = None, **options: Any) -> MeasuredDrive:
+    trough = trough_of(record, **options)
+    assert trough is not None
+    return trough.drive(angle)
+
+
+def test_a_record_without_accelerations_of_the_trough_tells_nothing() -> None:
+    assert trough_of(trough_record(columns=())) is None
+
+
+@pytest.mark.parametrize("offset", [0.0, 9.81, -300.0])
+@pytest.mark.parametrize("start", [0.0, -3.7, 5000.0])
+@pytest.mark.parametrize("cycles", [2.2, 5.5, 12.0, 60.0])
+def test_exact_accelerations_give_the_exact_motion(cycles: float, start: float, offset: float) -> None:
+    """Whatever the clock and the sensor's zero, such as gravity on a sensor that is not level."""
+    drive = measured(trough_record(cycles=cycles, offset=offset, start=start))
+    assert drive.amplitude.value == pytest.approx(TRUE["amplitude"], rel=1e-5)
+    assert drive.frequency.value == pytest.approx(TRUE["frequency"], rel=1e-6)
+    assert drive.drive_angle is not None
+    assert drive.drive_angle.value == pytest.approx(TRUE["drive_angle"], abs=1e-6)
+    # the clock counts where the record is: at its middle
+    middle = start + 0.5 * cycles / TRUE["frequency"]
+    turns = (middle + drive.clock.value) * drive.frequency.value - (middle - start + TRIGGER) * 15.003
+    assert abs(math.remainder(turns, 1.0)) < 1e-5
+    assert drive.trough.warnings == ()
+
+
+@pytest.mark.parametrize("columns", [ALONG, NORMAL, ALONG + NORMAL])
+def test_errors_are_those_of_repeated_noise(columns: tuple[str, ...]) -> None:
+    """Also with rows left out; gated on the root mean square and on the largest of all."""
+    off: dict[str, list[float]] = {}
+    for seed in range(60):
+        record = trough_record(noise=1.5, offset=3.0, columns=columns, seed=seed, lost=0.03)
+        drive = measured(record, TRUE["drive_angle"])
+        for name, estimate in drive.quantities.items():
+            off.setdefault(name, []).append((estimate.value - TRUE[name]) / estimate.error)
+        off.setdefault("clock", []).append(
+            math.remainder(drive.clock.value - TRIGGER, PERIOD) / drive.clock.error
+        )
+    assert len(off) == 3 + (len(columns) == 2)
+    for name, values in off.items():
+        assert 0.6 < float(np.sqrt(np.mean(np.square(values)))) < 1.4, name
+        assert max(map(abs, values)) < 4.0, name
+
+
+def test_a_frequency_is_known_far_below_the_inverse_of_the_record() -> None:
+    """A part in a thousand of 1/T, with noise of a tenth of the wave."""
+    record = trough_record(noise=0.9, cycles=40.0)
+    drive = measured(record)
+    assert abs(drive.frequency.value - 15.003) < 1e-3 / float(np.ptp(record.time))
+
+
+@pytest.mark.parametrize("angle", [0.0, 5.0, 45.0, 80.0])
+def test_one_acceleration_needs_the_drive_angle_of_the_scene(angle: float) -> None:
+    alpha = math.radians(angle)
+    along = trough_record(angle=alpha, columns=ALONG)
+    assert measured(along, alpha).amplitude.value == pytest.approx(1.02e-3, rel=1e-5)
+    assert measured(along, alpha).drive_angle is None
+    normal = trough_record(angle=alpha, columns=NORMAL, noise=1e-9)
+    if angle:
+        assert measured(normal, alpha).amplitude.value == pytest.approx(1.02e-3, rel=1e-5)
+    with pytest.raises(InputError, match="--trough-normal shows nothing of the motion at a drive angle of 0"):
+        measured(trough_record(columns=NORMAL), 0.0)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.01, 89.9])
+def test_a_drive_angle_at_an_end_of_its_range_stays_in_it(angle: float) -> None:
+    for seed in range(10):
+        drive = measured(trough_record(angle=math.radians(angle), noise=0.5, seed=seed))
+        assert drive.drive_angle is not None
+        assert 0.0 <= drive.drive_angle.value <= 0.5 * math.pi
+        assert abs(drive.drive_angle.value - math.radians(angle)) < 4.0 * drive.drive_angle.error
+
+
+def test_inverted_sensors() -> None:
+    record = trough_record()
+    for name in record.trough:
+        other = Record(record.time, {}, {**record.trough, name: -record.trough[name]}, record.headers)
+        with pytest.raises(InputError, match="moves down while it moves forwards") as caught:
+            trough_of(other)
+        assert "--reverse, if" in caught.value.hint
+    against = Record(
+        record.time, {}, {**record.trough, "trough_along": -record.trough["trough_along"]}, record.headers
+    )
+    right = measured(record)
+    assert measured(against, reverse=True).quantities == right.quantities
+    with pytest.raises(InputError) as caught:
+        trough_of(record, reverse=True)
+    assert "leave out --reverse" in caught.value.hint
+
+
+@pytest.mark.parametrize("ahead", [-60.0, -15.0, 12.0, 40.0])
+def test_an_ellipse_is_told_with_its_phase_and_its_long_axis_is_taken(ahead: float) -> None:
+    drive = measured(trough_record(ellipse=math.radians(ahead), noise=0.01))
+    assert math.degrees(drive.trough.phase) == pytest.approx(ahead, abs=0.2)
+    turn = np.linspace(0.0, 2.0 * math.pi, 100_001)
+    x = 1.02 * math.cos(TRUE["drive_angle"]) * np.sin(turn)
+    y = 1.02 * math.sin(TRUE["drive_angle"]) * np.sin(turn + math.radians(ahead))
+    radius = np.hypot(x, y)
+    far = int(np.argmax(radius))
+    assert drive.drive_angle is not None
+    assert 1e3 * drive.amplitude.value == pytest.approx(radius[far], rel=1e-3)
+    assert math.tan(drive.drive_angle.value) == pytest.approx(y[far] / x[far], rel=1e-3)
+    (warning,) = drive.trough.warnings
+    side = "ahead of" if ahead > 0.0 else "behind"
+    assert f"its normal motion is {abs(ahead):.0f} deg {side} that along it" in warning
+    assert f"the short one has {100.0 * float(radius.min() / radius.max()):.0f} % of it" in warning
+
+
+@pytest.mark.parametrize("share", [0.02, 0.2, 0.9, 3.0])
+def test_harmonics_are_told_and_warned_of(share: float) -> None:
+    """A third harmonic that is larger than the fundamental does not take its place."""
+    drive = measured(trough_record(harmonic=share, noise=0.05))
+    assert drive.frequency.value == pytest.approx(15.003, abs=1e-3)
+    assert drive.amplitude.value == pytest.approx(1.02e-3, rel=2e-3)
+    for wave in drive.trough.waves:
+        assert wave.harmonics == pytest.approx(share, rel=0.02, abs=2e-3)
+    warned = [text for text in drive.trough.warnings if "does not move as one sine" in text]
+    assert len(warned) == (2 if share > 0.1 else 0)
+
+
+def test_what_is_neither_the_wave_nor_its_harmonics_is_told() -> None:
+    record = trough_record(noise=0.5)
+    disturbed = {
+        name: values + 3.0 * np.sin(2.0 * math.pi * 22.7 * record.time)
+        for name, values in record.trough.items()
+    }
+    trough = trough_of(Record(record.time, {}, disturbed, record.headers))
+    assert trough is not None
+    assert [wave.rest for wave in trough.waves] == pytest.approx([0.364, 0.972], rel=0.02)
+    assert all("is neither it nor its harmonics" in text for text in trough.warnings)
+    assert len(trough.warnings) >= 2
+
+
+@pytest.mark.parametrize("kind", ["noise", "drift", "zero"])
+def test_a_trough_that_does_not_run_is_refused(kind: str) -> None:
+    record = trough_record(columns=ALONG)
+    values = {
+        "noise": np.random.default_rng(2).standard_normal(record.time.size),
+        "drift": 2.0 + record.time,
+        "zero": 0.0 * record.time,
+    }[kind]
+    with pytest.raises(InputError, match="no wave stands out in column 'trough_along'"):
+        trough_of(Record(record.time, {}, {"trough_along": values}, record.headers))
+
+
+def test_a_record_that_is_too_short_or_too_coarse_is_refused() -> None:
+    with pytest.raises(InputError, match=r"at least 2 are needed|no wave stands out"):
+        trough_of(trough_record(cycles=1.5))
+    with pytest.raises(InputError, match="samples a drive cycle"):
+        trough_of(trough_record(samples=6))
+
+
+# --- the clock of the trough ------------------------------------------------------------------------
+
+
+def timed(clock: float | None, trigger: float = 0.02) -> Observation:
+    observed = Walked(nut()).observe("velocity", trigger=trigger)
+    given = None if clock is None else Estimate(clock, 1e-5)
+    return Observation(observed.time, observed.signals, FREQUENCY, given)
+
+
+def test_a_measured_clock_is_taken_also_by_a_body_at_rest() -> None:
+    assert align(timed(0.02), settled_motion(nut())) == (0.02, 1e-5, ())
+    resting = compare(nut(0.5), timed(0.02))
+    assert resting.alignment.shift == 0.02
+    assert not any("cannot be found" in text for text in resting.warnings)
+
+
+@pytest.mark.parametrize(
+    ("late", "said"),
+    [
+        (0.0, None),
+        (0.1e-3, None),
+        (4e-3, "fit best 4 ms (22 deg) earlier in the cycle than the trough's acceleration says"),
+        (-4e-3, "fit best 4 ms (22 deg) later in the cycle than the trough's acceleration says"),
+        (0.5 * PERIOD, "one of the sensors may be inverted"),
+    ],
+)  # fmt: skip
+def test_a_clock_that_the_body_contradicts_is_told(late: float, said: str | None) -> None:
+    warnings = compare(nut(), timed((0.02 + late) % PERIOD)).warnings
+    assert len(warnings) == (said is not None)
+    assert said is None or said in warnings[0]
+
+
+def test_the_bodys_own_frequency_is_told_beside_the_troughs() -> None:
+    observed = timed(0.02)
+    off = Observation(observed.time, observed.signals, 20.0, observed.clock)
+    warnings = compare(nut(frequency=20.0), off).warnings
+    assert any(
+        "signals repeat at 15 Hz, the trough at 20 Hz: are both of one run" in text for text in warnings
+    )
+
+
+@pytest.mark.parametrize("offset", [0.0, 9.81, -40.0])
+def test_the_zero_of_an_acceleration_does_not_matter(offset: float) -> None:
+    observed = Walked(nut()).observe("acceleration", trigger=0.02)
+    record = Record(observed.time, {"acceleration": observed.signals["acceleration"] + offset}, {}, {})
+    comparison = compare(nut(), Observation.of(record, FREQUENCY))
+    assert abs(comparison.alignment.shift - 0.02) < 3.0 * comparison.alignment.error < 2e-3
+    (row,) = (row for row in comparison.rows if row.key == "rms_acceleration")
+    exact = compare(nut(), Observation(observed.time, observed.signals, FREQUENCY))
+    (own,) = (row for row in exact.rows if row.key == "rms_acceleration")
+    # sampled, the jumps of the exact acceleration leave a mean too, which is taken off as well
+    assert 0.8 * own.measured.value < row.measured.value < own.measured.value
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [(15.00325123, 0.0009, "15.003251"), (1234.5, 20.0, "1234.5"), (1.5, 0.0, "1.500000000000000")],
+)
+def test_digits_far_below_the_error_are_left_out(value: float, error: float, text: str) -> None:
+    assert spelled(value, error) == text
