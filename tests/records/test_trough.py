@@ -164,8 +164,22 @@ def test_a_trough_that_does_not_run_is_refused(kind: str) -> None:
         "drift": 2.0 + record.time,
         "zero": 0.0 * record.time,
     }[kind]
-    with pytest.raises(InputError, match="no wave stands out in column 'trough_along'"):
+    with pytest.raises(InputError, match=r"in column 'trough_along'|for --trough-along does not vibrate"):
         trough_of(Record(record.time, {}, {"trough_along": values}, record.headers))
+
+
+def test_a_sensor_that_shows_nothing_is_told() -> None:
+    """A dead one is refused; of one that shows noise alone it is said, as a drive may be level."""
+    record = trough_record(noise=0.5)
+    noise = np.random.default_rng(3).standard_normal(record.time.size)
+    for dead in (0.0 * noise, 3.0 + 0.0 * noise, 1e-200 * noise):
+        with pytest.raises(InputError, match="'trough_normal' for --trough-normal does not vibrate"):
+            trough_of(Record(record.time, {}, {**record.trough, "trough_normal": dead}, record.headers))
+    trough = trough_of(Record(record.time, {}, {**record.trough, "trough_normal": noise}, record.headers))
+    assert trough is not None
+    (warning,) = trough.warnings
+    assert warning.startswith("column 'trough_normal': no wave of 15")
+    assert math.isnan(trough.phase)
 
 
 def test_a_record_that_is_too_short_or_too_coarse_is_refused() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from vibro.errors import InputError, shown
 from vibro.records.folding import Estimate, fold
 from vibro.records.frequencies import Repetition
-from vibro.records.signals import option_of
+from vibro.records.signals import MOST, option_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,6 +30,8 @@ _MUCH: Final = 0.3  # of the same: what else may be left
 _ROUND: Final = math.radians(10.0)  # phase between the two axes below which the motion counts as a line
 _LEAST_SINE: Final = 1e-3  # of the drive's direction: less of the motion cannot be scaled up to all of it
 _DIGITS: Final = 2  # below the first one of the error
+_ROUNDING: Final = 1e-24  # of the power of a signal: a wave counts as at least this
+_SIGMAS: Final = 3.0  # of a wave: with less there is none
 _SHORTEST: Final = 1e-3  # of the longer axis of the motion: less of it has no phase that would matter
 
 
@@ -90,7 +92,8 @@ class Trough:
         if self.along is None or self.normal is None:
             return math.nan
         sizes = abs(self.along.value), abs(self.normal.value)
-        if min(sizes) < max(_SHORTEST * max(sizes), 3.0 * self.along.error, 3.0 * self.normal.error):
+        error = max(self.along.error, self.normal.error)
+        if min(sizes) < max(_SHORTEST * max(sizes), _SIGMAS * error):
             return math.nan
         return float(np.angle(self.normal.value / self.along.value))
 
@@ -158,6 +161,12 @@ class Trough:
         found = []
         for wave in self.waves:
             column = f"column {shown(wave.header)}"
+            if abs(wave.value) < _SIGMAS * wave.error:
+                found.append(
+                    f"{column}: no wave of {self.frequency.value:.5g} Hz stands out: is the sensor connected,"
+                    " and does it point the right way?"
+                )
+                continue
             if wave.harmonics > _FEW:
                 found.append(
                     f"{column}: harmonics have {100.0 * wave.harmonics:.0f} % of the fundamental: the trough"
@@ -239,7 +248,14 @@ def trough_of(record: Record, *, reverse: bool = False) -> Trough | None:
     signals = {
         name: -values if reverse and name == _ALONG else values for name, values in record.trough.items()
     }
-    frequency = Repetition(record.time, signals, dict.fromkeys(signals, 0)).fundamental()
+    repetition = Repetition(record.time, signals, dict.fromkeys(signals, 0))
+    for name, power in zip(signals, repetition.power, strict=True):
+        if not power or float(np.abs(signals[name]).max()) < 1.0 / MOST:
+            raise InputError(
+                f"column {shown(record.headers[name])} for {option_of(name)} does not vibrate",
+                hint="is its sensor connected?",
+            )
+    frequency = repetition.fundamental()
     if frequency is None:
         columns = " and ".join(shown(record.headers[name]) for name in signals)
         raise InputError(
@@ -267,6 +283,7 @@ def _wave(time: Floats, values: Floats, frequency: float, header: str) -> Wave:
     count = (folded.coefficients.size - _TRENDS) // 2
     cosines, sines = folded.coefficients[_TRENDS:].reshape(2, count)
     powers = 0.5 * (cosines**2 + sines**2)
+    fundamental = max(float(powers[0]), _ROUNDING * float(np.mean(values**2)))
     noise = 0.5 * np.diagonal(folded.covariance)[_TRENDS:].reshape(2, count).sum(axis=0)
     left = values - folded.fitted(time)
     first = (_TRENDS, _TRENDS + count)
@@ -275,8 +292,8 @@ def _wave(time: Floats, values: Floats, frequency: float, header: str) -> Wave:
         header,
         complex(sines[0], cosines[0]),
         error,
-        math.sqrt(max(0.0, float((powers - noise)[1:].sum())) / float(powers[0])),
-        math.sqrt(float(np.mean(left**2)) / float(powers[0])),
+        math.sqrt(max(0.0, float((powers - noise)[1:].sum())) / fundamental),
+        math.sqrt(float(np.mean(left**2)) / fundamental),
     )
 
 
