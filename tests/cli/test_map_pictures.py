@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 
 import pytest
@@ -83,3 +85,15 @@ def test_a_list_beside_a_range_is_curves(run: Run) -> None:
     assert result.exit_code == 2
     assert "error: frequency is a list of 2 values, drawn one by one: no axis of a map" in result.stderr
     assert "hint: for a map give it as a range, 50:100; else leave y out" in result.stderr
+
+
+def test_a_map_without_motion_says_where_motion_begins(run: Run) -> None:
+    result = run("map", "-A", ".01:.1:9", "-f", "5:10:9", *NUT_ANGLE_AND_FRICTION, "-o", "x")
+    (line,) = [line for line in result.stderr.splitlines() if line.startswith("at rest everywhere")]
+    amplitude, frequency = (float(number) for number in re.findall(r"at ([\d.]+) (?:mm|Hz)", line))
+    for factor, regime in ((0.999, "no-slip"), (1.001, "forward-slip")):
+        for given in (("-A", factor * amplitude, "-f", 10), ("-A", 0.1, "-f", factor * frequency)):
+            answer = json.loads(run("solve", *given, *NUT_ANGLE_AND_FRICTION, "--json").stdout)
+            assert answer["regime"] == regime
+    moving = run("map", "-A", ".01:2:9", "-f", "5:10:9", *NUT_ANGLE_AND_FRICTION, "-o", "-")
+    assert "at rest" not in moving.stderr

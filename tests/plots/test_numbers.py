@@ -231,6 +231,8 @@ def test_a_single_regime_fills_the_map(amplitude: str, frequency: str, name: str
     assert words(only_map(figures["regime"])) == [name]
     if name == "no-slip":
         assert all(figure.axes == maps_of(figure) for figure in figures.values())  # nothing to colour
+    begins = "at rest everywhere: motion begins at "
+    assert all((begins in figure.get_suptitle()) == (name == "no-slip") for figure in figures.values())
 
 
 @pytest.fixture(scope="module")

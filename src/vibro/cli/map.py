@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.plots import View
+    from vibro.results.sweep import Block
     from vibro.sweeps.request import Request
 
 __all__ = ["map_command"]
@@ -107,10 +108,13 @@ def map_command(
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
     from vibro.cli.request import checked_number, request_of
+    from vibro.limits import critical_loads
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
     from vibro.quantities import LEAST_SPEED
+    from vibro.results.sweep import at_rest, where_motion_begins
     from vibro.sweeps.columns import columns_of
+    from vibro.sweeps.grid import scene_of
     from vibro.sweeps.request import RANGES
 
     console = Console(quiet=options.quiet)
@@ -149,10 +153,20 @@ def map_command(
         check_drawable(view)
         _tell_choices(view, grid.axes, held, console)
     window = None if level is None else friction_window(grid, level)
-    look = window.add if window else None
+    moves = False
+
+    def look(block: Block) -> None:
+        nonlocal moves
+        moves = moves or not at_rest(block.cycle).all()
+        if window:
+            window.add(block)
+
     code = write_sweep(grid, table, options, context.obj, console, name, pictures, look)
     if window:
         console.echo(window.text())
+    if not moves:
+        limits = critical_loads(scene_of(grid.values()))
+        console.echo(where_motion_begins(grid.axes, grid.fixed, limits))
     return code
 
 

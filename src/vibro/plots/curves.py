@@ -10,6 +10,7 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.plots.fields import hiding_fields, zero_points
 from vibro.plots.frame import (
+    below,
     facet_frame,
     headline,
     mark_operating_point,
@@ -158,7 +159,7 @@ def curve_figure(
     figure.align_ylabels(named)
     if view.curves is not None:
         _add_key(key, facets[0])
-    set_heading(figure, headline(heading, result), _common(view, facets))
+    set_heading(figure, headline(heading, result), _below(result, view, facets))
     settle(figure, legend)
     return figure
 
@@ -180,7 +181,7 @@ def _regimes(result: SweepResult, view: View, facets: list[list[_Curve]]) -> Fig
                 _draw_critical(a, row, curve.fields, legend)
         if not is_discrete(view.x):
             a.spines[["left", "top", "right"]].set_visible(False)
-    set_heading(figure, headline("Steady regimes", result), _common(view, facets))
+    set_heading(figure, headline("Steady regimes", result), _below(result, view, facets))
     settle(figure, legend)
     renderer = renderer_of(figure)
     named = {
@@ -211,11 +212,11 @@ def _looks(view: View) -> list[tuple[str, Mapping[str, Any]]]:
     return looks
 
 
-def _common(view: View, facets: list[list[_Curve]]) -> str:
-    """Say what is the same all over a picture."""
+def _below(result: SweepResult, view: View, facets: list[list[_Curve]]) -> str:
+    """Return what stands under the headline: what is the same all over a picture."""
     several = [axis.name for axis in (view.curves, view.facet) if axis is not None]
     values = facets[0][0].fields.panel.values
-    return values_text({name: value for name, value in values.items() if name not in several})
+    return below(result, {name: value for name, value in values.items() if name not in several})
 
 
 def _stack(view: View, heights: list[float]) -> tuple[Figure, list[Axes]]:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from vibro.results.sweep import SweepResult
 
 __all__ = [
+    "below",
     "facet_frame",
     "headline",
     "make_logarithmic",
@@ -105,7 +106,7 @@ def map_frame(result: SweepResult, panels: list[Panel], heading: str) -> tuple[F
         if panel.facet is not None:
             common.pop(panel.facet, None)
             a.set_title(values_text({panel.facet: panel.values[panel.facet]}, all_of_them=True))
-    set_heading(figure, headline(heading, result), values_text(common))
+    set_heading(figure, headline(heading, result), below(result, common))
     return figure, axes
 
 
@@ -125,6 +126,11 @@ def single_frame(x: Axis, y: Axis, headline: str, below: str) -> tuple[Figure, A
 def headline(heading: str, result: SweepResult) -> str:
     """Say what a picture of a sweep shows, and what the sweep is called."""
     return f"{heading} – {result.title}" if result.title else heading
+
+
+def below(result: SweepResult, values: Mapping[str, float]) -> str:
+    """Return what stands under a headline: what is given, and where motion begins if there is none."""
+    return "\n".join(filter(None, [values_text(values), result.rest_text]))
 
 
 def set_heading(figure: Figure, headline: str, below: str = "") -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.plots.fields import BEGINS_AT, hiding_fields, zero_points
 from vibro.plots.frame import (
+    below,
     headline,
     make_logarithmic,
     mark_operating_point,
@@ -36,7 +37,6 @@ from vibro.plots.style import (
     ink_on,
     number_text,
     value_text,
-    values_text,
 )
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def line_figure(picture: str, result: SweepResult, fields: Fields, level: float 
     heading, rows = numbers_of(picture, result.length)
     figure = Figure(figsize=(7.4, 2.2 + 2.1 * len(rows)))
     strip, *axes = figure.subplots(1 + len(rows), 1, sharex=True, height_ratios=[0.13, *[1.0] * len(rows)])
-    set_heading(figure, headline(heading, result), values_text(fields.panel.values))
+    set_heading(figure, headline(heading, result), below(result, fields.panel.values))
     bands = stretches(fields)
     legend: dict[str, dict[str, Any]] = {}
     for a, (label, numbers) in zip(axes, rows.items(), strict=True):

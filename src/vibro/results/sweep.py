@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -18,7 +22,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Block", "Column", "SweepResult"]
+__all__ = ["Block", "Column", "SweepResult", "at_rest", "where_motion_begins"]
 
 
 @dataclass(frozen=True)
@@ -112,3 +116,45 @@ class SweepResult:
     def shape(self) -> tuple[int, ...]:
         """Number of values of each axis."""
         return tuple(len(axis) for axis in self.axes.values())
+
+    @property
+    def rest_text(self) -> str:
+        """Where motion begins, if every body rests; else empty."""
+        rests = np.all(at_rest(self.cycle))
+        return where_motion_begins(self.axes, self.fixed, self.limits) if rests else ""
+
+
+def at_rest(cycle: SteadyCycle) -> NDArray[np.bool_]:
+    """Whether each body rests, or cannot be."""
+    return np.asarray((cycle.regime == Regime.NO_SLIP) | (cycle.status == Status.INFEASIBLE))
+
+
+def where_motion_begins(axes: Mapping[str, Axis], fixed: Mapping[str, float], limits: CriticalLoads) -> str:
+    """Say at which amplitude and frequency the first body of a sweep begins to move.
+
+    Parameters
+    ----------
+    axes, fixed, limits
+        As in ``SweepResult``.
+
+    Returns
+    -------
+    str
+        The amplitude at the highest frequency, and the frequency at the largest amplitude, of the body with
+        the least critical load.
+    """
+    loads = (limits.forward_onset, limits.back_onset, limits.hop)
+    least = min(float(np.fmin.reduce(np.ravel(load), initial=math.inf)) for load in loads)
+    if not math.isfinite(least):
+        return "at rest everywhere"
+    amplitude, frequency = (
+        float(axes[name].values[-1]) if name in axes else fixed[name] for name in ("amplitude", "frequency")
+    )
+    length = QUANTITIES["amplitude"]
+    acceleration = least * fixed["gravity"]
+    enough = length.from_si(acceleration / (2.0 * math.pi * frequency) ** 2)
+    fast = math.sqrt(acceleration / length.to_si(amplitude)) / (2.0 * math.pi)
+    return (
+        f"at rest everywhere: motion begins at {enough:.4g} mm with {frequency:.4g} Hz,"
+        f" or at {fast:.4g} Hz with {amplitude:.4g} mm"
+    )
