@@ -12,6 +12,7 @@ import argparse
 import itertools
 import tempfile
 import time
+from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
@@ -22,14 +23,16 @@ from vibro.files import tables
 from vibro.sweeps import run as sweep
 
 WARM_UP = 300  # values of each axis of a first map, that pays for the imports
+COLUMNS = "amplitude_mm,frequency_hz,regime,mean_velocity_mm_s"
 MAPS = {
     "in contact, hopping left out": ("-A", "0.1:3", "-f", "5:60", "--flight", "off"),
     "62 % hopping": ("-A", "0.1:3", "-f", "5:60"),
+    "the same, few columns and digits": ("-A", "0.1:3", "-f", "5:60", "--columns", COLUMNS, "--digits", "6"),
 }
 
 
-def measure(axes: tuple[str, ...], side: int, folder: str) -> tuple[float, float, float]:
-    """Wall time of a map, of the solver in it, and of the rows of its CSV [s]."""
+def measure(axes: tuple[str, ...], side: int, folder: str) -> tuple[float, float, float, float]:
+    """Wall time of a map, of the solver in it, and of the rows of its CSV [s]; size of the CSV [MB]."""
     spent = {"solve": 0.0, "rows": 0.0}
 
     def timed(name: str, call: Any) -> Any:
@@ -53,7 +56,7 @@ def measure(axes: tuple[str, ...], side: int, folder: str) -> tuple[float, float
         total = time.perf_counter() - start
     if result.exit_code:
         raise SystemExit(result.stderr)
-    return total, spent["solve"], spent["rows"]
+    return total, spent["solve"], spent["rows"], (Path(folder) / "map.csv").stat().st_size / 1e6
 
 
 def main() -> None:
@@ -67,15 +70,17 @@ def main() -> None:
         writers = {"with pyarrow": tables._arrow, **writers}
     if arguments.contact:
         maps, writers = maps[:1], dict(list(writers.items())[:1])
-    print(f"{f'map of {side} x {side}':46}  total [s]  CSV [s]  solver [s]  share  gain at most")
+    print(f"{f'map of {side} x {side}':46}  total [s]  CSV [s]  CSV [MB]  solver [s]  share  gain at most")
     with tempfile.TemporaryDirectory() as folder:
         for (name, axes), (writer, arrow) in itertools.product(maps, writers.items()):
             with patch.object(tables, "_arrow", arrow):
                 measure(axes, WARM_UP, folder)
-                total, solver, rows = measure(axes, side, folder)
+                total, solver, rows, size = measure(axes, side, folder)
             share, gain = solver / total, total / (total - solver)
             label = f"{name}, {writer}"
-            print(f"{label:46}  {total:9.2f}  {rows:7.2f}  {solver:10.2f}  {share:5.1%}  {gain:10.2f} x")
+            print(
+                f"{label:46}  {total:9.2f}  {rows:7.2f}  {size:8.1f}  {solver:10.2f}  {share:5.1%}  {gain:10.2f} x"
+            )
 
 
 if __name__ == "__main__":
