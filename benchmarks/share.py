@@ -2,8 +2,8 @@
 
 Usage: python benchmarks/share.py [--side 1000] [--contact]
 
-Runs ``vibro map`` over amplitude and frequency, pictures and all, and takes the time inside ``solve`` and
-inside ``CsvFormat.rows``; with pyarrow if it is installed (the extra ``fast``), and without.
+Runs ``vibro map`` over amplitude and frequency, pictures and all, and takes the time in ``Grid.solve`` and
+``CsvFormat.rows``; with pyarrow if it is installed (the extra ``fast``), and without.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 
 from vibro.cli.app import app
 from vibro.files import tables
-from vibro.sweeps import run as sweep
+from vibro.sweeps.grid import Grid
 
 WARM_UP = 300  # values of each axis of a first map, that pays for the imports
 COLUMNS = "amplitude_mm,frequency_hz,regime,mean_velocity_mm_s"
@@ -48,7 +48,7 @@ def measure(axes: tuple[str, ...], side: int, folder: str) -> tuple[float, float
     sized = [f"{a}:{side}" if ":" in a else a for a in axes]
     command = ["map", *sized, "-a", "20", "--mu-s", ".74", "--mu-d", ".57", "-o", f"{folder}/map", "--force"]
     with (
-        patch.object(sweep, "solve", timed("solve", sweep.solve)),
+        patch.object(Grid, "solve", timed("solve", Grid.solve)),
         patch.object(tables.CsvFormat, "rows", timed("rows", tables.CsvFormat.rows)),
     ):
         start = time.perf_counter()
@@ -70,7 +70,7 @@ def main() -> None:
         writers = {"with pyarrow": tables._arrow, **writers}
     if arguments.contact:
         maps, writers = maps[:1], dict(list(writers.items())[:1])
-    print(f"{f'map of {side} x {side}':46}  total [s]  CSV [s]  CSV [MB]  solver [s]  share  gain at most")
+    print(f"{f'map of {side} x {side}':48}  total [s]  CSV [s]  CSV [MB]  solver [s]  share  gain at most")
     with tempfile.TemporaryDirectory() as folder:
         for (name, axes), (writer, arrow) in itertools.product(maps, writers.items()):
             with patch.object(tables, "_arrow", arrow):
@@ -78,9 +78,8 @@ def main() -> None:
                 total, solver, rows, size = measure(axes, side, folder)
             share, gain = solver / total, total / (total - solver)
             label = f"{name}, {writer}"
-            print(
-                f"{label:46}  {total:9.2f}  {rows:7.2f}  {size:8.1f}  {solver:10.2f}  {share:5.1%}  {gain:10.2f} x"
-            )
+            csv = f"{rows:7.2f}  {size:8.1f}"
+            print(f"{label:48}  {total:9.2f}  {csv}  {solver:10.2f}  {share:5.1%}  {gain:10.2f} x")
 
 
 if __name__ == "__main__":
