@@ -4,15 +4,33 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from commands import NUT, Run, rows_of
 from made_records import EXAMPLES
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 SCENE = EXAMPLES / "safety_nut.toml"
 # The cheapest picture, for tests that do not look at it.
 PLAIN = ("--panels", "velocity")
+HOPS = ("-A", "3", "-f", "30", "-a", "30", "--mu-s", "0.5", "--mu-d", "0.4", "--restitution", "0.5")
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """Return the pictures that a run saves."""
+    figures: list[Figure] = []
+
+    def save(figure: Figure, path: Path, *_: object) -> None:
+        figures.append(figure)
+        path.touch()
+
+    monkeypatch.setattr("vibro.plots.save", save)
+    return figures
 
 
 def table_of(name: str) -> list[dict[str, str]]:
@@ -62,7 +80,7 @@ def test_json_holds_every_phase(run: Run) -> None:
     answer = json.loads(result.stdout)
     assert len(answer["phases"]) == 61
     assert answer["phases"][1]["end_position_mm"] == pytest.approx(1.0842304, rel=1e-7)
-    assert "the picture shows the first 6 of 30 cycles" in result.stderr
+    assert "the picture shows the last 6 of 30 drive cycles" in result.stderr
 
 
 def test_long_runs_print_the_first_phases(run: Run) -> None:
@@ -95,10 +113,75 @@ def test_a_duration_and_another_start(run: Run) -> None:
     assert answer["phases"][-1]["end_s"] == pytest.approx(0.05)
 
 
-def test_a_resting_body(run: Run) -> None:
-    result = run("simulate", SCENE, *PLAIN, "-A", "0.5")
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("-A", "0.5"), "the body rests"),
+        (("-A", "0.5", "--start-velocity", "100"), "from 36.5673 ms on the body rests"),
+        (
+            ("-A", "0.5", "--start-velocity", "1000", "--cycles", "2"),
+            "the motion has not ended yet: --cycles 3 would do",
+        ),
+        (HOPS, "the motion has not begun to repeat yet: --cycles 11 would do"),
+        (
+            ("-A", "1.5", "-a", "30", "--mu-s", "0.001", "--mu-d", "0.001"),
+            "the motion has not begun to repeat yet, and does not within 300 drive cycles",
+        ),
+        (
+            (*HOPS, "--mu-s", "0.01", "--mu-d", "0.01", "--trough-angle=-20"),
+            "the motion has not begun to repeat yet: the body never comes to rest and gains speed every"
+            " cycle",
+        ),
+        (
+            (*HOPS, "--restitution", "0.9"),
+            "the motion has not begun to repeat yet: the motion has no short period",
+        ),
+    ],
+)
+def test_what_becomes_of_the_body(
+    run: Run, monkeypatch: pytest.MonkeyPatch, args: tuple[str, ...], said: str
+) -> None:
+    monkeypatch.setattr("vibro.cli.simulate._FOLLOWED", 300.0)
+    result = run("simulate", SCENE, *args)
     assert result.exit_code == 0
-    assert result.stdout.endswith("the body rests\n")
+    assert result.stdout.endswith(f"\n{said}\n")
+
+
+@pytest.mark.parametrize(
+    ("args", "cycles", "begins"),
+    [(HOPS, 11, "from 167.649 ms on"), (("-A", "0.5", "--start-velocity", "1000"), 3, "from 186.011 ms on")],
+)
+def test_the_cycles_that_would_do_are_the_fewest(
+    run: Run, args: tuple[str, ...], cycles: int, begins: str
+) -> None:
+    fewer, enough = (run("simulate", SCENE, *args, "--cycles", n).stdout for n in (cycles - 1, cycles))
+    assert f"--cycles {cycles} would do" in fewer
+    assert begins in enough
+
+
+@pytest.mark.parametrize(
+    ("args", "part", "limits"),
+    [
+        (("--cycles", "6"), "time [ms]", (0, 400)),
+        (("--cycles", "20"), "time [ms], the last 6 of 20 drive cycles", (14e3 / 15, 20e3 / 15)),
+        (("--from", "50ms", "--to", "0.1"), "time [ms], from 0.75 to 1.5 of 3 drive cycles", (50, 100)),
+        (("--from", "150ms"), "time [ms], the last 0.75 of 3 drive cycles", (150, 200)),
+        (("--to", "50ms"), "time [ms], from 0 to 0.75 of 3 drive cycles", (0, 50)),
+        (("--duration", "0.2", "--to", "0.2"), "time [ms]", (0, 200)),
+    ],
+)
+def test_the_picture_shows_the_end_or_what_is_asked_for(
+    run: Run, drawn: list[Figure], args: tuple[str, ...], part: str, limits: tuple[float, float]
+) -> None:
+    result = run("simulate", SCENE, *PLAIN, *args, "-o", "nut")
+    assert result.exit_code == 0, result.stderr
+    (figure,) = drawn
+    (axes,) = figure.axes
+    assert axes.get_xlim() == pytest.approx(limits)
+    assert axes.get_xlabel() == part
+    assert figure.get_label() == "safety_nut"
+    said = [line for line in result.stderr.splitlines() if line.startswith("the picture shows ")]
+    assert said == ([f"the picture shows {part.removeprefix('time [ms], ')}"] if "," in part else [])
 
 
 def test_the_motion_goes_to_stdout(run: Run) -> None:
@@ -137,6 +220,11 @@ def test_its_table_can_be_compared_with_the_scene(run: Run) -> None:
         (("--start-velocity", "3Hz"), "'Hz' is no unit of start velocity"),
         (("--panels", "force"), "--panels force: 'force' is no panel"),
         (("--panels", "forces,forces"), "'forces' is named twice"),
+        (("--from", "1s", "--to", "2s"), "--from 1s --to 2s: must ascend within the history, 0 to 0.2 s"),
+        (("--to", "0"), "--to 0: must ascend within the history"),
+        (("--from=-1ms",), "--from -1ms: must ascend within the history"),
+        (("--from", "2 mm"), "'mm' is no unit of from"),
+        (("--from", "0", "--cycles", "101"), "--from 0: 101 drive cycles are too many for a picture"),
         (("--samples-per-cycle", "-1"), "--samples-per-cycle -1: must be in [0, 5000000]"),
         (("--cycles", "1e6"), "more than 5e+06 rows"),
         (("-f", "10:20"), "takes one value"),

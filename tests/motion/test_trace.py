@@ -35,6 +35,21 @@ def test_events_alone(history: vibro.History) -> None:
     assert rows.time.tolist() == [*(p.start for p in history.phases), history.end]
 
 
+def test_rows_begin_and_end_where_they_are_asked_to(history: vibro.History) -> None:
+    slide = history.phases[1]
+    whole = trace(history, until=history.end, samples_per_cycle=40, both_sides=True)
+    rows = trace(history, since=0.5 * PERIOD, until=2.2 * PERIOD, samples_per_cycle=40, both_sides=True)
+    inside = (whole.time > 0.5 * PERIOD) & (whole.time < 2.2 * PERIOD)
+    assert rows.time[0] == 0.5 * PERIOD
+    assert rows.time[-1] == 2.2 * PERIOD
+    kept = (rows.time > 0.5 * PERIOD) & (rows.time < 2.2 * PERIOD)
+    np.testing.assert_array_equal(rows.time[kept], whole.time[inside])
+    np.testing.assert_array_equal(rows.friction[kept], whole.friction[inside])
+    at = trace(history, since=slide.start, until=history.end, samples_per_cycle=40, both_sides=True)
+    assert at.time[1] > at.time[0] == slide.start
+    assert at.acceleration[0] > 1.0  # of the slide that begins
+
+
 def test_a_row_at_an_event_is_the_one_after_it(history: vibro.History) -> None:
     slide = history.phases[1]
     rows = trace(history, until=PERIOD, samples_per_cycle=40)

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 
 @cache
 def draw(
-    amplitude: float = 1.0, cycles: float = 3.0, panels: str | None = None
+    amplitude: float = 1.0, cycles: float = 3.0, panels: str | None = None, since: float = 0.0
 ) -> tuple[vibro.History, Figure]:
-    """Follow the nut at an amplitude [mm], and draw it; tests only look at the figure."""
+    """Follow the nut at an amplitude [mm], and draw it from a time on [s]; tests only look at the figure."""
     history = vibro.simulate(nut(amplitude), cycles=cycles)
-    rows = trace(history, until=history.end, samples_per_cycle=200, both_sides=True)
+    rows = trace(history, since=since, until=history.end, samples_per_cycle=200, both_sides=True)
     flies = any(p.kind == "H" for p in history.phases)
     figure = history_figure(history.phases, rows, choose_panels(panels, flies=flies), "title", {})
     figure.draw_without_rendering()
@@ -106,6 +106,56 @@ def test_impacts_are_marked() -> None:
     _, figure = draw(4.0)
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert {"slide starts", "slide stops", "impact", "forward slide", "back slide", "flight"} <= set(legend)
+
+
+def names_in(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts() if text.get_text().strip()]
+
+
+def test_nothing_is_named_that_is_not_drawn() -> None:
+    history, figure = draw(4.0)
+    slide = [p for p in history.phases if p.kind in "FB"][-1]
+    air = next(p for p in history.phases if p.kind == "H")
+    _, flight = draw(4.0, cycles=15 * 0.5 * (air.start + air.end), since=air.start + 1e-6)
+    assert names_in(flight) == ["friction on the body", "flight"]
+    assert [text.get_text() for text in flight.axes[0].texts] == ["flight"]
+    assert not any(shades(axes, slide.kind) for axes in flight.axes)
+    assert {"impact", "flight"} <= set(names_in(figure))
+    assert names_in(draw(0.5)[1]) == [
+        "limits of static friction",
+        "inertial and gravity, along the trough",
+        "friction on the body",
+    ]
+
+
+def test_friction_is_legible_beside_the_load_of_a_hopping_body() -> None:
+    history, figure = draw(4.0)
+    limits, _, load, friction = figure.axes[1].lines[:4]
+    _, top = figure.axes[1].get_ylim()
+    reach = max(np.nanmax(np.abs(np.asarray(line.get_ydata()))) for line in (limits, friction))
+    assert reach <= top <= 2.0 * reach < np.nanmax(np.abs(np.asarray(load.get_ydata())))
+    assert "inertial and gravity, along the trough (cut off)" in names_in(figure)
+    # Without contact there are neither limits of friction nor a load that friction could bear.
+    times = np.asarray(load.get_xdata()) / 1e3
+    for phase in history.phases:
+        inside = (times > phase.start) & (times < phase.end)
+        for line in (limits, load):
+            assert (np.isnan(np.asarray(line.get_ydata())[inside]) == (phase.kind == "H")).all()
+
+
+def test_a_load_that_leaves_friction_legible_is_not_cut_off() -> None:
+    for amplitude in (1.0, 1.5):
+        _, figure = draw(amplitude)
+        bottom, top = figure.axes[1].get_ylim()
+        for line in figure.axes[1].lines:
+            assert bottom < np.min(np.asarray(line.get_ydata())) <= np.max(np.asarray(line.get_ydata())) < top
+        assert "inertial and gravity, along the trough" in names_in(figure)
+
+
+def test_far_from_the_start_the_position_has_a_scale_of_its_own() -> None:
+    _, figure = draw(1.0, cycles=20.0, since=14 / 15)
+    bottom, top = figure.axes[list(PANELS).index("position")].get_ylim()
+    assert (bottom, top) == pytest.approx((14 * 1.0842, 20 * 1.0842), rel=0.1)
 
 
 @pytest.mark.parametrize(

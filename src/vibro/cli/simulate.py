@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from vibro.cli.console import Console
 from vibro.cli.options import Options, picture_formats
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, cut, shown
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.figure import Figure
 
     from vibro.files.tables import TableColumns
@@ -26,7 +29,10 @@ _SAMPLES: Final = 200  # a cycle
 _MOST_ROWS: Final = 5_000_000
 _ROWS_OF_A_SHEET: Final = 1_048_576
 _PRINTED: Final = 24  # phases
-_DRAWN: Final = 6.0  # cycles
+_DRAWN: Final = 6.0  # cycles at the end of a history, where no others are asked for
+_MOST_DRAWN: Final = 100.0  # cycles of a picture: of more nobody sees one
+_ROUNDING: Final = 1e-12  # share of a history by which its end, as typed, may lie behind it
+_FOLLOWED: Final = 1000.0  # cycles within which a motion is looked for that repeats
 
 
 def simulate_command(
@@ -65,6 +71,19 @@ def simulate_command(
             show_default=False,
         ),
     ] = None,
+    begin: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="TIME",
+            help="Where the picture begins [s]; without, it shows the last 6 cycles.",
+            show_default=False,
+        ),
+    ] = None,
+    end: Annotated[
+        str | None,
+        typer.Option("--to", metavar="TIME", help="Where the picture ends [s].", show_default=False),
+    ] = None,
     formats: Annotated[
         str, typer.Option("--format", metavar="png,svg,pdf", help="The picture's formats.")
     ] = "png",
@@ -78,7 +97,7 @@ def simulate_command(
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
-    from vibro.quantities import DURATION, START_PHASE, START_VELOCITY, exact_number
+    from vibro.quantities import DURATION, SPEED, START_PHASE, START_VELOCITY, exact_number
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -89,6 +108,7 @@ def simulate_command(
     time = None if duration is None else float(exact_number(duration, DURATION))
     lasting = _cycles(cycles, time, frequency)
     _check_rows(lasting, samples, console)
+    window = _window(begin, end, lasting, frequency)
     phase = float(exact_number(start_phase, START_PHASE))
     velocity = float(exact_number(start_velocity, START_VELOCITY))
     content = {
@@ -107,12 +127,13 @@ def simulate_command(
         console=console,
         reads=[options.scene],
     ) as output:
-        history = simulate(
-            scene, cycles=lasting, start_phase=math.radians(phase), start_velocity=velocity / 1e3
+        follow = partial(
+            simulate, scene, start_phase=math.radians(phase), start_velocity=SPEED.to_si(velocity)
         )
+        history = follow(cycles=lasting)
         output.write(
             lambda: _tables(history, samples),
-            lambda: {"": _figure(history, samples, panels, request, console)},
+            lambda: {"": _figure(history, window, samples, panels, request, console)},
             content,
         )
     if output.takes_stdout:
@@ -120,7 +141,7 @@ def simulate_command(
     if options.json:
         print(json.dumps({**content, "phases": _records(history)}, indent=2, allow_nan=False))
     else:
-        print(_text(history))
+        print(_text(history, follow))
     return 0
 
 
@@ -131,20 +152,58 @@ def _tables(history: History, samples: int) -> dict[str, TableColumns]:
     return {"": motion_table(history, rows), "phases": phase_table(history, history.phases)}
 
 
-def _figure(history: History, samples: int, panels: str | None, request: Request, console: Console) -> Figure:
-    """Draw the first cycles of a history."""
+def _window(begin: str | None, end: str | None, cycles: float, frequency: float) -> tuple[float, float]:
+    """Return when the picture begins and ends [s]."""
+    from vibro.quantities import TIME, Quantity, exact_number
+
+    last = cycles / frequency
+    if begin is None and end is None:
+        return max(0.0, last - _DRAWN / frequency), last
+    since = 0.0 if begin is None else float(exact_number(begin, Quantity("from", TIME)))
+    until = last if end is None else float(exact_number(end, Quantity("to", TIME)))
+    given = " ".join(
+        f"{name} {cut(text)}" for name, text in (("--from", begin), ("--to", end)) if text is not None
+    )
+    if not 0.0 <= since < until <= last * (1.0 + _ROUNDING):
+        raise InputError(f"{given}: must ascend within the history, 0 to {last:.6g} s")
+    if (until - since) * frequency > _MOST_DRAWN:
+        raise InputError(
+            f"{given}: {(until - since) * frequency:.6g} drive cycles are too many for a picture",
+            hint=f"draw at most {_MOST_DRAWN:g} of them: {_MOST_DRAWN / frequency:.4g} s",
+        )
+    return since, min(until, last)
+
+
+def _figure(
+    history: History,
+    window: tuple[float, float],
+    samples: int,
+    panels: str | None,
+    request: Request,
+    console: Console,
+) -> Figure:
+    """Draw a part of a history."""
     from vibro.motion.trace import trace
     from vibro.plots.history import choose_panels, history_figure
 
-    frequency = float(history.scene.frequency)
-    until = min(history.end, _DRAWN / frequency)
-    if until < history.end:
-        console.echo(f"the picture shows the first {_DRAWN:g} of {history.end * frequency:g} cycles")
-    phases = [p for p in history.phases if p.start < until]
+    since, until = window
+    part = _part(since, until, history)
+    if part:
+        console.echo(f"the picture shows {part}")
+    phases = [p for p in history.phases if p.end > since and p.start < until]
     seen = choose_panels(panels, flies=any(p.kind == "H" for p in phases))
-    rows = trace(history, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
+    rows = trace(history, since=since, until=until, samples_per_cycle=max(samples, _SAMPLES), both_sides=True)
     given = {name: spec.value for name, spec in request.specs.items() if name != "trough_length"}
-    return history_figure(phases, rows, seen, request.name or "Motion", given)
+    return history_figure(phases, rows, seen, request.name or "Motion", given, part)
+
+
+def _part(since: float, until: float, history: History) -> str:
+    """Say which part of a history is drawn; nothing if it is all."""
+    frequency = float(history.scene.frequency)
+    first, last, whole = (f"{time * frequency:.4g}" for time in (since, until, history.end))
+    if until < history.end:
+        return f"from {first} to {last} of {whole} drive cycles"
+    return f"the last {(until - since) * frequency:.4g} of {whole} drive cycles" if since else ""
 
 
 def _cycles(cycles: float | None, duration: float | None, frequency: float) -> float:
@@ -183,13 +242,12 @@ def _records(history: History) -> list[dict[str, Any]]:
     return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
-def _text(history: History) -> str:
-    """Return the phases as lines, and what becomes of the body."""
+def _text(history: History, follow: Callable[..., History]) -> str:
+    """Return the phases as lines, and what becomes of the body; ``follow`` makes a longer history."""
     import numpy as np
 
     from vibro.cli.report import aligned
     from vibro.motion.trace import phase_table
-    from vibro.steady import solve
 
     phases = history.phases
     columns = phase_table(history, phases[:_PRINTED])
@@ -213,16 +271,37 @@ def _text(history: History) -> str:
     lines.append("")
     end = 1e3 * phases[-1].end_position
     lines.append(f"after {history.end:.6g} s: {end:.6g} mm along the trough")
+    lines.append(_outlook(history, follow))
+    return "\n".join(lines)
+
+
+def _outlook(history: History, follow: Callable[..., History]) -> str:
+    """Say what the body does from when on; where it is not there yet, how many cycles would show it."""
+    from vibro.core.codes import Regime, Status
+    from vibro.steady import solve
+
+    steady = solve(history.scene)
+    frequency = float(history.scene.frequency)
     if math.isfinite(history.settles_at):
-        steady, pattern = str(solve(history.scene).pattern), history.pattern
-        if len(steady) == len(pattern) and pattern in 2 * steady:
-            pattern = steady  # the same cycle from another phase on
-        lines.append(
+        again, pattern = str(steady.pattern), history.pattern
+        if len(again) == len(pattern) and pattern in 2 * again:
+            pattern = again  # the same cycle from another phase on
+        return (
             f"from {1e3 * history.settles_at:.6g} ms on the phases {pattern} repeat:"
             f" {1e3 * history.cycle_displacement:.6g} mm a cycle"
         )
-    elif len(phases) == 1 and phases[0].kind == "_":
-        lines.append("the body rests")
-    else:
-        lines.append("the motion has not begun to repeat yet")
-    return "\n".join(lines)
+    stays = steady.regime == Regime.NO_SLIP  # where it has come to rest
+    last = history.phases[-1]
+    if stays and last.kind == "_":
+        return f"from {1e3 * last.start:.6g} ms on the body rests" if last.start else "the body rests"
+    said = f"the motion has not {'ended' if stays else 'begun to repeat'} yet"
+    if steady.status not in (Status.OK, Status.BOUNDARY):
+        why, *_ = Status(int(steady.status)).message.split(":")
+        return f"{said}: {why}"
+    longer = follow(cycles=_FOLLOWED)
+    needed = longer.settles_at * frequency + longer.period_cycles
+    if stays and longer.phases[-1].kind == "_":
+        needed = longer.phases[-1].start * frequency
+    if not needed < _FOLLOWED:
+        return f"{said}, and does not within {_FOLLOWED:g} drive cycles"
+    return f"{said}: --cycles {math.floor(needed) + 1} would do"

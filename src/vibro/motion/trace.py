@@ -27,15 +27,17 @@ __all__ = ["motion_table", "phase_table", "trace"]
 _ROUNDING: Final = 1e-9  # of the number of steps
 
 
-def trace(history: History, *, until: float, samples_per_cycle: int, both_sides: bool = False) -> Sample:
+def trace(
+    history: History, *, since: float = 0.0, until: float, samples_per_cycle: int, both_sides: bool = False
+) -> Sample:
     """Sample a history at even steps and at every event.
 
     Parameters
     ----------
     history : History
         What to sample.
-    until : float
-        When the samples end [s].
+    since, until : float
+        When the samples begin and end [s].
     samples_per_cycle : int
         Even steps in a drive cycle; 0 for the events alone.
     both_sides : bool
@@ -45,17 +47,18 @@ def trace(history: History, *, until: float, samples_per_cycle: int, both_sides:
     Returns
     -------
     Sample
-        Arrays of one row a time, ascending, from 0 on.
+        Arrays of one row a time, ascending, from ``since`` on.
     """
-    events = np.array([p.start for p in history.phases if p.start < until])
+    events = np.array([p.start for p in history.phases if since < p.start < until])
     rate = samples_per_cycle * float(history.scene.frequency)
     # The last step, if it is the end but for its rounding, is left to the end.
-    even = np.arange(math.ceil(rate * until * (1.0 - _ROUNDING))) / rate if rate else np.array([])
-    times = np.unique(np.concatenate([even, events, [until]]))
+    steps = np.arange(math.ceil(rate * since), math.ceil(rate * until * (1.0 - _ROUNDING)))
+    even = steps / rate if rate else np.array([])
+    times = np.unique(np.concatenate([[since], even, events, [until]]))
     after = history.sample(times)
     if not both_sides:
         return after
-    before = history.sample(events[1:], side="left")
+    before = history.sample(events, side="left")
     # Stable: the row before an event stands first.
     order = np.argsort(np.concatenate([before.time, after.time]), kind="stable")
     return Sample(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -28,13 +29,14 @@ __all__ = ["PANELS", "choose_panels", "history_figure"]
 
 
 class _Curve(NamedTuple):
-    """A line of a panel: which field of a ``Sample`` it shows, and how."""
+    """A line of a panel: which field of a ``Sample`` it shows, whether in contact alone, and how."""
 
     field: str
     label: str
     colour: str
     dashes: Any = "-"
     width: float = 1.5
+    in_contact: bool = False
 
 
 class _Panel(NamedTuple):
@@ -58,8 +60,8 @@ PANELS: Final[Mapping[str, _Panel]] = {
         "m/s²",
         1.0,
         (
-            _Curve("static_limit", "limits of static friction", _GREEN, (0, (4, 2)), 1.0),
-            _Curve("inertial", "inertial and gravity, along the trough", _RED, width=1.2),
+            _Curve("static_limit", "limits of static friction", _GREEN, (0, (4, 2)), 1.0, True),
+            _Curve("inertial", "inertial and gravity, along the trough", _RED, "-", 1.2, True),
             _Curve("friction", "friction on the body", _BLUE, width=2.0),
         ),
         height=1.8,
@@ -73,7 +75,11 @@ PANELS: Final[Mapping[str, _Panel]] = {
 _ROW: Final = 1.35  # [in] of a panel of height 1
 _LETTER: Final = 0.0095  # generous width of a letter, as a share of a panel's
 _COLUMNS: Final = 3  # of the legend, one for each curve in the panel of forces
+_MARGIN: Final = 0.12  # above and below the curves, as a share of what they span
 _HEADROOM: Final = 0.25  # for the names of phases, as a share of the panel's height
+# The load along the trough may stretch the panel of forces to so many times what friction needs.
+_STRETCH: Final = 1.5
+_EDGE: Final = 1e-9  # share of the drawn time by which a phase must reach into it: rounding
 # Panels in which events are marked: the first of them that is shown.
 _MARKED: Final = ("forces", "velocity", "acceleration", "position", "trough", "gap")
 _START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
@@ -112,13 +118,14 @@ def history_figure(
     panels: Sequence[str],
     title: str,
     given: Mapping[str, float],
+    part: str = "",
 ) -> Figure:
     """Draw a time history.
 
     Parameters
     ----------
     phases : sequence of Phase
-        What the body does when; phases outside the trace are cut off.
+        What the body does when; only those within the trace are drawn and named.
     trace : Sample
         Its motion and forces over time, with both sides of every event.
     panels : sequence of str
@@ -127,6 +134,8 @@ def history_figure(
         What the scene is called.
     given : mapping of str to float
         Quantities of the scene, in the user's units, written under the title.
+    part : str, optional
+        Which part of the history the trace is, if not all of it.
 
     Returns
     -------
@@ -134,6 +143,9 @@ def history_figure(
         Panels above each other over one time axis.
     """
     shown = [PANELS[name] for name in panels]
+    first, last = float(trace.time[0]), float(trace.time[-1])
+    edge = _EDGE * (last - first)
+    phases = [phase for phase in phases if phase.end > first + edge and phase.start < last - edge]
     heights = [panel.height for panel in shown]
     with house_style():
         from matplotlib.figure import Figure as NewFigure
@@ -147,7 +159,7 @@ def history_figure(
             for phase in phases:
                 shade(axes, phase.kind, 1e3 * phase.start, 1e3 * phase.end)
         grid[-1].set_xlim(milliseconds[0], milliseconds[-1])
-        grid[-1].set_xlabel("time [ms]")
+        grid[-1].set_xlabel(f"time [ms], {part}" if part else "time [ms]")
         figure.align_ylabels(grid)
         _name_phases(grid[0], phases, (milliseconds[0], milliseconds[-1]))
         marks = _mark_events(dict(zip(panels, grid, strict=True)), phases, trace)
@@ -162,17 +174,36 @@ def history_figure(
 def _draw(axes: Axes, panel: _Panel, trace: Sample, milliseconds: Floats) -> list[Line2D]:
     """Draw the curves of a panel; return those that the legend has to name."""
     named = []
+    most = _most_force(trace) if panel is PANELS["forces"] else math.inf
+    axes.margins(y=_MARGIN)
     for curve in panel.curves:
         values = getattr(trace, curve.field) / panel.size
+        if curve.in_contact:
+            values = np.where(trace.normal > 0.0, values, np.nan)
+        is_cut = bool((np.abs(values) > most).any())
+        label = f"{curve.label} (cut off)" if is_cut else curve.label
         style = {"color": curve.colour, "linestyle": curve.dashes, "linewidth": curve.width}
-        (line,) = axes.plot(milliseconds, values, label=curve.label, **style)
-        named += [line] if len(panel.curves) > 1 else []
+        (line,) = axes.plot(milliseconds, values, label=label, **style)
+        named += [line] if len(panel.curves) > 1 and np.isfinite(values).any() else []
         if curve.field == "static_limit":
             axes.plot(milliseconds, -values, **style)
-    axes.axhline(0.0, color=INK, linewidth=0.5)
+        if is_cut:
+            axes.set_ylim(-most, most)
+    bottom, top = axes.get_ylim()
+    if bottom < 0.0 < top:  # a body that is far away already has no use for its start
+        axes.axhline(0.0, color=INK, linewidth=0.5)
     axes.set_ylabel(f"{panel.label} [{panel.unit}]")
-    axes.margins(y=0.12)
     return named
+
+
+def _most_force(trace: Sample) -> float:
+    """Force per unit mass that the panel of forces shows at most [m/s^2].
+
+    Where a body hops the load along the trough is often ten times as large as any friction: its scale would
+    flatten what the panel is there to show.
+    """
+    friction = max(float(trace.static_limit.max()), float(np.abs(trace.friction).max()))
+    return _STRETCH * friction or math.inf
 
 
 def _add_legend(figure: Figure, curves: Sequence[Artist], others: Sequence[Artist]) -> None:
@@ -242,7 +273,7 @@ def _mark_events(panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sam
 def _write_times(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:
     """Write the times at which phases change above the topmost panel, as far as there is room."""
     instants = [1e3 * p.end for p in phases if limits[0] < 1e3 * p.end < limits[1]]
-    room = _LETTER * 6 * (limits[1] - limits[0])
+    room = _LETTER * max(6, len(f"{limits[1]:.2f}")) * (limits[1] - limits[0])
     written: list[float] = []
     for instant in instants:
         if not written or instant - written[-1] > room:

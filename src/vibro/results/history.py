@@ -124,6 +124,8 @@ class History:
         body rests for ever.
     settles_at : float
         From when on they repeat; inf if they do not before the end [s].
+    period_cycles : int
+        Drive cycles after which they repeat; 0 if they do not.
     cycle_displacement : float
         Displacement per drive cycle from then on; NaN if they do not repeat [m].
     """
@@ -146,6 +148,11 @@ class History:
         if not self._motion.period:
             return math.inf
         return float(self._start(np.array([first]))[0])
+
+    @property
+    def period_cycles(self) -> int:
+        """Drive cycles after which the phases repeat."""
+        return self._motion.period
 
     @property
     def cycle_displacement(self) -> float:
