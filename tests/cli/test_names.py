@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import pytest
+from commands import NUT
 from made_records import EXAMPLES, STUDY_FILE
 from PIL import Image
 
@@ -55,11 +56,14 @@ def test_histories(run: Run, scene: Path, name: str) -> None:
     assert titles("out") == [NAMES[name]] * 2
 
 
-def test_histories_of_no_file(run: Run) -> None:
-    given = ("-A", "1", "-f", "15", "-a", "20", "--mu-s", "0.74", "--mu-d", "0.57", "--cycles", "1")
-    result = run("simulate", *given, "-o", "out", "--format", "png,svg", "-q")
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert titles("out") == ["Motion"] * 2
+def test_scenes_of_no_file(run: Run) -> None:
+    for args, title in (
+        (("simulate", "--cycles", "1"), "Motion"),
+        (("compare", STUDY_FILE), f"{STUDY_FILE.name}, computed pattern F_"),
+    ):
+        result = run(*args, *NUT, "-o", "out", "--format", "png,svg", "-q", "--force")
+        assert (result.exit_code, result.stderr) == (0, "")
+        assert titles("out") == [title] * 2
 
 
 def test_comparisons(run: Run, scene: Path, name: str) -> None:
