@@ -93,6 +93,43 @@ def test_a_wrong_axis_names_the_remedy(text: str, name: str, problem: str, hint:
 
 
 @pytest.mark.parametrize(
+    ("text", "write"),
+    [
+        ("5..60", "5:60"),
+        ("5...60", "5:60"),
+        ("5\u202660", "5:60"),
+        ("5-60", "5:60"),
+        ("5 \u2013 60", "5:60"),
+        ("5 to 60", "5:60"),
+        (" 5to60 ", "5:60"),
+        ("60-5", "5:60"),
+        (".5..3", ".5:3"),
+        ("0.1-1e1", "0.1:1e1"),
+        ("5;60", "5:60, for two values 5,60"),
+        ("-5..5", "-5:5"),
+        ("0.5..6cm", "0.5cm:6cm"),
+        ("5mm to 6cm", "5mm:6cm"),
+        ("8mm to 6", "6:8mm"),
+        ("100\u00b5m-2mm", "100\u00b5m:2mm"),
+    ],
+)
+def test_a_range_in_another_spelling_is_hinted_in_ours(text: str, write: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_axis(text, QUANTITIES["amplitude"])
+    assert caught.value.hint == f"for a range write {write}"
+    assert len(parse_axis(write.split(",")[0], QUANTITIES["amplitude"]).axis(3)) == 3
+
+
+@pytest.mark.parametrize(
+    "text", ["5..", "..5", "5--", "1/2", "5..60Hz", "5 bis", "to", "5 60", "5..60" + 40 * "0"]
+)
+def test_what_is_no_range_is_not_hinted_to_be_one(text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_axis(text, QUANTITIES["amplitude"])
+    assert "range" not in caught.value.hint
+
+
+@pytest.mark.parametrize(
     ("text", "count"),
     [
         ("1:2:2", 2),

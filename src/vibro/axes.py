@@ -13,6 +13,7 @@ import numpy as np
 
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import QUANTITIES, Quantity, exact_number, nearest_double
+from vibro.range_hints import order_hint, spelling_hint
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ _REPEATED: Final = 40  # characters of a number that a hint repeats
 
 _COUNT: Final = Quantity("count")
 _STEP: Final = Quantity("step of a logarithmic range")
-_BARE = re.compile(r"[^a-zA-Z\u00b0\u00b5\u03bc]*")
 _WHOLE_NUMBERS = re.compile(r"\s*([+-]?\d{1,20}),(\d{1,20}[^,:\d.]*)")
 _DECIMAL_COMMA = re.compile(r"\s*([+-]?0),(\d+[^,:\d.]*)")
 
@@ -264,7 +264,12 @@ def parse_axis(text: str, quantity: Quantity) -> AxisSpec:
         return _parse_range(text, quantity)
     if "," in text:
         return _parse_list(text, quantity)
-    return AxisSpec(quantity, (exact_number(text, quantity),))
+    try:
+        return AxisSpec(quantity, (exact_number(text, quantity),))
+    except InputError as exc:
+        if hint := spelling_hint(text, quantity):
+            raise InputError(*exc.problems, hint=hint) from None
+        raise
 
 
 def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
@@ -301,7 +306,7 @@ def _parse_range(text: str, quantity: Quantity) -> AxisSpec:
     third = parts[2] if len(parts) == 3 else None
     if last <= first:
         raise InputError(
-            f"{quantity.label} = {shown(text)}: the range does not ascend", hint=_order_hint(parts, quantity)
+            f"{quantity.label} = {shown(text)}: the range does not ascend", hint=order_hint(parts, quantity)
         )
     if log and first <= 0:
         raise InputError(f"{quantity.label} = {shown(text)}: a logarithmic range must start above 0")
@@ -320,7 +325,7 @@ def _count(text: str, quantity: Quantity, parts: list[str]) -> int:
     if count.denominator != 1:
         raise InputError(
             f"{quantity.label} = {shown(text)}: the count {shown(parts[2])} is not a whole number",
-            hint=_order_hint(parts, quantity),
+            hint=order_hint(parts, quantity),
         )
     if count < 2:
         raise InputError(
@@ -365,26 +370,3 @@ def _too_many(text: str, quantity: Quantity) -> InputError:
     return InputError(
         f"{quantity.label} = {text}: more than {MAX_VALUES} values on one axis", hint="ask for fewer values"
     )
-
-
-def _order_hint(parts: list[str], quantity: Quantity) -> str:
-    """Say how to write a range whose parts are out of place, as in MATLAB's start:step:stop."""
-    try:
-        numbers = [exact_number(part, quantity) for part in parts]
-    except InputError:
-        numbers = []
-    if not numbers or max(map(len, parts)) > _REPEATED:
-        return "write lo:hi:count, or lo:hi:step=d"
-    first, second, *third = numbers
-    if third and 0 < second <= third[0] - first:
-        return f"for start:step:stop write {parts[0]}:{parts[2]}:step={parts[1]}"
-    if third and 0 < third[0] <= second - first:
-        return f"write {parts[0]}:{parts[1]}:step={parts[2]}"
-    if first == second:
-        return f"write {parts[0]} for one value"
-    if first < second:
-        return f"write {parts[0]}:{parts[1]}:3 for 3 values, or {parts[0]}:{parts[1]}:step=d for a step of d"
-    bare = [bool(_BARE.fullmatch(part)) for part in parts[:2]]
-    if quantity.unit and bare[0] != bare[1]:
-        return f"a number without a unit is in {quantity.unit}: give both ends their unit"
-    return f"write {parts[1]}:{parts[0]}, or {parts[1]}:{parts[0]}:step=d for a step of d"
