@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import os
 import re
 import subprocess
@@ -179,6 +180,25 @@ def test_what_the_disk_cannot_hold_is_refused_with_its_size(
     assert result.exit_code == 1
     assert said in result.stderr
     assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("axes", "hint"),
+    [
+        (("-A", "0.1:3:1000000", "-f", "5:60:1000000"), "ask for at most 36 363 cells, such as 190 x 190,"),
+        (("-A", "0.1:3:1000000", "-f", "20,30,40"), "ask for at most 36 363 cells, such as 12000 x 3,"),
+        (("-A", "0.1:3:1000000", "-f", "20"), "ask for at most 37 878 cells,"),
+    ],
+)
+def test_a_grid_that_is_too_large_is_told_what_would_fit(
+    run: Run, monkeypatch: pytest.MonkeyPatch, axes: tuple[str, ...], hint: str
+) -> None:
+    monkeypatch.setattr("vibro.files.publication.Publication.free_space", lambda _: 10_000_000)
+    result = run("map", *axes, *NUT_ANGLE_AND_FRICTION, "-o", "nut")
+    assert result.exit_code == 1
+    assert hint in result.stderr.splitlines()[-1]
+    counts = [int(n) for n in re.findall(r"\d+", hint.partition("such as")[2])]
+    assert 0.8 * 36_363 < math.prod(counts) <= 36_363 or not counts
 
 
 def test_more_rows_than_a_sheet_holds_are_a_warning(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
+from bisect import bisect_right
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
@@ -154,7 +156,7 @@ def write_sweep(
         formats=formats,
         reads=[options.scene],
     ) as files:
-        _check_size(grid, grid.size * _row_bytes(grid, table), files)
+        _check_size(grid, _row_bytes(grid, table), files)
         with files.table() as stream, console.progress("solving", grid.size) as report:
             tally = write_rows(grid, table.columns, form, stream, report, look)
         content = files.finish(provenance(grid, table, tally), pictures.saver() if pictures else None)
@@ -258,16 +260,30 @@ def _row_bytes(grid: Grid, table: Table) -> int:
     return sum(_SHORT if column.name in short else long for column in table.columns)
 
 
-def _check_size(grid: Grid, needed: int, files: Publication) -> None:
-    free = files.free_space()
+def _check_size(grid: Grid, row_bytes: int, files: Publication) -> None:
+    free, needed = files.free_space(), grid.size * row_bytes
     if needed > free:
         sizes = f"about {_bytes(needed)}, but only {_bytes(free)} are free"
         product = f"{' x '.join(map(str, grid.shape))} = " if len(grid.shape) > 1 else ""
         cells = f"{product}{count(grid.size)} cells are" if grid.size > 1 else "one cell is"
         raise FileError(
             f"{cells} {sizes} in {files.folder}",
-            hint="free some space, ask for fewer values, or write to stdout with -o -",
+            hint=f"free some space, {_fewer(grid.shape, free // row_bytes)}, or write to stdout with -o -",
         )
+
+
+def _fewer(counts: Sequence[int], room: int) -> str:
+    """Say how many values would fit where there is room for so many cells: the longest axes give way."""
+    most = (
+        bisect_right(range(max(counts, default=1)), room, key=lambda n: math.prod(min(n, m) for m in counts))
+        - 1
+    )
+    most -= most % 10 ** max(0, len(str(most)) - 2)  # two digits are enough
+    fitting = [min(most, m) for m in counts]
+    if most < 2:
+        return "ask for fewer values"
+    example = " x ".join(map(str, fitting))
+    return f"ask for at most {count(room)} cells{f', such as {example}' if len(counts) > 1 else ''}"
 
 
 def _bytes(number: float) -> str:
