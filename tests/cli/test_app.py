@@ -66,6 +66,14 @@ def test_without_arguments_help_is_shown(run: Run) -> None:
         (["solve", "a.toml", "b.toml"], "b.toml", "see vibro solve --help"),
         (["solve", "--sweep"], "--sweep", "see vibro solve --help"),
         (["solve", "--flight", 5000 * "9"], "--flight", "see vibro solve --help"),
+        (["solve", "--flight", "x"], "'--flight': 'x' is not one of 'on', 'off'", "see vibro solve --help"),
+        (
+            ["map", *NUT_ANGLE_AND_FRICTION, "--digits", "x", "-q"],
+            "--digits = 'x': not a number",
+            "write a whole number, such as 3",
+        ),
+        (["accuracy", "--scenes", "1e3s"], "'s' is no unit of --scenes", "write a whole number, such as 3"),
+        (["accuracy", "--tolerance", "low"], "--tolerance = 'low': not a number", "write it like 0.5"),
     ],
 )
 def test_wrong_arguments_are_one_error_and_one_hint(
@@ -180,6 +188,28 @@ def test_what_the_disk_cannot_hold_is_refused_with_its_size(
     assert result.exit_code == 1
     assert said in result.stderr
     assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("command", "stroke"),
+    [
+        (("solve", *NUT), "stroke, 2 mm"),
+        (("traverse-time", *NUT), "stroke, 2 mm"),
+        (("traverse-time", "-A", "0.5:2:3", *NUT[2:], "-o", "-"), "largest stroke, 4 mm"),
+        (("map", "-A", "0.5:2:3", *NUT[2:], "-o", "-"), "largest stroke, 4 mm"),
+    ],
+)
+def test_a_trough_shorter_than_the_stroke_is_questioned_once(
+    run: Run, command: tuple[str, ...], stroke: str
+) -> None:
+    said = f"warning: trough length = 1.2 mm is less than the {stroke}: for metres write -L 1.2m\n"
+    result = run(*command, "-L", "1.2")
+    assert result.exit_code == 0
+    assert result.stderr.startswith(said)
+    assert result.stderr.count("warning: ") == 1
+    assert "trough length" not in run(*command, "-L", "1.2", "-q").stderr
+    for enough in ("1.2m", "4"):
+        assert "warning" not in run(*command, "-L", enough).stderr
 
 
 @pytest.mark.parametrize(

@@ -213,7 +213,12 @@ def test_its_table_can_be_compared_with_the_scene(run: Run) -> None:
     ("args", "said"),
     [
         (("--cycles", "0"), "--cycles 0: must be finite and > 0"),
-        (("--cycles", "nan"), "--cycles nan: must be finite"),
+        (("--cycles", "nan"), "--cycles = nan: must be a finite number"),
+        (("--cycles", "ten"), "--cycles = 'ten': not a number\nhint: write it like 0.5"),
+        (("--cycles", "2,5"), "--cycles = '2,5': not a number\nhint: write a decimal point: 2.5"),
+        (("--cycles", "3s"), "'s' is no unit of --cycles\nhint: it is a pure number"),
+        (("--samples-per-cycle", "9.5"), "--samples-per-cycle = 9.5: not a whole number"),
+        (("--samples-per-cycle", "many"), "not a number\nhint: write a whole number, such as 3"),
         (("--cycles", "2", "--duration", "1"), "--cycles and --duration are both given"),
         (("--duration", "-1"), "--duration -1: must be finite and > 0 s"),
         (("--duration", "1mm"), "'mm' is no unit of duration"),

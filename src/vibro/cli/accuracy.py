@@ -42,14 +42,14 @@ def accuracy_command(
     context: typer.Context,
     options: Options,
     scenes: Annotated[
-        int,
+        str,
         typer.Option(
             "--scenes", metavar="N", help="Scenes to sample; slow methods run on the first of them."
         ),
-    ] = _SCENES,
+    ] = str(_SCENES),
     tolerance: Annotated[
-        float, typer.Option("--tolerance", metavar="E", help="Error in mean speed that counts as none [A f].")
-    ] = 1e-3,
+        str, typer.Option("--tolerance", metavar="E", help="Error in mean speed that counts as none [A f].")
+    ] = "0.001",
     formats: Annotated[
         str, typer.Option("--format", metavar="png,svg,pdf", help="The picture's formats.")
     ] = "png",
@@ -64,15 +64,18 @@ def accuracy_command(
     """
     from vibro.cli.console import Console
     from vibro.cli.output import count
+    from vibro.cli.request import plain_number, whole_number
     from vibro.cli.series import SeriesOutput
     from vibro.files.publication import json_text
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
-    if scenes < 1:
-        raise InputError(f"--scenes {scenes}: must be at least 1")
-    if not 0.0 < tolerance < math.inf:
-        raise InputError(f"--tolerance {tolerance:g}: must be finite and > 0")
+    number = whole_number("--scenes", scenes)
+    if number < 1:
+        raise InputError(f"--scenes {number}: must be at least 1")
+    limit = plain_number("--tolerance", tolerance)
+    if limit <= 0.0:
+        raise InputError(f"--tolerance {limit:g}: must be > 0")
     request = _request(options, context.obj)
     with SeriesOutput(
         f"{request.name or 'vibro'}-accuracy",
@@ -84,7 +87,7 @@ def accuracy_command(
         reads=[options.scene],
     ) as output:
         grid = _grid(request, console)
-        trade = _run(grid, scenes, tolerance, console)
+        trade = _run(grid, number, limit, console)
         content = _content(trade, grid)
 
         def draw() -> dict[str, Figure]:
@@ -93,7 +96,7 @@ def accuracy_command(
             return {"": trade_figure(trade)}
 
         output.write(lambda: {"": _columns(trade.rows)}, draw, content)
-    if trade.scenes < scenes:
+    if trade.scenes < number:
         console.warn(f"only {count(trade.scenes)} of {count(trade.drawn)} scenes stay in contact")
     if output.takes_stdout:
         return 0

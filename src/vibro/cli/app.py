@@ -84,7 +84,8 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         command = next((arg for arg in argv if not arg.startswith("-")), "")
         known = command if command in _SCENES | _OTHERS else ""
         see = " ".join(filter(None, ["see vibro", known, "--help"]))
-        return _report(InputError(exc.format_message().strip(), hint=see), [])
+        said = exc.format_message().strip().replace("Value error, ", "")  # which tells users nothing
+        return _report(InputError(said, hint=see), [])
     if isinstance(exc, OSError):
         silence(sys.stdout)
         if not isinstance(exc, BrokenPipeError):

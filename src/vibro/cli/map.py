@@ -107,7 +107,7 @@ def map_command(
     """
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
-    from vibro.cli.request import checked_number, request_of
+    from vibro.cli.request import checked_number, question_length, request_of
     from vibro.limits import critical_loads
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
@@ -131,6 +131,7 @@ def map_command(
         )
     part = part_of(pitch, mass)
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
+    question_length(request, options)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
     usual = columns_of(grid.axes, *throughput_of(part))
     table = table_of(usual, columns, digits, needed=NEEDS_PART, part=part)

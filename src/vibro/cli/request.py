@@ -6,9 +6,10 @@ import shlex
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vibro.axes import parse_axis
+from vibro.cli.console import Console
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
-from vibro.quantities import QUANTITIES, exact_number
+from vibro.quantities import QUANTITIES, Quantity, exact_number
 from vibro.sweeps.request import gather
 
 if TYPE_CHECKING:
@@ -16,10 +17,9 @@ if TYPE_CHECKING:
 
     from vibro.axes import AxisSpec
     from vibro.cli.options import Options
-    from vibro.quantities import Quantity
     from vibro.sweeps.request import Request
 
-__all__ = ["checked_number", "request_of"]
+__all__ = ["checked_number", "plain_number", "question_length", "request_of", "whole_number"]
 
 
 class _CommandLine(NamedTuple):
@@ -43,6 +43,23 @@ class _CommandLine(NamedTuple):
         typed = self.argv[:1] if from_scratch else self.argv
         wanted = (f"{QUANTITIES[name].options[0]} {value}" for name, value in values.items())
         return " ".join(["vibro", shlex.join(typed), *wanted])
+
+
+def plain_number(option: str, text: str) -> float:
+    """Read the number that an option of a run takes, which is neither a quantity's nor has a unit."""
+    return float(exact_number(text, Quantity(option)))
+
+
+def whole_number(option: str, text: str) -> int:
+    """Read the whole number that an option of a run takes."""
+    hint = "write a whole number, such as 3"
+    try:
+        number = exact_number(text, Quantity(option))
+    except InputError as exc:
+        raise InputError(*exc.problems, hint=hint) from None
+    if number.denominator != 1:
+        raise InputError(f"{option} = {cut(text)}: not a whole number", hint=hint)
+    return int(number)
 
 
 def checked_number(text: str, quantity: Quantity) -> float:
@@ -81,3 +98,9 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
             given[name] = exc
     file = read_scene_file(options.scene) if options.scene else None
     return gather(given, file, _CommandLine(argv), **wanted)
+
+
+def question_length(request: Request, options: Options) -> None:
+    """Question on stderr what is possible but likely a slip: a trough shorter than the stroke."""
+    if doubt := request.doubt():
+        Console(quiet=options.quiet).warn(doubt)

@@ -39,7 +39,7 @@ def simulate_command(
     context: typer.Context,
     options: Options,
     cycles: Annotated[
-        float | None,
+        str | None,
         typer.Option(
             "--cycles", metavar="N", help="Drive cycles to follow; 3 if not given.", show_default=False
         ),
@@ -60,8 +60,8 @@ def simulate_command(
         ),
     ] = "0",
     samples: Annotated[
-        int, typer.Option("--samples-per-cycle", metavar="N", help="Rows a cycle, beside one at every event.")
-    ] = _SAMPLES,
+        str, typer.Option("--samples-per-cycle", metavar="N", help="Rows a cycle, beside one at every event.")
+    ] = str(_SAMPLES),
     panels: Annotated[
         str | None,
         typer.Option(
@@ -93,7 +93,7 @@ def simulate_command(
     The phases are printed. With -o they go to STEM-phases.csv too, the sampled motion to STEM.csv, forces per
     unit mass, and its picture to STEM.png.
     """
-    from vibro.cli.request import request_of
+    from vibro.cli.request import plain_number, request_of, whole_number
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.motion.histories import simulate
     from vibro.plots.history import choose_panels
@@ -106,8 +106,10 @@ def simulate_command(
     scene = request.scene()
     frequency = float(scene.frequency)
     time = None if duration is None else float(exact_number(duration, DURATION))
-    lasting = _cycles(cycles, time, frequency)
-    _check_rows(lasting, samples, console)
+    number = None if cycles is None else plain_number("--cycles", cycles)
+    rows = whole_number("--samples-per-cycle", samples)
+    lasting = _cycles(number, time, frequency)
+    _check_rows(lasting, rows, console)
     window = _window(begin, end, lasting, frequency)
     phase = float(exact_number(start_phase, START_PHASE))
     velocity = float(exact_number(start_velocity, START_VELOCITY))
@@ -116,7 +118,7 @@ def simulate_command(
         "cycles": lasting,
         START_PHASE.column: phase,
         START_VELOCITY.column: velocity,
-        "samples_per_cycle": samples,
+        "samples_per_cycle": rows,
     }
     with SeriesOutput(
         f"{request.name or 'vibro'}-history",
@@ -132,8 +134,8 @@ def simulate_command(
         )
         history = follow(cycles=lasting)
         output.write(
-            lambda: _tables(history, samples),
-            lambda: {"": _figure(history, window, samples, panels, request, console)},
+            lambda: _tables(history, rows),
+            lambda: {"": _figure(history, window, rows, panels, request, console)},
             content,
         )
     if output.takes_stdout:

@@ -83,7 +83,7 @@ def solve_command(
     --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed.
     """
     from vibro.cli.output import answer_one, make_grid
-    from vibro.cli.request import checked_number, request_of
+    from vibro.cli.request import checked_number, question_length, request_of
     from vibro.quantities import STAND_RATIO
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, standing
@@ -110,6 +110,7 @@ def solve_command(
         extra += standing(part[STAND_RATIO.column])
     refuse_without_table(options, columns, digits)
     request = request_of(options, context.obj)
+    question_length(request, options)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
     table = table_of(columns_of((), *extra), columns, digits, needed=_NEEDS, part=part)
     answer = table

@@ -38,7 +38,7 @@ ColumnsOption = Annotated[
     ),
 ]
 DigitsOption = Annotated[
-    int | None,
+    str | None,
     typer.Option(
         "--digits",
         metavar="1...17",
@@ -93,7 +93,7 @@ def throughput_of(part: Mapping[str, float]) -> tuple[Column, ...]:
 def table_of(
     usual: Sequence[Column],
     columns: str | None,
-    digits: int | None,
+    digits: str | None,
     *,
     needed: Mapping[str, str],
     part: Mapping[str, float] | None = None,
@@ -106,8 +106,8 @@ def table_of(
         What it holds where nothing is asked for.
     columns : str or None
         The names asked for, as typed.
-    digits : int or None
-        Significant digits; None for exact numbers.
+    digits : str or None
+        Significant digits, as typed; None for exact numbers.
     needed : mapping of str to str
         Columns that are there with options alone, and an example of these.
     part : mapping of str to float, optional
@@ -119,12 +119,14 @@ def table_of(
         If there is no such column, one is named twice, one needs an option that is not there, or there are no
         doubles of so many digits.
     """
+    from vibro.cli.request import whole_number
     from vibro.files.rounding import MOST_DIGITS
     from vibro.sweeps.columns import Table, chosen
 
-    if digits is not None and not 1 <= digits <= MOST_DIGITS:
+    number = None if digits is None else whole_number("--digits", digits)
+    if number is not None and not 1 <= number <= MOST_DIGITS:
         raise InputError(
-            f"--digits {digits}: must be from 1 to {MOST_DIGITS}", hint="without it numbers are exact"
+            f"--digits {number}: must be from 1 to {MOST_DIGITS}", hint="without it numbers are exact"
         )
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
@@ -135,10 +137,10 @@ def table_of(
                     f"column {name}: an option that it needs is missing", hint=f"add {needed[name]}"
                 )
         usual = chosen(names, usual)
-    return Table(usual, digits, part or {})
+    return Table(usual, number, part or {})
 
 
-def refuse_without_table(options: Options, columns: str | None, digits: int | None) -> None:
+def refuse_without_table(options: Options, columns: str | None, digits: str | None) -> None:
     """Refuse options about a table where a report is printed."""
     if options.output is None and not options.json:
         for option, value in (("--columns", columns), ("--digits", digits)):

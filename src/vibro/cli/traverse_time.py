@@ -40,11 +40,12 @@ def traverse_time_command(
     """
     from vibro.cli.console import Console
     from vibro.cli.output import answer_one, answer_sweep, make_grid
-    from vibro.cli.request import request_of
+    from vibro.cli.request import question_length, request_of
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.derived import WITH_ARRIVAL, WITH_STROKES
 
     request = request_of(options, context.obj, reads_map=sweep, takes_axes=True, needs_length=True)
+    question_length(request, options)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
     if sweep and not request.varying:
         raise InputError("nothing varies", hint="give an axis, for example -A 0.1:3:200")

@@ -108,6 +108,23 @@ class Request:
             if not spec.varies and name != "trough_length"
         }
 
+    def doubt(self) -> str:
+        """Question a trough that is shorter than the largest stroke; nothing if there is no doubt.
+
+        Its length is in millimetres, in which few think of a trough.
+        """
+        if self.length is None or "amplitude" not in self.specs:
+            return ""
+        stroke = 2 * self.specs["amplitude"].values[-1]
+        if self.length >= stroke:
+            return ""
+        largest = "largest " if self.specs["amplitude"].varies else ""
+        length, is_given = QUANTITIES["trough_length"], f"{self.length:.15g}"
+        return (
+            f"{length.label} = {is_given} {length.unit} is less than the {largest}stroke,"
+            f" {QUANTITIES['stroke'].text(stroke)}: for metres write {length.options[0]} {is_given}m"
+        )
+
     def scene(self) -> Scene:
         """Make the scene of a request without axes."""
         return Scene(**scene_fields(self.fixed))
