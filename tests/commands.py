@@ -30,6 +30,21 @@ VIBRO = (sys.executable, "-m", "vibro")
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals, limits and terminals")
 
+TELLS_LOADED = (
+    sys.executable,
+    "-c",
+    """
+import atexit, sys
+
+heavy = "numpy", "scipy", "pandas", "matplotlib", "rich"
+atexit.register(lambda: print("LOADED", [name for name in heavy if name in sys.modules]))
+from vibro.__main__ import main
+
+main()
+""",
+)
+"""The same, which prints in the end what it has loaded."""
+
 
 def started(*args: str, cwd: Path, program: tuple[str, ...] = VIBRO) -> subprocess.Popen[str]:
     """Start the program."""

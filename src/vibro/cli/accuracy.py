@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from vibro.cli.options import Options, picture_formats  # typer reads the annotations
+from vibro.cli.options import FormatOption, Options, picture_formats  # typer reads the annotations
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
@@ -50,9 +50,7 @@ def accuracy_command(
     tolerance: Annotated[
         str, typer.Option("--tolerance", metavar="E", help="Error in mean speed that counts as none [A f].")
     ] = "0.001",
-    formats: Annotated[
-        str, typer.Option("--format", metavar="png,svg,pdf", help="The picture's formats.")
-    ] = "png",
+    formats: FormatOption = "png",
 ) -> int:
     """Run several methods on the same scenes: time a scene against error in mean speed.
 

@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import CompareCommand, compare_command
+from vibro.cli.completion import check_shell
 from vibro.cli.console import open_closed_streams, print_error, silence, tell, tolerate_any_encoding
 from vibro.cli.design import design_command
 from vibro.cli.friction import friction_command
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "main"]
 
+_OF_COMPLETION = frozenset({"--install-completion", "--show-completion"})
 _FAILED = 1
 _WRONG_INPUT = 2
 _OBJECTS = 100_000  # made before garbage is looked for
@@ -48,6 +50,8 @@ class _Commands(TyperGroup):
         argv = list(sys.argv[1:] if args is None else args)
         tolerate_any_encoding()
         try:
+            if _OF_COMPLETION.intersection(argv):
+                check_shell()
             code = super().main(
                 args=argv,
                 prog_name="vibro",
@@ -101,7 +105,6 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
 
 app = typer.Typer(
     cls=_Commands,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # rich would double the time that --help takes
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 from typer.core import TyperCommand
 
+from vibro.cli.completion import complete_fitted
 from vibro.cli.console import Console
-from vibro.cli.options import Options, picture_formats
+from vibro.cli.options import FormatOption, Options, picture_formats
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
 
@@ -105,11 +106,10 @@ def compare_command(
             metavar="mu_s,mu_d,A,alpha",
             help="Estimate any of these from the data.",
             show_default=False,
+            autocompletion=complete_fitted,
         ),
     ] = None,
-    formats: Annotated[
-        str, typer.Option("--format", metavar="png,svg,pdf", help="The picture's formats.")
-    ] = "png",
+    formats: FormatOption = "png",
 ) -> int:
     """Compare a record of a sensor, or of a CAD motion study, with the exact steady motion of a scene.
 

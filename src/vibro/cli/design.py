@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from vibro.cli.console import Console
-from vibro.cli.options import Options, picture_formats
+from vibro.cli.options import FormatOption, Options, picture_formats
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,9 +30,7 @@ def design_command(
     context: typer.Context,
     options: Options,
     source: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="The question.", show_default=False)],
-    formats: Annotated[
-        str, typer.Option("--format", metavar="png,svg,pdf", help="The pictures' formats.")
-    ] = "png",
+    formats: FormatOption = "png",
 ) -> int:
     """Find drive settings that convey every part at least as fast as asked for, whatever its friction.
 

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from vibro.cli.completion import complete_axes, complete_held_axes, listed
 from vibro.cli.console import Console
 from vibro.cli.options import (
     CoexistOption,
     Flight,
     FlightOption,
+    FormatOption,
     LevelOption,
     Options,
     picture_formats,
@@ -54,10 +56,18 @@ def map_command(
             metavar="AXIS",
             help="The range drawn across, or, where no range is left, the list.",
             show_default=False,
+            autocompletion=complete_axes,
         ),
     ] = None,
     y: Annotated[
-        str | None, typer.Option("--y", metavar="AXIS", help="The range drawn up.", show_default=False)
+        str | None,
+        typer.Option(
+            "--y",
+            metavar="AXIS",
+            help="The range drawn up.",
+            show_default=False,
+            autocompletion=complete_axes,
+        ),
     ] = None,
     at: Annotated[
         list[str] | None,
@@ -67,6 +77,7 @@ def map_command(
             help="At which of its values the pictures hold an axis; repeatable. Without it, axes that are not"
             " drawn are held in the middle of their feasible values.",
             show_default=False,
+            autocompletion=complete_held_axes,
         ),
     ] = None,
     show: Annotated[
@@ -76,6 +87,7 @@ def map_command(
             metavar="|".join(_SHOWN),
             help="Picture the impact speed, or the share of time in flight, too; repeatable.",
             show_default=False,
+            autocompletion=listed(lambda: _SHOWN),
         ),
     ] = None,
     speed: Annotated[
@@ -87,9 +99,7 @@ def map_command(
             show_default=False,
         ),
     ] = None,
-    formats: Annotated[
-        str, typer.Option("--format", metavar="png,svg,pdf", help="The pictures' formats.")
-    ] = "png",
+    formats: FormatOption = "png",
     flight: FlightOption = Flight.ON,
     accuracy: LevelOption = Level.EXACT,
     coexist: CoexistOption = False,

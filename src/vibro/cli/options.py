@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
+from vibro.cli.completion import complete_formats
 from vibro.core.codes import Level
 from vibro.errors import InputError, cut, shown
 from vibro.files.stems import PICTURE_FORMATS
@@ -27,6 +28,7 @@ __all__ = [
     "DebugOption",
     "Flight",
     "FlightOption",
+    "FormatOption",
     "JsonOption",
     "LevelOption",
     "Options",
@@ -89,6 +91,15 @@ def picture_formats(text: str) -> list[str]:
     return names
 
 
+FormatOption = Annotated[
+    str,
+    typer.Option(
+        "--format",
+        metavar=",".join(PICTURE_FORMATS),
+        help="Formats of pictures.",
+        autocompletion=complete_formats,
+    ),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
 DebugOption = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 VersionOption = Annotated[

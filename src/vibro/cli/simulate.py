@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from vibro.cli.completion import complete_panels
 from vibro.cli.console import Console
-from vibro.cli.options import Options, picture_formats
+from vibro.cli.options import FormatOption, Options, picture_formats
 from vibro.errors import InputError, cut, shown
 
 if TYPE_CHECKING:
@@ -69,6 +70,7 @@ def simulate_command(
             metavar="NAMES",
             help="Of trough,forces,acceleration,velocity,position,gap.",
             show_default=False,
+            autocompletion=complete_panels,
         ),
     ] = None,
     begin: Annotated[
@@ -84,9 +86,7 @@ def simulate_command(
         str | None,
         typer.Option("--to", metavar="TIME", help="Where the picture ends [s].", show_default=False),
     ] = None,
-    formats: Annotated[
-        str, typer.Option("--format", metavar="png,svg,pdf", help="The picture's formats.")
-    ] = "png",
+    formats: FormatOption = "png",
 ) -> int:
     """Follow a body from its first moment on: phases, motion and forces, exact at any time.
 

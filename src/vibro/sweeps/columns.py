@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-__all__ = ["Table", "chosen", "columns_of", "records", "to_frame"]
+__all__ = ["Table", "chosen", "column_names", "columns_of", "records", "to_frame"]
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,11 @@ def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]
         columns.append(_found(result))
         columns += [TRAVERSE] if result.name == "peak_velocity" else []
     return (*given, *columns)
+
+
+def column_names() -> list[str]:
+    """Return the names of the columns that every table can have."""
+    return [column.name for column in (*columns_of(), *_ON_REQUEST)]
 
 
 def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...]:

@@ -1,0 +1,146 @@
+"""What a shell is told when somebody presses the tabulator."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from commands import TELLS_LOADED, VIBRO
+from typer.testing import CliRunner
+
+from vibro.cli.app import app
+from vibro.plots.history import PANELS
+from vibro.quantities import QUANTITIES, SWEPT
+from vibro.sweeps.columns import chosen, column_names, columns_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SHELLS = {
+    "bash": {"COMP_WORDS": "vibro map --at mu_", "COMP_CWORD": "3"},
+    "zsh": {"_TYPER_COMPLETE_ARGS": "vibro map --at mu_"},
+    "fish": {"_TYPER_COMPLETE_ARGS": "vibro map --at mu_", "_TYPER_COMPLETE_FISH_ACTION": "get-args"},
+    "powershell": {
+        "_TYPER_COMPLETE_ARGS": "vibro map --at mu_",
+        "_TYPER_COMPLETE_WORD_TO_COMPLETE": "mu_",
+    },
+}
+
+
+def completed(*words: str) -> list[str]:
+    """Return what bash is told to complete the last word with."""
+    asked = {
+        "COMP_WORDS": " ".join(("vibro", *words)),
+        "COMP_CWORD": str(len(words)),
+        "_VIBRO_COMPLETE": "complete_bash",
+    }
+    result = CliRunner().invoke(app, [], env=asked)
+    assert (result.exit_code, result.stderr) == (0, "")
+    return result.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("words", "names"),
+    [
+        (("sim",), ["simulate"]),
+        (("map", "--x", "mu_"), ["mu_s", "mu_ratio", "mu_d"]),
+        (("map", "--y", "dr"), ["drive_angle"]),
+        (("map", "--at", "f"), ["f=", "frequency=", "friction_ratio="]),
+        (("map", "--show", "im"), ["impact"]),
+        (("map", "--columns", "regime,amp"), ["regime,amplitude_mm"]),
+        (
+            ("solve", "--columns", "mean_velocity_mm_s,mean_v"),
+            ["mean_velocity_mm_s,mean_velocity_error_mm_s"],
+        ),
+        (("design", "--format", "png,"), ["png,svg", "png,pdf"]),
+        (("simulate", "--panels", "forces,v"), ["forces,velocity"]),
+        (("compare", "--fit", "mu_s,"), ["mu_s,mu_d", "mu_s,A", "mu_s,alpha"]),
+        (("solve", "--flight", "o"), ["on", "off"]),
+        (("traverse-time", "--sw"), ["--sweep"]),
+        # Names of files, which the shell itself completes where it is told nothing.
+        (("solve", "examples/"), []),
+    ],
+)
+def test_names_are_completed(words: tuple[str, ...], names: list[str]) -> None:
+    assert completed(*words) == names
+
+
+def test_every_name_is_there() -> None:
+    # An empty last word: bash joins its words with spaces.
+    assert completed("map", "--x", "") == [*(QUANTITIES[name].letter for name in SWEPT), *SWEPT]
+    assert completed("simulate", "--panels", "") == list(PANELS)
+    assert completed("map", "--columns", "") == column_names()
+    assert [column.name for column in chosen(column_names(), columns_of())] == column_names()
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_every_shell_is_answered(shell: str) -> None:
+    result = CliRunner().invoke(app, [], env={**SHELLS[shell], "_VIBRO_COMPLETE": f"complete_{shell}"})
+    assert result.exit_code == 0
+    for letter in ("mu_s=", "mu_ratio=", "mu_d="):
+        assert letter in result.stdout
+
+
+def test_completion_in_a_process_of_its_own_loads_no_numerical_library(tmp_path: Path) -> None:
+    done = subprocess.run(
+        TELLS_LOADED,
+        cwd=tmp_path, capture_output=True, text=True, check=True,
+        env=os.environ | SHELLS["bash"] | {"_VIBRO_COMPLETE": "complete_bash"},
+    )  # fmt: skip
+    assert done.stdout.splitlines() == ["mu_s=", "mu_ratio=", "mu_d=", "LOADED []"]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_is_installed_for_the_shell_it_is_run_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shell: str
+) -> None:
+    monkeypatch.setattr("shellingham.detect_shell", lambda: (shell, f"/bin/{shell}"))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    shown = CliRunner().invoke(app, ["--show-completion"])
+    assert shown.exit_code == 0
+    assert f"_VIBRO_COMPLETE=complete_{shell}" in shown.stdout
+    assert list(tmp_path.iterdir()) == []
+    installed = CliRunner().invoke(app, ["--install-completion"])
+    assert installed.exit_code == 0
+    scripts = [path.read_text() for path in tmp_path.rglob("*vibro*") if path.is_file()]
+    assert [shown.stdout.strip()] == [script.strip() for script in scripts]
+
+
+@pytest.mark.parametrize("option", ["--install-completion", "--show-completion"])
+@pytest.mark.parametrize(
+    ("shell", "said"), [("tcsh", "there is none for tcsh"), ("", "no shell has started this")]
+)
+def test_other_shells_are_refused(
+    monkeypatch: pytest.MonkeyPatch, option: str, shell: str, said: str
+) -> None:
+    import shellingham
+
+    def detect() -> tuple[str, str]:
+        if not shell:
+            raise shellingham.ShellDetectionFailure
+        return shell, shell
+
+    monkeypatch.setattr("shellingham.detect_shell", detect)
+    result = CliRunner().invoke(app, [option])
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == f"error: completion: {said}\nhint: run it in bash, zsh, fish or PowerShell\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="bash")
+def test_bash_completes_what_is_typed(tmp_path: Path) -> None:
+    program = tmp_path / "vibro"
+    program.write_text(f'#!/bin/sh\nexec {" ".join(VIBRO)} "$@"\n', encoding="utf-8")
+    program.chmod(0o755)
+    script = tmp_path / "script"
+    shown = subprocess.run(
+        ["bash", "-c", '"$0" --show-completion; true', program], capture_output=True, text=True, check=True
+    )
+    script.write_text(shown.stdout, encoding="utf-8")
+    words = "COMP_WORDS=(vibro map --show i); COMP_CWORD=3"
+    asked = f'source "$0"; {words}; _vibro_completion "$1"; echo "$COMPREPLY"'
+    done = subprocess.run(["bash", "-c", asked, script, program], capture_output=True, text=True, check=True)
+    assert done.stdout == "impact\n"
