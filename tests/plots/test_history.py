@@ -120,6 +120,7 @@ def test_nothing_is_named_that_is_not_drawn() -> None:
     assert names_in(flight) == ["friction on the body", "flight"]
     assert [text.get_text() for text in flight.axes[0].texts] == ["flight"]
     assert not any(shades(axes, slide.kind) for axes in flight.axes)
+    assert not flight.axes[0].child_axes  # no times at which phases change
     assert {"impact", "flight"} <= set(names_in(figure))
     assert names_in(draw(0.5)[1]) == [
         "limits of static friction",

@@ -273,6 +273,8 @@ def _mark_events(panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sam
 def _write_times(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float]) -> None:
     """Write the times at which phases change above the topmost panel, as far as there is room."""
     instants = [1e3 * p.end for p in phases if limits[0] < 1e3 * p.end < limits[1]]
+    if not instants:
+        return
     room = _LETTER * max(6, len(f"{limits[1]:.2f}")) * (limits[1] - limits[0])
     written: list[float] = []
     for instant in instants:
