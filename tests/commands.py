@@ -37,7 +37,7 @@ TELLS_LOADED = (
 import atexit, sys
 
 heavy = "numpy", "scipy", "pandas", "matplotlib", "rich"
-atexit.register(lambda: print("LOADED", [name for name in heavy if name in sys.modules]))
+atexit.register(lambda: print("LOADED", [name for name in heavy if sys.modules.get(name)]))
 from vibro.__main__ import main
 
 main()

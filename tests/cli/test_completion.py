@@ -84,6 +84,24 @@ def test_every_shell_is_answered(shell: str) -> None:
         assert letter in result.stdout
 
 
+def test_fish_gets_a_line_an_option_with_its_unit(tmp_path: Path) -> None:
+    asked = {
+        "_TYPER_COMPLETE_ARGS": "vibro solve --l",
+        "_TYPER_COMPLETE_FISH_ACTION": "get-args",
+        "_VIBRO_COMPLETE": "complete_fish",
+    }
+    done = subprocess.run(
+        VIBRO, cwd=tmp_path, capture_output=True, text=True, check=True, env=os.environ | asked
+    )
+    (line,) = done.stdout.splitlines()
+    assert line.startswith("--length\t")
+    assert "[mm]" in line
+
+
+def test_an_option_that_ends_a_run_does_not_end_completion() -> None:
+    assert completed("--version", "ma") == ["map"]
+
+
 def test_completion_in_a_process_of_its_own_loads_no_numerical_library(tmp_path: Path) -> None:
     done = subprocess.run(
         TELLS_LOADED,

@@ -12,7 +12,7 @@ from typer.core import TyperGroup
 
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import CompareCommand, compare_command
-from vibro.cli.completion import check_shell
+from vibro.cli.completion import check_shell, complete_in_plain_text
 from vibro.cli.console import open_closed_streams, print_error, silence, tell, tolerate_any_encoding
 from vibro.cli.design import design_command
 from vibro.cli.friction import friction_command
@@ -158,6 +158,7 @@ for _name, _command in _OTHERS.items():
 def main() -> None:
     """Run the command line of this process."""
     end_on_signals()
+    complete_in_plain_text()
     open_closed_streams()
     # Imports and figures make many small objects, nearly all of them in use. Searching them for garbage as
     # often as Python does takes a tenth of a map's time.

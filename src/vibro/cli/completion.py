@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from typing import TYPE_CHECKING, Final
 
 from vibro.errors import InputError
@@ -18,10 +20,12 @@ __all__ = [
     "complete_fitted",
     "complete_formats",
     "complete_held_axes",
+    "complete_in_plain_text",
     "complete_panels",
     "listed",
 ]
 
+_ASKED_BY: Final = "_VIBRO_COMPLETE"  # variable of the environment
 _SHELLS: Final = ("bash", "zsh", "fish", "powershell", "pwsh")
 
 Completion = list[tuple[str, str]]
@@ -44,6 +48,16 @@ def check_shell() -> None:
     if name not in _SHELLS:
         told = f"there is none for {name}" if name else "no shell has started this"
         raise InputError(f"completion: {told}", hint="run it in bash, zsh, fish or PowerShell")
+
+
+def complete_in_plain_text() -> None:
+    """Let help texts reach the shell as they are, where it asks for completions and not for a run.
+
+    Typer passes them through rich, if there is one, which drops units as markup, such as [mm], and breaks
+    lines, of which fish then offers each.
+    """
+    if _ASKED_BY in os.environ:
+        sys.modules["rich"] = None  # type: ignore[assignment]
 
 
 def complete_axes(incomplete: str) -> Completion:

@@ -70,9 +70,9 @@ def refuse_without_flight(option: str, flight: Flight, accuracy: Level) -> None:
         )
 
 
-def print_version(wanted: bool) -> None:
-    """Print the version and end, if wanted."""
-    if wanted:
+def print_version(context: typer.Context, wanted: bool) -> None:
+    """Print the version and end, if wanted by a run and not by a line that the shell completes."""
+    if wanted and not context.resilient_parsing:
         from vibro import __version__
 
         print(f"vibro {__version__}")
