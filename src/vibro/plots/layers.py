@@ -250,7 +250,7 @@ class MapLayers:
 
     def draw_level(self, values: Floats, level: float, text: str) -> None:
         """Draw one contour of the numbers, thick, and have it named."""
-        hidden = [*self._covers, -self.fields.smooth]
+        hidden = [*self._covers, -self.fields.regular]
         heights = without_hidden(np.nan_to_num(values) - level, hidden)
         pieces = [piece for piece in zero_lines(self.fields, heights, hidden) if self._is_long(piece)]
         self.draw_curve(text, CurveStyle(text, "-", 2.6), pieces)
