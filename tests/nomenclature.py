@@ -26,8 +26,8 @@ from vibro.results.steady import (
 from vibro.scene import Fields
 
 UNITS = """\
-In options, scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro sign.
-Frictions and the restitution are pure numbers."""
+In options, axes of scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro
+sign. Frictions and the restitution are pure numbers."""
 PAGE = Path(__file__).parents[1] / "docs" / "nomenclature.md"
 ELSEWHERE = (
     ARRIVAL_TIME,

@@ -81,7 +81,7 @@ def test_a_fine_range_accumulates_no_error() -> None:
         ("1:2:step=1e-300", "amplitude", f"more than {MAX_VALUES} values", "ask for fewer values"),
         ("1:2:step=1.0000000001:log", "amplitude", f"more than {MAX_VALUES} values", "ask for fewer values"),
         ("1:2:1" + 400 * "0", "amplitude", "is not a whole number", "write lo:hi:count"),
-        ("1:2mm:5", "frequency", "'mm' is no unit of frequency", "its units are Hz, kHz, rpm"),
+        ("1:2mm:5", "frequency", "'mm' is no unit of frequency", "its units are Hz, kHz, rpm, U/min"),
     ],
 )
 def test_a_wrong_axis_names_the_remedy(text: str, name: str, problem: str, hint: str) -> None:

@@ -79,7 +79,7 @@ def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expec
     ("name", "text", "problem", "hint"),
     [
         ("amplitude", "3Hz", "'Hz' is no unit of amplitude", "its units are mm, um, \u00b5m, cm, m, in"),
-        ("frequency", "3mm", "'mm' is no unit of frequency", "its units are Hz, kHz, rpm"),
+        ("frequency", "3mm", "'mm' is no unit of frequency", "its units are Hz, kHz, rpm, U/min"),
         ("static_friction", "0.5mm", "'mm' is no unit of static friction", "it is a pure number"),
         ("drive_angle", "20grad", "'grad' is no unit of drive angle", "its units are deg, \u00b0, rad"),
         ("frequency", "nan", "frequency = nan: must be a finite number", ""),

@@ -80,7 +80,9 @@ class Axis:
             step = f"factor {(last / first) ** (1 / (n - 1)):.4g}"
         else:
             step = f"step {(last - first) / (n - 1):.3g}"
-        return f"{self.label}: {n} values, {first:.6g} ... {last:.6g} {self.unit}".rstrip() + f", {step}"
+        digits = next(d for d in (6, 9, 12, 17) if d == 17 or f"{first:.{d}g}" != f"{last:.{d}g}")
+        ends = f"{first:.{digits}g} ... {last:.{digits}g}"
+        return f"{self.label}: {n} values, {ends} {self.unit}".rstrip() + f", {step}"
 
 
 @dataclass(frozen=True)

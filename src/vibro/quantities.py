@@ -86,7 +86,8 @@ LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
 SPEED: Final = Kind("mm/s", "m/s", "_mm_s", {f"{unit}/s": size for unit, size in _MILLIMETRES.items()},
                     per_si=1000.0)
 _FREQUENCY: Final = Kind("Hz", "Hz", "_hz",
-                         {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60)})
+                         {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60),
+                          "U/min": Fraction(1, 60)})
 _ANGLE: Final = Kind("deg", "rad", "_deg",
                      {"deg": Fraction(1), "\u00b0": Fraction(1), "rad": Fraction(180) / Fraction(math.pi)},
                      per_si=180 / math.pi, si=math.pi / 180)
@@ -208,7 +209,7 @@ _ALL: Final = (
              Range(0.0, 1.0, with_high=True), "kinetic over static friction, in place of the kinetic one"),
     Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _FRICTION,
              "coefficient of friction while sliding, at most the static one"),
-    Quantity("trough_angle", _ANGLE, "beta", r"\beta", ("--trough-angle",),
+    Quantity("trough_angle", _ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
              Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),
     Quantity("gravity", _ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
              STANDARD_GRAVITY),

@@ -97,3 +97,12 @@ def test_a_map_without_motion_says_where_motion_begins(run: Run) -> None:
             assert answer["regime"] == regime
     moving = run("map", "-A", ".01:2:9", "-f", "5:10:9", *NUT_ANGLE_AND_FRICTION, "-o", "-")
     assert "at rest" not in moving.stderr
+
+
+def test_a_stroke_chooses_the_amplitude_that_is_drawn(run: Run) -> None:
+    sweep = ("-f", "10:30:3", "-a", "20,30", "--mu-s", "0.74", "--mu-d", "0.57", "-o", "x")
+    result = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=2.5")
+    assert result.exit_code == 0, result.stderr
+    assert "pictures:" not in result.stderr
+    wrong = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=3", "--force")
+    assert "hint: give the nearest, 1.25 or 2 mm" in wrong.stderr

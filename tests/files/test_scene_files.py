@@ -72,13 +72,15 @@ def test_files_from_windows_are_read(tmp_path: Path, text: bytes) -> None:
         (
             '[scene]\namplitude_mm = "1"',
             "[scene] amplitude_mm = '1': must be a number, without quotes",
-            "write amplitude_mm = 1.5",
+            "write amplitude_mm = 1",
         ),
         (
             '[scene]\namplitude_mm = "1:2"',
             "must be a number, without quotes",
             "axes belong in the table [map]",
         ),
+        ('[scene]\nfrequency_hz = "3000rpm"', "without quotes", "write frequency_hz = 50"),
+        ('[scene]\nstatic_friction = "0,74"', "without quotes", "write static_friction = 0.74"),
         ("[scene]\namplitude_mm = true", "must be a number", "write amplitude_mm = 1.5"),
         ("[scene]\namplitude_mm = [1, 2]", "must be a number", "write amplitude_mm = 1.5"),
         ("[scene]\namplitude_mm = nan", "[scene] amplitude = nan: must be a finite number", ""),

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from drawn import GRAVITY, NUT, OWN, legend, lightness, sweep, words
 from matplotlib.colors import to_hex
+from matplotlib.patches import Rectangle
 
 from vibro import Scene, solve
 from vibro.plots import map_figures
-from vibro.plots.style import AVERAGED_LABEL, NO_ANSWER_HATCH
+from vibro.plots.style import AVERAGED_LABEL, BACKWARDS_LABEL, NO_ANSWER_HATCH
 from vibro.quantities import scene_fields
 
 if TYPE_CHECKING:
@@ -264,3 +265,17 @@ def test_a_level_and_the_zero_line(curves: SweepResult) -> None:
     for axes in map_figures(climbs, ["speed"])["speed"].axes[1:]:
         (zero,) = [line for line in axes.lines if set(np.ravel(line.get_ydata())) == {0.0}]
         assert zero.get_gid() is None
+
+
+def test_bars_and_bands_are_hatched_where_bodies_move_backwards() -> None:
+    result = sweep(points=801, length=600, trough_angle="-10:10", amplitude="1.5,2")
+    figures = map_figures(result, ["regime", "speed"])
+    hatched = [p for p in figures["regime"].axes[0].patches if p.get_gid() == BACKWARDS_LABEL]
+    assert len(hatched) == 2
+    for patch, amplitude in zip(hatched, (1.5, 2.0), strict=True):
+        assert isinstance(patch, Rectangle)
+        beside = patch.get_x() + np.array([-0.02, 0.02])  # deg
+        before, after = solved(amplitude=amplitude, trough_angle=beside).mean_velocity
+        assert before > 0.0 > after
+        assert patch.get_x() + patch.get_width() == pytest.approx(10.0)
+    assert BACKWARDS_LABEL in legend(figures["speed"])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from drawn import legend, only_map, patch, path_of, said, sweep, words
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 
 from vibro import Status
@@ -17,6 +18,7 @@ from vibro.plots.style import (
     AVERAGED_LABEL,
     BACKWARDS_LABEL,
     COEXISTS_LABEL,
+    ERROR_LABEL,
     NO_ANSWER_HATCH,
 )
 from vibro.results.sweep import SweepResult
@@ -125,7 +127,8 @@ def test_means_of_irregular_motion_are_dots_beside_a_line() -> None:
     result = sweep(points=201, amplitude="1:4")
     codes = result.cycle.status.copy()
     codes[50:60] = Status.AVERAGED
-    cycle = dataclasses.replace(result.cycle, status=codes)
+    error = np.where(codes == Status.AVERAGED, 0.003, 0.0)
+    cycle = dataclasses.replace(result.cycle, status=codes, mean_velocity_error=error)
     figure = map_figures(dataclasses.replace(result, cycle=cycle), ["speed"])["speed"]
     drawn = {line.get_gid(): line for line in figure.axes[1].lines}
     speed = 1e3 * result.cycle.mean_velocity
@@ -134,6 +137,11 @@ def test_means_of_irregular_motion_are_dots_beside_a_line() -> None:
     assert not np.isin(speed[50:60], line).any()
     assert np.isin(speed[:50], line).all()
     assert AVERAGED_LABEL in legend(figure)
+    (bars,) = [bars for bars in figure.axes[1].collections if bars.get_gid() == ERROR_LABEL]
+    assert isinstance(bars, LineCollection)
+    ends = np.array([segment[:, 1] for segment in bars.get_segments()])
+    np.testing.assert_allclose(ends, speed[50:60, np.newaxis] + [-3.0, 3.0])
+    assert ERROR_LABEL in legend(figure)
 
 
 def test_no_hatch_without_a_reason(climb_pictures: dict[str, Figure], climb: SweepResult) -> None:

@@ -110,10 +110,11 @@ def map_command(
 ) -> int:
     """Map the regimes, speeds and traverse times of a scene over any of its quantities.
 
-    An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log.
-    Numbers may carry units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm
-    and 5:60 Hz. The results go to STEM.csv, STEM.json and pictures. A list of at most 12 values is drawn as
-    curves beside one range, and as a map each beside two.
+    An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log;
+    without a count a range has 200 values, 100 beside another axis and 20 beside more. Numbers may carry
+    units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm and 5:60 Hz. The
+    results go to STEM.csv, STEM.json and pictures. A list of at most 12 values is drawn as curves beside one
+    range, and as a map each beside two.
     """
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
@@ -144,7 +145,7 @@ def map_command(
     question_length(request, options)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
     usual = columns_of(grid.axes, *throughput_of(part))
-    table = table_of(usual, columns, digits, needed=NEEDS_PART, part=part)
+    table = table_of(usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part)
     held = _held(at or [], request)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), held, grid.fixed)
     name = request.name or "vibro-map"
@@ -216,7 +217,7 @@ def _axis_name(text: str) -> str:
 
 
 def _held(texts: list[str], request: Request) -> dict[str, float]:
-    from vibro.quantities import exact_number, find_quantity
+    from vibro.quantities import QUANTITIES, exact_number, find_quantity
 
     held: dict[str, float] = {}
     for text in (part for given in texts for part in given.split(",")):
@@ -231,7 +232,10 @@ def _held(texts: list[str], request: Request) -> dict[str, float]:
                 f"--at {cut(text)}: {shown(name)} is no axis",
                 hint=f"the axes are {', '.join(request.varying)}",
             )
+        number = float(exact_number(value, quantity))
+        if quantity.name == "stroke":
+            quantity, number = QUANTITIES["amplitude"], 0.5 * number
         if quantity.name in held:
             raise InputError(f"--at: {quantity.label} is given twice", hint="give it once")
-        held[quantity.name] = float(exact_number(value, quantity))
+        held[quantity.name] = number
     return held

@@ -75,6 +75,11 @@ class OneScene:
         return time if math.isfinite(time) else None
 
     @property
+    def throw_number(self) -> float:
+        """Most unloading over the weight on the trough [1]."""
+        return float(self._cycle.throw_number)
+
+    @property
     def hops(self) -> bool:
         """Whether the body leaves the trough."""
         return self.regime is Regime.HOPPING

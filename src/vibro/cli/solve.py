@@ -112,7 +112,9 @@ def solve_command(
     request = request_of(options, context.obj)
     question_length(request, options)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
-    table = table_of(columns_of((), *extra), columns, digits, needed=_NEEDS, part=part)
+    table = table_of(
+        columns_of((), *extra), columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part
+    )
     answer = table
     if columns is None:
         more = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
@@ -218,6 +220,7 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
             "acceleration",
             f"{number(one.value(WITH_ACCELERATION))} g along the drive (machine number A w^2/g)",
         ),
+        ("throw number", f"{number(one.throw_number)} (above 1 the body hops)"),
         *_sensitivity(one, grid),
         *_throughput(one, part),
     ]

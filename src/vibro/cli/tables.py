@@ -67,6 +67,8 @@ MassOption = Annotated[
 ]  # fmt: skip
 #: Columns that follow from the part's pitch and mass, and what gives these.
 NEEDS_PART: Final = {"parts_per_min": "--pitch 25mm", "mass_flow_kg_h": "--pitch 25mm --mass 12g"}
+#: Columns that are empty without a trough length.
+_NEEDS_LENGTH: Final = dict.fromkeys(("traverse_time_s", "strokes"), "-L 600mm")
 
 
 def part_of(pitch: str | None, mass: str | None) -> dict[str, float]:
@@ -98,6 +100,7 @@ def table_of(
     digits: str | None,
     *,
     needed: Mapping[str, str],
+    has_length: bool,
     part: Mapping[str, float] | None = None,
 ) -> Table:
     """Choose what a table holds.
@@ -112,6 +115,8 @@ def table_of(
         Significant digits, as typed; None for exact numbers.
     needed : mapping of str to str
         Columns that are there with options alone, and an example of these.
+    has_length : bool
+        Whether the trough has a length.
     part : mapping of str to float, optional
         What is known of the part, for the sidecar.
 
@@ -133,10 +138,12 @@ def table_of(
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
         there = {column.name for column in usual}
+        missing = {name: option for name, option in needed.items() if name not in there}
+        missing |= {} if has_length else _NEEDS_LENGTH
         for name in names:
-            if name in needed and name not in there:
+            if name in missing:
                 raise InputError(
-                    f"column {name}: an option that it needs is missing", hint=f"add {needed[name]}"
+                    f"column {name}: an option that it needs is missing", hint=f"add {missing[name]}"
                 )
         usual = chosen(names, usual)
     return Table(usual, number, part or {})

@@ -52,7 +52,7 @@ def traverse_time_command(
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     usual = columns_of(request.varying, *extra)
-    table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"})
+    table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
     if not request.varying:
         refuse_without_table(options, columns, digits)
         grid = make_grid(request, flight=flight, arrivals=True)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from vibro.axes import AxisSpec, axis_of
 from vibro.errors import InputError, shown
 from vibro.files.toml_files import did_you_mean, read_toml
-from vibro.quantities import BY_COLUMN, STANDS_FOR, SWEPT
+from vibro.quantities import BY_COLUMN, STANDS_FOR, SWEPT, exact_number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -101,7 +102,15 @@ def _entry(table: str, quantity: Quantity, value: object) -> AxisSpec:
         return spec
     if isinstance(value, int | float) and not isinstance(value, bool):
         return axis_of(value, quantity)
-    hint = (
-        "axes belong in the table [map]" if isinstance(value, str) and ":" in value else f"write {key} = 1.5"
-    )
+    hint = f"write {key} = 1.5"
+    if isinstance(value, str):
+        hint = "axes belong in the table [map]" if ":" in value else _as_number(key, value, quantity) or hint
     raise InputError(f"{key} = {shown(value)}: must be a number, without quotes", hint=hint)
+
+
+def _as_number(key: str, text: str, quantity: Quantity) -> str:
+    """Say how to write a text, with a unit or a decimal comma, as the number that it means; empty if none."""
+    for reading in (text, text.replace(",", ".")):
+        with suppress(InputError):
+            return f"write {key} = {float(exact_number(reading, quantity)):.15g}"
+    return ""

@@ -21,6 +21,7 @@ from vibro.plots.frame import (
     settle,
 )
 from vibro.plots.lines import (
+    UNCERTAIN,
     Stretch,
     draw_numbers,
     finish_numbers,
@@ -144,9 +145,8 @@ def curve_figure(
         for curve in curves:
             values = rows[label](curve.fields)
             means = {"means": {**_POINT, "marker": curve.look["marker"]}} if is_discrete(view.x) else {}
-            draw_numbers(
-                a, curve.fields, values, legend, **means, gid="numbers", label=curve.label, **curve.look
-            )
+            look = {**means, **curve.look, "label": curve.label, "uncertain": picture in UNCERTAIN}
+            draw_numbers(a, curve.fields, values, legend, gid="numbers", **look)
             for x in _own_x(result, view, curve.fields):
                 height = float(np.interp(x, curve.fields.x, values))
                 mark_operating_point(a, np.array([[x, height]]), legend)
@@ -294,10 +294,11 @@ def _points(fields: Fields) -> list[Stretch]:
     """Return the regime and the status of single points."""
     found = []
     columns = (fields.panel.cycle[name][0].tolist() for name in ("regime", "status", "coexists"))
-    for x, regime, code, coexists in zip(fields.x.tolist(), *columns, strict=True):
+    backwards = (fields.backwards[0] > 0.0).tolist()
+    for x, regime, code, coexists, back in zip(fields.x.tolist(), *columns, backwards, strict=True):
         status = Status(code)
         unanswered = status if status in NO_ANSWER_HATCH else None
-        found.append(Stretch(x, x, Regime(regime), unanswered, coexists > 0))
+        found.append(Stretch(x, x, Regime(regime), unanswered, coexists > 0, back))
     return found
 
 

@@ -25,9 +25,12 @@ from vibro.plots.frame import (
 from vibro.plots.labels import outline
 from vibro.plots.style import (
     AVERAGED_LABEL,
+    BACKWARDS_HATCH,
+    BACKWARDS_LABEL,
     COEXISTS_HATCH,
     COEXISTS_LABEL,
     CURVES,
+    ERROR_LABEL,
     INK,
     NO_ANSWER_FACE,
     NO_ANSWER_HATCH,
@@ -52,6 +55,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = [
+    "UNCERTAIN",
     "Band",
     "Stretch",
     "draw_numbers",
@@ -64,6 +68,8 @@ __all__ = [
     "write_name",
 ]
 
+#: Pictures of what follows from the mean speed.
+UNCERTAIN: Final = ("speed", "traverse")
 _TINT: Final = 0.35  # opacity of bands behind lines
 _MARKED: Final = 60  # values on the axis, up to which each is marked
 _WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
@@ -127,7 +133,8 @@ def line_figure(picture: str, result: SweepResult, fields: Fields, level: float 
         _shade(a, bands, legend)
         # A value alone in its regime makes no line: few values are marked.
         mark: dict[str, Any] = {"marker": "o", "markersize": 4.0} if values.size <= _MARKED else {}
-        draw_numbers(a, fields, values, legend, color=INK, linewidth=1.8, gid="numbers", **mark)
+        look = {"uncertain": picture in UNCERTAIN, "color": INK, "linewidth": 1.8, **mark}
+        draw_numbers(a, fields, values, legend, gid="numbers", **look)
         a.set_ylabel(label)
         _critical_lines(a, fields, legend)
         for point in operating_points(result, fields.panel):
@@ -172,6 +179,7 @@ class Stretch:
     regime: Regime
     unanswered: Status | None
     coexists: bool
+    backwards: bool
 
     @property
     def style(self) -> dict[str, Any]:
@@ -193,15 +201,16 @@ def stretches(fields: Fields) -> list[Stretch]:
     """Cut a range wherever the regime or the status changes."""
     unanswered = {s: fields.unanswered(s) for s in NO_ANSWER_HATCH if s in fields.statuses}
     cuts = [zero_points(fields, fields.log_ratio[c], hiding_fields(fields, c)) for c in BEGINS_AT.values()]
-    cuts += [zero_points(fields, field) for field in (*unanswered.values(), fields.coexists)]
+    over = (*unanswered.values(), fields.coexists, fields.backwards)
+    cuts += [zero_points(fields, field) for field in over]
     edges = np.unique(np.concatenate([fields.x[[0, -1]], *cuts]))
     found: list[Stretch] = []
     for low, high in pairwise(edges.tolist()):
         middle = 0.5 * (low + high)
         nearest = int(np.argmin(np.abs(fields.x - middle)))
         status = next((s for s, field in unanswered.items() if field[0, nearest] > 0.0), None)
-        coexists = bool(fields.coexists[0, nearest] > 0.0)
-        found.append(Stretch(low, high, _regime_at(fields, middle), status, coexists))
+        marks = (bool(field[0, nearest] > 0.0) for field in (fields.coexists, fields.backwards))
+        found.append(Stretch(low, high, _regime_at(fields, middle), status, *marks))
     return found
 
 
@@ -222,7 +231,10 @@ def overlays(part: Stretch) -> dict[str, dict[str, Any]]:
     if part.unanswered is Status.FLIGHT_NOT_MODELLED:
         hatches[part.unanswered.label.replace("-", " ")] = NO_ANSWER_HATCH[part.unanswered]
     common = {"facecolor": "none", "edgecolor": NO_ANSWER_INK}
-    return {label: {**common, "hatch": hatch} for label, hatch in hatches.items()}
+    styles = {label: {**common, "hatch": hatch} for label, hatch in hatches.items()}
+    if part.backwards and "hatch" not in part.style:
+        styles[BACKWARDS_LABEL] = {**common, "edgecolor": INK, "hatch": BACKWARDS_HATCH}
+    return styles
 
 
 def _shade(axes: Axes, bands: list[Stretch], legend: dict[str, dict[str, Any]]) -> None:
@@ -251,14 +263,26 @@ def draw_numbers(
     values: Floats,
     legend: dict[str, dict[str, Any]],
     means: Mapping[str, Any] = _DOTS,
+    *,
+    uncertain: bool,
     **look: Any,
 ) -> None:
-    """Draw numbers as a line, broken where regimes meet, since the numbers jump there; means as dots."""
+    """Draw numbers as a line, broken where regimes meet, since the numbers jump there; means as dots.
+
+    Means of what follows from the mean speed are uncertain, and have bars of their standard error.
+    """
     x = fields.panel.x.values
     averaged = fields.panel.cycle["status"][0] == Status.AVERAGED
     if averaged.any():
         place = {"gid": AVERAGED_LABEL, "zorder": 3}
         axes.plot(x[averaged], values[averaged], **{**means, "color": look["color"], **place})
+        if uncertain:
+            cycle = fields.panel.cycle
+            error, speed = (cycle[name][0, averaged] for name in ("mean_velocity_error", "mean_velocity"))
+            off = np.abs(values[averaged] * error / speed)
+            ends = values[averaged] - off, values[averaged] + off
+            axes.vlines(x[averaged], *ends, color=look["color"], linewidth=0.6, alpha=0.3, gid=ERROR_LABEL)
+            legend[ERROR_LABEL] = {"color": INK, "linewidth": 0.6, "alpha": 0.3}
         legend[AVERAGED_LABEL] = {**means, "color": INK}
     regime = fields.panel.cycle["regime"][0]
     jumps = np.flatnonzero(regime[1:] != regime[:-1]) + 1

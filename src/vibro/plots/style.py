@@ -27,6 +27,7 @@ __all__ = [
     "COEXISTS_HATCH",
     "COEXISTS_LABEL",
     "CURVES",
+    "ERROR_LABEL",
     "INK",
     "NO_ANSWER_FACE",
     "NO_ANSWER_HATCH",
@@ -69,6 +70,7 @@ BACKWARDS_LABEL: Final = "moves backwards"
 COEXISTS_HATCH: Final = "..."
 COEXISTS_LABEL: Final = "another motion exists"
 AVERAGED_LABEL: Final = "mean of motion without a short period"
+ERROR_LABEL: Final = "its standard error"
 AVERAGED_AREA_LABEL: Final = "means of motion without a short period, at least in part"
 
 

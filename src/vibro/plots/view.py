@@ -32,8 +32,8 @@ __all__ = [
 
 MAX_FACETS: Final = 12
 _LEAST, _MOST = 1e-100, 1e100  # of what is drawn, in its unit
-# A value that is typed with another unit, or copied from a message, differs in its last digits.
-_SAME: Final = 1e-9  # relative difference
+# A value that is typed with another unit, or copied from a picture, differs in its last digits.
+_SAME: Final = 5e-5  # relative difference
 _Span = tuple[float, float]
 
 
