@@ -392,3 +392,36 @@ def test_a_column_of_the_trough_is_no_signal_of_the_body(tmp_path: Path) -> None
     assert "given as trough along and as trough normal" in str(
         refusal(tmp_path, content, trough_along="a", trough_normal="a")
     )
+
+
+@pytest.mark.parametrize(
+    ("header", "signal", "size"),
+    [
+        ("Weg/mm", "displacement", 1e-3),
+        ("s/mm", "displacement", 1e-3),
+        ("v/(mm/s)", "velocity", 1e-3),
+        ("v / (mm/s)", "velocity", 1e-3),
+        ("v/mm/s", "velocity", 1e-3),
+        ("a/(m/s²)", "acceleration", 1.0),
+        ("F/N", "force", 1.0),
+        ("Laser 1/µm", "displacement", 1e-6),
+    ],
+)
+def test_a_header_may_be_a_signal_over_its_unit(
+    tmp_path: Path, header: str, signal: str, size: float
+) -> None:
+    record = read(tmp_path, [f"Zeit/s;{header}", "0;1", "1;2", "2;4"])
+    np.testing.assert_array_equal(record.time, [0.0, 1.0, 2.0])
+    np.testing.assert_allclose(record.signals[signal], np.array([1.0, 2.0, 4.0]) * size, rtol=1e-15)
+    assert len(record.signals) == 1
+    name = header.split("/")[0].strip()
+    named = read(tmp_path, [f"Zeit/s;{header}", "0;1", "1;2", "2;4"], time="Zeit", **{signal: name})
+    assert named.headers == {"time": "Zeit/s", signal: header}
+
+
+@pytest.mark.parametrize(
+    "header", ["mm/s", "m / s", "N/mm", "mV/g", "mV/(m/s²)", "Kraft/Weg", "Weg/Zeit", "Weg/s", "Force/mm"]
+)
+def test_a_quotient_that_is_no_signal_over_its_unit_has_no_unit(tmp_path: Path, header: str) -> None:
+    record = read(tmp_path, [f"Zeit/s;X [mm];{header}", "0;1;5", "1;2;6", "2;4;7"])
+    assert record.headers == {"time": "Zeit/s", "displacement": "X [mm]"}

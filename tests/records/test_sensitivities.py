@@ -65,7 +65,7 @@ def test_each_voltage_has_its_own_sensitivity(tmp_path: Path) -> None:
     ("texts", "columns", "said", "hint"),
     [
         ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: what its voltage", "--sensitivity 100mV/g"),
-        (["2V/mm"], {"acceleration": "u"}, "what its voltage stands for", "--sensitivity 100mV/g"),
+        (["2V/mm"], {"acceleration": "u"}, "one of acceleration is needed", "--sensitivity 100mV/g"),
         ([], {"velocity": "u"}, "what its voltage stands for is not said", "--sensitivity 20mV/mm/s"),
         (["100mV/g"], {}, "no column that is read as acceleration is a voltage", '--acceleration "u [mV]"'),
         (["100mV/g"], {"displacement": "x"}, "is read as acceleration", '--acceleration "u [mV]"'),
@@ -104,3 +104,12 @@ def test_a_voltage_alone_is_pointed_at(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         volts(tmp_path, ["Zeit in s;Beschleunigung [mV]", "0;1", "1;2"])
     assert caught.value.hint.endswith(': --acceleration "Beschleunigung [mV]" --sensitivity 100mV/g')
+
+
+def test_a_sensitivity_of_another_kind_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        volts(tmp_path, ["t [s],LDV [mV]", "0,1", "1,2", "2,3"], "4mV/mm", velocity="LDV")
+    assert "--sensitivity 4mV/mm is a sensitivity of displacement, one of velocity is needed" in str(
+        caught.value
+    )
+    assert caught.value.hint == "give the sensor's sensitivity: --sensitivity 20mV/mm/s"

@@ -28,6 +28,7 @@ _WORDS: Final[Mapping[str, str]] = {
 }
 _BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
 _IN: Final = re.compile(r"(.*\S)\s+(?:in|/)\s+(\S.*)", re.IGNORECASE)  # Zeit in s, or Zeit / s
+_OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
 _LISTED: Final = 12  # headers that a message lists
 
 
@@ -66,11 +67,30 @@ def headers_of(above: list[list[str]]) -> list[Header]:
 
 
 def _split(text: str) -> tuple[str, str]:
-    """Split ``X [mm]`` or ``X in mm`` into name and unit."""
+    """Split ``X [mm]``, ``X in mm`` or ``X/mm`` into name and unit."""
     if match := _BRACKETS.fullmatch(text):
+        name, slash, _ = match[1].rpartition("/")
+        if not slash or match[1] != f"{name}/":
+            return match[1], match[2].strip()
+        parts = name.rstrip(), match[2].strip()
+        return parts if signal_unit(parts[1]) is None or _is_quotient(*parts) else (text, "")
+    if signal_unit(text):  # m / s is no m in s
+        return text, ""
+    if (match := _IN.fullmatch(text)) and signal_unit(match[2].strip()):
         return match[1], match[2].strip()
-    match = _IN.fullmatch(text)
-    return (match[1], match[2].strip()) if match and signal_unit(match[2].strip()) else (text, "")
+    match = _OVER.fullmatch(text)
+    return (match[1], match[2].strip()) if match and _is_quotient(match[1], match[2].strip()) else (text, "")
+
+
+def _is_quotient(name: str, unit_text: str) -> bool:
+    """Whether a name over a unit is the signal over its unit: ``s/mm``, but neither ``N/mm`` nor ``Weg/s``."""
+    unit = signal_unit(unit_text)
+    if unit is None:
+        return False
+    kinds = [kind for kind in _WORDS if _word_of(kind).fullmatch(name)]
+    if kinds:
+        return unit[0] in (*kinds, "voltage")
+    return signal_unit(name) is None
 
 
 def _unit_at_end(name: str) -> tuple[str, float] | None:
@@ -219,8 +239,15 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tupl
     if unit is not None and unit[0] == "voltage" and kind in EXAMPLES:
         sensitivity = sensitivity_of(role, header, wanted)
         if sensitivity is None:
+            others = [s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers))]
+            what = "what its voltage stands for is not said"
+            if others:
+                what = (
+                    f"--sensitivity {others[0].text} is a sensitivity of {others[0].kind}, one of {kind} is"
+                    " needed"
+                )
             raise InputError(
-                f"{said}: what its voltage stands for is not said",
+                f"{said}: {what}",
                 hint=f"give the sensor's sensitivity: --sensitivity {EXAMPLES[kind]}",
             )
         return header, unit[1] * sensitivity.per_volt
