@@ -262,6 +262,15 @@ def test_without_arguments_the_data_are_missing(run: Run) -> None:
     assert result.stderr.startswith("error: missing: DATA.csv\n")
 
 
+def test_scene_and_data_in_the_wrong_order_are_told(run: Run) -> None:
+    result = run("compare", STUDY_FILE, SCENE)
+    assert result.exit_code == 2
+    error, hint = result.stderr.splitlines()
+    assert error == f"error: {SCENE} is a scene file: the scene comes before the data"
+    assert hint == f"hint: vibro compare {SCENE} {STUDY_FILE}"
+    assert run(*hint.split()[2:]).exit_code == 0
+
+
 def test_data_by_any_name_may_follow_the_flag(run: Run, tmp_path: Path) -> None:
     data = short_study(tmp_path).rename(tmp_path / "short.dat")
     assert run("compare", SCENE, "--force", data).exit_code == 0

@@ -225,6 +225,12 @@ def _arguments(options: Options, data: Path | None) -> tuple[Options, Path]:
         return replace(options, scene=None), options.scene
     if data is None:
         raise InputError("missing: DATA.csv", hint="for example: vibro compare scene.toml data.csv")
+    first, second = (path.suffix.casefold() if path else "" for path in (options.scene, data))
+    if second == ".toml" != first:
+        raise InputError(
+            f"{data} is a scene file: the scene comes before the data",
+            hint=f"vibro compare {data} {options.scene}",
+        )
     return options, data
 
 
