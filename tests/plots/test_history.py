@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -190,6 +191,19 @@ def test_panels_are_chosen() -> None:
     assert choose_panels(None, flies=True) == list(PANELS)
     with pytest.raises(InputError, match="'speed' is no panel"):
         choose_panels("speed", flies=False)
+
+
+def test_the_line_at_zero_stretches_no_axis() -> None:
+    clean = Walked(nut()).observe("displacement", "velocity", cycles=5)
+    far = {**clean.signals, "displacement": clean.signals["displacement"] + 0.2}
+    figure = comparison_figure(compare(nut(), replace(clean, signals=far)), "title", {})
+    over_time, on_one, speed, _ = figure.axes
+    low, high = over_time.get_ylim()
+    assert low > 195.0
+    assert high < 210.0
+    for axes, zeros in ((over_time, 0), (on_one, 1), (speed, 1)):
+        lines = [line for line in axes.lines if not np.any(np.asarray(line.get_ydata()))]
+        assert len(lines) == zeros
 
 
 def test_a_comparison_has_a_row_a_signal() -> None:

@@ -88,6 +88,8 @@ def comparison_figure(
             _on_one_cycle(row[1], comparison, name, size)
             for model, style in models:
                 _draw_model(row, comparison, model, name, size, style)
+            for axes in row:
+                _draw_zero(axes)
         grid[0][0].set_title(f"first {_SHOWN} cycles of the record")
         grid[0][1].set_title("all cycles on one")
         grid[-1][0].set_xlabel("time of the record [ms]")
@@ -115,7 +117,6 @@ def _over_time(axes: Axes, comparison: Comparison, name: str, size: float) -> No
     first = math.floor(float(comparison.trough_time[0]) / period)
     _shade(axes, comparison, range(first - 1, first + _SHOWN + 2), shift)
     axes.set_xlim(1e3 * float(time[0]), 1e3 * end)
-    axes.axhline(0.0, color=INK, linewidth=0.5)
 
 
 def _on_one_cycle(axes: Axes, comparison: Comparison, name: str, size: float) -> None:
@@ -132,7 +133,6 @@ def _on_one_cycle(axes: Axes, comparison: Comparison, name: str, size: float) ->
     axes.plot(1e3 * time, values / size, markersize=3, **_MEASURED)
     _shade(axes, comparison, range(-1, 2), 0.0)
     axes.set_xlim(0.0, 1e3 * period)
-    axes.axhline(0.0, color=INK, linewidth=0.5)
 
 
 def _draw_model(
@@ -152,6 +152,14 @@ def _draw_model(
     if name == "displacement":
         values = values - values[0]
     row[1].plot(1e3 * cycle, values / size, **style)
+
+
+def _draw_zero(axes: Axes) -> None:
+    """Draw a line at zero where the curves reach it: of a record far from zero it would squeeze them."""
+    low, high = axes.get_ylim()
+    if low < 0.0 < high:
+        axes.axhline(0.0, color=INK, linewidth=0.5)
+        axes.set_ylim(low, high)
 
 
 def _at(model: Comparison, name: str, trough_time: Floats) -> Floats:
