@@ -104,7 +104,34 @@ def test_a_runaway_says_why_its_time_is_unknown(run: Run) -> None:
         "-L",
         "1",
     )
-    assert "unknown: the body never comes to rest and gains speed" in run("traverse-time", *args).stdout
+    result = run("traverse-time", *args)
+    assert "none at a mean speed: the body runs forwards, down the trough" in result.stdout
+
+
+STEEP = ("-A", "0.2", "-f", "50", "-a", "25", "--mu-s", "0.3", "--mu-d", "0.2")
+
+
+def test_a_body_that_runs_down_the_trough_has_an_arrival_and_no_mean_speed(run: Run) -> None:
+    downhill = (*STEEP, "--trough-angle=-30")
+    told = dict(
+        re.split(r"  +", line, maxsplit=1)
+        for line in run("traverse-time", *downhill, "-L", "300").stdout.splitlines()
+    )
+    assert told["traverse time"].startswith("none at a mean speed: the body runs forwards, down the trough")
+    assert told["exactly"].startswith("0.4135")
+    assert told["why"] == "the body never settles: it gains speed every cycle, forwards, down the trough"
+    assert told["mean speed"] == "none: it gains speed every cycle, forwards, down the trough"
+    assert told["mean speed"] in run("solve", *downhill).stdout
+
+
+def test_a_body_that_runs_backwards_is_told_so(run: Run) -> None:
+    uphill = (*STEEP, "--trough-angle", "30")
+    text = run("traverse-time", *uphill, "-L", "300").stdout
+    assert text.startswith("traverse time  none at a mean speed: the body runs backwards, down the track")
+    assert "exactly" not in text
+    assert "none: it gains speed every cycle, backwards" in text
+    near = run("traverse-time", *uphill, "-L", "0.01").stdout.splitlines()
+    assert near[2].endswith("the body gets so far before it turns and runs backwards, down the track")
 
 
 def test_the_length_is_needed(run: Run) -> None:

@@ -117,8 +117,17 @@ class OneScene:
             facts.append(("note", note))
         speed = self.result("mean_velocity")
         known = estimate(speed, self.result("mean_velocity_error"), "mm/s")
-        facts.append(("mean speed", "unknown" if math.isnan(speed) else known))
+        unknown = f"none: it gains speed every cycle, {self.runs}" if self.runs else "unknown"
+        facts.append(("mean speed", unknown if math.isnan(speed) else known))
         return facts
+
+    @property
+    def runs(self) -> str:
+        """Which way a body runs that gains speed every cycle; empty for every other body."""
+        slope = float(self.scene.trough_angle)
+        if self.status is not Status.RUNAWAY or not slope:
+            return ""
+        return "backwards, down the track" if slope > 0.0 else "forwards, down the trough"
 
     def _other_motions(self) -> str:
         """Say what else a body does that is disturbed; nothing where that was not looked at, or is usual."""
@@ -151,6 +160,8 @@ class OneScene:
     def why_never(self) -> str:
         """Say why there is no traverse time, and what to change where the body rests."""
         speed = self.result("mean_velocity")
+        if self.runs:
+            return f"none at a mean speed: the body runs {self.runs}, and gains speed every cycle"
         if math.isnan(speed):
             return f"unknown: {self.status.message}"
         if self.relative_error > _LEAST_CERTAIN:

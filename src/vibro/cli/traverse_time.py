@@ -87,6 +87,10 @@ def _exactly(scene: OneScene, steady: float | None) -> list[tuple[str, str]]:
     rows = [("exactly", f"{number(time, 's')} from rest at trough phase 0")]
     if steady is None:
         why = "the body gets so far before it settles; its steady motion would not take it there"
+        if scene.runs:
+            why = f"the body never settles: it gains speed every cycle, {scene.runs}"
+            if scene.scene.trough_angle > 0.0:
+                why = f"the body gets so far before it turns and runs {scene.runs}"
         if scene.relative_error:
             why = "the body gets so far on its way; its mean speed would not take it there"
         return [*rows, ("why", why)]
