@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -260,6 +261,32 @@ def test_without_arguments_the_data_are_missing(run: Run) -> None:
     result = run("compare")
     assert result.exit_code == 2
     assert result.stderr.startswith("error: missing: DATA.csv\n")
+
+
+@pytest.mark.parametrize(
+    ("new", "signal", "times"),
+    [("X [m]", "displacement", 1000), ("X [um]", "displacement", 0.001), ("V [m/s]", "velocity", 1000)],
+)
+def test_a_wrong_unit_is_doubted(run: Run, tmp_path: Path, new: str, signal: str, times: float) -> None:
+    old = {"X": "X [mm]", "V": "V [mm/s]"}[new[0]]
+    named = ("--time", "Time [s]", f"--{signal}")
+    right = run("compare", SCENE, short_study(tmp_path), *named, old)
+    assert "is its unit right?" not in right.stderr
+    result = run("compare", SCENE, short_study(tmp_path, **{old: new}), *named, new)
+    (said,) = re.findall(
+        rf"warning: the {signal} is about (\S+) times the computed one: is its unit right\?", result.stderr
+    )
+    assert float(said) == pytest.approx(times, rel=0.25)
+
+
+def test_a_wrong_sensitivity_or_mass_is_doubted(run: Run, tmp_path: Path) -> None:
+    volts = short_study(tmp_path, **{"V [mm/s]": "V [mV]"})
+    named = ("--velocity", "V [mV]", "--sensitivity")
+    assert "warning" not in run("compare", SCENE, volts, *named, "1mV/mm/s").stderr
+    result = run("compare", SCENE, volts, *named, "0.1mV/mm/s")
+    assert "times the computed one: is its sensitivity 0.1mV/mm/s right?" in result.stderr
+    result = run("compare", SCENE, short_study(tmp_path), "--mass", "20kg")
+    assert "about 0.001 times the computed one: is its unit right? Is the mass?" in result.stderr
 
 
 def test_scene_and_data_in_the_wrong_order_are_told(run: Run) -> None:

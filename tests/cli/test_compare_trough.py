@@ -109,6 +109,16 @@ def test_what_contradicts_the_measurement_is_refused(run: Run, args: tuple[str, 
     assert "hint: " in result.stderr
 
 
+def test_a_wrong_sensitivity_of_the_trough_is_doubted(run: Run) -> None:
+    for wrong, times in (("10mV/g", "10"), ("1000mV/g", "0.1")):
+        result = run("compare", SCENE, FILE, *ALONG, *NORMAL, "--sensitivity", wrong)
+        assert f"about {times} times the scene's: is its sensitivity {wrong} right?" in result.stderr
+    bare = run("compare", FILE, *FRICTION, *ALONG, *NORMAL, "--sensitivity", "1mV/g")
+    *_, last = bare.stderr.splitlines()
+    assert (bare.exit_code, last[:40]) == (2, "error: no steady motion to compare with:")
+    assert "86.7 g is more than conveyors usually have: is its sensitivity 1mV/g right?" in bare.stderr
+
+
 def test_an_inverted_sensor_is_turned_by_its_sensitivity(run: Run) -> None:
     result = run("compare", SCENE, FILE, *ALONG, "--sensitivity", "-100mV/g")
     assert "one of the sensors may be inverted" in result.stderr

@@ -243,6 +243,7 @@ def _with_measured(
     from vibro.cli.compare_report import measured
     from vibro.cli.request import request_of
     from vibro.records.folding import Estimate
+    from vibro.records.signals import FAR_OFF, doubt, rounded
     from vibro.records.trough import spelled
 
     found = ["amplitude", "frequency", *(["drive_angle"] if trough.drive_angle else [])]
@@ -266,6 +267,14 @@ def _with_measured(
         own = given.own.get(name)
         instead = "" if own is None else f"; the scene gives {QUANTITIES[name].text(own)}"
         console.echo(f"{measured(name, estimate)} from column {columns}{instead}")
+        if name == "amplitude" and own:
+            ratio = QUANTITIES[name].from_si(estimate.value) / own
+            if not 1.0 / FAR_OFF <= ratio <= FAR_OFF:
+                texts = dict.fromkeys(wave.sensitivity for wave in trough.waves if wave.sensitivity)
+                console.warn(
+                    f"column {columns}: the amplitude is about {rounded(float(ratio))} times the scene's:"
+                    f" {doubt(' or '.join(texts))}"
+                )
     for warning in trough.warnings:
         console.warn(warning)
     return drive, request_with(drive.quantities)

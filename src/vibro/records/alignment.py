@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -81,12 +81,15 @@ class Observation:
         Of the drive [Hz].
     clock : Estimate or None
         Trough time at the clock's zero, in [0, period), where it was measured [s].
+    sensitivities : mapping of str to str
+        Of the signals that are voltages, as typed.
     """
 
     time: Floats
     signals: Mapping[str, Floats]
     frequency: float
     clock: Estimate | None = None
+    sensitivities: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -135,7 +138,8 @@ class Observation:
             # of it is the sensor's zero, or gravity on a sensor that is not level.
             steady = fold(record.time, signals["acceleration"], frequency, _TRENDS["acceleration"])
             signals["acceleration"] = signals["acceleration"] - steady.coefficients[0]
-        return cls(record.time, signals, frequency, clock)
+        texts = {"friction" if role == "force" else role: s for role, s in record.sensitivities.items()}
+        return cls(record.time, signals, frequency, clock, texts)
 
     @property
     def period(self) -> float:
@@ -165,7 +169,7 @@ class Observation:
         first = (self.time.size - rows) // 2
         part = slice(first, first + rows)
         signals = {name: values[part] for name, values in self.signals.items()}
-        return Observation(self.time[part], signals, self.frequency, self.clock)
+        return replace(self, time=self.time[part], signals=signals)
 
     def residuals(
         self, motion: SettledMotion, shift: float, *, trend: bool = True, window: float = 1.0

@@ -12,6 +12,7 @@ from vibro.motion.settled import SettledMotion, settled_motion
 from vibro.records.alignment import Alignment, Observation, align, check_size, computed
 from vibro.records.folding import Estimate, fold
 from vibro.records.frequencies import foreign_frequency
+from vibro.records.signals import FAR_OFF, doubt, rounded
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -302,6 +303,7 @@ def _warnings(
         warnings.append(
             f"the data fit almost as well if they begin {1e3 * rival:.4g} ms after the trough's middle"
         )
+    warnings += _of_another_size(observation, motion)
     warnings += _of_another_frequency(observation)
     warnings += _of_another_clock(observation, motion, alignment)
     advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
@@ -312,6 +314,33 @@ def _warnings(
             "the friction has the opposite sign: it must be the force on the body, not on the trough"
         )
     return tuple(warnings)
+
+
+def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:
+    """Name signals that are so much larger or smaller than computed that their unit may be wrong."""
+    cycle = np.arange(_FINE) * motion.period / _FINE
+    model = computed(motion, observation.signals, cycle, observation.sample_time)
+    found = []
+    for name, values in observation.signals.items():
+        trend = motion.advance / motion.period * cycle if name == "displacement" else 0.0
+        size = float(np.std(model[name] - trend))
+        # Noise is no motion, but motion at another frequency is: what repeats may be too much, and all of it
+        # too little.
+        repeated = float(np.std(observation.folded[name].periodic(cycle)))
+        whole = _swing(observation.time, values, 1 if name == "displacement" else 0)
+        moved = repeated if repeated > FAR_OFF * size else whole
+        # A body that rests has no size, and a signal that is dead no unit.
+        if size and whole and not size / FAR_OFF <= moved <= FAR_OFF * size:
+            what = doubt(observation.sensitivities.get(name, ""))
+            also = " Is the mass?" if name == "friction" else ""
+            found.append(f"the {name} is about {rounded(moved / size)} times the computed one: {what}{also}")
+    return found
+
+
+def _swing(time: Floats, values: Floats, power: int) -> float:
+    """Root mean square of a signal about its trend, a polynomial."""
+    centred = time - time.mean()
+    return float(np.std(values - np.polyval(np.polyfit(centred, values, power), centred)))
 
 
 def _of_another_frequency(observation: Observation) -> list[str]:

@@ -83,7 +83,7 @@ def _split(text: str) -> tuple[str, str]:
 
 
 def _is_quotient(name: str, unit_text: str) -> bool:
-    """Whether a name over a unit is the signal over its unit: ``s/mm``, but neither ``N/mm`` nor ``Weg/s``."""
+    """Whether a name over a unit is a signal over its unit: ``s/mm``, but neither ``N/mm`` nor ``Weg/s``."""
     unit = signal_unit(unit_text)
     if unit is None:
         return False

@@ -6,7 +6,7 @@ import csv
 import io
 import re
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -58,6 +58,8 @@ class Record:
         By a name of ``TROUGH``: accelerations of the trough [m/s^2], of the same length.
     headers : mapping of str to str
         The columns' headers in the file, by the same names and ``"time"``.
+    sensitivities : mapping of str to str
+        Of the columns that are voltages, as typed, by the same names.
     notes : tuple of str
         How the file was read, to be shown to the user.
     """
@@ -66,6 +68,7 @@ class Record:
     signals: Mapping[str, Floats]
     trough: Mapping[str, Floats]
     headers: Mapping[str, str]
+    sensitivities: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     @property
@@ -127,15 +130,17 @@ def read_record(
         more = f" and {len(rows) - _TOLD} more" if len(rows) > _TOLD else ""
         told = f"row{'s' if len(rows) > 1 else ''} {', '.join(map(str, rows[:_TOLD]))}{more}"
         notes.append(f"{path.name}: {len(rows)} of {kept.size} rows lack a value and are skipped: {told}")
+    used = {role: sensitivity_of(role, header, wanted) for role, (header, _) in chosen.items()}
+    texts = {role: sensitivity.text for role, sensitivity in used.items() if sensitivity}
     for role, (header, _) in chosen.items():
-        sensitivity = sensitivity_of(role, header, wanted)
-        at = f" at {sensitivity.text}" if sensitivity else ""
+        at = f" at {texts[role]}" if role in texts else ""
         notes.append(f"{role.replace('_', ' ')}: column {shown(header.text)}{at}")
     return Record(
         time=values["time"],
         signals={role: values[role] for role in SIGNALS if role in chosen},
         trough={role: values[role] for role in TROUGH if role in chosen},
         headers={role: header.text for role, (header, _) in chosen.items()},
+        sensitivities=texts,
         notes=tuple(notes),
     )
 

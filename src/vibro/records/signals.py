@@ -10,7 +10,18 @@ from vibro.quantities import LENGTH
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["KINDS", "MOST", "SIGNALS", "SIGNAL_UNITS", "TROUGH", "option_of", "signal_unit"]
+__all__ = [
+    "FAR_OFF",
+    "KINDS",
+    "MOST",
+    "SIGNALS",
+    "SIGNAL_UNITS",
+    "TROUGH",
+    "doubt",
+    "option_of",
+    "rounded",
+    "signal_unit",
+]
 
 #: Most that a record, or a scene beside it, may hold of anything [SI]. Up to the fourth power of it is summed
 #: over the rows, which must stay far below the largest double, and nothing that is measured comes near it.
@@ -20,6 +31,9 @@ MOST: Final = 1e20
 SIGNALS: Final = ("displacement", "velocity", "acceleration", "force")
 #: Accelerations of the trough that it may hold: along its surface, and normal to it.
 TROUGH: Final = ("trough_along", "trough_normal")
+#: Times by which a size is off, either way, before its unit is doubted: less than 10, as a sensitivity that
+#: is wrong by 10 and a motion that is a little smaller than computed go together.
+FAR_OFF: Final = 7.0
 #: What each column is measured in.
 KINDS: Final[Mapping[str, str]] = {kind: kind for kind in ("time", *SIGNALS)} | dict.fromkeys(
     TROUGH, "acceleration"
@@ -73,6 +87,16 @@ def signal_unit(text: str) -> tuple[str, float] | None:
             if name == unit.casefold().replace("^", ""):
                 return kind, size
     return None
+
+
+def doubt(sensitivity: str) -> str:
+    """Ask for what makes a signal far too large or small: its sensitivity, if it has one, else its unit."""
+    return f"is its sensitivity {sensitivity} right?" if sensitivity else "is its unit right?"
+
+
+def rounded(ratio: float) -> str:
+    """Write a ratio to two digits, as 1000 and not as 1e+03."""
+    return f"{float(f'{ratio:.2g}'):g}"
 
 
 def option_of(role: str) -> str:

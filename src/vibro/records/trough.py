@@ -12,7 +12,7 @@ import numpy as np
 from vibro.errors import InputError, shown
 from vibro.records.folding import Estimate, fold
 from vibro.records.frequencies import Repetition
-from vibro.records.signals import MOST, option_of
+from vibro.records.signals import MOST, SIGNAL_UNITS, doubt, option_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,6 +31,8 @@ _ROUND: Final = math.radians(10.0)  # phase between the two axes below which the
 _LEAST_SINE: Final = 1e-3  # of the drive's direction: less of the motion cannot be scaled up to all of it
 _DIGITS: Final = 2  # below the first one of the error
 _ROUNDING: Final = 1e-24  # of the power of a signal: a wave counts as at least this
+_G: Final = SIGNAL_UNITS["acceleration"]["g"]
+_USUAL: Final = 50.0  # [m/s^2] of a wave: hardly a conveyor vibrates with more
 _SIGMAS: Final = 3.0  # of a wave: with less there is none
 _SHORTEST: Final = 1e-3  # of the longer axis of the motion: less of it has no phase that would matter
 
@@ -49,6 +51,8 @@ class Wave:
         Standard error of its size, and of its phase times its size [m/s^2].
     harmonics, rest : float
         Root mean square of the harmonics, and of what else is left, over that of the fundamental.
+    sensitivity : str
+        Of a voltage, as typed; empty for an acceleration.
     """
 
     header: str
@@ -56,6 +60,7 @@ class Wave:
     error: float
     harmonics: float
     rest: float
+    sensitivity: str
 
 
 @dataclass(frozen=True)
@@ -167,6 +172,11 @@ class Trough:
                     " and does it point the right way?"
                 )
                 continue
+            if abs(wave.value) > _USUAL:
+                found.append(
+                    f"{column}: {abs(wave.value) / _G:.3g} g is more than conveyors usually have:"
+                    f" {doubt(wave.sensitivity)}"
+                )
             if wave.harmonics > _FEW:
                 found.append(
                     f"{column}: harmonics have {100.0 * wave.harmonics:.0f} % of the fundamental: the trough"
@@ -262,10 +272,7 @@ def trough_of(record: Record, *, reverse: bool = False) -> Trough | None:
             f"no wave stands out in column {columns}", hint="is it the acceleration of a trough that runs?"
         )
     frequency = Estimate(float(spelled(*frequency)), frequency.error)
-    waves = {
-        name: _wave(record.time, values, frequency.value, record.headers[name])
-        for name, values in signals.items()
-    }
+    waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
     trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
     _check_direction(trough, reverse)
     return trough
@@ -277,23 +284,24 @@ def spelled(value: float, error: float) -> str:
     return f"{value:.{min(max(0, digits), sys.float_info.dig)}f}"
 
 
-def _wave(time: Floats, values: Floats, frequency: float, header: str) -> Wave:
+def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
     """Take the fundamental of an acceleration from its regression on all harmonics."""
-    folded = fold(time, values, frequency, _TRENDS)
+    folded = fold(record.time, values, frequency, _TRENDS)
     count = (folded.coefficients.size - _TRENDS) // 2
     cosines, sines = folded.coefficients[_TRENDS:].reshape(2, count)
     powers = 0.5 * (cosines**2 + sines**2)
     fundamental = max(float(powers[0]), _ROUNDING * float(np.mean(values**2)))
     noise = 0.5 * np.diagonal(folded.covariance)[_TRENDS:].reshape(2, count).sum(axis=0)
-    left = values - folded.fitted(time)
+    left = values - folded.fitted(record.time)
     first = (_TRENDS, _TRENDS + count)
     error = math.sqrt(0.5 * float(folded.covariance[first, first].sum()))
     return Wave(
-        header,
+        record.headers[name],
         complex(sines[0], cosines[0]),
         error,
         math.sqrt(max(0.0, float((powers - noise)[1:].sum())) / fundamental),
         math.sqrt(float(np.mean(left**2)) / fundamental),
+        record.sensitivities.get(name, ""),
     )
 
 
