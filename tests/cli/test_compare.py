@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -20,10 +21,10 @@ def lines_of(text: str) -> dict[str, str]:
     return {line.split("  ")[0]: " ".join(line.split()) for line in text.splitlines() if line.strip()}
 
 
-def short_study(folder: Path, cycles: int = 4, **changes: str) -> Path:
+def short_study(folder: Path, changes: Mapping[str, str] | None = None, cycles: int = 4) -> Path:
     """Write the first cycles of the study to a file, some headers changed."""
     header, *rows = STUDY_FILE.read_text(encoding="utf-8").splitlines()
-    for old, new in changes.items():
+    for old, new in (changes or {}).items():
         header = header.replace(old, new)
     path = folder / "short.csv"
     path.write_text("\n".join([header, *rows[: 40 * cycles + 1]]) + "\n", encoding="utf-8")
@@ -139,7 +140,7 @@ def test_every_file_is_written(run: Run) -> None:
 def test_headers_that_a_spreadsheet_would_run_are_quoted(run: Run, tmp_path: Path) -> None:
     """A header is text from somewhere else, also the first one of the cell that echoes it."""
     for sign in "=+-@":
-        path = short_study(tmp_path, Time=f"{sign}cmd|calc!A0")
+        path = short_study(tmp_path, {"Time": f"{sign}cmd|calc!A0"})
         result = run("compare", SCENE, path, "--velocity", "V [mm/s]", "-o", "out", "--force", "-q")
         assert result.exit_code == 0, result.stderr
         rows = rows_of(Path("out-summary.csv").read_text(encoding="utf-8"))
@@ -272,7 +273,7 @@ def test_a_wrong_unit_is_doubted(run: Run, tmp_path: Path, new: str, signal: str
     named = ("--time", "Time [s]", f"--{signal}")
     right = run("compare", SCENE, short_study(tmp_path), *named, old)
     assert "is its unit right?" not in right.stderr
-    result = run("compare", SCENE, short_study(tmp_path, **{old: new}), *named, new)
+    result = run("compare", SCENE, short_study(tmp_path, {old: new}), *named, new)
     (said,) = re.findall(
         rf"warning: the {signal} is about (\S+) times the computed one: is its unit right\?", result.stderr
     )
@@ -280,7 +281,7 @@ def test_a_wrong_unit_is_doubted(run: Run, tmp_path: Path, new: str, signal: str
 
 
 def test_a_wrong_sensitivity_or_mass_is_doubted(run: Run, tmp_path: Path) -> None:
-    volts = short_study(tmp_path, **{"V [mm/s]": "V [mV]"})
+    volts = short_study(tmp_path, {"V [mm/s]": "V [mV]"})
     named = ("--velocity", "V [mV]", "--sensitivity")
     assert "warning" not in run("compare", SCENE, volts, *named, "1mV/mm/s").stderr
     result = run("compare", SCENE, volts, *named, "0.1mV/mm/s")
