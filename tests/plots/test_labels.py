@@ -231,7 +231,7 @@ def test_a_name_is_broken_where_only_that_makes_it_fit(axes: Axes, share: float,
 def test_a_name_is_where_its_region_is_widest(axes: Axes) -> None:
     width, height = size(axes)
     x, y = np.meshgrid(np.arange(WIDTH + 1), np.arange(HEIGHT + 1))
-    ellipse = np.hypot((x - 600.0) / width, (y - 300.0) / height) < 1.2
+    ellipse = np.hypot((x - 600.0) / width, (y - 300.0) / height) < 2.0
     corridor = (x < 600.0) & (np.abs(y - 300.0) < 0.8 * height)
     assert Labeller(axes).in_region(UNBROKEN, ellipse | corridor)
     assert math.dist(middle(axes), (600.0, 300.0)) < 30.0
