@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -320,3 +320,19 @@ def test_a_speed_that_is_asked_for_stands_out(nut: SweepResult) -> None:
     (drawn,) = [line for line in only_map(figure).lines if line.get_gid() == "20 mm/s"]
     assert drawn.get_linewidth() > 2.0
     assert "20 mm/s" in said(figure)
+
+
+def test_no_line_of_zero_speed_where_no_speed_is_known() -> None:
+    drive: dict[str, Any] = {
+        "frequency": 50,
+        "drive_angle": 30,
+        "static_friction": 0.5,
+        "kinetic_friction": 0.4,
+    }
+    result = sweep(points=121, flight=False, amplitude="0.02:0.6", trough_angle="-5:20", **drive)
+    axes = only_map(map_figures(result, ["regime"])["regime"])
+    amplitude, angle = curve(axes, "zero speed").T
+    hop = np.interp(angle, result.axes["trough_angle"].values, result.limits.hop.ravel())
+    load = 1e-3 * amplitude * (2.0 * math.pi * 50.0) ** 2 / GRAVITY
+    assert load.size > 10
+    assert np.all(load < 1.05 * hop)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -249,3 +250,16 @@ def test_the_zero_of_an_acceleration_does_not_matter(offset: float) -> None:
 )
 def test_digits_far_below_the_error_are_left_out(value: float, error: float, text: str) -> None:
     assert spelled(value, error) == text
+
+
+@pytest.mark.parametrize(
+    ("share", "ratio"), [(0.2, 0.2), (0.2, 0.371), (0.2, 0.5), (0.2, 0.8), (0.3, 0.371), (0.3, 0.8)]
+)
+def test_another_machine_in_the_record_does_not_hide_the_drive(ratio: float, share: float) -> None:
+    for seed in range(4):
+        record = trough_record(noise=0.1, seed=seed, cycles=10.0 + 7.0 * seed)
+        wave = np.sin(2.0 * math.pi * 15.003 * ratio * record.time + seed)
+        shaken = {name: a + 0.5 * share * np.ptp(a) * wave for name, a in record.trough.items()}
+        drive = measured(replace(record, trough=shaken))
+        assert drive.frequency.value == pytest.approx(15.003, rel=0.01)
+        assert drive.amplitude.value == pytest.approx(TRUE["amplitude"], rel=0.15)

@@ -43,6 +43,7 @@ _NEEDS: Final = {
     **NEEDS_PART,
     **dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6"),
 }
+_SIGMAS: Final = 3.0  # standard errors by which a mean may be off
 _RAISED: Final = 1.1  # amplitude over that of the scene, where its effect is told
 
 
@@ -166,8 +167,9 @@ def _throughput(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str
     if not columns:
         return []
     values = [one.value(column) for column in columns]
-    if math.isnan(values[0]):
-        return [("throughput", "unknown")]
+    speed, error = one.result("mean_velocity"), one.result("mean_velocity_error")
+    if math.isnan(speed) or speed <= 0.0 < speed + _SIGMAS * error:
+        return [("throughput", "unknown" if math.isnan(speed) else "unknown: which way parts go is not sure")]
     rates = [
         estimate(value, value * one.relative_error, column.unit.replace("1/min", "parts/min"))
         for value, column in zip(values, columns, strict=True)

@@ -183,6 +183,11 @@ class Fields:
         largest = float(np.abs(known).max()) or 1.0
         return np.where(np.abs(known) <= _ROUNDING * largest, 0.0, -known / largest)
 
+    @property
+    def unknown(self) -> Floats:
+        """Positive where no speed is known, whatever the reason."""
+        return np.where(np.isnan(self.panel.cycle["mean_velocity"]), 0.5, -0.5)
+
     @cached_property
     def backwards(self) -> Floats:
         """Positive where bodies move backwards; where numbers are uncertain means, in patches and surely."""

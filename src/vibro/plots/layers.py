@@ -212,7 +212,7 @@ class MapLayers:
             return
         self._fill(fields.backwards, gid=BACKWARDS_LABEL, zorder=1.2, **style)
         self.legend[BACKWARDS_LABEL] = style
-        hidden = [*self._covers, fields.rest, -fields.regular]
+        hidden = [*self._covers, fields.rest, fields.unknown, -fields.regular]
         pieces = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
         self.draw_curve(ZERO_SPEED.label, ZERO_SPEED, [piece for piece in pieces if self._is_long(piece)])
 

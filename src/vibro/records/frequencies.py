@@ -42,7 +42,9 @@ _RIDGE: Final = 1e-12  # of the power of a wave
 _ROUNDING: Final = 1e-12  # of the power: less of it is not left unexplained
 # Log-likelihood that must be gained: 5 sigma, and the logarithm of the number of frequencies tried.
 _CLEAR: Final = 12.5
+_OWN: Final = 0.1  # of the power of the largest wave, which a lower one has at least if that is its harmonic
 _LEAST_SHARE: Final = 0.3  # of a signal's power that must repeat, for a frequency to be claimed
+_MOST_SHARE, _MANY_CYCLES = 0.8, 5.0  # so much in so many cycles of a wave is no noise
 _MISSING: Final = 0.05  # share of the power: with less, a wave counts as missing
 _FOREIGN: Final = 0.05  # cycles by which drive and data may drift apart over the record
 _SIGMAS: Final = 4.0  # of the frequency: less is no difference
@@ -180,15 +182,22 @@ class Repetition:
         shares = {f: self.share(f) for f in lower if self._adds(f, found.value)}
         # A fraction of the fundamental explains as much as that: the highest that explains the most.
         best = next((f for f, share in shares.items() if share > max(shares.values()) - _MISSING), None)
-        found = found if best is None else self.near(best)
-        if self.share(found.value) < _LEAST_SHARE:
-            return None
-        return found if self.is_clear(self.gain(found.value, None, self.counts(found.value))) else None
+        # Near the wave of another machine a fraction may add to what is explained, and explain little itself.
+        for candidate in ([] if best is None else [self.near(best)]) + [found]:
+            share = self.share(candidate.value)
+            # What is left may be another machine's wave, which counts as few samples, and nothing is clear.
+            clear = share >= _MOST_SHARE and candidate.value * self.span >= _MANY_CYCLES
+            clear |= self.is_clear(self.gain(candidate.value, None, self.counts(candidate.value)))
+            if clear and share >= _LEAST_SHARE:
+                return candidate
+        return None
 
     def _adds(self, lower: float, frequency: float) -> bool:
         """Whether a lower frequency has a wave of its own, and adds to what is explained."""
-        own = float(self._powers_of_waves(lower)[0].max())
-        return own > _MISSING and self.is_clear(self.gain(lower, frequency, self.counts(lower)))
+        own, largest = (float(self._powers_of_waves(f)[0].max()) for f in (lower, frequency))
+        return own > max(_MISSING, _OWN * largest) and self.is_clear(
+            self.gain(lower, frequency, self.counts(lower))
+        )
 
 
 class Foreign(NamedTuple):
