@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from nomenclature import HEADER, PLAIN_HEADER, page_with, tables
+from PIL import Image
 
 import vibro
 from vibro.quantities import QUANTITIES
@@ -182,3 +183,12 @@ def test_the_rule_of_thumb_stands_beside_what_is_computed() -> None:
 def _row(table: str, name: str) -> list[float]:
     (line,) = (line for line in table.splitlines() if name in line)
     return [float(cell) for cell in line.strip("|").split("|")[1:]]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "docs" / "images").glob("*.png")), ids=lambda path: path.name)
+def test_pictures_of_the_docs_name_no_folder_of_a_machine(path: Path) -> None:
+    """They carry the command that made them: from the project's folder, with relative paths."""
+    folder = re.compile(r"(^|[\s\"'=])(/|[A-Z]:)[\w.-]+/")
+    with Image.open(path) as image:
+        told = {str(key): str(value) for key, value in image.info.items()}
+    assert not [(key, text) for key, text in told.items() if folder.search(text)]

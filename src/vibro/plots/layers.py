@@ -45,7 +45,7 @@ __all__ = ["MapLayers"]
 _COVERS: Final = 2.0  # zorder of the uppermost cover
 # Where numbers jump to and fro, contours fall apart into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
-_HATCHED: Final = 0.01  # of the side of the map: least width of an area in which dots of a hatch are seen
+_HATCHED: Final = 0.01  # of the side of the map: least width of an area in which a hatch is seen
 _STRIPE: Final = 14.0  # [px] from one stripe over irregular motion to the next
 _FACET_TYPE: Final = 0.8  # size of type on facets, relative to that on single maps
 
@@ -207,9 +207,9 @@ class MapLayers:
     def draw_reversal(self) -> None:
         """Hatch where bodies move backwards, and draw the line on which they stand still on average."""
         fields = self.fields
-        style = {"facecolor": "none", "hatch": BACKWARDS_HATCH, "edgecolor": INK}
         if not self._shows(fields.backwards):
             return
+        style = {"facecolor": "none", "hatch": BACKWARDS_HATCH, "edgecolor": INK}
         self._fill(fields.backwards, gid=BACKWARDS_LABEL, zorder=1.2, **style)
         self.legend[BACKWARDS_LABEL] = style
         hidden = [*self._covers, fields.rest, fields.unknown, -fields.regular]
