@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from vibro import Scene, SteadyCycle, solve
-from vibro.core.groups import Loads, loads
+from vibro.core.groups import Loads, each
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,8 +54,8 @@ def at_load(
 
 def loads_of(scene: Scene) -> Loads:
     """Form the groups of scenes, as 1-D arrays over the flattened grid."""
-    groups = loads(*scene.arrays()[:7])
-    return Loads(*(np.broadcast_to(x, scene.shape).reshape(-1) for x in groups))
+    groups = scene.arrays().loads()
+    return each(groups, lambda x: np.broadcast_to(x, scene.shape).reshape(-1))
 
 
 def random_scenes(count: int, seed: int, *, most_trough_deg: float = 0.0, least_ratio: float = 0.4) -> Scene:

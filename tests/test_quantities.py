@@ -24,7 +24,7 @@ from vibro.quantities import (
     find_quantity,
     kinetic_friction,
 )
-from vibro.scene import Fields, Scene
+from vibro.scene import LinearFields, Scene
 
 
 @pytest.mark.parametrize(
@@ -123,7 +123,7 @@ def test_si_values() -> None:
 
 def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
     parameters = inspect.signature(Scene).parameters
-    assert tuple(parameters) == Fields._fields == tuple(f.name for f in dataclasses.fields(Scene))
+    assert tuple(parameters) == LinearFields._fields == tuple(f.name for f in dataclasses.fields(Scene))
     assert set(parameters) | set(STANDS_FOR) | {"trough_length"} == set(QUANTITIES)
     for name, parameter in parameters.items():
         default = QUANTITIES[name].default
@@ -133,7 +133,7 @@ def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
             assert parameter.default == QUANTITIES[name].to_si(default)
 
 
-@pytest.mark.parametrize("name", [name for name in Fields._fields if name not in ("static_friction",)])
+@pytest.mark.parametrize("name", [name for name in LinearFields._fields if name not in ("static_friction",)])
 def test_a_range_ends_where_it_says(name: str) -> None:
     quantity = QUANTITIES[name]
     for end, belongs, outward in (

@@ -128,7 +128,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
         ratio = float(scene.load) / load
         if not 0.0 < ratio < math.inf:  # beyond the range of doubles
             continue
-        amplitude, frequency = float(scene.amplitude) / ratio, float(scene.frequency) / math.sqrt(ratio)
+        amplitude, frequency = float(scene.scale) / ratio, float(scene.frequency) / math.sqrt(ratio)
         found.append(Transition(_BEGINNINGS[name], ratio, amplitude, frequency))
     return tuple(sorted(found, key=lambda transition: transition.amplitude))
 

@@ -116,6 +116,8 @@ class Range:
         """Say it: ``finite and > 0 mm``, ``in [0, 90) deg``."""
         left, right = "[" if self.with_low else "(", "]" if self.with_high else ")"
         ends = f"in {left}{self.low:g}, {self.high:g}{right}"
+        if math.isinf(self.low):
+            return f"finite {unit}".rstrip()
         above = f"finite and {'>=' if self.with_low else '>'} {self.low:g}"
         return f"{above if math.isinf(self.high) else ends} {unit}".rstrip()
 
@@ -190,7 +192,7 @@ class Quantity:
 
 
 _POSITIVE: Final = Range(0.0, with_low=False)
-_FRICTION: Final = Range(0.0)
+_ZERO_OR_MORE: Final = Range(0.0)
 
 STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
@@ -203,11 +205,17 @@ _ALL: Final = (
     Quantity("frequency", _FREQUENCY, "f", "f", ("-f", "--frequency"), _POSITIVE, "frequency of the drive"),
     Quantity("drive_angle", _ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle", "--alpha"),
              Range(0.0, 90.0), "angle of the drive's line above the trough's surface"),
-    Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _FRICTION,
+    Quantity("along_amplitude", LENGTH, "X", "X", ("--along",), _ZERO_OR_MORE,
+             "amplitude of an elliptical motion along the trough"),
+    Quantity("normal_amplitude", LENGTH, "Y", "Y", ("--normal",), _ZERO_OR_MORE,
+             "amplitude of an elliptical motion normal to the trough"),
+    Quantity("normal_phase", _ANGLE, "phi", r"\varphi", ("--phase",), Range(-math.inf, with_low=False),
+             "phase by which the normal motion leads the motion along the trough"),
+    Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
              "coefficient of friction at rest"),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
              Range(0.0, 1.0, with_high=True), "kinetic over static friction, in place of the kinetic one"),
-    Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _FRICTION,
+    Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _ZERO_OR_MORE,
              "coefficient of friction while sliding, at most the static one"),
     Quantity("trough_angle", _ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
              Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.groups import Loads, angle_excess, friction_excess, loads
+from vibro.core.groups import (
+    Loads,
+    angle_excess,
+    each,
+    elliptical_loads,
+    friction_excess,
+    larger_amplitude,
+    loads,
+)
 from vibro.errors import Problem, SceneError
 from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array
@@ -18,11 +26,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Fields", "Scene", "field_range", "field_text"]
+__all__ = ["EllipticalFields", "Fields", "LinearFields", "Scene", "field_range", "field_text"]
 
 
-class Fields(NamedTuple):
-    """The fields of a scene, in their declared order, [m, Hz, rad, 1, 1, rad, m/s^2, 1]."""
+class LinearFields(NamedTuple):
+    """A drive along a line: its scene's fields, [m, Hz, rad, 1, 1, rad, m/s^2, 1]."""
 
     amplitude: Floats
     frequency: Floats
@@ -33,12 +41,59 @@ class Fields(NamedTuple):
     gravity: Floats
     restitution: Floats
 
+    @property
+    def scale(self) -> Floats:
+        """Length that the solvers count in, A [m]."""
+        return self.amplitude
+
+    @property
+    def reach(self) -> Floats:
+        """Farthest that the trough gets from its middle [m]."""
+        return self.amplitude
+
     def loads(self) -> Loads:
         """Form the dimensionless groups, all but the restitution."""
         return loads(*self[:-1])
 
 
-_NAMES: Final = Fields._fields
+class EllipticalFields(NamedTuple):
+    """A drive along an ellipse: its scene's fields, [m, m, rad, Hz, 1, 1, rad, m/s^2, 1]."""
+
+    along_amplitude: Floats
+    normal_amplitude: Floats
+    normal_phase: Floats
+    frequency: Floats
+    static_friction: Floats
+    kinetic_friction: Floats
+    trough_angle: Floats
+    gravity: Floats
+    restitution: Floats
+
+    @property
+    def scale(self) -> Floats:
+        """Length that the solvers count in, the larger of both amplitudes [m]."""
+        return larger_amplitude(self.along_amplitude, self.normal_amplitude)
+
+    @property
+    def reach(self) -> Floats:
+        """Farthest that the trough gets from its middle, half of the ellipse's larger axis [m]."""
+        x, y = self.along_amplitude, self.normal_amplitude
+        # of the sum and the difference of two rotations against each other
+        sine, cosine = y * np.sin(self.normal_phase), y * np.cos(self.normal_phase)
+        return np.asarray(0.5 * (np.hypot(x + sine, cosine) + np.hypot(x - sine, cosine)))
+
+    def loads(self) -> Loads:
+        """Form the dimensionless groups, all but the restitution."""
+        return elliptical_loads(*self[:-1])
+
+
+Fields = LinearFields | EllipticalFields
+
+# What tells each kind of drive, and what may be left out of it.
+_DRIVES: Final = {
+    LinearFields: ("amplitude", "drive_angle"),
+    EllipticalFields: ("along_amplitude", "normal_amplitude", "normal_phase"),
+}
 
 
 def field_text(name: str, value: float) -> str:
@@ -56,27 +111,53 @@ def field_range(name: str) -> str:
     return QUANTITIES[name].allowed.text("deg" if kind.si_unit == "rad" else kind.si_unit)
 
 
+def _kind_of(values: dict[str, Any]) -> type[Fields]:
+    """Find which drive is given; fill in the phase that may be left out."""
+    given = {kind: [n for n in names if values.get(n) is not None] for kind, names in _DRIVES.items()}
+    kinds = [kind for kind, names in given.items() if names]
+    if len(kinds) != 1:
+        named = " and ".join(name for names in given.values() for name in names) or "none"
+        pairs = "either amplitude and drive_angle, or along_amplitude and normal_amplitude"
+        raise SceneError((Problem("drive", named, pairs),))
+    (kind,) = kinds
+    if kind is EllipticalFields and values.get("normal_phase") is None:
+        values["normal_phase"] = 0.0
+    missing = [name for name in _DRIVES[kind] if values.get(name) is None]
+    if missing:
+        beside = f"given beside {given[kind][0]}"
+        raise SceneError(tuple(Problem(name, "None", beside) for name in missing))
+    return kind
+
+
 @dataclass(frozen=True, eq=False, init=False)
 class Scene:
     """One operating point, a line of them, or a whole grid.
 
     The fields broadcast against each other like the arguments of a NumPy ufunc. They are
-    copied, converted to ``float64`` and made read-only. A point body lies on a rigid trough that
-    moves as ``amplitude * sin(2 pi frequency t)`` along a line ``drive_angle`` above the trough's
-    surface; Coulomb friction with stiction acts between the two.
+    copied, converted to ``float64`` and made read-only. A point body lies on a rigid trough;
+    Coulomb friction with stiction acts between the two. The trough moves either along a line, as
+    ``amplitude * sin(2 pi frequency t)`` in the direction ``drive_angle``, or along an ellipse, as
+    ``along_amplitude * sin(2 pi frequency t)`` along its surface and
+    ``normal_amplitude * sin(2 pi frequency t + normal_phase)`` normal to it.
 
     Parameters
     ----------
     amplitude : array_like
-        Amplitude of the trough's motion, half of its stroke, > 0 [m].
+        Amplitude of a motion along a line, half of its stroke, > 0 [m].
+    drive_angle : array_like
+        Angle of that line above the trough's surface, in [0, pi/2) [rad].
+    along_amplitude, normal_amplitude : array_like
+        Amplitudes of an elliptical motion, in place of the former two: along the trough, positive in the
+        conveying direction, and normal to it, positive upwards; >= 0 [m].
+    normal_phase : array_like, optional
+        Phase by which the normal motion leads the motion along the trough, modulo 2 pi [rad]. Others count
+        the lag, or from the normal motion: theory.md, section 13.
     frequency : array_like
         Drive frequency, > 0 [Hz].
-    drive_angle : array_like
-        Angle of the drive's line above the trough's surface, in [0, pi/2) [rad].
     static_friction, kinetic_friction : array_like
         Coefficients of friction mu_s and mu_d, ``0 <= mu_d <= mu_s`` [1].
     trough_angle : array_like, optional
-        Climb of the trough in the conveying direction, in (-pi/2, pi/2), and
+        Climb of the trough in the conveying direction, in (-pi/2, pi/2), and along a line
         ``drive_angle + trough_angle < pi/2`` [rad].
     gravity : array_like, optional
         Acceleration of gravity, > 0 [m/s^2].
@@ -86,7 +167,8 @@ class Scene:
     Raises
     ------
     SceneError
-        If a field, or a combination of fields, is out of its range; it lists all that is wrong.
+        If a field, or a combination of fields, is out of its range, or not one drive is given; it lists all
+        that is wrong.
 
     Examples
     --------
@@ -94,11 +176,17 @@ class Scene:
     >>> Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20),
     ...       static_friction=0.74, kinetic_friction=0.57).shape
     ()
+    >>> Scene(along_amplitude=1e-3, normal_amplitude=3e-4, normal_phase=math.radians([-60, 0, 60]),
+    ...       frequency=25, static_friction=0.4, kinetic_friction=0.3).shape
+    (3,)
     """
 
-    amplitude: Floats
+    amplitude: Floats | None
     frequency: Floats
-    drive_angle: Floats
+    drive_angle: Floats | None
+    along_amplitude: Floats | None
+    normal_amplitude: Floats | None
+    normal_phase: Floats | None
     static_friction: Floats
     kinetic_friction: Floats
     trough_angle: Floats
@@ -108,9 +196,12 @@ class Scene:
     def __init__(
         self,
         *,
-        amplitude: ArrayLike,
+        amplitude: ArrayLike | None = None,
         frequency: ArrayLike,
-        drive_angle: ArrayLike,
+        drive_angle: ArrayLike | None = None,
+        along_amplitude: ArrayLike | None = None,
+        normal_amplitude: ArrayLike | None = None,
+        normal_phase: ArrayLike | None = None,
         static_friction: ArrayLike,
         kinetic_friction: ArrayLike,
         trough_angle: ArrayLike = 0.0,
@@ -152,49 +243,59 @@ class Scene:
 
     @property
     def load(self) -> Floats:
-        """Peak acceleration of the drive over gravity, G = A w^2 / g [1]."""
+        """Largest acceleration of the trough over gravity, G; A w^2 / g along a line [1]."""
         with np.errstate(over="ignore", invalid="ignore"):  # inf, or NaN, beyond the range of doubles
             w = 2.0 * np.pi * self.frequency
-            return np.asarray(self.amplitude * w**2 / self.gravity)
+            return np.asarray(self.arrays().reach * w**2 / self.gravity)
+
+    @property
+    def scale(self) -> Floats:
+        """Length that the solvers count in: A, or the larger of X and Y [m]."""
+        return self.arrays().scale
 
     def arrays(self) -> Fields:
-        """Return the fields in their declared order."""
-        return Fields(*(getattr(self, name) for name in _NAMES))
+        """Return the fields of this scene's drive, in their declared order."""
+        kind = LinearFields if self.amplitude is not None else EllipticalFields
+        return kind._make(getattr(self, name) for name in kind._fields)
 
     def flat(self) -> Fields:
         """Return the fields as 1-D arrays over all scenes, in the order of their cells."""
         shape = self.shape
-        return Fields(*(np.broadcast_to(x, shape).reshape(-1) for x in self.arrays()))
+        flat: Fields = each(self.arrays(), lambda x: np.broadcast_to(x, shape).reshape(-1))
+        return flat
 
     @property
     def infeasible(self) -> NDArray[np.bool_]:
-        """Whether each combination cannot be: mu_d > mu_s, or drive + trough angle of 90 deg or more."""
-        friction = friction_excess(self.static_friction, self.kinetic_friction) > 0.0
-        angles = angle_excess(self.drive_angle, self.trough_angle) >= 0.0
-        return np.broadcast_to(friction | angles, self.shape)
+        """Whether each combination cannot be: mu_d > mu_s, or a line's drive + trough angle >= 90 deg."""
+        bad = friction_excess(self.static_friction, self.kinetic_friction) > 0.0
+        if self.drive_angle is not None:
+            bad = bad | (angle_excess(self.drive_angle, self.trough_angle) >= 0.0)
+        return np.broadcast_to(bad, self.shape)
 
     def _set(self, values: dict[str, Any]) -> None:
-        problems = []
-        for name in _NAMES:
-            try:
-                x = real_array(values[name])
-            except NotRealError as exc:
-                problems.append(Problem(name, exc.value, exc.allowed))
-                continue
-            x.flags.writeable = False
+        kind, problems = _kind_of(values), []
+        for name in self.__dataclass_fields__:
+            x = None
+            if name in kind._fields:
+                try:
+                    x = real_array(values[name])
+                except NotRealError as exc:
+                    problems.append(Problem(name, exc.value, exc.allowed))
+                    continue
+                x.flags.writeable = False
             object.__setattr__(self, name, x)
         if problems:
             raise SceneError(tuple(problems))
         try:
             _ = self.shape
         except ValueError:
-            shapes = ", ".join(f"{name} {getattr(self, name).shape}" for name in _NAMES)
+            shapes = ", ".join(f"{name} {x.shape}" for name, x in self.arrays()._asdict().items())
             problem = Problem("shapes", shapes, "broadcastable against each other, like a ufunc's arguments")
             raise SceneError((problem,)) from None
 
     def _field_problems(self) -> list[Problem]:
         problems = []
-        for name, x in zip(_NAMES, self.arrays(), strict=True):
+        for name, x in self.arrays()._asdict().items():
             good = np.isfinite(x) & QUANTITIES[name].allows(x)
             if np.count_nonzero(good) < x.size:
                 problems.append(Problem(name, field_text(name, float(x[~good].flat[0])), field_range(name)))
@@ -209,6 +310,8 @@ class Scene:
             )
             limit = f"<= static_friction = {mu_s[bad].flat[0]:.15g}"
             problems.append(Problem("kinetic_friction", f"{mu_d[bad].flat[0]:.15g}", limit))
+        if self.drive_angle is None:
+            return problems
         with np.errstate(over="ignore", invalid="ignore"):  # of angles that are no angles
             bad = angle_excess(self.drive_angle, self.trough_angle) >= 0.0
         if np.count_nonzero(bad):  # what is wrong with either alone has been said

@@ -12,18 +12,18 @@ from vibro.core.contact.solver import SteadyState, steady_state
 from vibro.core.flight.averages import AVERAGES
 from vibro.core.flight.coexistence import coexisting
 from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, cycles, short_cycles
-from vibro.core.groups import Loads
+from vibro.core.groups import each
 from vibro.errors import InputError, shown
 from vibro.parallel import BLOCK, grid_blocks, in_parallel, within
 from vibro.results.steady import RESULTS, SteadyCycle
-from vibro.scene import Fields
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from vibro.scene import Scene
+    from vibro.core.groups import Loads
+    from vibro.scene import Fields, Scene
 
     Floats = NDArray[np.float64]
     Hopping = Callable[[Loads, Floats], HoppingCycles]
@@ -100,14 +100,14 @@ def solve(
     shape = scene.shape
     grid = shape or (1,)
     ones = (1,) * len(grid)
-    inputs = Fields(*(a.reshape(ones[a.ndim :] + a.shape) for a in scene.arrays()))
+    inputs = each(scene.arrays(), lambda a: a.reshape(ones[a.ndim :] + a.shape))
     blocks = list(grid_blocks(grid, BLOCK))
     out = _unsolved(grid)
 
     def contact(block: tuple[slice, ...]) -> None:
         part = inputs
         if len(blocks) > 1:
-            part = Fields(*(a[within(block, a.shape)] for a in inputs))
+            part = each(inputs, lambda a: a[within(block, a.shape)])
         _solve_block({name: array[block] for name, array in vars(out).items()}, part, classes_alone)
 
     in_parallel(contact, blocks)
@@ -120,7 +120,7 @@ def solve(
 
             def hops(cells: NDArray[np.intp], model: Hopping = model) -> None:
                 where = np.unravel_index(cells, grid)
-                _solve_hops(out, cells, Fields(*(_at(where, a) for a in inputs)), model)
+                _solve_hops(out, cells, each(inputs, lambda a: _at(where, a)), model)
 
             in_parallel(hops, [left[i : i + size] for i in range(0, left.size, size)])
             left = left[out.status.reshape(-1)[left] == int(Status.UNRESOLVED)]
@@ -130,7 +130,7 @@ def solve(
 
             def look(cells: NDArray[np.intp]) -> None:
                 where = np.unravel_index(cells, grid)
-                _look_for_others(out, cells, Fields(*(_at(where, a) for a in inputs)))
+                _look_for_others(out, cells, each(inputs, lambda a: _at(where, a)))
 
             in_parallel(look, [known[i : i + _LOOKED_AT] for i in range(0, known.size, _LOOKED_AT)])
     return out if shape else SteadyCycle(**{name: array[0] for name, array in vars(out).items()})
@@ -161,12 +161,12 @@ def _solve_block(part: dict[str, NDArray[Any]], inputs: Fields, classes_alone: b
     # views: blocks are contiguous
     flat = part if len(shape) == 1 else {name: array.reshape(-1) for name, array in part.items()}
     state = SteadyState(*(flat[name] for name in _OF_STATE))
-    loads = Loads(*(_flat(group, shape) for group in inputs.loads()))
+    loads = each(inputs.loads(), lambda group: _flat(group, shape))
     steady_state(loads, state, classes_alone=classes_alone)
     with np.errstate(over="ignore"):  # inf where the result is beyond the range of doubles
-        part["displacement_per_cycle"] *= inputs.amplitude
+        part["displacement_per_cycle"] *= inputs.scale
         np.multiply(part["displacement_per_cycle"], inputs.frequency, out=part["mean_velocity"])
-        part["peak_velocity"] *= 2.0 * np.pi * inputs.frequency * inputs.amplitude
+        part["peak_velocity"] *= 2.0 * np.pi * inputs.frequency * inputs.scale
     flat["period_cycles"].fill(1.0)
     unanswered = np.isnan(flat["displacement_per_cycle"]).nonzero()[0]
     if unanswered.size:
@@ -193,10 +193,10 @@ def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], inputs: Fields, model
     found["pattern_code"] = np.where(answered, codes, 0)
     found["model_code"] = np.where(answered, np.int8(Model.FLIGHT), np.int8(Model.NONE))
     with np.errstate(over="ignore"):
-        speed = 2.0 * np.pi * inputs.frequency * inputs.amplitude
-        found["displacement_per_cycle"] = inputs.amplitude * cycles.displacement
+        speed = 2.0 * np.pi * inputs.frequency * inputs.scale
+        found["displacement_per_cycle"] = inputs.scale * cycles.displacement
         found["mean_velocity"] = found["displacement_per_cycle"] * inputs.frequency
-        found["mean_velocity_error"] = inputs.amplitude * found.pop("deviation") * inputs.frequency
+        found["mean_velocity_error"] = inputs.scale * found.pop("deviation") * inputs.frequency
         for name in ("peak_velocity", "impact_velocity"):
             found[name] = speed * found[name]
     for name, values in found.items():
@@ -205,7 +205,7 @@ def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], inputs: Fields, model
 
 def _look_for_others(out: SteadyCycle, cells: NDArray[np.intp], inputs: Fields) -> None:
     """Tell in place whether other motions coexist, at flat indices of the grid."""
-    speed = 2.0 * np.pi * inputs.frequency * inputs.amplitude
+    speed = 2.0 * np.pi * inputs.frequency * inputs.scale
     period, impact = (x.reshape(-1)[cells] for x in (out.period_cycles, out.impact_velocity))
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         found = coexisting(inputs.loads(), inputs.restitution, period, impact / speed)

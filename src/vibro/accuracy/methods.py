@@ -119,7 +119,7 @@ def _by_vibro(level: Level, scene: Scene, tick: Tick) -> Answers:
         start = time.perf_counter()
         cycle = solve(batch, accuracy=level)
         seconds.append(time.perf_counter() - start)
-    displacement = cycle.displacement_per_cycle[:n] / scene.amplitude
+    displacement = cycle.displacement_per_cycle[:n] / scene.scale
     if level is Level.REGIMES:
         displacement[:] = np.nan  # the zeros of bodies at rest are known, but no speed was computed
     return Answers(displacement, cycle.regime[:n], min(seconds) * n / batch.shape[0])

@@ -112,7 +112,7 @@ def _table(found: Sequence[Interval]) -> str:
 
 def _at_best(scene: Scene) -> str:
     """Say how fast a body gets that does not hop."""
-    loads, per_load = critical_loads(scene), float(scene.amplitude / scene.load)
+    loads, per_load = critical_loads(scene), float(scene.scale / scene.load)
     starts, hops = (per_load * float(load) for load in (loads.forward_onset, loads.hop))
     low = starts or _LEAST * hops
     high = (1.0 - _BESIDE) * hops if math.isfinite(hops) else _MOST * low

@@ -154,7 +154,7 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     ratio = float(one.scene.load) / load
     if not 0.0 < ratio < math.inf:  # beyond the range of doubles
         return told
-    amplitude = number(LENGTH.from_si(float(one.scene.amplitude) / ratio), "mm")
+    amplitude = number(LENGTH.from_si(float(one.scene.scale) / ratio), "mm")
     frequency = number(float(one.scene.frequency) / math.sqrt(ratio), "Hz")
     return f"{told}: {edge} above {amplitude} or {frequency} (load now / then {number(ratio)})"
 

@@ -7,30 +7,51 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Loads", "angle_excess", "cosine_of_sum", "friction_excess", "loads", "put", "take"]
+__all__ = [
+    "Lead", "Loads", "angle_excess", "cosine_of_sum", "each", "elliptical_loads", "friction_excess",
+    "larger_amplitude", "loads", "put", "take",
+]  # fmt: skip
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
 _LEAST_GRAVITY: Final = 1e-307
 _MOST_GRAVITY: Final = 1e307
 
 
+class Lead(NamedTuple):
+    """Phase phi by which the normal motion leads the motion along the trough, in [-pi, pi]."""
+
+    angle: Floats
+    sine: Floats
+    cosine: Floats
+
+
 class Loads(NamedTuple):
-    """Loads on the body over its peak inertial load m A w^2; the fields broadcast against each other.
+    """Loads on the body over the inertial load m A w^2; the fields broadcast against each other.
+
+    Phases are those of the trough's motion normal to itself, which leads its motion along itself by phi: the
+    inertial load off the trough is ``across * sin(p)``, that along it ``along * sin(p - phi)``. So lift-off
+    and flights do not depend on phi.
 
     Attributes
     ----------
     along, across : array
-        cos(alpha) and sin(alpha): inertial load along the trough and off it.
+        Inertial load along the trough and off it: cos(alpha) and sin(alpha) of a drive along a line; of an
+        elliptical one X/A and Y/A, where A is the larger of its amplitudes X and Y.
     normal, tangential : array
         cos(beta)/G and sin(beta)/G: weight on the trough and down it, G = A w^2 / g.
     contrast : array
-        cos(alpha + beta)/G = along * normal - across * tangential, of which it has no cancellation.
+        along * normal - across * tangential: cos(alpha + beta)/G of a drive along a line, of which it has no
+        cancellation.
     static_friction, kinetic_friction : array
         mu_s and mu_d.
+    lead : Lead, or None
+        phi of elliptical drives; None where all drives move along lines, whose formulas are shorter.
     """
 
     along: Floats
@@ -40,12 +61,28 @@ class Loads(NamedTuple):
     contrast: Floats
     static_friction: Floats
     kinetic_friction: Floats
+    lead: Lead | None = None
 
     @property
     def infeasible(self) -> NDArray[np.bool_]:
-        """Whether a combination cannot be: mu_d > mu_s, or drive + trough angle of 90 deg or more."""
+        """Whether a combination cannot be: mu_d > mu_s, or a line's drive + trough angle >= 90 deg."""
         friction = friction_excess(self.static_friction, self.kinetic_friction) > 0.0
-        return np.asarray(friction | (self.contrast <= 0.0))
+        return np.asarray(friction if self.lead else friction | (self.contrast <= 0.0))
+
+    def flattened(self) -> tuple[Floats, ...]:
+        """Return all arrays one after the other."""
+        return (
+            self.along, self.across, self.normal, self.tangential, self.contrast, self.static_friction,
+            self.kinetic_friction, *(self.lead or ()),
+        )  # fmt: skip
+
+    def along_sine(self, phase: Floats) -> Floats:
+        """Sine of the motion along the trough, at a phase of the normal motion."""
+        return np.asarray(np.sin(phase - self.lead.angle if self.lead else phase))
+
+    def along_cosine(self, phase: Floats) -> Floats:
+        """Cosine of the motion along the trough, at a phase of the normal motion."""
+        return np.asarray(np.cos(phase - self.lead.angle if self.lead else phase))
 
 
 def friction_excess(static_friction: Floats, kinetic_friction: Floats) -> Floats:
@@ -71,9 +108,7 @@ def loads(
 
     1/G rather than G is formed, from factors that stay finite when A, f or G are extreme.
     """
-    with np.errstate(over="ignore", divide="ignore"):
-        w = 2.0 * np.pi * frequency
-        weight = (gravity / w / amplitude / w).clip(_LEAST_GRAVITY, _MOST_GRAVITY)  # 1/G
+    weight = _weight(amplitude, frequency, gravity)
     along, across = np.cos(drive_angle), np.sin(drive_angle)
     if not np.count_nonzero(trough_angle):
         level = np.zeros(())
@@ -89,6 +124,48 @@ def loads(
     )
 
 
+def elliptical_loads(
+    along_amplitude: Floats,
+    normal_amplitude: Floats,
+    normal_phase: Floats,
+    frequency: Floats,
+    static_friction: Floats,
+    kinetic_friction: Floats,
+    trough_angle: Floats,
+    gravity: Floats,
+) -> Loads:
+    """Form the groups of elliptical drives, in SI units and radians; their scale is ``larger_amplitude``."""
+    scale = larger_amplitude(along_amplitude, normal_amplitude)
+    weight = _weight(scale, frequency, gravity)
+    along, across = along_amplitude / scale, normal_amplitude / scale
+    tangential = weight * np.sin(trough_angle) if np.count_nonzero(trough_angle) else np.zeros(())
+    normal = weight * np.cos(trough_angle)
+    sine, cosine = np.sin(normal_phase), np.cos(normal_phase)
+    return Loads(
+        along=along,
+        across=across,
+        normal=normal,
+        tangential=tangential,
+        contrast=along * normal - across * tangential,
+        static_friction=static_friction,
+        kinetic_friction=kinetic_friction,
+        lead=Lead(np.arctan2(sine, cosine), sine, cosine),
+    )
+
+
+def larger_amplitude(along_amplitude: Floats, normal_amplitude: Floats) -> Floats:
+    """Scale of the lengths of elliptical drives; 1 where the trough stands still."""
+    larger = np.maximum(along_amplitude, normal_amplitude)
+    return np.where(larger > 0.0, larger, 1.0)
+
+
+def _weight(amplitude: Floats, frequency: Floats, gravity: Floats) -> Floats:
+    """1/G, within the range whose products neither overflow nor vanish."""
+    with np.errstate(over="ignore", divide="ignore"):
+        w = 2.0 * np.pi * frequency
+        return np.asarray((gravity / w / amplitude / w).clip(_LEAST_GRAVITY, _MOST_GRAVITY))
+
+
 def cosine_of_sum(drive_angle: Floats, trough_angle: Floats) -> Floats:
     """cos(alpha + beta); 0 from 90 deg on, where the double next to it still has a positive cosine."""
     excess = angle_excess(drive_angle, trough_angle)
@@ -98,11 +175,19 @@ def cosine_of_sum(drive_angle: Floats, trough_angle: Floats) -> Floats:
 def take(group: Any, cells: NDArray[np.intp]) -> Any:
     """Select cells of a nested (named) tuple of arrays by index; 0-d members serve every cell."""
     if not isinstance(group, tuple):
-        return group.take(cells) if group.ndim else group
+        return group.take(cells) if group is not None and group.ndim else group
     members = [
-        take(member, cells) if isinstance(member, tuple) else member.take(cells) if member.ndim else member
+        member.take(cells) if isinstance(member, np.ndarray) and member.ndim else take(member, cells)
         for member in group
     ]
+    return group._make(members) if hasattr(group, "_make") else tuple(members)
+
+
+def each(group: Any, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Any:
+    """Change every array of a nested (named) tuple of arrays; None stays what it is."""
+    if not isinstance(group, tuple):
+        return None if group is None else change(group)
+    members = [each(member, change) for member in group]
     return group._make(members) if hasattr(group, "_make") else tuple(members)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibro.core.contact.derivatives import displacement_gradient
-from vibro.core.groups import Loads
+from vibro.core.groups import each
 from vibro.errors import Problem, SceneError
 from vibro.steady import solve
 
@@ -48,8 +48,8 @@ def speed_costs(scene: Scene) -> dict[str, float]:
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
     cycle = solve(scene, flight=False)
-    groups = Loads(*(np.reshape(group, 1) for group in scene.arrays().loads()))
-    displacement = float(cycle.displacement_per_cycle / scene.amplitude) or math.nan
+    groups = each(scene.arrays().loads(), lambda group: np.reshape(group, 1))
+    displacement = float(cycle.displacement_per_cycle / scene.scale) or math.nan
     gradient = displacement_gradient(groups, np.reshape(cycle.pattern_code, 1))
     change = {name: float(slope[0]) / displacement for name, slope in gradient._asdict().items()}
     angles_and_frictions = ("drive_angle", "static_friction", "kinetic_friction")

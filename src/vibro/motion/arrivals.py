@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.flight.cycles import MOST_THROW
-from vibro.core.groups import take
+from vibro.core.groups import each, take
 from vibro.core.walk.arrival import arrival_cycles
 from vibro.core.walk.steps import course_of
 from vibro.results.steady import lengths_of
-from vibro.scene import Fields
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -75,8 +74,8 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
 def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Floats:
     """Arrival times from any start, of the shape of ``length``; velocity in m/s."""
     with np.errstate(over="ignore"):  # of an amplitude near 0, whose scene is not followed
-        advance = solve(scene).displacement_per_cycle / scene.amplitude
-    fields = Fields(*(np.broadcast_to(x, length.shape).reshape(-1) for x in scene.arrays()))
+        advance = solve(scene).displacement_per_cycle / scene.scale
+    fields = each(scene.arrays(), lambda x: np.broadcast_to(x, length.shape).reshape(-1))
     advance, reach = (np.broadcast_to(x, length.shape).reshape(-1) for x in (advance, length))
     groups = fields.loads()
     out = np.full(length.size, np.nan)
@@ -85,8 +84,8 @@ def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Flo
         cells = followed[i : i + _BLOCK]
         part = take(fields, cells)
         course = course_of(take(groups, cells), part.restitution)
-        start = velocity / (part.amplitude * _TURN * part.frequency)
-        target = reach[cells] / part.amplitude
+        start = velocity / (part.scale * _TURN * part.frequency)
+        target = reach[cells] / part.scale
         cycles = arrival_cycles(course, target, np.full(cells.size, phase), start, advance[cells])
         out[cells] = cycles / part.frequency
     return out.reshape(length.shape)

@@ -101,7 +101,7 @@ def simulate(
         why = "its loads or frictions are too extreme" if status.answered else status.message
         raise VibroError(f"no motion to follow: {why}")
     frequency = float(scene.frequency)
-    velocity = start_velocity / frequency / (float(scene.amplitude) * _TURN)
+    velocity = start_velocity / frequency / (float(scene.scale) * _TURN)
     if not abs(velocity) <= EXTREME:
         limit = f"at most {EXTREME:g} times the peak speed of the trough"
         raise SceneError((Problem("start_velocity", f"{start_velocity:.15g} m/s", limit),))

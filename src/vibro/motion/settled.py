@@ -77,10 +77,8 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
     legs = cycle_legs(groups, int(cycle.pattern_code))
     if cycle.regime == Regime.HOPPING:
         legs = _legs_with_flights(course_of(groups, fields.restitution))
-    w, amplitude = 2.0 * math.pi * float(scene.frequency), float(scene.amplitude)
-    return tuple(
-        CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * amplitude) for leg in legs
-    )
+    w, scale = 2.0 * math.pi * float(scene.frequency), float(scene.scale)
+    return tuple(CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * scale) for leg in legs)
 
 
 def _legs_with_flights(course: Course) -> list[CycleLeg]:
@@ -173,7 +171,7 @@ def settled_motion(scene: Scene) -> SettledMotion:
     ends = history.sample([since, since + 1.0 / frequency], side="left")
     advance = float(cycle.displacement_per_cycle)
     moved = float(ends.position[1] - ends.position[0])
-    if abs(moved - advance) > _PERIODIC * max(abs(advance), float(scene.amplitude)):
+    if abs(moved - advance) > _PERIODIC * max(abs(advance), float(scene.scale)):
         raise VibroError(
             "no steady motion to compare with: the body repeats its motion only every few cycles"
         )

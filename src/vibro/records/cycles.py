@@ -12,7 +12,7 @@ from vibro.core.codes import PATTERNS, Pattern, Regime, is_answered
 from vibro.core.contact.cycle import never_at_rest, resting_start
 from vibro.core.contact.onset import thresholds
 from vibro.core.contact.slide import slide, start_inside
-from vibro.core.groups import Loads, take
+from vibro.core.groups import each, take
 from vibro.errors import VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import computed
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Onset
+    from vibro.core.groups import Loads
     from vibro.motion.settled import SettledMotion
 
     Floats = NDArray[np.float64]
@@ -158,7 +159,7 @@ def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
     labels = labels_of(values)
     slides = np.zeros((4, 2, labels.size))
     groups = Scene.allowing_infeasible(**values).flat().loads()
-    scenes = Loads(*(np.broadcast_to(member, labels.shape) for member in groups))
+    scenes = each(groups, lambda member: np.broadcast_to(member, labels.shape))
     for label in set(labels.tolist()) - {"", "_", HOPS}:
         cells = np.flatnonzero(labels == label)
         for row, columns in _slides(take(scenes, cells), label).items():

@@ -53,7 +53,7 @@ def bounds_of(scene: Scene, names: Sequence[str]) -> Floats:
     bounds = np.array([_BOUNDS[name] for name in names]).T
     for column, name in enumerate(names):
         if name == "amplitude":
-            bounds[:, column] *= float(scene.amplitude)
+            bounds[:, column] *= float(scene.scale)
         elif name == "drive_angle":
             upright = 0.5 * math.pi - float(scene.trough_angle)
             bounds[1, column] = min(bounds[1, column], upright - _BOUNDS["drive_angle"][0])
@@ -82,7 +82,7 @@ class Problem:
     def __init__(self, scene: Scene, observation: Observation, names: Sequence[str]) -> None:
         self.observation = observation
         self.names = tuple(names)
-        self.fixed = {name: float(getattr(scene, name)) for name in scene.__dataclass_fields__}
+        self.fixed = {name: float(value) for name, value in scene.arrays()._asdict().items()}
         self.bounds = bounds_of(scene, names)
         self.count = 0.0
         self._weights: dict[str, Floats] = {}

@@ -159,7 +159,7 @@ class History:
         """Displacement per drive cycle once the phases repeat [m]."""
         if not self._motion.period:
             return math.nan
-        return float(self.scene.amplitude) * self._motion.advance / self._motion.period
+        return float(self.scene.scale) * self._motion.advance / self._motion.period
 
     @cached_property
     def phases(self) -> tuple[Phase, ...]:
@@ -230,8 +230,8 @@ class History:
     @property
     def _units(self) -> tuple[float, float]:
         """A and A w."""
-        amplitude, frequency = float(self.scene.amplitude), float(self.scene.frequency)
-        return amplitude, amplitude * _TURN * frequency
+        scale = float(self.scene.scale)
+        return scale, scale * _TURN * float(self.scene.frequency)
 
     def _row(self, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Rows of ``_legs`` of the phases with these numbers, and how often their cycle was completed."""

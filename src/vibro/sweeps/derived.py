@@ -8,7 +8,7 @@ import numpy as np
 
 from vibro.core.codes import HOPPING_PATTERNS, Pattern, Status
 from vibro.core.contact.derivatives import displacement_gradient
-from vibro.core.groups import Loads, take
+from vibro.core.groups import each, take
 from vibro.limits import stays_upright, tipping_load
 from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.steady import (
@@ -75,12 +75,12 @@ def _speed_exponent(block: Block) -> Floats:
     """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where none is conveyed."""
     cycle, scene = block.cycle, scene_of(block.values)
     pattern = cycle.pattern_code.reshape(-1)
-    displacement = (cycle.displacement_per_cycle / scene.amplitude).reshape(-1)
+    displacement = (cycle.displacement_per_cycle / scene.scale).reshape(-1)
     one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
     conveyed = np.abs(displacement) > np.where(one_way, 0.0, LEAST_DIFFERENCE)
     slides = (pattern > Pattern.R) & (pattern < HOPPING_PATTERNS)
     cells = np.flatnonzero(slides & conveyed & (cycle.status.reshape(-1) == Status.OK))
-    groups = Loads(*(np.broadcast_to(x, block.shape).reshape(-1) for x in scene.arrays().loads()))
+    groups = each(scene.arrays().loads(), lambda x: np.broadcast_to(x, block.shape).reshape(-1))
     slope = displacement_gradient(take(groups, cells), pattern[cells]).log_load
     exponent = np.full(pattern.size, np.nan)
     exponent[cells] = 1.0 + slope / displacement[cells]

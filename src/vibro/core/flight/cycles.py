@@ -116,7 +116,7 @@ def one_each(
     scene: Loads, restitution: Floats, solve: Callable[[Loads, Floats, Floats], HoppingCycles]
 ) -> HoppingCycles:
     """Solve scenes in which a body can rest, from their groups, throw numbers and restitutions."""
-    n = np.broadcast(*scene, restitution).size
+    n = np.broadcast(*scene.flattened(), restitution).size
     throw = np.broadcast_to(scene.across / scene.normal, n)
     out = unresolved(n)
     mu_s = scene.static_friction

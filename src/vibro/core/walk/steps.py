@@ -19,12 +19,13 @@ from vibro.core.contact.slide import Onset, slide, start_inside
 from vibro.core.flight.landing import after_landing
 from vibro.core.flight.trajectory import ONE_CYCLE, Flight, flight, lift_off_flight
 from vibro.core.free import free_motion
-from vibro.core.groups import Loads, put, take
+from vibro.core.groups import each, put, take
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Floats
+    from vibro.core.groups import Loads
 
     Bools = NDArray[np.bool_]
     Counts = NDArray[np.int64]
@@ -119,8 +120,8 @@ class Step(NamedTuple):
 
 def course_of(scene: Loads, restitution: Floats) -> Course:
     """Prepare scenes, 1-D."""
-    n = np.broadcast(*scene, restitution).size
-    scene = Loads._make(np.broadcast_to(x, n) for x in scene)
+    n = np.broadcast(*scene.flattened(), restitution).size
+    scene = each(scene, lambda x: np.broadcast_to(x, n))
     at = thresholds(scene)
     track = track_of(scene)
     rests = np.abs(scene.tangential) < scene.static_friction * scene.normal
