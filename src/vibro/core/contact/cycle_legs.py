@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vibro.core.codes import PATTERNS
-from vibro.core.contact.cycle import never_at_rest, resting_start
+from vibro.core.contact.never_at_rest import never_at_rest
 from vibro.core.contact.onset import thresholds
 from vibro.core.contact.slide import slide, start_inside
+from vibro.core.contact.starts import resting_start
 
 if TYPE_CHECKING:
     from vibro.core.contact.slide import Onset

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.contact.windows import static_lifts
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -27,10 +29,10 @@ class Margins(NamedTuple):
     Attributes
     ----------
     forward, back : array
-        (1 - s_f)(a + mu_s b)/G and (1 - s_b)(a - mu_s b)/G, sharing their rounding: > 0 where the load
-        exceeds static friction that way, Eq. (5).
+        (1 - s_f) C_f and (1 - s_b) C_b, sharing their rounding: > 0 where the load exceeds static friction
+        that way, Eqs. (5) and (53).
     forward_load, back_load : array
-        (a + mu_s b)/G and (a - mu_s b)/G.
+        C_f and C_b: a + mu_s b and a - mu_s b of drives along a line.
     """
 
     forward: Floats
@@ -69,13 +71,12 @@ def thresholds(scene: Loads) -> Thresholds:
     # A friction that overflows holds everything: no comparison with inf or NaN says that a slide begins.
     with np.errstate(over="ignore", invalid="ignore"):
         hold = scene.static_friction * scene.normal
-        lift = scene.static_friction * scene.across
+        ahead, behind = static_lifts(scene)
         slack = scene.along - hold
-        tilt = lift - scene.tangential
-        forward_margin = slack + tilt
-        back_margin = slack - tilt
-        forward_load = scene.along + lift
-        back_load = scene.along - lift
+        forward_margin = slack + (ahead - scene.tangential)
+        back_margin = slack + (behind + scene.tangential)
+        forward_load = scene.along + ahead
+        back_load = scene.along + behind
         noise = FEW_ULP * (forward_load + hold + np.abs(scene.tangential))
         can_slip_back = back_load > 0.0
         throw = scene.across - scene.normal

@@ -118,7 +118,7 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
         np.copyto(out.coexists, 1, where=loose)
     _withdraw(out, np.isnan(out.displacement))
     if exceptions.size:
-        _except(out, exceptions, take(scene, exceptions), at.hops[exceptions])
+        _except(out, exceptions, take(scene, exceptions), take(at, exceptions))
     if classes_alone:
         _withdraw(out, (out.regime == Regime.FORWARD_SLIP) | (out.regime == Regime.BACK_SLIP))
 
@@ -152,12 +152,12 @@ def _withdraw(out: SteadyState, which: Bools) -> None:
             numbers[cells] = np.nan
 
 
-def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools) -> None:
+def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, at: Thresholds) -> None:
     """Give scenes without a steady contact cycle the status that says why."""
     hold = scene.static_friction * scene.normal
     lean = scene.tangential
     infeasible = np.broadcast_to(scene.infeasible, cells.shape)
-    kinds = [infeasible, hops, scene.static_friction == 0.0]  # the rest is unheld
+    kinds = [infeasible, at.hops, scene.static_friction == 0.0]  # the rest is unheld
     status = np.select(
         kinds, [Status.INFEASIBLE, Status.FLIGHT_NOT_MODELLED, Status.INDETERMINATE], Status.RUNAWAY
     )
@@ -171,7 +171,7 @@ def _except(out: SteadyState, cells: NDArray[np.intp], scene: Loads, hops: Bools
         numbers[cells] = np.nan
     # Where nothing rests, any load makes it slip.
     out.forward_ratio[cells] = np.where(hold + lean > 0.0, out.forward_ratio[cells], np.inf)
-    slips_back = (hold - lean <= 0.0) & (scene.along > scene.static_friction * scene.across)
+    slips_back = (hold - lean <= 0.0) & (at.margins.back_load > 0.0)
     out.back_ratio[cells] = np.where(slips_back, np.inf, out.back_ratio[cells])
     for ratio in (out.throw_number, out.forward_ratio, out.back_ratio):
         ratio[cells[infeasible]] = np.nan

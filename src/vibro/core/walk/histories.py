@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Mode
-from vibro.core.contact.cycle import never_at_rest, resting_start
+from vibro.core.contact.never_at_rest import never_at_rest
+from vibro.core.contact.starts import resting_start
 from vibro.core.flight.bounces import bounces
 from vibro.core.walk.steps import starting, step
 

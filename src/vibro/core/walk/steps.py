@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Mode
-from vibro.core.contact.cycle import resting_start
 from vibro.core.contact.legs import Leg, Track, contact_leg, mode_of, track_of
 from vibro.core.contact.onset import Margins, thresholds
 from vibro.core.contact.slide import Onset, slide, start_inside
+from vibro.core.contact.starts import resting_start
 from vibro.core.flight.landing import after_landing
 from vibro.core.flight.trajectory import ONE_CYCLE, Flight, flight, lift_off_flight
 from vibro.core.free import free_motion

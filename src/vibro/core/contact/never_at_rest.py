@@ -1,0 +1,283 @@
+"""The cycle without rest: two slides, each of which starts where the other one ends.
+
+Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w. The middle m of the forward slide
+is a phase of the motion along the trough [rad].
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.contact.starts import Verdict, verdict
+from vibro.core.contact.windows import own_phase
+from vibro.core.groups import take
+from vibro.core.roots import OpenCells, bisect
+
+if TYPE_CHECKING:
+    from vibro.core.contact.slide import Floats
+    from vibro.core.contact.starts import Pair, Start
+    from vibro.core.groups import Loads
+
+__all__ = ["NeverAtRest", "by_half_length", "never_at_rest", "never_at_rest_motion"]
+
+_FEW_STEPS: Final = 4  # of Newton's iteration that nearly every cell needs
+_MORE_STEPS: Final = 60
+_SETTLED: Final = 1e-8  # [1] a last step below this share of 1 - cot m leaves rounding errors only
+
+
+class NeverAtRest(NamedTuple):
+    """The never-at-rest cycle, Eqs. (18)-(19) and (57)-(59); NaN where there is none.
+
+    Attributes
+    ----------
+    y, sin_y, cos_y : array
+        x - pi/2, where x is half the length of the forward slide.
+    sin_m, cos_m : array
+        Of pi - m: positive.
+    """
+
+    y: Floats
+    sin_y: Floats
+    cos_y: Floats
+    sin_m: Floats
+    cos_m: Floats
+
+
+def never_at_rest(scene: Loads, forward: Start, back: Start) -> tuple[NeverAtRest, Verdict]:
+    """Phases of the never-at-rest cycle, and whether both its slides start beyond static friction."""
+    if scene.lead is None:
+        return _of_a_line(scene, forward, back)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        cycle = _from_middle(scene, _lower_root(scene))
+        return cycle, _starts_beyond(scene, cycle)
+
+
+def _of_a_line(scene: Loads, forward: Start, back: Start) -> tuple[NeverAtRest, Verdict]:
+    """Solve drives along a line, Eqs. (18) and (19)."""
+    mu_d = scene.kinetic_friction
+    possible = (forward.onset.k > 0.0) & (back.onset.k > 0.0)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        turn = mu_d * scene.across * scene.normal - scene.tangential / mu_d * scene.along
+        y = np.where(possible, 0.5 * np.pi * turn / scene.contrast, np.nan)
+    t = np.tan(0.5 * y)
+    cos_y = 2.0 / (1.0 + t * t)
+    sin_y = cos_y * t
+    cos_y -= 1.0
+    sin_m = forward.onset.k * (0.5 * np.pi + y) / cos_y
+    possible &= (sin_m > 0.0) & (sin_m < 1.0)
+    sin_m = np.where(possible, sin_m, np.nan)
+    cos_m = np.sqrt((1.0 - sin_m) * (1.0 + sin_m))
+    rise, fall = cos_m * cos_y, sin_m * sin_y
+    scale = 1.0 + sin_m
+    ahead = verdict(rise - fall - forward.onset.cos, scale)
+    behind = verdict(rise + fall - back.onset.cos, scale)
+    valid = (ahead.positive | ahead.edge) & (behind.positive | behind.edge)
+    return NeverAtRest(y, sin_y, cos_y, sin_m, cos_m), Verdict(valid, valid & (ahead.edge | behind.edge))
+
+
+def _sine_and_cosine(y: Floats) -> tuple[Floats, Floats]:
+    """Sine and cosine of angles within +-pi/2 from one tangent."""
+    half = np.tan(0.5 * y)
+    scale = 1.0 / (1.0 + half * half)
+    return 2.0 * half * scale, (1.0 - half) * (1.0 + half) * scale
+
+
+class _Equation(NamedTuple):
+    """What Eq. (58) is made of, over a: arrays that broadcast against each other.
+
+    ``rho = rho_0 + rho_1 z`` is mu_d times the ratio of the normal to the tangential swing in the middle of
+    the slides, z = cot m; ``hold`` is pi mu_d n / 2 and ``lean`` t.
+    """
+
+    rho_0: Floats
+    rho_1: Floats
+    slope: Floats  # t / (mu_d n)
+    hold: Floats
+    lean: Floats
+
+    def half_length(self, z: Floats) -> tuple[Floats, Floats]:
+        """Y of Eq. (57), and its derivative."""
+        rho = self.rho_0 + self.rho_1 * z
+        if not np.count_nonzero(self.lean):
+            return 0.5 * np.pi * rho, 0.5 * np.pi * self.rho_1
+        share = 1.0 / (1.0 - rho * self.slope)
+        y = 0.5 * np.pi * (rho - self.slope) * share
+        return y, 0.5 * np.pi * self.rho_1 * (1.0 - self.slope) * (1.0 + self.slope) * share * share
+
+    def newton(self, z: Floats) -> tuple[Floats, Floats]:
+        """Newton's step of Eq. (58) at z, and the slope of its left side."""
+        y, rate = self.half_length(z)
+        sine, cosine = _sine_and_cosine(y)
+        root = np.sqrt(1.0 + z * z)
+        drag = self.hold + self.lean * y
+        slope = -sine * rate - self.lean * rate * root - drag * z / root
+        return (drag * root - cosine) / slope, slope
+
+
+def _lower_root(scene: Loads) -> Floats:
+    """Z = cot m of the cycle, the lower root of Eq. (58); NaN where there is none.
+
+    On a level trough its left side is concave and not positive at the start, so that Newton's iteration rises
+    to the root, or passes the top of the curve. On an incline it need not be: what does not settle is
+    bisected by Eq. (59).
+    """
+    assert scene.lead is not None
+    mu_d, a = scene.kinetic_friction, scene.along
+    swing = mu_d * scene.across / a
+    equation = _Equation(
+        swing * scene.lead.cosine,
+        swing * scene.lead.sine,
+        scene.tangential / (mu_d * scene.normal),
+        0.5 * np.pi * mu_d * scene.normal / a,
+        scene.tangential / a,
+    )
+    least = equation.hold - 0.5 * np.pi * np.abs(equation.lean)
+    possible = (least > 0.0) & (least < 1.0)
+    # where the drive cannot outweigh the drag, and where a slide would take the whole cycle
+    z = -np.sqrt((1.0 - least) * (1.0 + least)) / least
+    whole = (-np.copysign(1.0, equation.rho_1) - equation.rho_0) / equation.rho_1
+    z = np.where(possible, np.where(np.isfinite(whole), np.maximum(z, whole), z), np.nan)
+    step, slope = z, z
+    for _ in range(_FEW_STEPS):
+        step, slope = equation.newton(z)
+        z = z + step
+    left = np.flatnonzero(possible & ~((np.abs(step) <= _SETTLED * (1.0 + np.abs(z))) & (slope > 0.0)))
+    if left.size:
+        z[left] = _refined(take(equation, left), z[left])
+    return z
+
+
+def _refined(equation: _Equation, z: Floats) -> Floats:
+    """Go on with Newton's iteration; NaN where it does not settle on a rising branch below 0."""
+    found = np.full(z.shape, np.nan)
+    going = OpenCells(np.arange(z.size), (equation, z), _MORE_STEPS)
+    for cells, (part, at) in going:
+        step, slope = part.newton(at)
+        at = at + step
+        lost = ~(slope > 0.0)
+        settled = ~lost & (np.abs(step) <= _SETTLED * (1.0 + np.abs(at)))
+        found[cells[settled]] = at[settled]
+        going.keep(~lost & ~settled, (part, at))
+    return found
+
+
+def _from_middle(scene: Loads, z: Floats) -> NeverAtRest:
+    """Form the cycle from z = cot m, where it is one; Eq. (57)."""
+    assert scene.lead is not None
+    swing = scene.kinetic_friction * scene.across / scene.along
+    rho = swing * (scene.lead.cosine + z * scene.lead.sine)
+    slope = scene.tangential / (scene.kinetic_friction * scene.normal)
+    y = 0.5 * np.pi * (rho - slope) / (1.0 - rho * slope)
+    sin_y, cos_y = _sine_and_cosine(np.where(np.abs(rho) < 1.0, y, np.nan))
+    sin_m = 1.0 / np.sqrt(1.0 + z * z)
+    return NeverAtRest(y, sin_y, cos_y, sin_m, -z * sin_m)
+
+
+class _Phase(NamedTuple):
+    """Sines and cosines of the motions along the trough and normal to it, where a slide starts."""
+
+    sine: Floats
+    cosine: Floats
+    normal_sine: Floats
+    normal_cosine: Floats
+
+
+def _starts(scene: Loads, cycle: NeverAtRest) -> tuple[_Phase, _Phase]:
+    """Return where the forward and the back slide start, at m - x and m + x."""
+    assert scene.lead is not None
+    sin, cos = cycle.sin_m, -cycle.cos_m
+    turned = sin * scene.lead.cosine + cos * scene.lead.sine, cos * scene.lead.cosine - sin * scene.lead.sine
+    ahead, behind = (
+        [
+            part
+            for sine, cosine in ((sin, cos), turned)
+            for part in (
+                -way * (cosine * cycle.cos_y + way * sine * cycle.sin_y),
+                way * (sine * cycle.cos_y - way * cosine * cycle.sin_y),
+            )
+        ]
+        for way in (1.0, -1.0)
+    )
+    return _Phase(*ahead), _Phase(*behind)
+
+
+def _starts_beyond(scene: Loads, cycle: NeverAtRest) -> Verdict:
+    """Whether both slides start where the load exceeds static friction, Eq. (60)."""
+    mu_s, a, b = scene.static_friction, scene.along, scene.across
+    hold, scale = mu_s * scene.normal, scene.along + mu_s * scene.across + mu_s * scene.normal
+    verdicts = [
+        verdict(way * a * at.sine + mu_s * b * at.normal_sine - hold - way * scene.tangential, scale)
+        for way, at in zip((1.0, -1.0), _starts(scene, cycle), strict=True)
+    ]
+    valid = (verdicts[0].positive | verdicts[0].edge) & (verdicts[1].positive | verdicts[1].edge)
+    return Verdict(valid, valid & (verdicts[0].edge | verdicts[1].edge))
+
+
+def by_half_length(scene: Loads, pair: Pair) -> tuple[NeverAtRest, Verdict]:
+    """Cycle of elliptical drives by Eq. (59), whose root is the only one: for few cells, that leave a doubt.
+
+    It is bisected between the lengths at which one of the slides would start with the load that resists it.
+    """
+    assert scene.lead is not None
+    forward, back = pair.forward, pair.back
+    k_f, k_b, swing = forward.onset.k, back.onset.k, pair.swing()
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        possible = (k_f > 0.0) & (k_b > 0.0) & (k_f < 1.0) & (k_b < 1.0)
+        ends = [_longest(np.where(possible, k, 0.5)) for k in (k_f, k_b)]
+        low, high = np.pi - ends[1], ends[0]
+
+        def phases(x: Floats) -> tuple[Floats, Floats]:
+            """Middles of both slides before the end of their own half turn."""
+            gap = np.sin(x)
+            return (
+                np.arcsin(np.minimum(k_f * x / gap, 1.0)),
+                np.arcsin(np.minimum(k_b * (np.pi - x) / gap, 1.0)),
+            )
+
+        def apart(x: Floats) -> Floats:
+            ahead, behind = phases(x)
+            return np.asarray(ahead - behind + swing)
+
+        possible &= (low < high) & (apart(low) <= 0.0) & (apart(high) >= 0.0)
+        x = bisect(lambda x: -apart(x), low, high)
+        own = np.pi - phases(x)[0] - own_phase(scene, 1)  # of the normal motion
+        middle = own - scene.lead.angle
+        z = np.where(possible, np.cos(middle) / np.sin(middle), np.nan)
+        cycle = _from_middle(scene, np.where(np.sin(middle) > 0.0, z, np.nan))
+        return cycle, _starts_beyond(scene, cycle)
+
+
+def _longest(k: Floats) -> Floats:
+    """Half the length of the longest slide, sin x = k x."""
+    return bisect(lambda x: np.sin(x) - k * x, np.full(k.shape, 1e-9), np.full(k.shape, np.pi))
+
+
+def never_at_rest_motion(scene: Loads, pair: Pair, cycle: NeverAtRest) -> tuple[Floats, Floats]:
+    """Displacement, Eqs. (20) and (61), and peak speed of the never-at-rest cycle.
+
+    Its slides are never short, so that Eq. (14) is used as it stands.
+    """
+    slides = ((pair.forward.onset.k, pair.forward.load), (pair.back.onset.k, pair.back.load))
+    lift = scene.kinetic_friction * scene.across
+    if scene.lead is None:
+        span = (2.0 * lift * cycle.y + np.pi * scene.along) * cycle.sin_y
+        displacement = 2.0 * cycle.cos_m * (2.0 * lift * cycle.cos_y + span)
+        c_m = np.arcsin(cycle.sin_m)
+        middle, tilt = cycle.sin_m * cycle.cos_y, cycle.cos_m * cycle.sin_y
+        starts = [(middle + side * tilt, c_m + side * cycle.y) for side in (1.0, -1.0)]
+    else:
+        turned = -cycle.cos_m * scene.lead.cosine - cycle.sin_m * scene.lead.sine  # cos(m + phi)
+        widening = cycle.cos_y + cycle.y * cycle.sin_y
+        displacement = 2.0 * np.pi * scene.along * cycle.cos_m * cycle.sin_y - 4.0 * lift * turned * widening
+        starts = []
+        for way, at, (_, load) in zip((1.0, -1.0), _starts(scene, cycle), slides, strict=True):
+            sine = way * scene.along * at.cosine + lift * at.normal_cosine
+            cosine = way * scene.along * at.sine + lift * at.normal_sine
+            starts.append((sine / load, np.arctan2(sine, cosine)))
+    peaks = [
+        load * (sine + np.sqrt((1.0 - k) * (1.0 + k)) - k * (c + np.arccos(k)))
+        for (k, load), (sine, c) in zip(slides, starts, strict=True)
+    ]
+    return displacement, np.maximum(*peaks)

@@ -1,0 +1,86 @@
+"""Where the load of a body at rest exceeds static friction: one window a cycle in each direction.
+
+Equation numbers are those of docs/theory.md. A slide in the direction s = +1 or -1 with the coefficient mu is
+pulled by C sin(p + psi), C e^{i psi} = s a e^{-i phi} + mu b, Eq. (52): p + psi is the slide's own phase.
+Loads are over m A w^2, phases in radians.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from vibro.core.contact.slide import Floats
+    from vibro.core.groups import Loads
+
+__all__ = ["Turn", "load_amplitude", "own_phase", "skew_of", "static_lifts", "turn_of"]
+
+_TINY: Final = 1e-300  # [1] keeps the quotients of a trough that stands still from being 0 / 0
+
+
+class Turn(NamedTuple):
+    """An angle, its sine and its cosine."""
+
+    angle: Floats
+    sine: Floats
+    cosine: Floats
+
+    def back(self) -> Turn:
+        """Turn the other way."""
+        return Turn(-self.angle, -self.sine, self.cosine)
+
+
+def load_amplitude(scene: Loads, direction: int, friction: Floats) -> Floats:
+    """C of Eq. (52); of drives along a line a + s mu b, below zero where the angle is not that of s."""
+    lift = friction * scene.across
+    if scene.lead is None:
+        return scene.along + direction * lift
+    level, steep = direction * scene.along * scene.lead.cosine + lift, scene.along * scene.lead.sine
+    return np.asarray(np.sqrt(level * level + steep * steep))
+
+
+def own_phase(scene: Loads, direction: int) -> Floats:
+    """Psi of Eq. (52) while the body slides: what is added to a phase to make it the slide's own."""
+    lift = scene.kinetic_friction * scene.across
+    if scene.lead is None:
+        return np.where(direction * scene.along + lift < 0.0, np.pi, 0.0)
+    way = direction * scene.along
+    return np.asarray(np.arctan2(-way * scene.lead.sine, way * scene.lead.cosine + lift))
+
+
+def static_lifts(scene: Loads) -> tuple[Floats, Floats]:
+    """C - a of a body at rest, forward and back, without cancellation where b is small."""
+    lift = scene.static_friction * scene.across
+    if scene.lead is None:
+        return lift, -lift
+    cross = 2.0 * scene.along * scene.lead.cosine
+    ahead, behind = (
+        lift
+        * (lift + way * cross)
+        / (load_amplitude(scene, way, scene.static_friction) + scene.along + _TINY)
+        for way in (1, -1)
+    )
+    return ahead, behind
+
+
+def turn_of(scene: Loads, direction: int, static_load: Floats, kinetic_load: Floats) -> Turn:
+    """Delta of Eq. (54), from the static to the kinetic phase of a slide of an elliptical drive."""
+    assert scene.lead is not None
+    mu_s, mu_d, a, b = scene.static_friction, scene.kinetic_friction, scene.along, scene.across
+    loads = static_load * kinetic_load
+    level = direction * a * b * scene.lead.cosine
+    sine = direction * (mu_s - mu_d) * a * b * scene.lead.sine / loads
+    cosine = (a * a + (mu_s + mu_d) * level + mu_s * mu_d * b * b) / loads
+    return Turn(np.arctan2(sine, cosine), sine, cosine)
+
+
+def skew_of(scene: Loads, forward_load: Floats, back_load: Floats) -> Turn:
+    """E of Eq. (55): how much more than half a turn after the forward window the back window lies."""
+    assert scene.lead is not None
+    a, lift = scene.along, scene.static_friction * scene.across
+    loads = forward_load * back_load
+    sine = 2.0 * a * lift * scene.lead.sine / loads
+    cosine = (a - lift) * (a + lift) / loads
+    return Turn(np.arctan2(sine, cosine), sine, cosine)
