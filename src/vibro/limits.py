@@ -81,9 +81,7 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     0.620395
     """
     with np.errstate(over="ignore"):  # of frictions at the ends of the range of doubles
-        return limits.critical_loads(
-            scene.drive_angle, scene.static_friction, scene.kinetic_friction, scene.trough_angle
-        )
+        return limits.critical_loads_of(scene.arrays().unit_loads())
 
 
 def transitions(scene: Scene) -> tuple[Transition, ...]:
@@ -128,7 +126,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
         ratio = float(scene.load) / load
         if not 0.0 < ratio < math.inf:  # beyond the range of doubles
             continue
-        amplitude, frequency = float(scene.scale) / ratio, float(scene.frequency) / math.sqrt(ratio)
+        amplitude, frequency = float(scene.reach) / ratio, float(scene.frequency) / math.sqrt(ratio)
         found.append(Transition(_BEGINNINGS[name], ratio, amplitude, frequency))
     return tuple(sorted(found, key=lambda transition: transition.amplitude))
 
@@ -162,9 +160,7 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     Closed form, Eq. (43). Above it an edge lifts before the part first slips: theory.md, section 12, has the
     proof, and tests/test_limits.py integrates Newton's law on both sides of it.
     """
-    return limits.tipping_load(
-        scene.drive_angle, scene.static_friction, scene.trough_angle, _stand_ratios(stand_ratio)
-    )
+    return limits.tipping_load_of(scene.arrays().unit_loads(), _stand_ratios(stand_ratio))
 
 
 def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:

@@ -16,6 +16,7 @@ from vibro.core.groups import (
     friction_excess,
     larger_amplitude,
     loads,
+    unit_loads,
 )
 from vibro.errors import Problem, SceneError
 from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY
@@ -55,6 +56,10 @@ class LinearFields(NamedTuple):
         """Form the dimensionless groups, all but the restitution."""
         return loads(*self[:-1])
 
+    def unit_loads(self) -> Loads:
+        """Form the groups at G = 1."""
+        return unit_loads(self.drive_angle, self.static_friction, self.kinetic_friction, self.trough_angle)
+
 
 class EllipticalFields(NamedTuple):
     """A drive along an ellipse: its scene's fields, [m, m, rad, Hz, 1, 1, rad, m/s^2, 1]."""
@@ -85,6 +90,17 @@ class EllipticalFields(NamedTuple):
     def loads(self) -> Loads:
         """Form the dimensionless groups, all but the restitution."""
         return elliptical_loads(*self[:-1])
+
+    def unit_loads(self) -> Loads:
+        """Form the groups at G = 1, where the trough's largest acceleration is that of gravity."""
+        here = self.loads()
+        share = self.scale / np.where(self.reach > 0.0, self.reach, 1.0)
+        along, across = share * here.along, share * here.across
+        normal, tangential = np.cos(self.trough_angle), np.sin(self.trough_angle)
+        contrast = along * normal - across * tangential
+        return here._replace(
+            along=along, across=across, normal=normal, tangential=tangential, contrast=contrast
+        )
 
 
 Fields = LinearFields | EllipticalFields
@@ -246,12 +262,17 @@ class Scene:
         """Largest acceleration of the trough over gravity, G; A w^2 / g along a line [1]."""
         with np.errstate(over="ignore", invalid="ignore"):  # inf, or NaN, beyond the range of doubles
             w = 2.0 * np.pi * self.frequency
-            return np.asarray(self.arrays().reach * w**2 / self.gravity)
+            return np.asarray(self.reach * w**2 / self.gravity)
 
     @property
     def scale(self) -> Floats:
         """Length that the solvers count in: A, or the larger of X and Y [m]."""
         return self.arrays().scale
+
+    @property
+    def reach(self) -> Floats:
+        """Farthest that the trough gets from its middle: A, or half of the ellipse's larger axis [m]."""
+        return self.arrays().reach
 
     def arrays(self) -> Fields:
         """Return the fields of this scene's drive, in their declared order."""

@@ -136,9 +136,9 @@ def best_reference() -> Reference:
 
 def _converged(scene: Scene, tick: Tick) -> Answers:
     """Solve the scenes that stay in contact and can rest, by event-driven simulation."""
-    hold = scene.static_friction * np.cos(scene.trough_angle)
-    contact = scene.load * np.sin(scene.drive_angle) <= np.cos(scene.trough_angle)
-    cells = np.flatnonzero(contact & (np.abs(np.sin(scene.trough_angle)) < hold))
+    groups = scene.arrays().loads()
+    holds = np.abs(groups.tangential) < groups.static_friction * groups.normal
+    cells = np.flatnonzero((groups.across <= groups.normal) & holds)
     found = converged_answers(take_scenes(scene, cells), tick)
     displacement, regime = np.full(scene.shape, np.nan), np.zeros(scene.shape, np.int8)
     displacement[cells], regime[cells] = found.displacement, found.regime

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Lead", "Loads", "angle_excess", "cosine_of_sum", "each", "elliptical_loads", "friction_excess",
-    "larger_amplitude", "loads", "put", "take",
+    "larger_amplitude", "loads", "put", "take", "unit_loads",
 ]  # fmt: skip
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
@@ -24,11 +24,15 @@ _MOST_GRAVITY: Final = 1e307
 
 
 class Lead(NamedTuple):
-    """Phase phi by which the normal motion leads the motion along the trough, in [-pi, pi]."""
+    """Sine and cosine of the phase phi by which the normal motion leads the motion along the trough."""
 
-    angle: Floats
     sine: Floats
     cosine: Floats
+
+    @property
+    def angle(self) -> Floats:
+        """Phi, in [-pi, pi]."""
+        return np.asarray(np.arctan2(self.sine, self.cosine))
 
 
 class Loads(NamedTuple):
@@ -140,7 +144,9 @@ def elliptical_loads(
     along, across = along_amplitude / scale, normal_amplitude / scale
     tangential = weight * np.sin(trough_angle) if np.count_nonzero(trough_angle) else np.zeros(())
     normal = weight * np.cos(trough_angle)
-    sine, cosine = np.sin(normal_phase), np.cos(normal_phase)
+    half = np.tan(0.5 * normal_phase)  # a tenth of the time of a sine and a cosine
+    scale = 1.0 / (1.0 + half * half)
+    lead = Lead(2.0 * half * scale, (1.0 - half) * (1.0 + half) * scale)
     return Loads(
         along=along,
         across=across,
@@ -149,7 +155,7 @@ def elliptical_loads(
         contrast=along * normal - across * tangential,
         static_friction=static_friction,
         kinetic_friction=kinetic_friction,
-        lead=Lead(np.arctan2(sine, cosine), sine, cosine),
+        lead=lead,
     )
 
 
@@ -164,6 +170,21 @@ def _weight(amplitude: Floats, frequency: Floats, gravity: Floats) -> Floats:
     with np.errstate(over="ignore", divide="ignore"):
         w = 2.0 * np.pi * frequency
         return np.asarray((gravity / w / amplitude / w).clip(_LEAST_GRAVITY, _MOST_GRAVITY))
+
+
+def unit_loads(
+    drive_angle: Floats, static_friction: Floats, kinetic_friction: Floats, trough_angle: Floats
+) -> Loads:
+    """Form the groups of drives along a line at G = 1."""
+    return Loads(
+        np.cos(drive_angle),
+        np.sin(drive_angle),
+        np.cos(trough_angle),
+        np.sin(trough_angle),
+        cosine_of_sum(drive_angle, trough_angle),
+        static_friction,
+        kinetic_friction,
+    )
 
 
 def cosine_of_sum(drive_angle: Floats, trough_angle: Floats) -> Floats:

@@ -10,17 +10,19 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Pattern
-from vibro.core.contact.never_at_rest import never_at_rest, never_at_rest_motion
+from vibro.core.contact.never_at_rest import by_half_length, is_sure, never_at_rest, never_at_rest_motion
 from vibro.core.contact.slide import slide, start_inside
 from vibro.core.contact.starts import pair_of, resting_start
+from vibro.core.contact.windows import skew_of
 from vibro.core.groups import put, take
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vibro.core.contact.never_at_rest import NeverAtRest, Slides
     from vibro.core.contact.onset import Margins
-    from vibro.core.contact.slide import Floats
-    from vibro.core.contact.starts import Pair, Start, Verdict
+    from vibro.core.contact.slide import Floats, Onset
+    from vibro.core.contact.starts import Pair, Verdict
     from vibro.core.groups import Loads
 
     Bools = NDArray[np.bool_]
@@ -100,7 +102,7 @@ class _Slides(NamedTuple):
     settled: Bools
 
 
-def _slides(which: Bools, start: Start, after: tuple[_Slides, Floats] | None = None) -> _Slides:
+def _slides(which: Bools, start: _Slide, after: tuple[_Slides, Floats] | None = None) -> _Slides:
     """Slide the selected cells from rest, or from where an opposite slide ends.
 
     Phases are the slide's own, whose zero lies half a turn and a ``swing`` after that of the slide before it.
@@ -141,37 +143,90 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
         One element per scene.
     """
     pair = pair_of(scene, at)
-    reaches, outlasts = pair.reaches(1), pair.outlasts(1)
+    seen = _Seen(pair.reaches(1), pair.outlasts(1), pair.reaches(-1), pair.outlasts(-1))
     motion, valid = never_at_rest(scene, pair.forward, pair.back)
 
     # Equality belongs to rest: a slide that stops just where the opposite window closes stays at rest.
-    f_only = outlasts.positive | outlasts.edge
-    meets = reaches.positive & ~f_only  # ends inside the back window
+    f_only = seen.outlasts.positive | seen.outlasts.edge
+    meets = seen.reaches.positive & ~f_only  # ends inside the back window
     never = meets & valid.positive
     out = _blank(never.size)
     cells = never.nonzero()[0]
     if cells.size:
-        chosen = take((scene, pair, motion), cells)
-        out.pattern[cells] = Pattern.FB
-        out.displacement[cells], out.peak[cells] = never_at_rest_motion(*chosen)
-        edge = outlasts.edge | reaches.edge | valid.edge
-        out.edge[cells] = edge[cells]
-        if scene.lead or np.count_nonzero(scene.tangential):
-            # along a line no back slide outlasts the forward window on a level trough
-            out.coexists[cells] = chosen[1].outlasts(-1).positive
+        _write_never_at_rest(out, cells, take((scene, _slides_of(pair), motion), cells), seen)
+        out.edge[cells] |= valid.edge[cells]
     cells = (~never).nonzero()[0]
     if cells.size:
-        rests = _Rests(pair, reaches.edge, outlasts.edge, f_only, meets, valid)
+        starts = _Slide(pair.forward.onset, pair.forward.load), _Slide(pair.back.onset, pair.back.load)
+        rests = _Rests(*starts, skew_of(scene, scene.kinetic_friction), seen, f_only, meets, valid)
         put(out, cells, _cycles_with_rest(take(rests, cells)))
+    if scene.lead:
+        _look_again(scene, pair, out, seen, meets, motion)
     return out
 
 
-class _Rests(NamedTuple):
-    """Both slides of scenes that are at rest once a cycle, and what is known of them."""
+class _Seen(NamedTuple):
+    """Whether the forward slide from rest reaches and outlasts the back window, and the other way round."""
 
-    pair: Pair
-    reaches_edge: Bools
-    outlasts_edge: Bools
+    reaches: Verdict
+    outlasts: Verdict
+    b_reaches: Verdict
+    b_outlasts: Verdict
+
+
+def _slides_of(pair: Pair) -> Slides:
+    """Return what the never-at-rest motion needs of both slides."""
+    return (pair.forward.onset.k, pair.forward.load), (pair.back.onset.k, pair.back.load)
+
+
+def _write_never_at_rest(
+    out: Cycles, cells: NDArray[np.intp], chosen: tuple[Loads, Slides, NeverAtRest], seen: _Seen
+) -> None:
+    """Put never-at-rest cycles where they belong."""
+    out.pattern[cells] = Pattern.FB
+    out.displacement[cells], out.peak[cells] = never_at_rest_motion(*chosen)
+    out.edge[cells] = (seen.outlasts.edge | seen.reaches.edge)[cells]
+    out.coexists[cells] = seen.b_outlasts.positive[cells]
+
+
+def _look_again(
+    scene: Loads, pair: Pair, out: Cycles, seen: _Seen, meets: Bools, motion: NeverAtRest
+) -> None:
+    """Find never-at-rest cycles of elliptical drives that the quick way may have missed, in place.
+
+    Where FB is the answer, the back slide after the forward slide from rest reaches the forward window.
+    """
+    late = meets & ((out.pattern == Pattern.F_B) | (out.pattern == Pattern.B_))
+    beside = out.pattern == Pattern.F_
+    cells = ((late | beside) & ~is_sure(scene, motion)).nonzero()[0]
+    if not cells.size:
+        return
+    motion, valid = by_half_length(*take((scene, pair), cells))
+    out.coexists[cells] |= valid.positive & beside[cells]
+    here = (valid.positive & late[cells]).nonzero()[0]
+    if here.size:
+        cells = cells[here]
+        chosen = *take((scene, _slides_of(pair)), cells), take(motion, here)
+        _write_never_at_rest(out, cells, chosen, seen)
+
+
+class _Slide(NamedTuple):
+    """A slide from rest: its onset and its load amplitude."""
+
+    onset: Onset
+    load: Floats
+
+
+class _Rests(NamedTuple):
+    """Both slides of scenes that are at rest once a cycle, and what is known of them.
+
+    ``swing`` is what the back slide's own phase is beyond half a turn after that of the forward slide.
+    """
+
+    forward: _Slide
+    back: _Slide
+    swing: Floats
+    seen: _Seen
     f_only: Bools  # the forward slide outlasts the back window
     meets: Bools  # it ends inside that window
     never_at_rest: Verdict
@@ -179,9 +234,8 @@ class _Rests(NamedTuple):
 
 def _cycles_with_rest(rests: _Rests) -> Cycles:
     """Steady cycles from rest of scenes whose load exceeds static friction both ways, but for FB."""
-    pair, f_only, chained = rests.pair, rests.f_only, rests.meets
-    forward, back, swing = pair.forward, pair.back, pair.swing()
-    b_reaches, b_outlasts = pair.reaches(-1), pair.outlasts(-1)
+    forward, back, swing, seen = rests.forward, rests.back, rests.swing, rests.seen
+    f_only, chained, b_outlasts = rests.f_only, rests.meets, seen.b_outlasts
     b_lasts = b_outlasts.positive | b_outlasts.edge
     f = _slides(np.ones(f_only.size, np.bool_), forward)
     b_next = _slides(chained, back, after=(f, swing))
@@ -190,10 +244,11 @@ def _cycles_with_rest(rests: _Rests) -> Cycles:
 
     apart = ~(f_only | f_then_b)  # back slip starts from rest
     b_only = apart & b_lasts
-    b_then_f = apart & b_reaches.positive & ~b_only
+    b_then_f = apart & seen.b_reaches.positive & ~b_only
     f_and_b = apart & ~b_only & ~b_then_f
     # Without kinetic friction other cycles are a neutral family: none attracts.
-    probe = f_only & ~rests.never_at_rest.positive & b_reaches.positive & (forward.onset.k > 0.0) & ~b_lasts
+    probe = f_only & ~rests.never_at_rest.positive & seen.b_reaches.positive & ~b_lasts
+    probe &= forward.onset.k > 0.0
     b = _slides(apart | probe, back)
     f_next = _slides(b_then_f | probe, forward, after=(b, -swing))
 
@@ -217,6 +272,6 @@ def _cycles_with_rest(rests: _Rests) -> Cycles:
     # A disturbed body can settle elsewhere: F_ beside FB or F_B, and the mirrored pairs.
     probe &= 2.0 * f_next.x - f_next.c + back.onset.c - swing < np.pi  # its forward slide ends before p_b
     out.coexists[:] = (f_only & (rests.never_at_rest.positive | probe)) | (f_then_b & b_outlasts.positive)
-    out.edge[:] = rests.outlasts_edge | (~f_only & rests.reaches_edge) | (chained & rests.never_at_rest.edge)
-    out.edge[:] |= apart & (b_reaches.edge | b_outlasts.edge)
+    out.edge[:] = seen.outlasts.edge | (~f_only & seen.reaches.edge) | (chained & rests.never_at_rest.edge)
+    out.edge[:] |= apart & (seen.b_reaches.edge | b_outlasts.edge)
     return out

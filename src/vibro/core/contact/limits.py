@@ -6,14 +6,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from vibro.core.groups import Loads, cosine_of_sum, take
+from vibro.core.contact.phase_limits import phase_limits
+from vibro.core.contact.windows import static_lifts
+from vibro.core.groups import each, take, unit_loads
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from vibro.core.contact.slide import Floats
+    from vibro.core.groups import Loads
 
-__all__ = ["CriticalLoads", "critical_loads", "tipping_load"]
+__all__ = ["CriticalLoads", "critical_loads", "critical_loads_of", "tipping_load", "tipping_load_of"]
 
 
 class CriticalLoads(NamedTuple):
@@ -45,7 +48,7 @@ def critical_loads(
     kinetic_friction: ArrayLike,
     trough_angle: ArrayLike = 0.0,
 ) -> CriticalLoads:
-    """Critical loads of every transition of the steady cycle from rest.
+    """Critical loads of every transition of the steady cycle from rest, of drives along a line.
 
     Parameters
     ----------
@@ -68,19 +71,35 @@ def critical_loads(
     in a bracket that has both signs, by Chandrupatla's method. The classes follow each other in one order
     as G grows (theory.md, section 6; tests/core/contact/test_limits.py).
     """
-    fields = [
-        np.asarray(a, np.float64) for a in (drive_angle, static_friction, kinetic_friction, trough_angle)
-    ]
-    shape = np.broadcast_shapes(*(a.shape for a in fields))
-    alpha, mu_s, mu_d, beta = (np.broadcast_to(a, shape).reshape(-1) for a in fields)
-    unit = Loads(
-        np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta), cosine_of_sum(alpha, beta), mu_s, mu_d
-    )
-    feasible = ~unit.infeasible & (mu_s > 0.0)
-    out = CriticalLoads(*(np.full(alpha.size, np.nan) for _ in CriticalLoads._fields))
+    fields = (drive_angle, static_friction, kinetic_friction, trough_angle)
+    return critical_loads_of(unit_loads(*(np.asarray(a, np.float64) for a in fields)))
+
+
+def critical_loads_of(unit: Loads) -> CriticalLoads:
+    """Critical loads of every transition, from the loads at G = 1.
+
+    Parameters
+    ----------
+    unit : Loads
+        Of any drive; its arrays broadcast against each other.
+
+    Returns
+    -------
+    CriticalLoads
+        Arrays of the broadcast shape; NaN where the combination is infeasible or mu_s = 0.
+
+    Notes
+    -----
+    As ``critical_loads``. Of elliptical drives back slip and the end of rest are looked for up to the hop, by
+    halving, as classes follow each other in one order there too (theory.md, section 13).
+    """
+    shape = np.broadcast_shapes(*(a.shape for a in unit.flattened()))
+    flat: Loads = each(unit, lambda a: np.broadcast_to(a, shape).reshape(-1))
+    feasible = ~flat.infeasible & (flat.static_friction > 0.0)
+    out = CriticalLoads(*(np.full(feasible.size, np.nan) for _ in CriticalLoads._fields))
     cells = np.flatnonzero(feasible)
     if cells.size:
-        for target, source in zip(out, _critical(take(unit, cells)), strict=True):
+        for target, source in zip(out, _critical(take(flat, cells)), strict=True):
             target[cells] = source
     return CriticalLoads(*(a.reshape(shape)[()] for a in out))
 
@@ -91,7 +110,7 @@ def tipping_load(
     trough_angle: ArrayLike,
     stand_ratio: ArrayLike,
 ) -> Floats:
-    """Load up to which no edge of a part lifts that starts from rest, Eq. (43).
+    """Load up to which no edge of a part lifts that starts from rest, Eq. (43), for drives along a line.
 
     Parameters
     ----------
@@ -109,13 +128,18 @@ def tipping_load(
         mu_s is at most the stand ratio, 0 where the trough alone is too steep for the part, NaN where drive +
         trough angle reach 90 deg. It is below the load of hopping wherever it is finite.
     """
-    fields = (drive_angle, static_friction, trough_angle, stand_ratio)
-    alpha, mu_s, beta, ratio = (np.asarray(a, np.float64) for a in fields)
-    sum_cosine = cosine_of_sum(alpha, beta)
-    standing = Loads(np.cos(alpha), np.sin(alpha), np.cos(beta), np.sin(beta), sum_cosine, ratio, ratio)
+    fields = (drive_angle, static_friction, static_friction, trough_angle)
+    unit = unit_loads(*(np.asarray(a, np.float64) for a in fields))
+    return tipping_load_of(unit, np.asarray(stand_ratio, np.float64))
+
+
+def tipping_load_of(unit: Loads, stand_ratio: Floats) -> Floats:
+    """Load up to which no edge lifts, from the loads at G = 1 of any drive; else as ``tipping_load``."""
+    standing = unit._replace(static_friction=stand_ratio, kinetic_friction=stand_ratio)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # of ratios that no friction reaches
         first = np.minimum(*_onsets(standing))
-    return np.where(sum_cosine > 0.0, np.where(mu_s > ratio, first, np.inf), np.nan)[()]
+    tips = np.where(unit.static_friction > stand_ratio, first, np.inf)
+    return np.where(standing.infeasible, np.nan, tips)[()]
 
 
 def _critical(unit: Loads) -> CriticalLoads:
@@ -126,6 +150,10 @@ def _critical(unit: Loads) -> CriticalLoads:
         hold = unit.static_friction * unit.normal
     slips_both = np.isfinite(back) & (np.abs(unit.tangential) < hold)
 
+    if unit.lead:
+        back_slip, vanishes = phase_limits(unit, hop, forward, back)
+        vanishes[np.abs(unit.tangential) >= hold] = 0.0
+        return CriticalLoads(hop, forward, back, back_slip, vanishes)
     # The forward slide may outlast the back window for a while, or for ever if nothing brakes it.
     back_slip = back.copy()
     outlasts = slips_both & (back > forward)
@@ -143,12 +171,13 @@ def _critical(unit: Loads) -> CriticalLoads:
 
 
 def _onsets(unit: Loads) -> tuple[Floats, Floats]:
-    """Return the loads of the forward and the back onset, Eq. (5); 0 where a body slips without any."""
-    lift = unit.static_friction * unit.across
+    """Return the loads of the forward and the back onset, Eqs. (5) and (53); 0 where it slips without any."""
+    ahead, behind = static_lifts(unit)
     hold = unit.static_friction * unit.normal
-    forward = np.maximum(hold + unit.tangential, 0.0) / (unit.along + lift)
-    back = np.maximum(hold - unit.tangential, 0.0) / (unit.along - lift)
-    return forward, np.where(unit.along > lift, back, np.inf)
+    forward = np.maximum(hold + unit.tangential, 0.0) / (unit.along + ahead)
+    back_load = unit.along + behind
+    back = np.maximum(hold - unit.tangential, 0.0) / back_load
+    return forward, np.where(back_load > 0.0, back, np.inf)
 
 
 def _resistance(unit: Loads) -> Floats:

@@ -10,21 +10,29 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.contact.slide import slide, start_inside
 from vibro.core.contact.starts import Verdict, verdict
-from vibro.core.contact.windows import own_phase
+from vibro.core.contact.windows import own_phase, skew_of
 from vibro.core.groups import take
-from vibro.core.roots import OpenCells, bisect
+from vibro.core.roots import OpenCells
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from vibro.core.contact.slide import Floats
     from vibro.core.contact.starts import Pair, Start
     from vibro.core.groups import Loads
 
-__all__ = ["NeverAtRest", "by_half_length", "never_at_rest", "never_at_rest_motion"]
+    Bools = NDArray[np.bool_]
 
-_FEW_STEPS: Final = 4  # of Newton's iteration that nearly every cell needs
+__all__ = ["NeverAtRest", "by_half_length", "is_sure", "never_at_rest", "never_at_rest_motion"]
+
+_FEW_STEPS: Final = 3  # of Halley's iteration, which nearly every cell needs
 _MORE_STEPS: Final = 60
 _SETTLED: Final = 1e-8  # [1] a last step below this share of 1 - cot m leaves rounding errors only
+
+
+Slides = tuple[tuple["Floats", "Floats"], tuple["Floats", "Floats"]]
 
 
 class NeverAtRest(NamedTuple):
@@ -106,20 +114,31 @@ class _Equation(NamedTuple):
         y = 0.5 * np.pi * (rho - self.slope) * share
         return y, 0.5 * np.pi * self.rho_1 * (1.0 - self.slope) * (1.0 + self.slope) * share * share
 
-    def newton(self, z: Floats) -> tuple[Floats, Floats]:
-        """Newton's step of Eq. (58) at z, and the slope of its left side."""
+    def halley(self, z: Floats) -> tuple[Floats, Floats]:
+        """Halley's step of Eq. (58) at z, and the slope of its left side.
+
+        The curvature leaves out what is of the order of t on inclines.
+        """
         y, rate = self.half_length(z)
         sine, cosine = _sine_and_cosine(y)
-        root = np.sqrt(1.0 + z * z)
-        drag = self.hold + self.lean * y
-        slope = -sine * rate - self.lean * rate * root - drag * z / root
-        return (drag * root - cosine) / slope, slope
+        square = 1.0 + z * z
+        root = np.sqrt(square)
+        drag = self.hold
+        slope = -sine * rate
+        if np.count_nonzero(self.lean):
+            drag = drag + self.lean * y
+            slope -= self.lean * rate * root
+        drag = drag * root
+        slope -= drag * z / square
+        left = cosine - drag
+        curve = cosine * rate * rate + drag / (square * square)  # with the sign turned
+        return -left * slope / (slope * slope + 0.5 * left * curve), slope
 
 
 def _lower_root(scene: Loads) -> Floats:
     """Z = cot m of the cycle, the lower root of Eq. (58); NaN where there is none.
 
-    On a level trough its left side is concave and not positive at the start, so that Newton's iteration rises
+    On a level trough its left side is concave and not positive at the start, so that the iteration rises
     to the root, or passes the top of the curve. On an incline it need not be: what does not settle is
     bisected by Eq. (59).
     """
@@ -141,7 +160,7 @@ def _lower_root(scene: Loads) -> Floats:
     z = np.where(possible, np.where(np.isfinite(whole), np.maximum(z, whole), z), np.nan)
     step, slope = z, z
     for _ in range(_FEW_STEPS):
-        step, slope = equation.newton(z)
+        step, slope = equation.halley(z)
         z = z + step
     left = np.flatnonzero(possible & ~((np.abs(step) <= _SETTLED * (1.0 + np.abs(z))) & (slope > 0.0)))
     if left.size:
@@ -150,11 +169,11 @@ def _lower_root(scene: Loads) -> Floats:
 
 
 def _refined(equation: _Equation, z: Floats) -> Floats:
-    """Go on with Newton's iteration; NaN where it does not settle on a rising branch below 0."""
+    """Go on with Halley's iteration; NaN where it does not settle on a rising branch."""
     found = np.full(z.shape, np.nan)
     going = OpenCells(np.arange(z.size), (equation, z), _MORE_STEPS)
     for cells, (part, at) in going:
-        step, slope = part.newton(at)
+        step, slope = part.halley(at)
         at = at + step
         lost = ~(slope > 0.0)
         settled = ~lost & (np.abs(step) <= _SETTLED * (1.0 + np.abs(at)))
@@ -215,51 +234,68 @@ def _starts_beyond(scene: Loads, cycle: NeverAtRest) -> Verdict:
     return Verdict(valid, valid & (verdicts[0].edge | verdicts[1].edge))
 
 
-def by_half_length(scene: Loads, pair: Pair) -> tuple[NeverAtRest, Verdict]:
-    """Cycle of elliptical drives by Eq. (59), whose root is the only one: for few cells, that leave a doubt.
+def is_sure(scene: Loads, cycle: NeverAtRest) -> Bools:
+    """Whether the lower root of Eq. (58), or its absence, is sure to be that of Eq. (59), which has but one.
 
-    It is bisected between the lengths at which one of the slides would start with the load that resists it.
+    It is where the middle of each slide comes after the crest of its load, and on a level trough, where the
+    left side of Eq. (58) is concave, where there is no root.
     """
     assert scene.lead is not None
-    forward, back = pair.forward, pair.back
-    k_f, k_b, swing = forward.onset.k, back.onset.k, pair.swing()
+    turned = -cycle.cos_m * scene.lead.cosine - cycle.sin_m * scene.lead.sine  # cos(m + phi)
+    lift = scene.kinetic_friction * scene.across
+    after = np.abs(lift * turned) < scene.along * cycle.cos_m
+    return np.asarray(np.where(np.isnan(cycle.y), scene.tangential == 0.0, after))
+
+
+def by_half_length(scene: Loads, pair: Pair) -> tuple[NeverAtRest, Verdict]:
+    """Cycle of elliptical drives by Eq. (59), whose root is the only one: where the lower root is not sure.
+
+    It is looked for between the lengths at which one of the slides would start with the load that resists it.
+    """
+    assert scene.lead is not None
+    from scipy.optimize import elementwise  # late: few scenes need its import time
+
+    k_f, k_b = pair.forward.onset.k, pair.back.onset.k
+
+    def apart(x: Floats, k_f: Floats, k_b: Floats, swing: Floats) -> Floats:
+        """Phase between the middles of both slides: monotone."""
+        gap = np.sin(x)
+        ahead = np.arcsin(np.minimum(k_f * x / gap, 1.0))
+        return np.asarray(ahead - np.arcsin(np.minimum(k_b * (np.pi - x) / gap, 1.0)) + swing)
+
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         possible = (k_f > 0.0) & (k_b > 0.0) & (k_f < 1.0) & (k_b < 1.0)
-        ends = [_longest(np.where(possible, k, 0.5)) for k in (k_f, k_b)]
-        low, high = np.pi - ends[1], ends[0]
-
-        def phases(x: Floats) -> tuple[Floats, Floats]:
-            """Middles of both slides before the end of their own half turn."""
-            gap = np.sin(x)
-            return (
-                np.arcsin(np.minimum(k_f * x / gap, 1.0)),
-                np.arcsin(np.minimum(k_b * (np.pi - x) / gap, 1.0)),
-            )
-
-        def apart(x: Floats) -> Floats:
-            ahead, behind = phases(x)
-            return np.asarray(ahead - behind + swing)
-
-        possible &= (low < high) & (apart(low) <= 0.0) & (apart(high) >= 0.0)
-        x = bisect(lambda x: -apart(x), low, high)
-        own = np.pi - phases(x)[0] - own_phase(scene, 1)  # of the normal motion
-        middle = own - scene.lead.angle
-        z = np.where(possible, np.cos(middle) / np.sin(middle), np.nan)
-        cycle = _from_middle(scene, np.where(np.sin(middle) > 0.0, z, np.nan))
+        swing = skew_of(scene, scene.kinetic_friction)
+        high, low = (_longest(np.where(possible, k, 0.5)) for k in (k_f, k_b))
+        low = np.pi - low
+        ends = apart(low, k_f, k_b, swing), apart(high, k_f, k_b, swing)
+        cells = np.flatnonzero(possible & (low < high) & (ends[0] <= 0.0) & (ends[1] >= 0.0))
+        z = np.full(k_f.shape, np.nan)
+        if cells.size:
+            k_f, k_b, swing, zero = take((k_f, k_b, swing, own_phase(scene, 1) + scene.lead.angle), cells)
+            x = elementwise.find_root(
+                apart,
+                (low[cells], high[cells]),
+                args=(k_f, k_b, swing),
+                tolerances={"xatol": 0.0, "xrtol": 4 * 2.0**-52, "fatol": 0.0, "frtol": 0.0},
+            ).x
+            middle = np.pi - np.arcsin(np.minimum(k_f * x / np.sin(x), 1.0)) - zero
+            z[cells] = np.where(np.sin(middle) > 0.0, np.cos(middle) / np.sin(middle), np.nan)
+        cycle = _from_middle(scene, z)
         return cycle, _starts_beyond(scene, cycle)
 
 
 def _longest(k: Floats) -> Floats:
-    """Half the length of the longest slide, sin x = k x."""
-    return bisect(lambda x: np.sin(x) - k * x, np.full(k.shape, 1e-9), np.full(k.shape, np.pi))
+    """Half the length of the longest slide, which starts with the load that resists it: sin x = k x."""
+    return slide(start_inside(np.arccos(k), k)).x
 
 
-def never_at_rest_motion(scene: Loads, pair: Pair, cycle: NeverAtRest) -> tuple[Floats, Floats]:
+def never_at_rest_motion(scene: Loads, slides: Slides, cycle: NeverAtRest) -> tuple[Floats, Floats]:
     """Displacement, Eqs. (20) and (61), and peak speed of the never-at-rest cycle.
 
-    Its slides are never short, so that Eq. (14) is used as it stands.
+    ``slides`` are the k and the load of the forward and the back slide. They are never short, so that
+    Eq. (14) is used as it stands.
     """
-    slides = ((pair.forward.onset.k, pair.forward.load), (pair.back.onset.k, pair.back.load))
     lift = scene.kinetic_friction * scene.across
     if scene.lead is None:
         span = (2.0 * lift * cycle.y + np.pi * scene.along) * cycle.sin_y

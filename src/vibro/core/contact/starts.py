@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.contact.slide import Onset
-from vibro.core.contact.windows import load_amplitude, skew_of, turn_of
+from vibro.core.contact.windows import load_amplitude, skew_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.onset import Margins
     from vibro.core.contact.slide import Floats
-    from vibro.core.contact.windows import Turn
     from vibro.core.groups import Loads
 
     Bools = NDArray[np.bool_]
@@ -42,11 +41,19 @@ def verdict(value: Floats, scale: Floats) -> Verdict:
 
 
 class Window(NamedTuple):
-    """Half the length of a static window, its sine and its cosine."""
+    """A static window of an elliptical drive, and what a slide has to do with it.
+
+    Attributes
+    ----------
+    c : array
+        Half of its length [rad].
+    open_rate, close_rate : array
+        How fast the load of the opposite slide changes where it opens, and where it closes.
+    """
 
     c: Floats
-    sin: Floats
-    cos: Floats
+    open_rate: Floats
+    close_rate: Floats
 
 
 class Start(NamedTuple):
@@ -58,16 +65,13 @@ class Start(NamedTuple):
         Where it starts, in its own phase.
     load : array
         Load amplitude while it slides, C of Eq. (52).
-    window : Window
-        The static window that it starts from.
-    turn : Turn, or None
-        From the window's phase to the slide's; None of drives along a line, where it is zero.
+    window : Window, or None
+        The static window that it starts from; None of drives along a line, where the onset says it all.
     """
 
     onset: Onset
     load: Floats
-    window: Window
-    turn: Turn | None
+    window: Window | None
 
 
 def resting_start(scene: Loads, at: Margins, direction: int) -> Start:
@@ -75,39 +79,47 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> Start:
     margin, static_load = (at.forward, at.forward_load) if direction > 0 else (at.back, at.back_load)
     mu_s, mu_d = scene.static_friction, scene.kinetic_friction
     load = load_amplitude(scene, direction, mu_d)
-    vers = margin / static_load  # 1 - sin p0
     k = (mu_d * scene.normal + direction * scene.tangential) / load
+    window = None
     if scene.lead is None:
+        vers = margin / static_load  # 1 - sin p0
         excess = (mu_s - mu_d) * scene.contrast / (static_load * load)
-        turn, c, sin = None, 2.0 * np.arcsin(np.sqrt(0.5 * vers)), np.sqrt(vers * (2.0 - vers))
+        c, sin = 2.0 * np.arcsin(np.sqrt(0.5 * vers)), np.sqrt(vers * (2.0 - vers))
     else:
-        cos = (mu_s * scene.normal + direction * scene.tangential) / static_load
-        window = Window(2.0 * np.arcsin(np.sqrt(0.5 * vers)), np.sqrt(vers * (2.0 - vers)), cos)
-        excess = (mu_s - mu_d) * _normal_load(scene, direction, static_load, window) / load
-        turn = turn_of(scene, direction, static_load, load)
-        c = window.c + turn.angle
-        half = np.tan(0.5 * c)
-        sin = 2.0 * half / (1.0 + half * half)
-        vers = sin * half
+        window, rate, normal = _elliptical_start(scene, direction, margin, static_load)
+        excess = (mu_s - mu_d) * normal / load
+        sin = rate / load
+        cos = excess + k
+        c = np.arctan2(sin, cos)
+        vers = np.where(cos > 0.0, sin * sin / (1.0 + np.abs(cos)), 1.0 - cos)
     if np.count_nonzero(scene.tangential):
         # Where the weight down the trough nearly cancels friction, rounding may bring k above sin p0, and no
         # slide would start: take it from sin p0 there.
         shared = 1.0 - vers - excess
         k = np.where(np.abs(k - shared) > _NOISE, shared, k)
     cos = excess + k  # keeps its digits where p0 -> 0, unlike 1 - vers
-    onset = Onset(c=c, cos=cos, sin=sin, vers=vers, excess=excess, k=k)
-    return Start(onset, load, Window(c, sin, cos) if turn is None else window, turn)
+    return Start(Onset(c=c, cos=cos, sin=sin, vers=vers, excess=excess, k=k), load, window)
 
 
-def _normal_load(scene: Loads, direction: int, static_load: Floats, window: Window) -> Floats:
-    """Load on the trough where a slide of an elliptical drive starts, as a sum of what is not negative."""
+def _elliptical_start(
+    scene: Loads, direction: int, margin: Floats, static_load: Floats
+) -> tuple[Window, Floats, Floats]:
+    """Return the static window of an elliptical drive, the rate of the slide's load where it opens, and N."""
     assert scene.lead is not None
-    level = (direction * scene.along * scene.lead.cosine + scene.static_friction * scene.across) / static_load
-    steep = -direction * scene.along * scene.lead.sine / static_load
-    # phase from there to the lift-off's crest
-    sine, cosine = window.sin * level + window.cos * steep, window.cos * level - window.sin * steep
-    versine = np.where(cosine > 0.0, sine * sine / (1.0 + np.abs(cosine)), 1.0 - cosine)
-    return (scene.normal - scene.across) + scene.across * versine
+    mu_s, mu_d, a, b = scene.static_friction, scene.kinetic_friction, scene.along, scene.across
+    level, steep = direction * a * scene.lead.cosine + mu_s * b, direction * a * scene.lead.sine
+    hold = mu_s * scene.normal + direction * scene.tangential
+    rate = np.sqrt(margin * (2.0 * static_load - margin))  # of the load at the window's edges
+    scale = 1.0 / (static_load * static_load)
+    # sine and cosine of the normal motion's phase at both edges
+    near, far = rate * level, hold * steep
+    opens, closes = (near - far) * scale, -(near + far) * scale
+    crest = (hold * level + rate * steep) * scale
+    versine = np.where(crest > 0.0, opens * opens / (1.0 + np.abs(crest)), 1.0 - crest)
+    normal = (scene.normal - b) + b * versine  # nothing in it is negative
+    both = (mu_s + mu_d) * b
+    window = Window(np.arctan2(rate, hold), both * opens - rate, both * closes + rate)
+    return window, rate - (mu_s - mu_d) * b * opens, normal
 
 
 class Pair(NamedTuple):
@@ -119,34 +131,27 @@ class Pair(NamedTuple):
         The slides.
     lead : CosineLead, or None
         What decides between slides with a k far below the rounding of a cosine; of drives along a line.
-    skew : Turn, or None
+    skew : array, or None
         How much more than half a turn after the forward window the back window lies; None of drives along a
-        line, where it is zero.
+        line, where it is zero [rad].
     """
 
     forward: Start
     back: Start
     lead: CosineLead | None
-    skew: Turn | None
-
-    def swing(self) -> Floats:
-        """Kinetic phase of the back slide's zero beyond half a turn after that of the forward slide."""
-        if self.skew is None or self.forward.turn is None or self.back.turn is None:
-            return np.zeros(())
-        return self.skew.angle - self.forward.turn.angle + self.back.turn.angle
+    skew: Floats | None
 
     def reaches(self, direction: int) -> Verdict:
         """Whether a slide still moves where the opposite load window opens, Eqs. (17) and (56)."""
         start, other, skew = self._seen(direction)
         onset = start.onset
-        if skew is None or start.turn is None:
-            sine, lag = other.sin, np.pi + onset.c - other.c
-        else:
-            sine_e, cosine_e = _difference(skew, start.turn)
-            sine = other.sin * cosine_e - other.cos * sine_e
-            lag = np.pi + start.window.c + skew.angle - other.c
-        speed = onset.sin + sine - onset.k * lag
-        return verdict(speed, np.abs(onset.sin) + np.abs(sine) + np.abs(onset.k))
+        if start.window is None or other.window is None:
+            c = other.onset.c
+            speed = onset.sin + other.onset.sin - onset.k * (np.pi + onset.c - c)
+            return verdict(speed, onset.sin + other.onset.sin + np.abs(onset.k))
+        begin, end, drag = start.load * onset.sin, other.window.open_rate, start.load * onset.k
+        loss = drag * (np.pi + start.window.c + skew - other.window.c)
+        return verdict(begin - end - loss, np.abs(begin) + np.abs(end) + np.abs(drag))
 
     def outlasts(self, direction: int) -> Verdict:
         """Whether a slide still moves where the opposite load window closes, Eqs. (17) and (56).
@@ -157,15 +162,14 @@ class Pair(NamedTuple):
         start, other, skew = self._seen(direction)
         onset, k = start.onset, start.onset.k
         if self.lead is not None:
-            ahead, size, c = direction * self.lead.value, self.lead.size, other.c
-            early = -k > other.cos
+            ahead, size, c = direction * self.lead.value, self.lead.size, other.onset.c
+            early = -k > other.onset.cos
         else:
-            assert skew is not None
-            assert start.turn is not None
-            sine_e, cosine_e = _difference(skew, start.turn)
-            sine = other.sin * cosine_e + other.cos * sine_e
-            ahead, size = onset.sin - sine, np.abs(onset.sin) + np.abs(sine)
-            c = other.c + skew.angle - start.turn.angle
+            assert start.window is not None
+            assert other.window is not None
+            end = other.window.close_rate / start.load
+            ahead, size = onset.sin - end, np.abs(onset.sin) + np.abs(end)
+            c = other.window.c + skew - (onset.c - start.window.c)
             early = k < 0.0
             if early.any():
                 early &= c > np.arccos(np.minimum(-k, 1.0))
@@ -181,19 +185,10 @@ class Pair(NamedTuple):
         loss = k * (np.pi + onset.c + c)
         return verdict(ahead - loss, size + np.abs(loss))
 
-    def _seen(self, direction: int) -> tuple[Start, Window, Turn | None]:
-        """Return a slide, the window that it runs into, and how that lies."""
-        if direction > 0:
-            return self.forward, self.back.window, self.skew
-        return self.back, self.forward.window, None if self.skew is None else self.skew.back()
-
-
-def _difference(first: Turn, second: Turn) -> tuple[Floats, Floats]:
-    """Sine and cosine of a difference of angles."""
-    return (
-        first.sine * second.cosine - first.cosine * second.sine,
-        first.cosine * second.cosine + first.sine * second.sine,
-    )
+    def _seen(self, direction: int) -> tuple[Start, Start, Floats]:
+        """Return a slide, the one against whose window it runs, and how that lies."""
+        skew = np.zeros(()) if self.skew is None else self.skew
+        return (self.forward, self.back, skew) if direction > 0 else (self.back, self.forward, -skew)
 
 
 def pair_of(scene: Loads, at: Margins) -> Pair:
@@ -201,7 +196,7 @@ def pair_of(scene: Loads, at: Margins) -> Pair:
     forward, back = resting_start(scene, at, 1), resting_start(scene, at, -1)
     if scene.lead is None:
         return Pair(forward, back, _lead(scene, at, forward.onset, back.onset), None)
-    return Pair(forward, back, None, skew_of(scene, at.forward_load, at.back_load))
+    return Pair(forward, back, None, skew_of(scene, scene.static_friction))
 
 
 class CosineLead(NamedTuple):

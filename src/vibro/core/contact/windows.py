@@ -7,7 +7,7 @@ Loads are over m A w^2, phases in radians.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -15,21 +15,9 @@ if TYPE_CHECKING:
     from vibro.core.contact.slide import Floats
     from vibro.core.groups import Loads
 
-__all__ = ["Turn", "load_amplitude", "own_phase", "skew_of", "static_lifts", "turn_of"]
+__all__ = ["load_amplitude", "own_phase", "skew_of", "static_lifts"]
 
 _TINY: Final = 1e-300  # [1] keeps the quotients of a trough that stands still from being 0 / 0
-
-
-class Turn(NamedTuple):
-    """An angle, its sine and its cosine."""
-
-    angle: Floats
-    sine: Floats
-    cosine: Floats
-
-    def back(self) -> Turn:
-        """Turn the other way."""
-        return Turn(-self.angle, -self.sine, self.cosine)
 
 
 def load_amplitude(scene: Loads, direction: int, friction: Floats) -> Floats:
@@ -65,22 +53,13 @@ def static_lifts(scene: Loads) -> tuple[Floats, Floats]:
     return ahead, behind
 
 
-def turn_of(scene: Loads, direction: int, static_load: Floats, kinetic_load: Floats) -> Turn:
-    """Delta of Eq. (54), from the static to the kinetic phase of a slide of an elliptical drive."""
-    assert scene.lead is not None
-    mu_s, mu_d, a, b = scene.static_friction, scene.kinetic_friction, scene.along, scene.across
-    loads = static_load * kinetic_load
-    level = direction * a * b * scene.lead.cosine
-    sine = direction * (mu_s - mu_d) * a * b * scene.lead.sine / loads
-    cosine = (a * a + (mu_s + mu_d) * level + mu_s * mu_d * b * b) / loads
-    return Turn(np.arctan2(sine, cosine), sine, cosine)
+def skew_of(scene: Loads, friction: Floats) -> Floats:
+    """E of Eq. (55): the angle beyond half a turn between the phases of the forward and the back load.
 
-
-def skew_of(scene: Loads, forward_load: Floats, back_load: Floats) -> Turn:
-    """E of Eq. (55): how much more than half a turn after the forward window the back window lies."""
-    assert scene.lead is not None
-    a, lift = scene.along, scene.static_friction * scene.across
-    loads = forward_load * back_load
-    sine = 2.0 * a * lift * scene.lead.sine / loads
-    cosine = (a - lift) * (a + lift) / loads
-    return Turn(np.arctan2(sine, cosine), sine, cosine)
+    With static friction it tells how much more than half a turn after the forward window the back window
+    lies; with kinetic friction the same of the zeros of both slides' own phases. 0 of drives along a line.
+    """
+    if scene.lead is None:
+        return np.zeros(())
+    a, lift = scene.along, friction * scene.across
+    return np.asarray(np.arctan2(2.0 * a * lift * scene.lead.sine, (a - lift) * (a + lift)))
