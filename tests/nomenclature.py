@@ -23,7 +23,7 @@ from vibro.results.steady import (
     UPRIGHT,
     Result,
 )
-from vibro.scene import Fields
+from vibro.scene import Scene
 
 UNITS = """\
 In options, axes of scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro
@@ -47,6 +47,9 @@ SYNONYMS = {
     "stroke_mm": "peak-to-peak, $A_{pp}$, $2r$; *Schwingweite*, *Hub*",
     "frequency_hz": "$n$ [1/min], speed of the motor; *Erregerfrequenz*",
     "drive_angle_deg": "**$\\beta$** (German practice), $\\psi$, $i$; angle of vibration, *Wurfwinkel*",
+    "along_amplitude_mm": "$X_0$, $a$; longitudinal, horizontal amplitude",
+    "normal_amplitude_mm": "$Z_0$, $b$; vertical amplitude",
+    "normal_phase_deg": "$\\varepsilon$, $\\delta$; phase difference; as a phase lag of the opposite sign",
     "static_friction": "$\\mu_0$, $f_0$; *Haftreibung*",
     "kinetic_friction": "$\\mu$, $f$, $\\mu_k$; dynamic, sliding friction; *Gleitreibung*",
     "trough_angle_deg": "**$\\alpha$** (German practice), $\\theta$; slope, inclination; *Rinnenneigung*",
@@ -94,7 +97,7 @@ def tables() -> str:
     inputs = [
         _row(
             q.symbol,
-            f"Scene.{q.name}" if q.name in Fields._fields else "",
+            f"Scene.{q.name}" if q.name in Scene.__dataclass_fields__ else "",
             q.kind.si_unit.replace("^2", "²"),
             q.column,
             q.meaning,

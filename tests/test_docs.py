@@ -18,7 +18,6 @@ from PIL import Image
 import vibro
 from vibro.quantities import QUANTITIES
 from vibro.results import RESULTS
-from vibro.scene import Fields
 from vibro.sweeps.columns import columns_of
 from vibro.sweeps.derived import (
     WITH_ACCELERATION,
@@ -137,7 +136,7 @@ def test_columns_are_those_of_the_tables() -> None:
 
 def test_inputs_and_results_are_those_that_the_code_describes() -> None:
     assert page_with(tables()) == NOMENCLATURE, "python tests/nomenclature.py writes them"
-    assert {f"| `Scene.{name}` |" in tables() for name in Fields._fields} == {True}
+    assert {f"| `Scene.{name}` |" in tables() for name in vibro.Scene.__dataclass_fields__} == {True}
     described = {name for result in RESULTS for name in (result.name,)}
     assert described == {field.name for field in fields(vibro.SteadyCycle)}
 

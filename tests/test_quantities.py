@@ -24,7 +24,7 @@ from vibro.quantities import (
     find_quantity,
     kinetic_friction,
 )
-from vibro.scene import LinearFields, Scene
+from vibro.scene import EllipticalFields, LinearFields, Scene
 
 
 @pytest.mark.parametrize(
@@ -123,17 +123,21 @@ def test_si_values() -> None:
 
 def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
     parameters = inspect.signature(Scene).parameters
-    assert tuple(parameters) == LinearFields._fields == tuple(f.name for f in dataclasses.fields(Scene))
+    assert tuple(parameters) == tuple(f.name for f in dataclasses.fields(Scene))
     assert set(parameters) | set(STANDS_FOR) | {"trough_length"} == set(QUANTITIES)
+    drives = set(LinearFields._fields) ^ set(EllipticalFields._fields)
+    assert set(LinearFields._fields) | set(EllipticalFields._fields) == set(parameters)
     for name, parameter in parameters.items():
         default = QUANTITIES[name].default
-        if default is None:
+        if name in drives:
+            assert parameter.default is None
+        elif default is None:
             assert parameter.default is inspect.Parameter.empty
         else:
             assert parameter.default == QUANTITIES[name].to_si(default)
 
 
-@pytest.mark.parametrize("name", [name for name in LinearFields._fields if name not in ("static_friction",)])
+@pytest.mark.parametrize("name", [name for name in Scene.__dataclass_fields__ if name != "static_friction"])
 def test_a_range_ends_where_it_says(name: str) -> None:
     quantity = QUANTITIES[name]
     for end, belongs, outward in (

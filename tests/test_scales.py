@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import TYPE_CHECKING
 
@@ -120,8 +119,8 @@ EXTREMES = np.array([5e-324, 1e-300, 1e-160, 1e-30, 1e-8, 1.0, 1e8, 1e30, 1e160,
 
 def spread_out(scene: Scene) -> dict[str, NDArray[np.float64]]:
     """Broadcast every field to the scene's shape."""
-    names = (f.name for f in dataclasses.fields(Scene))
-    return dict(zip(names, np.broadcast_arrays(*scene.arrays()), strict=True))
+    fields = scene.arrays()
+    return dict(zip(fields._fields, np.broadcast_arrays(*fields), strict=True))
 
 
 def test_the_largest_and_smallest_numbers_pass_without_a_warning() -> None:

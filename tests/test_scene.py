@@ -75,7 +75,9 @@ def test_a_value_that_is_not_finite_is_refused(field: str, value: float, shown: 
 def test_a_value_that_is_no_number_is_refused(field: str, value: Any) -> None:
     (problem,) = _error(**{field: value}).problems
     assert problem.field == field
-    assert problem.allowed == "a real number or an array of real numbers"
+    half_a_drive = {"amplitude": "given beside drive_angle", "drive_angle": "given beside amplitude"}
+    no_number = "a real number or an array of real numbers"
+    assert problem.allowed == (half_a_drive.get(field, no_number) if value is None else no_number)
 
 
 def test_one_bad_value_in_an_array_is_found_and_shown() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -267,10 +266,7 @@ def test_blocks_leave_no_seam(shape: tuple[int, ...]) -> None:
     expected = solve(few)
     order = np.arange(size) % 997
     grid = Scene(
-        **{
-            f.name: x if (x := getattr(few, f.name)).ndim == 0 else x[order].reshape(shape)
-            for f in dataclasses.fields(Scene)
-        }
+        **{name: x if x.ndim == 0 else x[order].reshape(shape) for name, x in few.arrays()._asdict().items()}
     )
     got = solve(grid)
     for name in FIELDS:

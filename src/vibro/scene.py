@@ -192,7 +192,7 @@ class Scene:
     >>> Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20),
     ...       static_friction=0.74, kinetic_friction=0.57).shape
     ()
-    >>> Scene(along_amplitude=1e-3, normal_amplitude=3e-4, normal_phase=math.radians([-60, 0, 60]),
+    >>> Scene(along_amplitude=1e-3, normal_amplitude=3e-4, normal_phase=[-1.0, 0.0, 1.0],
     ...       frequency=25, static_friction=0.4, kinetic_friction=0.3).shape
     (3,)
     """

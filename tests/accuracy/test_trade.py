@@ -336,8 +336,7 @@ def test_without_mpmath_a_converged_simulation_is_the_reference(monkeypatch: pyt
 
 
 def draw_flat(scene: vibro.Scene) -> vibro.Scene:
-    names = vibro.Scene.__dataclass_fields__
-    return vibro.Scene(**{name: np.broadcast_to(getattr(scene, name), scene.shape) for name in names})
+    return vibro.Scene(**scene.flat()._asdict())
 
 
 def test_labels_of_the_picture_do_not_overlap(trade: Trade) -> None:

@@ -43,7 +43,7 @@ def table() -> tuple[vibro.Scene, NDArray[np.float64], NDArray[np.float64]]:
 def cells_of(scene: vibro.Scene) -> Iterator[vibro.Scene]:
     fields = [np.broadcast_to(x, scene.shape).ravel() for x in scene.arrays()]
     for values in zip(*fields, strict=True):
-        yield vibro.Scene(**dict(zip(scene.__dataclass_fields__, map(float, values), strict=True)))
+        yield vibro.Scene(**dict(zip(scene.arrays()._fields, map(float, values), strict=True)))
 
 
 def test_the_reference_table() -> None:

@@ -34,9 +34,7 @@ WINDOW = 1e-7 * PERIOD
 
 
 def values_of(*scenes: vibro.Scene) -> dict[str, Any]:
-    return {
-        name: np.array([float(getattr(s, name)) for s in scenes]) for name in scenes[0].__dataclass_fields__
-    }
+    return {name: np.array([float(getattr(s, name)) for s in scenes]) for name in scenes[0].arrays()._fields}
 
 
 def test_every_pattern_has_the_signals_of_another_solver() -> None:

@@ -14,7 +14,7 @@ from vibro.core.flight.bounces import bounces
 from vibro.core.flight.coexistence import coexisting
 from vibro.core.flight.cycles import cycles, entered
 from vibro.core.flight.returns import hops_of, return_map
-from vibro.core.groups import Loads, loads, take
+from vibro.core.groups import each, loads, take
 
 TURN = 2.0 * math.pi
 # from rest it advances 5.97996 g/w^2 a cycle, and 7.36196 if it is thrown otherwise
@@ -49,7 +49,7 @@ def test_the_other_flights_of_that_scene() -> None:
     other = bounces(throw.reshape(1), TWO_FLIGHTS.restitution.reshape(1), start=start)
     assert other.repeats.all()
     assert other.cycles.tolist() == [1]
-    scene = Loads(*(x.reshape(-1) for x in groups))
+    scene = each(groups, lambda x: x.reshape(-1))
     cells, _ = entered(scene, other)
     hops, velocity = hops_of(scene, other.cycle), np.array([-0.5859803624769713 * scale])
     for _ in range(100):

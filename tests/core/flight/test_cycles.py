@@ -19,7 +19,7 @@ from vibro.core.flight import returns
 from vibro.core.flight.bounces import bounces
 from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, entered
 from vibro.core.flight.returns import Return, hops_of, return_map
-from vibro.core.groups import Loads
+from vibro.core.groups import Loads, each
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -251,7 +251,7 @@ def test_one_value_for_all_cells_may_be_zero_dimensional() -> None:
         static_friction=scene.static_friction[0], kinetic_friction=scene.kinetic_friction[0],
     )  # fmt: skip
     wide, got = _solve(scene), hopping_cycles(narrow, np.array(0.0))
-    one = Loads(*(x[3] for x in scene))
+    one = each(scene, lambda x: x[3])
     restitution = np.array([0.0, 0.0])
     for name in HoppingCycles._fields:
         assert np.array_equal(getattr(wide, name), getattr(got, name)), name
