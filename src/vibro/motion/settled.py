@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CyclePhase", "SettledMotion", "cycle_phases", "settled_motion"]
 
+_TURN: Final = 2.0 * math.pi
 _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
 _PERIODIC: Final = 1e-6  # relative change from one cycle to the next, above which it takes more to repeat
 _LONGEST_RUN: Final = 1000.0  # [drive cycles] from rest in which phases with flights must begin to repeat
@@ -84,7 +85,10 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
 def _legs_with_flights(course: Course) -> list[CycleLeg]:
     """Legs of the steady cycle of a body that hops; none if they do not repeat soon."""
     steady = follow(course, 0.0, 0.0, _LONGEST_RUN).steady
-    starts = 2.0 * math.pi * (steady.cycle - steady.cycle[:1]) + steady.phase
+    lead = course.track.scene.lead
+    phases = steady.phase - lead.angle if lead else steady.phase
+    turns = steady.cycle - steady.cycle[:1] - np.floor(phases[:1] / _TURN)
+    starts = _TURN * turns + phases
     columns = (steady.mode, starts, starts + steady.length, steady.displacement)
     legs: list[CycleLeg] = []
     for mode, start, end, displacement in zip(*(column.tolist() for column in columns), strict=True):
@@ -164,7 +168,7 @@ def settled_motion(scene: Scene) -> SettledMotion:
     if contact:
         # A slide of the cycle begins at a known phase: there is no need to wait for it.
         history = simulate(scene, cycles=1.0, start_phase=contact[0].start)
-        since, lag = 0.0, contact[0].start / (2.0 * math.pi * frequency)
+        since, lag = 0.0, contact[0].start / (_TURN * frequency)
     else:
         history, since = _settled_flight(scene)
         lag = since % (1.0 / frequency)

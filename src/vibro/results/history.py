@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from vibro.core.codes import LETTERS, Mode
+from vibro.core.contact.legs import loads_at
 from vibro.core.free import free_motion
 from vibro.core.walk.histories import Legs, Motion
 from vibro.core.walk.steps import tangential_motion
@@ -79,7 +80,10 @@ class Sample:
     time : array
         The times [s].
     trough_displacement : array
-        Of the trough along the drive's line [m].
+        Of the trough along the drive's line; NaN where the drive is elliptical [m].
+    trough_along, trough_normal : array
+        Of the trough along its surface, positive in the conveying direction, and normal to it, positive
+        upwards [m].
     position, velocity, acceleration : array
         Of the body relative to the trough, along it, positive in the conveying direction
         [m, m/s, m/s^2].
@@ -97,6 +101,8 @@ class Sample:
 
     time: Floats
     trough_displacement: Floats
+    trough_along: Floats
+    trough_normal: Floats
     position: Floats
     velocity: Floats
     acceleration: Floats
@@ -280,20 +286,23 @@ class History:
         s[over] = at.length[over]
         rests, flies = at.mode == Mode.REST, at.mode == Mode.FLIGHT
         phase = at.phase + np.where(rests, np.mod(s, _TURN), s)
-        sine = np.sin(phase)
-        pull, drag = tangential_motion(scene, at.mode)
-        start = np.sin(at.phase), np.cos(at.phase)
-        path, velocity = free_motion(pull, drag, *start, at.velocity, s)
+        pull, drag, shift = tangential_motion(scene, at.mode)
+        own = at.phase + shift
+        path, velocity = free_motion(pull, drag, np.sin(own), np.cos(own), at.velocity, s)
         path = np.where(rests, 0.0, np.where(over, at.displacement, path))
         velocity = np.where(rests, 0.0, np.where(over, at.end_velocity, velocity))
-        inertial = scene.along * sine - scene.tangential
-        acceleration = np.where(rests, 0.0, pull * sine - drag)
-        normal = np.where(flies, 0.0, np.maximum(scene.normal - scene.across * sine, 0.0))
+        inertial, load = loads_at(scene, phase)
+        acceleration = np.where(rests, 0.0, pull * np.sin(phase + shift) - drag)
+        normal = np.where(flies, 0.0, np.maximum(load, 0.0))
+        start = np.sin(at.phase), np.cos(at.phase)
         height, _ = free_motion(scene.across, scene.normal, *start, at.rate, s)
         with np.errstate(over="ignore"):  # no friction that could be measured: inf, which bears everything
             static_limit = scene.static_friction * (force * normal)
+        along, normally = scene.along_sine(phase), np.sin(phase)
         return (
-            length * np.sin(np.where(rests, phase, at.phase + s)),
+            np.full(s.shape, np.nan) if scene.lead else length * normally,
+            length * scene.along * along,
+            length * scene.across * normally,
             length * (at.position + count * self._motion.advance + path),
             speed * velocity,
             force * acceleration,

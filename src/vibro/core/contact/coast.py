@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.contact.windows import load_amplitude, own_phase
 from vibro.core.groups import take
 from vibro.core.roots import bisect
 
@@ -40,7 +41,7 @@ class Pull(NamedTuple):
     Attributes
     ----------
     shift : array
-        0 or pi: phase to add so that the pull is P sin p with P >= 0.
+        Phase to add so that the pull is P sin p with P >= 0: the slide's own phase; 0 or pi along a line.
     pull, drag : array
         P and Q of s'' = P sin p - Q.
     kappa : array
@@ -62,13 +63,12 @@ class Pull(NamedTuple):
 def pull_of(scene: Loads, direction: int) -> Pull:
     """Pull and drag of slides in the direction +1 (forward) or -1 (back), Eq. (23)."""
     mu_d = scene.kinetic_friction
-    amplitude = direction * scene.along + mu_d * scene.across
     drag = mu_d * scene.normal + direction * scene.tangential
-    pull = np.abs(amplitude)
+    pull = np.abs(load_amplitude(scene, direction, mu_d))
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.clip(drag / pull, -1.0, 1.0)
     return Pull(
-        shift=np.where(amplitude < 0.0, np.pi, 0.0),
+        shift=own_phase(scene, direction),
         pull=pull,
         drag=drag,
         kappa=np.arcsin(ratio),

@@ -12,14 +12,18 @@ from vibro.core.contact.never_at_rest import never_at_rest
 from vibro.core.contact.onset import thresholds
 from vibro.core.contact.slide import slide, start_inside
 from vibro.core.contact.starts import resting_start
+from vibro.core.contact.windows import own_phase
 
 if TYPE_CHECKING:
-    from vibro.core.contact.slide import Onset
+    from vibro.core.contact.never_at_rest import NeverAtRest
+    from vibro.core.contact.slide import Floats, Onset
     from vibro.core.groups import Loads
 
-__all__ = ["CycleLeg", "cycle_legs"]
+__all__ = ["CycleLeg", "cycle_legs", "middle_of"]
 
 _TURN = 2.0 * math.pi
+_WAYS = {"F": 1, "B": -1}
+_ROUNDING = 1e-9  # [1] of a turn: two phases so close are one
 
 
 class CycleLeg(NamedTuple):
@@ -69,44 +73,68 @@ def cycle_legs(scene: Loads, pattern_code: int) -> list[CycleLeg]:
     return legs
 
 
+def middle_of(scene: Loads, cycle: NeverAtRest) -> Floats:
+    """Phase of the middle of the forward slide of a cycle without a rest."""
+    if scene.lead:
+        return np.asarray(scene.lead.angle + np.pi - np.arctan2(cycle.sin_m, cycle.cos_m))
+    return np.asarray(np.pi - np.arcsin(cycle.sin_m))
+
+
+class _Way(NamedTuple):
+    """Slides in one direction: the drive phase of their load's zero, their start from rest and their load."""
+
+    kind: str
+    zero: float
+    resting: Onset
+    load: Floats
+
+
 def _slides(scene: Loads, pattern: str) -> list[CycleLeg]:
     """Solve the slides of a cycle, without its rests, in the order of the pattern."""
     margins = thresholds(scene).margins
-    forward = resting_start(scene, margins, 1) if "F" in pattern else None
-    back = resting_start(scene, margins, -1) if "B" in pattern else None
-    if pattern == "FB" and forward and back:
-        cycle, _ = never_at_rest(scene, forward, back)
-        m, x = math.pi - math.asin(cycle.sin_m.item()), 0.5 * math.pi + cycle.y.item()
-        ahead = start_inside(0.5 * np.pi - (m - x) + 0.0 * cycle.y, forward.onset.k)
-        behind = start_inside(1.5 * np.pi - (m + x) + 0.0 * cycle.y, back.onset.k)
-        return [_slide_leg("F", ahead, forward.load), _slide_leg("B", behind, back.load)]
-    if pattern == "FB_" and forward and back:
-        first = _slide_leg("F", forward.onset, forward.load)
-        return [first, _after(first, back.onset, back.load)]
-    if pattern == "F_B" and forward and back:
-        second = _slide_leg("B", back.onset, back.load)
-        first = _after(second, forward.onset, forward.load)
-        return [first, second._replace(start=second.start + _TURN, end=second.end + _TURN)]
-    slides = []
-    if forward:
-        slides.append(_slide_leg("F", forward.onset, forward.load))
-    if back:
-        slides.append(_slide_leg("B", back.onset, back.load))
-    return slides
+    resting = {kind: resting_start(scene, margins, _WAYS[kind]) for kind in pattern if kind in _WAYS}
+    ways = {
+        kind: _Way(kind, _zero(scene, kind), start.onset, start.load) for kind, start in resting.items()
+    }
+    if pattern == "FB":
+        cycle, _ = never_at_rest(scene, resting["F"], resting["B"])
+        lead = scene.lead.angle.item() if scene.lead else 0.0
+        m, x = middle_of(scene, cycle).item() - lead, 0.5 * math.pi + cycle.y.item()
+        return [_slide_from(ways["F"], m - x), _slide_from(ways["B"], m + x)]
+    if pattern == "FB_":
+        first = _slide_leg(ways["F"], ways["F"].resting)
+        return [first, _slide_from(ways["B"], first.end)]
+    if pattern == "F_B":
+        second = _slide_leg(ways["B"], ways["B"].resting)
+        first = _slide_from(ways["F"], second.end)
+        return [first, _later(second, first.end)]
+    slides = [_slide_leg(way, way.resting) for way in ways.values()]
+    return [slides[0], *(_later(leg, slides[0].end) for leg in slides[1:])]
 
 
-def _slide_leg(kind: str, onset: Onset, load: np.ndarray) -> CycleLeg:
-    """Solve one slide; a back slide's phases lie half a turn later, its displacement is negative."""
+def _zero(scene: Loads, kind: str) -> float:
+    """Drive phase at which the load of slides is zero and rises."""
+    if scene.lead:
+        return -(own_phase(scene, _WAYS[kind]) + scene.lead.angle).item()
+    return math.pi if kind == "B" else 0.0
+
+
+def _slide_leg(way: _Way, onset: Onset) -> CycleLeg:
+    """Solve one slide; the displacement of a back slide is negative."""
     end = slide(onset)
-    start = 0.5 * math.pi - onset.c.item() + (math.pi if kind == "B" else 0.0)
-    sign = -1.0 if kind == "B" else 1.0
-    return CycleLeg(kind, start, start + 2.0 * end.x.item(), sign * (load * end.reach).item())
+    start = 0.5 * math.pi - onset.c.item() + way.zero
+    path = _WAYS[way.kind] * (way.load * end.reach).item()
+    return CycleLeg(way.kind, start, start + 2.0 * end.x.item(), path)
 
 
-def _after(before: CycleLeg, resting: Onset, load: np.ndarray) -> CycleLeg:
-    """Solve the opposite slide that follows another one directly."""
-    kind = "B" if before.kind == "F" else "F"
-    zero = math.pi if kind == "B" else _TURN
-    c = 0.5 * np.pi - (before.end - zero) + 0.0 * resting.c
-    slid = _slide_leg(kind, start_inside(c, resting.k), load)
-    return slid._replace(start=before.end, end=before.end + (slid.end - slid.start))
+def _slide_from(way: _Way, start: float) -> CycleLeg:
+    """Solve a slide that starts at a drive phase, at once after another one."""
+    c = 0.5 * math.pi - (start - way.zero)
+    slid = _slide_leg(way, start_inside(c - _TURN * round(c / _TURN) + 0.0 * way.resting.c, way.resting.k))
+    return slid._replace(start=start, end=start + (slid.end - slid.start))
+
+
+def _later(leg: CycleLeg, end: float) -> CycleLeg:
+    """Move a slide by whole turns, to the first that begins at the end of another one or after it."""
+    turns = math.ceil((end - leg.start) / _TURN - _ROUNDING)
+    return leg._replace(start=leg.start + _TURN * turns, end=leg.end + _TURN * turns)

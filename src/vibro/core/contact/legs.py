@@ -12,6 +12,7 @@ import numpy as np
 
 from vibro.core.codes import Mode
 from vibro.core.contact.coast import Coast, Pull, coast, pull_of
+from vibro.core.contact.windows import load_amplitude, own_phase
 from vibro.core.free import free_motion
 from vibro.core.groups import put, take
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     Bools = NDArray[np.bool_]
     Modes = NDArray[np.int8]
 
-__all__ = ["Leg", "Track", "after_slide", "contact_leg", "mode_of", "track_of", "until"]
+__all__ = ["Leg", "Track", "after_slide", "contact_leg", "loads_at", "mode_of", "track_of", "until"]
 
 _TURN: Final = 2.0 * np.pi
 _ZERO: Final = np.zeros(())
@@ -64,29 +65,42 @@ class Track(NamedTuple):
 
 def track_of(scene: Loads) -> Track:
     """Prepare scenes whose body can rest."""
-    hold, lift = scene.static_friction * scene.normal, scene.static_friction * scene.across
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ahead = (hold + scene.tangential) / (scene.along + lift)
-        behind = (hold - scene.tangential) / (scene.along - lift)
         falls_away = scene.normal / scene.across
         return Track(
             scene,
             pull_of(scene, 1),
             pull_of(scene, -1),
-            forward_onset=np.where(np.abs(ahead) < 1.0, np.arcsin(ahead), np.nan),
-            # where the drive presses the body down more than it pushes, none in contact: Eq. (7)
-            back_onset=np.where(
-                (scene.along > lift) & (np.abs(behind) < 1.0), np.pi + np.arcsin(behind), np.nan
-            ),
+            forward_onset=_onset(scene, 1),
+            back_onset=_onset(scene, -1),
             lift_off=np.where(falls_away < 1.0, np.arcsin(falls_away), np.inf),
         )
 
 
+def _onset(scene: Loads, direction: int) -> Floats:
+    """Phase at which the load begins to exceed static friction in a direction; NaN where it never does."""
+    mu_s = scene.static_friction
+    load = load_amplitude(scene, direction, mu_s)
+    ratio = (mu_s * scene.normal + direction * scene.tangential) / load
+    begins = np.abs(ratio) < 1.0
+    if scene.lead:
+        return np.where(begins, np.arcsin(ratio) - own_phase(scene, direction, mu_s), np.nan)
+    # along a line: where the drive presses the body down more than it pushes, none in contact, Eq. (7)
+    zero = 0.0 if direction > 0 else np.pi
+    return np.where((load > 0.0) & begins, zero + np.arcsin(ratio), np.nan)
+
+
+def loads_at(scene: Loads, phase: Floats) -> tuple[Floats, Floats]:
+    """Load along the trough, and load on it, of a body in contact."""
+    sine = np.sin(phase)
+    along = scene.along_sine(phase) if scene.lead else sine
+    return scene.along * along - scene.tangential, scene.normal - scene.across * sine
+
+
 def mode_of(scene: Loads, phase: Floats, velocity: Floats) -> Modes:
     """Tell what a body in contact does: at zero velocity the loads decide."""
-    sine = np.sin(phase)
-    load = scene.along * sine - scene.tangential
-    hold = scene.static_friction * (scene.normal - scene.across * sine)
+    load, normal = loads_at(scene, phase)
+    hold = scene.static_friction * normal
     way = np.where(velocity == 0.0, np.where(np.abs(load) > hold, load, 0.0), velocity)
     return np.where(way == 0.0, Mode.REST, np.where(way > 0.0, Mode.FORWARD, Mode.BACK)).astype(np.int8)
 
@@ -188,8 +202,12 @@ def _slide(track: Track, at: Pull, direction: float, phase: Floats, velocity: Fl
     end = coast(at, phase, speed, limit)
     with np.errstate(invalid="ignore"):  # endless slides
         sine, cosine = np.sin(phase), np.cos(phase)
-        way = np.where(at.shift > 0.0, -1.0, 1.0)
-        path, _ = free_motion(at.pull, at.drag, way * sine, way * cosine, speed, end.length)
+        if track.scene.lead:
+            own = np.sin(phase + at.shift), np.cos(phase + at.shift)
+        else:
+            way = np.where(at.shift > 0.0, -1.0, 1.0)
+            own = way * sine, way * cosine
+        path, _ = free_motion(at.pull, at.drag, *own, speed, end.length)
         # the impulse of the trough takes the normal speed that the body would have in flight
         _, rate = free_motion(track.scene.across, track.scene.normal, sine, cosine, _ZERO, end.length)
     return after_slide(track.scene, direction, phase, end, path, -rate)
@@ -200,9 +218,8 @@ def after_slide(
 ) -> Leg:
     """Tell what follows slides whose ends are known: rest, a turn, or flight if they did not stop."""
     with np.errstate(divide="ignore", invalid="ignore"):  # endless slides
-        crest = np.sin(phase + end.length)
-        back_load = direction * (scene.tangential - scene.along * crest)
-        normal = scene.normal - scene.across * crest
+        load, normal = loads_at(scene, phase + end.length)
+        back_load = -direction * load
         turns = end.stopped & (back_load > scene.static_friction * normal)
         drag = scene.kinetic_friction * normal
         turned = (back_load - drag) / (back_load + drag)

@@ -29,9 +29,9 @@ def load_amplitude(scene: Loads, direction: int, friction: Floats) -> Floats:
     return np.asarray(np.sqrt(level * level + steep * steep))
 
 
-def own_phase(scene: Loads, direction: int) -> Floats:
-    """Psi of Eq. (52) while the body slides: what is added to a phase to make it the slide's own."""
-    lift = scene.kinetic_friction * scene.across
+def own_phase(scene: Loads, direction: int, friction: Floats | None = None) -> Floats:
+    """Psi of Eq. (52), while the body slides unless a friction is given: it makes a phase the slide's own."""
+    lift = (scene.kinetic_friction if friction is None else friction) * scene.across
     if scene.lead is None:
         return np.where(direction * scene.along + lift < 0.0, np.pi, 0.0)
     way = direction * scene.along

@@ -104,8 +104,8 @@ def cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
 
     Notes
     -----
-    At K > 1 a body at rest slides forward before it is lifted off, Eq. (35), so that the cycle from rest
-    starts with a known velocity, and ends at a fixed point of the return map. Over a cycle the normal
+    At K > 1 a body at rest slides before it is lifted off, forward along a line, Eq. (35), so that the cycle
+    from rest starts with a known velocity, and ends at a fixed point of the return map. Over a cycle the normal
     impulse is that of the weight; where gravity along the trough exceeds static friction under it, every
     cycle adds speed: ``RUNAWAY``.
     """
@@ -183,6 +183,7 @@ def entered(scene: Loads, motion: Bounces) -> tuple[Cells, Floats]:
         ends = np.broadcast_to(cells.track.lift_off, start.shape)[amid]
         flown = np.flatnonzero(way.number > 0)
         ends[flown] = lead.phase[(way.first + way.number)[flown]]
-        along = take(cells.track.scene.along, amid)
-        start[amid] += along * (np.cos(ends) - np.cos(flights.phase[flights.first[amid]]))
+        trough = way.track.scene
+        begins = flights.phase[flights.first[amid]]
+        start[amid] += trough.along * (trough.along_cosine(ends) - trough.along_cosine(begins))
     return cells, start

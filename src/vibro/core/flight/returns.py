@@ -15,7 +15,7 @@ import numpy as np
 from vibro.core.codes import MOST_LETTERS, Mode
 from vibro.core.contact.legs import Track, contact_leg, mode_of, until
 from vibro.core.free import free_motion
-from vibro.core.groups import take
+from vibro.core.groups import each, take
 from vibro.core.roots import OpenCells
 
 if TYPE_CHECKING:
@@ -62,6 +62,9 @@ class Hops(NamedTuple):
     rest: Floats = _ZERO
 
 
+_NO_HOPS: Final = Hops(*np.zeros((6, 0)))
+
+
 class Cells(NamedTuple):
     """Scenes under way: their flights in the arrays of ``Hops``, and their contact."""
 
@@ -102,11 +105,9 @@ class Return(NamedTuple):
 
 def hops_of(scene: Loads, flights: FlightList) -> Hops:
     """Integrate the free motion along the trough over each flight, Eq. (30)."""
-    along, tangential, normal, mu_d = (
-        x[flights.owner] if x.ndim else x
-        for x in (scene.along, scene.tangential, scene.normal, scene.kinetic_friction)
-    )
-    s, p = flights.length, flights.phase
+    scene = take(scene, flights.owner)
+    along, tangential = scene.along, scene.tangential
+    s, p = flights.length, flights.phase - scene.lead.angle if scene.lead else flights.phase
     sine, cosine = np.sin(p), np.cos(p)
     shift, gain = free_motion(along, tangential, sine, cosine, _ZERO, s)
     high, low = np.maximum(gain, 0.0), np.minimum(gain, 0.0)
@@ -121,7 +122,7 @@ def hops_of(scene: Loads, flights: FlightList) -> Hops:
             inside = (at >= 0.0) & (at <= s)
             high = np.where(inside, np.maximum(high, v), high)
             low = np.where(inside, np.minimum(low, v), low)
-    return Hops(gain, s, shift, mu_d * normal * flights.impulse, high, low)
+    return Hops(gain, s, shift, scene.kinetic_friction * scene.normal * flights.impulse, high, low)
 
 
 def return_map(cells: Cells, hops: Hops, velocity: Floats) -> Return:
@@ -193,10 +194,10 @@ def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
     Returns
     -------
     owner : int array
-        Scene of each velocity; a scene may have many. A rest that ends at the forward onset is left to
-        ``velocity_from_rest``.
+        Scene of each velocity; a scene may have many. Along a line a rest that ends at the forward onset is
+        left to ``velocity_from_rest``.
     velocity : array
-        At the lift-off that follows an impact, or a rest until the back onset, without another stop.
+        At the lift-off that follows an impact, or a rest until an onset, without another stop.
     """
     number = cells.number
     owner = np.repeat(np.arange(number.size), number)
@@ -205,15 +206,19 @@ def after_stops(cells: Cells, hops: Hops) -> tuple[NDArray[np.intp], Floats]:
     behind = behind._replace(first=behind.first + impact, number=behind.number - impact)
     stopped = return_map(behind, hops, np.zeros(owner.size))
     last = np.flatnonzero(stopped.slope > 0.0)
+    owners, velocities = [owner[last]], [stopped.velocity[last]]
 
-    onset = np.mod(np.broadcast_to(cells.track.back_onset, number.shape), _TURN)
-    with np.errstate(invalid="ignore"):
-        rests = np.flatnonzero(until(onset, cells.landing) < cells.rest)
-    behind = take(cells, rests)
-    left = until(behind.track.lift_off, onset[rests])
-    behind = behind._replace(number=np.zeros(rests.size, np.intp), landing=onset[rests], rest=left)
-    rested = return_map(behind, hops, np.zeros(rests.size))
-    return np.concatenate((owner[last], rests)), np.concatenate((stopped.velocity[last], rested.velocity))
+    track = cells.track
+    for waits in (track.forward_onset, track.back_onset) if track.scene.lead else (track.back_onset,):
+        onset = np.mod(np.broadcast_to(waits, number.shape), _TURN)
+        with np.errstate(invalid="ignore"):
+            rests = np.flatnonzero(until(onset, cells.landing) < cells.rest)
+        behind = take(cells, rests)
+        left = until(behind.track.lift_off, onset[rests])
+        behind = behind._replace(number=np.zeros(rests.size, np.intp), landing=onset[rests], rest=left)
+        owners.append(rests)
+        velocities.append(return_map(behind, hops, np.zeros(rests.size)).velocity)
+    return np.concatenate(owners), np.concatenate(velocities)
 
 
 def _append(pattern: Words, digit: Words | np.int64) -> Words:
@@ -223,7 +228,27 @@ def _append(pattern: Words, digit: Words | np.int64) -> Words:
 
 
 def velocity_from_rest(track: Track) -> Floats:
-    """Velocity at the first lift-off of a body at rest, which slides forward from its onset, Eq. (35)."""
+    """Velocity at the first lift-off of a body at rest, Eq. (35)."""
+    if track.scene.lead:
+        return _followed_from_rest(track)
     start, end, at = track.forward_onset, track.lift_off, track.forward
     velocity: Floats = at.pull * (np.cos(start) - np.cos(end)) - at.drag * (end - start)
     return velocity
+
+
+def _followed_from_rest(track: Track) -> Floats:
+    """Velocity at the first lift-off of a body at rest at drive phase 0, of elliptical drives.
+
+    It may slide either way, and more than once. Where the trough falls away at that phase, the body is taken to
+    rest once the trough bears it again.
+    """
+    scene = track.scene
+    assert scene.lead is not None
+    n = np.broadcast(*scene.flattened()).size
+    track = each(track, lambda x: np.broadcast_to(x, n))
+    begin, bears = np.broadcast_to(scene.lead.angle, n), np.pi - track.lift_off
+    begin = np.where(np.sin(begin) > np.sin(bears), bears, begin)
+    rest = np.mod(track.lift_off - begin, _TURN)
+    none = np.zeros(n)
+    cells = Cells(track, np.zeros(n, np.intp), np.zeros(n, np.intp), begin, rest)
+    return return_map(cells, _NO_HOPS, none).velocity

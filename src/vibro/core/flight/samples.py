@@ -14,6 +14,7 @@ from vibro.core.flight.bounces import BOUNCE
 from vibro.core.flight.landing import Flights, after_landing, flight_list, landed
 from vibro.core.flight.returns import Hops, hops_of
 from vibro.core.flight.trajectory import flight
+from vibro.core.groups import take
 from vibro.core.roots import OpenCells
 
 if TYPE_CHECKING:
@@ -148,10 +149,11 @@ def fly(scene: Loads, throw: Floats, restitution: Floats, body: Counts, length: 
 
     number: Counts = sums().astype(np.intp)
     first = flights.first + np.cumsum(number, axis=0) - number
-    velocity = np.cos(flights.phase)  # of the trough, at the start of each part and at the end of the last
+    trough = take(scene, flights.owner)
+    velocity = trough.along_cosine(flights.phase)  # of the trough, at the start of each part and at the end of the last
     begin = velocity[np.minimum(first, velocity.size - 1)]
     last = np.minimum(first[-1] + number[-1] - 1, velocity.size - 1)
-    stop = np.where(rest[last] > 0.0, np.cos(lift_off), np.cos(landing[last]))
+    stop = scene.along_cosine(np.where(rest[last] > 0.0, lift_off, landing[last]))
     swing = begin - np.concatenate((begin[1:], stop[None]))
     time, time_aloft = sums(flights.length + rest), sums(flights.length)
     return Sample(hops, first, number, time, time_aloft, swing, begin[2], impact, landed_on, ends)

@@ -85,7 +85,7 @@ def arrival_cycles(course: Course, length: Floats, phase: Floats, velocity: Floa
     length : array
         Displacement to be reached, > 0; 1-D.
     phase, velocity : array
-        Where the trough is and how fast they slide at the start, 1-D.
+        Drive phase, and how fast they slide, at the start; 1-D.
     steady : array
         Displacement per drive cycle of the steady cycle, NaN where it is unknown; 1-D.
 
@@ -211,7 +211,7 @@ def _bound(walk: _Walk, leg: Step) -> Floats:
     now, scene = walk.at, walk.course.track.scene
     end = leg.after.position
     with np.errstate(invalid="ignore"):
-        highest = now.velocity + scene.along * (1.0 + np.cos(now.phase))
+        highest = now.velocity + scene.along * (1.0 + scene.along_cosine(now.phase))
         highest += np.maximum(-scene.tangential, 0.0) * leg.length
         aloft = now.position + np.maximum(highest, 0.0) * leg.length
     return np.where(now.mode == Mode.FLIGHT, aloft, np.maximum(now.position, end))
@@ -240,11 +240,14 @@ def _reach(walk: _Walk, leg: Step) -> Floats:
         cells = np.flatnonzero(which)
         if cells.size:
             at = take(now, cells)
+            pull, drag, shift = tangential_motion(take(walk.course.track.scene, cells), at.mode)
+            own = at.phase + shift
             motion = _Motion(
-                at.phase,
-                *tangential_motion(take(walk.course.track.scene, cells), at.mode),
-                np.sin(at.phase),
-                np.cos(at.phase),
+                own,
+                pull,
+                drag,
+                np.sin(own),
+                np.cos(own),
                 at.velocity,
                 walk.length[cells] - at.position,
             )
@@ -253,7 +256,7 @@ def _reach(walk: _Walk, leg: Step) -> Floats:
 
 
 class _Motion(NamedTuple):
-    """Free motion towards a target, from a phase on; see ``free_motion``."""
+    """Free motion towards a target, from a phase of its own on; see ``free_motion``."""
 
     phase: Floats
     pull: Floats

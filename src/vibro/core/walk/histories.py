@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Mode
+from vibro.core.contact.cycle_legs import middle_of
 from vibro.core.contact.never_at_rest import never_at_rest
 from vibro.core.contact.starts import resting_start
 from vibro.core.flight.bounces import bounces
@@ -47,7 +48,7 @@ class Legs(NamedTuple):
     cycle : int64 array
         Drive cycles completed at the start.
     phase : array
-        Trough phase at the start, in [0, 2 pi) [rad].
+        Phase of the trough's motion normal to itself at the start, in [0, 2 pi) [rad].
     length : array
         Phase from start to end [rad]; inf for a last one that never ends.
     position, velocity : array
@@ -140,7 +141,7 @@ def follow(course: Course, phase: float, velocity: float, cycles: float) -> Moti
     course : Course
         Of one scene.
     phase, velocity : float
-        Where the trough is, and how fast the body slides, at the start.
+        Drive phase, and how fast the body slides, at the start.
     cycles : float
         Drive cycles from the start on; the last leg may end later.
 
@@ -208,7 +209,7 @@ def _never_at_rest_start(course: Course, at: State) -> float | None:
     with np.errstate(divide="ignore", invalid="ignore"):
         pair = [resting_start(scene, course.margins, direction) for direction in (1, -1)]
         cycle, _ = never_at_rest(scene, *pair)
-    middle, half = np.pi - np.arcsin(cycle.sin_m.item()), 0.5 * np.pi + cycle.y.item()
+    middle, half = middle_of(scene, cycle).item(), 0.5 * np.pi + cycle.y.item()
     start = (middle - half if at.mode[0] == Mode.FORWARD else middle + half) % _TURN
     return start if abs(math.remainder(start - at.phase.item(), _TURN)) < _NEAR else None
 

@@ -16,6 +16,7 @@ from vibro.core.contact.legs import Leg, Track, contact_leg, mode_of, track_of
 from vibro.core.contact.onset import Margins, thresholds
 from vibro.core.contact.slide import Onset, slide, start_inside
 from vibro.core.contact.starts import resting_start
+from vibro.core.contact.windows import load_amplitude, own_phase
 from vibro.core.flight.landing import after_landing
 from vibro.core.flight.trajectory import ONE_CYCLE, Flight, flight, lift_off_flight
 from vibro.core.free import free_motion
@@ -74,7 +75,7 @@ class State(NamedTuple):
     cycle : int64 array
         Drive cycles completed.
     phase : array
-        Trough phase in [0, 2 pi) [rad].
+        Phase of the trough's motion normal to itself, in [0, 2 pi) [rad].
     mode : int8 array
         What they do from here on.
     position, velocity : array
@@ -131,7 +132,7 @@ def course_of(scene: Loads, restitution: Floats) -> Course:
             (1, at.forward, track.forward_onset),
             (-1, at.back, track.back_onset),
         ):
-            crest = (1.0 if direction > 0 else 3.0) * 0.5 * np.pi
+            crest = _crest(scene, direction)
             sharp = np.where(slips, crest - resting_start(scene, at.margins, direction).onset.c, np.nan)
             onsets.append(np.mod(np.where(rests, sharp, coarse), _TURN))
         throw: Floats = scene.across / scene.normal
@@ -143,8 +144,17 @@ def course_of(scene: Loads, restitution: Floats) -> Course:
     return Course(track, at.margins, rests, throw, np.broadcast_to(restitution, n))
 
 
+def _crest(scene: Loads, direction: int) -> Floats:
+    """Phase at which the load of slides in a direction is largest."""
+    if scene.lead:
+        return np.asarray(0.5 * np.pi - own_phase(scene, direction))
+    return np.array((1.0 if direction > 0 else 3.0) * 0.5 * np.pi)
+
+
 def starting(course: Course, phase: Floats, velocity: Floats) -> State:
-    """Bodies on the trough at a phase with a velocity; where the load is negative they leave it at once."""
+    """Bodies on the trough at a drive phase with a velocity; where the load is negative they leave it at once."""
+    if lead := course.track.scene.lead:
+        phase = phase + lead.angle
     turns = np.floor(phase / _TURN)
     phase = phase - _TURN * turns
     mode = mode_of(course.track.scene, phase, velocity)
@@ -238,8 +248,7 @@ def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
             continue
         with np.errstate(divide="ignore", invalid="ignore"):
             start = resting_start(take(scene, cells), take(course.margins, cells), direction)
-        phase = now.phase[cells]
-        crest = (1.0 if direction > 0 else 3.0) * 0.5 * np.pi
+        phase, crest = now.phase[cells], _crest(take(scene, cells), direction)
         inside = start_inside(np.mod(crest - phase + np.pi, _TURN) - np.pi, start.onset.k)
         at_onset = phase == onset[cells]
         begin = Onset(*(np.where(at_onset, a, b) for a, b in zip(start.onset, inside, strict=True)))
@@ -251,11 +260,15 @@ def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
     return leg
 
 
-def tangential_motion(scene: Loads, mode: Modes) -> tuple[Floats, Floats]:
-    """Pull and drag along the trough of slides and flights, for ``free_motion``."""
+def tangential_motion(scene: Loads, mode: Modes) -> tuple[Floats, Floats, Floats]:
+    """Pull and drag along the trough of slides and flights, for ``free_motion``, and what makes phases their own."""
     way = np.where(mode == Mode.FORWARD, 1.0, np.where(mode == Mode.BACK, -1.0, 0.0))
     grip = way * scene.kinetic_friction
-    return scene.along + grip * scene.across, scene.tangential + grip * scene.normal
+    drag = scene.tangential + grip * scene.normal
+    if not scene.lead:
+        return scene.along + grip * scene.across, drag, np.zeros(())
+    sign, friction = np.where(way < 0.0, -1, 1), np.abs(grip)
+    return sign * load_amplitude(scene, sign, friction), drag, own_phase(scene, sign, friction)
 
 
 def _in_flight(course: Course, now: State) -> Step:
@@ -264,7 +277,7 @@ def _in_flight(course: Course, now: State) -> Step:
     touch = now.phase + hop.length
     after = after_landing(throw, touch, hop.impact, course.restitution)
     length = hop.length + after.length
-    sine, cosine = np.sin(now.phase), np.cos(now.phase)
+    sine, cosine = scene.along_sine(now.phase), scene.along_cosine(now.phase)
     path, velocity = free_motion(scene.along, scene.tangential, sine, cosine, now.velocity, length)
     left = np.maximum(np.abs(velocity) - scene.kinetic_friction * scene.normal * after.impulse, 0.0)
     slowed = np.where(velocity < 0.0, -left, left)
