@@ -23,11 +23,22 @@ LEAST_BOUNCE = 1e-7  # [A w] slower take-offs are left out: their flights are sh
 
 
 class Body:
-    """A body on the trough in time: Coulomb's law, free flight, Newton's impact; no closed form."""
+    """A body on the trough in time: Coulomb's law, free flight, Newton's impact; no closed form.
 
-    def __init__(self, groups: Groups, e: float = 0.0, *, phase: float = 0.0, velocity: float = 0.0) -> None:
+    The trough's motion normal to itself may lead that along it by a phase [rad].
+    """
+
+    def __init__(
+        self,
+        groups: Groups,
+        e: float = 0.0,
+        *,
+        phase: float = 0.0,
+        velocity: float = 0.0,
+        lead: float = 0.0,
+    ) -> None:
         alpha, beta = math.radians(groups.drive_deg), math.radians(groups.trough_deg)
-        self.along, self.across = math.cos(alpha), math.sin(alpha)
+        self.along, self.across, self.lead = math.cos(alpha), math.sin(alpha), lead
         self.weight, self.slope = math.cos(beta) / groups.load, math.sin(beta) / groups.load
         self.mu_s, self.mu_d, self.e = groups.mu_s, groups.mu_d, e
         self.p, self.aloft, self.way = phase, False, int(np.sign(velocity))
@@ -37,7 +48,7 @@ class Body:
         return self.along * math.sin(p) - self.slope
 
     def normal(self, p: float) -> float:
-        return self.weight - self.across * math.sin(p)
+        return self.weight - self.across * math.sin(p + self.lead)
 
     def until(self, end: float) -> None:
         """Follow the motion up to a phase."""
@@ -84,7 +95,7 @@ class Body:
         if not slips.size:
             self.p = end
             return
-        low, high = mesh[slips[0] - 1], mesh[slips[0]]
+        low, high = mesh[max(slips[0] - 1, 0)], mesh[slips[0]]
         for _ in range(60):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if holds(middle) >= 0.0 else (low, middle)
@@ -126,17 +137,18 @@ class Body:
     def _leave(self) -> None:
         """Take a short step of the flight by its Taylor series, up to the fifth power."""
         p, (_, velocity, _, rate) = self.p, self.state
-        sine, cosine = math.sin(p), math.cos(p)
-        lift = -self.normal(p)
+        q, lift = p + self.lead, -self.normal(p)
         s = 1e-3 if rate == 0.0 else min(1e-3, 0.1 * rate / max(abs(lift), 1e-3))
-        bend = cosine * s**3 / 6.0 - sine * s**4 / 24.0 - cosine * s**5 / 120.0
-        turn = math.cos(p) - math.cos(p + s)
+
+        def bend(p: float) -> float:
+            return math.cos(p) * (s**3 / 6.0 - s**5 / 120.0) - math.sin(p) * s**4 / 24.0
+
         self.state += np.array(
             [
-                velocity * s + self.load(p) * s**2 / 2.0 + self.along * bend,
-                self.along * turn - self.slope * s,
-                rate * s + lift * s**2 / 2.0 + self.across * bend,
-                self.across * turn - self.weight * s,
+                velocity * s + self.load(p) * s**2 / 2.0 + self.along * bend(p),
+                self.along * (math.cos(p) - math.cos(p + s)) - self.slope * s,
+                rate * s + lift * s**2 / 2.0 + self.across * bend(q),
+                self.across * (math.cos(q) - math.cos(q + s)) - self.weight * s,
             ]
         )
         self.p = p + s

@@ -20,7 +20,7 @@ __all__ = ["load_amplitude", "own_phase", "skew_of", "static_lifts"]
 _TINY: Final = 1e-300  # [1] keeps the quotients of a trough that stands still from being 0 / 0
 
 
-def load_amplitude(scene: Loads, direction: int, friction: Floats) -> Floats:
+def load_amplitude(scene: Loads, direction: int | Floats, friction: Floats) -> Floats:
     """C of Eq. (52); of drives along a line a + s mu b, below zero where the angle is not that of s."""
     lift = friction * scene.across
     if scene.lead is None:
@@ -29,7 +29,7 @@ def load_amplitude(scene: Loads, direction: int, friction: Floats) -> Floats:
     return np.asarray(np.sqrt(level * level + steep * steep))
 
 
-def own_phase(scene: Loads, direction: int, friction: Floats | None = None) -> Floats:
+def own_phase(scene: Loads, direction: int | Floats, friction: Floats | None = None) -> Floats:
     """Psi of Eq. (52), while the body slides unless a friction is given: it makes a phase the slide's own."""
     lift = (scene.kinetic_friction if friction is None else friction) * scene.across
     if scene.lead is None:

@@ -104,10 +104,10 @@ def cycles(scene: Loads, restitution: Floats) -> HoppingCycles:
 
     Notes
     -----
-    At K > 1 a body at rest slides before it is lifted off, forward along a line, Eq. (35), so that the cycle
-    from rest starts with a known velocity, and ends at a fixed point of the return map. Over a cycle the normal
-    impulse is that of the weight; where gravity along the trough exceeds static friction under it, every
-    cycle adds speed: ``RUNAWAY``.
+    At K > 1 a body at rest slides before it is lifted off, forward where the drive is a line, Eq. (35), so
+    that the cycle from rest starts with a known velocity, and ends at a fixed point of the return map. Over a
+    cycle the normal impulse is that of the weight; where gravity along the trough exceeds static friction
+    under it, every cycle adds speed: ``RUNAWAY``.
     """
     return one_each(scene, restitution, partial(_solve, flights=MOST_FLIGHTS, evaluations=MOST_EVALUATIONS))
 

@@ -239,8 +239,8 @@ def velocity_from_rest(track: Track) -> Floats:
 def _followed_from_rest(track: Track) -> Floats:
     """Velocity at the first lift-off of a body at rest at drive phase 0, of elliptical drives.
 
-    It may slide either way, and more than once. Where the trough falls away at that phase, the body is taken to
-    rest once the trough bears it again.
+    It may slide either way, and more than once. Where the trough falls away under it at that phase, it is
+    taken to rest until the trough bears it again.
     """
     scene = track.scene
     assert scene.lead is not None

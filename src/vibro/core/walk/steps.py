@@ -152,7 +152,7 @@ def _crest(scene: Loads, direction: int) -> Floats:
 
 
 def starting(course: Course, phase: Floats, velocity: Floats) -> State:
-    """Bodies on the trough at a drive phase with a velocity; where the load is negative they leave it at once."""
+    """Bodies on the trough at a drive phase with a velocity; where its load is negative they leave at once."""
     if lead := course.track.scene.lead:
         phase = phase + lead.angle
     turns = np.floor(phase / _TURN)
@@ -261,13 +261,13 @@ def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
 
 
 def tangential_motion(scene: Loads, mode: Modes) -> tuple[Floats, Floats, Floats]:
-    """Pull and drag along the trough of slides and flights, for ``free_motion``, and what makes phases their own."""
+    """Pull and drag along the trough of slides and flights, and what makes a phase that of the pull."""
     way = np.where(mode == Mode.FORWARD, 1.0, np.where(mode == Mode.BACK, -1.0, 0.0))
     grip = way * scene.kinetic_friction
     drag = scene.tangential + grip * scene.normal
     if not scene.lead:
         return scene.along + grip * scene.across, drag, np.zeros(())
-    sign, friction = np.where(way < 0.0, -1, 1), np.abs(grip)
+    sign, friction = np.where(way < 0.0, -1.0, 1.0), np.abs(grip)
     return sign * load_amplitude(scene, sign, friction), drag, own_phase(scene, sign, friction)
 
 
