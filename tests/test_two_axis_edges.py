@@ -163,6 +163,14 @@ def test_bodies_slip_above_an_onset(way: int) -> None:
             assert (cycle.status != Status.BOUNDARY).all()
 
 
+def test_troughs_are_solved_about_as_steep_as_kinetic_friction_holds() -> None:
+    some = random_drives(300, 31)
+    steep = np.arctan(some.mu_d * np.random.default_rng(31).uniform(0.7, 1.2, 300))
+    steep = np.minimum(steep, 0.99 * np.arctan(some.mu_s))
+    seen = compare(some.changed(trough=np.where(some.lead > 0.0, steep, -steep)))
+    assert seen.keys() >= {"runaway", "FB", "F_B", "FB_"}
+
+
 # --- starts -----------------------------------------------------------------------------------------
 
 
