@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Lead", "Loads", "angle_excess", "cosine_of_sum", "each", "elliptical_loads", "friction_excess",
-    "larger_amplitude", "loads", "put", "take", "unit_loads",
+    "larger_amplitude", "loads", "mirrored", "put", "take", "unit_loads",
 ]  # fmt: skip
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
@@ -87,6 +87,13 @@ class Loads(NamedTuple):
     def along_cosine(self, phase: Floats) -> Floats:
         """Cosine of the motion along the trough, at a phase of the normal motion."""
         return np.asarray(np.cos(phase - self.lead.angle if self.lead else phase))
+
+
+def mirrored(scene: Loads) -> Loads:
+    """Look at elliptical drives from the other side: a half turn more of phase, and the slope turned."""
+    assert scene.lead is not None
+    turned = Lead(-scene.lead.sine, -scene.lead.cosine)
+    return scene._replace(tangential=-scene.tangential, contrast=np.asarray(np.nan), lead=turned)
 
 
 def friction_excess(static_friction: Floats, kinetic_friction: Floats) -> Floats:

@@ -5,16 +5,17 @@ Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w, phase
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Pattern
+from vibro.core.contact.first_slides import first_from_rest
 from vibro.core.contact.never_at_rest import by_half_length, is_sure, never_at_rest, never_at_rest_motion
 from vibro.core.contact.slide import slide, start_inside
 from vibro.core.contact.starts import pair_of, resting_start
 from vibro.core.contact.windows import skew_of
-from vibro.core.groups import put, take
+from vibro.core.groups import mirrored, put, take
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,6 +30,22 @@ if TYPE_CHECKING:
     Codes = NDArray[np.int8]
 
 __all__ = ["Cycles", "one_way_cycles", "slides_forward_only", "two_way_cycles"]
+
+
+# The pattern of a cycle that is seen from the other side.
+_MIRRORED: Final = np.array(
+    [
+        Pattern.NONE,
+        Pattern.R,
+        Pattern.B_,
+        Pattern.F_,
+        Pattern.F_B_,
+        Pattern.F_B,
+        Pattern.FB_,
+        Pattern.FB,
+    ],
+    np.int8,
+)
 
 
 class Cycles(NamedTuple):
@@ -143,6 +160,33 @@ def two_way_cycles(scene: Loads, at: Margins) -> Cycles:
         One element per scene.
     """
     pair = pair_of(scene, at)
+    out = _forward_first(scene, pair)
+    if scene.lead and np.count_nonzero(scene.tangential):
+        cells = (out.coexists | np.isnan(out.displacement)).nonzero()[0]
+        if cells.size:
+            _start_as_they_lie(take(scene, cells), take(pair, cells), out, cells)
+    return out
+
+
+def _start_as_they_lie(scene: Loads, pair: Pair, out: Cycles, cells: NDArray[np.intp]) -> None:
+    """Solve again, in place, where cycles coexist and the first slide from a rest is not a forward one."""
+    way = first_from_rest(scene, pair)
+    back = (way < 0).nonzero()[0]
+    if back.size:
+        cycles = _forward_first(mirrored(take(scene, back)), take(pair, back).mirrored())
+        pattern, displacement = _MIRRORED[cycles.pattern], -cycles.displacement
+        put(out, cells[back], cycles._replace(pattern=pattern, displacement=displacement))
+    never = (way == 0).nonzero()[0]
+    if never.size:
+        scene, pair = take((scene, pair), never)
+        motion, valid = by_half_length(scene, pair)
+        displacement, peak = never_at_rest_motion(scene, _slides_of(pair), motion)
+        flags = np.ones(never.size, np.bool_), valid.edge, valid.positive
+        put(out, cells[never], Cycles(np.full(never.size, Pattern.FB, np.int8), displacement, peak, *flags))
+
+
+def _forward_first(scene: Loads, pair: Pair) -> Cycles:
+    """Steady cycles of bodies whose first slide goes forward from rest."""
     seen = _Seen(pair.reaches(1), pair.outlasts(1), pair.reaches(-1), pair.outlasts(-1))
     motion, valid = never_at_rest(scene, pair.forward, pair.back)
 

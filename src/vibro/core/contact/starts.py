@@ -141,6 +141,10 @@ class Pair(NamedTuple):
     lead: CosineLead | None
     skew: Floats | None
 
+    def mirrored(self) -> Pair:
+        """Look at them from the other side."""
+        return self._replace(forward=self.back, back=self.forward, skew=-np.asarray(self.skew))
+
     def reaches(self, direction: int) -> Verdict:
         """Whether a slide still moves where the opposite load window opens, Eqs. (17) and (56)."""
         start, other, skew = self._seen(direction)
