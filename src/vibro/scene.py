@@ -97,10 +97,7 @@ class EllipticalFields(NamedTuple):
         share = self.scale / np.where(self.reach > 0.0, self.reach, 1.0)
         along, across = share * here.along, share * here.across
         normal, tangential = np.cos(self.trough_angle), np.sin(self.trough_angle)
-        contrast = along * normal - across * tangential
-        return here._replace(
-            along=along, across=across, normal=normal, tangential=tangential, contrast=contrast
-        )
+        return here._replace(along=along, across=across, normal=normal, tangential=tangential)
 
 
 Fields = LinearFields | EllipticalFields

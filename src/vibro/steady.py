@@ -164,9 +164,10 @@ def _solve_block(part: dict[str, NDArray[Any]], inputs: Fields, classes_alone: b
     loads = each(inputs.loads(), lambda group: _flat(group, shape))
     steady_state(loads, state, classes_alone=classes_alone)
     with np.errstate(over="ignore"):  # inf where the result is beyond the range of doubles
-        part["displacement_per_cycle"] *= inputs.scale
+        scale = inputs.scale
+        part["displacement_per_cycle"] *= scale
         np.multiply(part["displacement_per_cycle"], inputs.frequency, out=part["mean_velocity"])
-        part["peak_velocity"] *= 2.0 * np.pi * inputs.frequency * inputs.scale
+        part["peak_velocity"] *= 2.0 * np.pi * inputs.frequency * scale
     flat["period_cycles"].fill(1.0)
     unanswered = np.isnan(flat["displacement_per_cycle"]).nonzero()[0]
     if unanswered.size:

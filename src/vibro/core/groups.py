@@ -23,6 +23,9 @@ _LEAST_GRAVITY: Final = 1e-307
 _MOST_GRAVITY: Final = 1e307
 
 
+_NO_CONTRAST: Final = np.full((), np.nan)
+
+
 class Lead(NamedTuple):
     """Sine and cosine of the phase phi by which the normal motion leads the motion along the trough."""
 
@@ -50,8 +53,8 @@ class Loads(NamedTuple):
     normal, tangential : array
         cos(beta)/G and sin(beta)/G: weight on the trough and down it, G = A w^2 / g.
     contrast : array
-        along * normal - across * tangential: cos(alpha + beta)/G of a drive along a line, of which it has no
-        cancellation.
+        cos(alpha + beta)/G = along * normal - across * tangential, of which it has no cancellation; NaN of
+        elliptical drives, which do not need it.
     static_friction, kinetic_friction : array
         mu_s and mu_d.
     lead : Lead, or None
@@ -93,7 +96,7 @@ def mirrored(scene: Loads) -> Loads:
     """Look at elliptical drives from the other side: a half turn more of phase, and the slope turned."""
     assert scene.lead is not None
     turned = Lead(-scene.lead.sine, -scene.lead.cosine)
-    return scene._replace(tangential=-scene.tangential, contrast=np.asarray(np.nan), lead=turned)
+    return scene._replace(tangential=-scene.tangential, lead=turned)
 
 
 def friction_excess(static_friction: Floats, kinetic_friction: Floats) -> Floats:
@@ -159,7 +162,7 @@ def elliptical_loads(
         across=across,
         normal=normal,
         tangential=tangential,
-        contrast=along * normal - across * tangential,
+        contrast=_NO_CONTRAST,
         static_friction=static_friction,
         kinetic_friction=kinetic_friction,
         lead=lead,
@@ -169,7 +172,7 @@ def elliptical_loads(
 def larger_amplitude(along_amplitude: Floats, normal_amplitude: Floats) -> Floats:
     """Scale of the lengths of elliptical drives; 1 where the trough stands still."""
     larger = np.maximum(along_amplitude, normal_amplitude)
-    return np.where(larger > 0.0, larger, 1.0)
+    return larger if np.all(larger) else np.where(larger > 0.0, larger, 1.0)
 
 
 def _weight(amplitude: Floats, frequency: Floats, gravity: Floats) -> Floats:

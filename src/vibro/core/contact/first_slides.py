@@ -1,7 +1,7 @@
 """Which slide comes first where a body starts from rest at phase 0 of the motion along the trough.
 
-On a level trough that is a forward slide from its onset. On an incline phase 0 may lie inside a window, or the
-back window may come first; it matters where steady cycles coexist. Equation numbers are those of docs/theory.md.
+On a level trough that is a forward slide from its onset. On an incline phase 0 may lie inside a window, or
+the back window may come first; it matters where steady cycles coexist.
 """
 
 from __future__ import annotations

@@ -194,44 +194,34 @@ def _from_middle(scene: Loads, z: Floats) -> NeverAtRest:
     return NeverAtRest(y, sin_y, cos_y, sin_m, -z * sin_m)
 
 
-class _Phase(NamedTuple):
-    """Sines and cosines of the motions along the trough and normal to it, where a slide starts."""
-
-    sine: Floats
-    cosine: Floats
-    normal_sine: Floats
-    normal_cosine: Floats
-
-
-def _starts(scene: Loads, cycle: NeverAtRest) -> tuple[_Phase, _Phase]:
-    """Return where the forward and the back slide start, at m - x and m + x."""
+def _turned(scene: Loads, cycle: NeverAtRest) -> tuple[Floats, Floats]:
+    """Sine and cosine of m + phi."""
     assert scene.lead is not None
-    sin, cos = cycle.sin_m, -cycle.cos_m
-    turned = sin * scene.lead.cosine + cos * scene.lead.sine, cos * scene.lead.cosine - sin * scene.lead.sine
-    ahead, behind = (
-        [
-            part
-            for sine, cosine in ((sin, cos), turned)
-            for part in (
-                -way * (cosine * cycle.cos_y + way * sine * cycle.sin_y),
-                way * (sine * cycle.cos_y - way * cosine * cycle.sin_y),
-            )
-        ]
-        for way in (1.0, -1.0)
-    )
-    return _Phase(*ahead), _Phase(*behind)
+    sine = cycle.sin_m * scene.lead.cosine - cycle.cos_m * scene.lead.sine
+    return sine, -cycle.cos_m * scene.lead.cosine - cycle.sin_m * scene.lead.sine
+
+
+def _sines(sine: Floats, cosine: Floats, cycle: NeverAtRest) -> tuple[Floats, Floats]:
+    """Sines of a motion where the forward and the back slide start, from its phase in the middle m."""
+    level, tilt = cosine * cycle.cos_y, sine * cycle.sin_y
+    return -level - tilt, level - tilt
+
+
+def _cosines(sine: Floats, cosine: Floats, cycle: NeverAtRest) -> tuple[Floats, Floats]:
+    """Cosines, as ``_sines``."""
+    level, tilt = sine * cycle.cos_y, cosine * cycle.sin_y
+    return level - tilt, -level - tilt
 
 
 def _starts_beyond(scene: Loads, cycle: NeverAtRest) -> Verdict:
     """Whether both slides start where the load exceeds static friction, Eq. (60)."""
-    mu_s, a, b = scene.static_friction, scene.along, scene.across
-    hold, scale = mu_s * scene.normal, scene.along + mu_s * scene.across + mu_s * scene.normal
-    verdicts = [
-        verdict(way * a * at.sine + mu_s * b * at.normal_sine - hold - way * scene.tangential, scale)
-        for way, at in zip((1.0, -1.0), _starts(scene, cycle), strict=True)
-    ]
-    valid = (verdicts[0].positive | verdicts[0].edge) & (verdicts[1].positive | verdicts[1].edge)
-    return Verdict(valid, valid & (verdicts[0].edge | verdicts[1].edge))
+    a, lift, hold = scene.along, scene.static_friction * scene.across, scene.static_friction * scene.normal
+    scale = a + lift + hold
+    along, normal = _sines(cycle.sin_m, -cycle.cos_m, cycle), _sines(*_turned(scene, cycle), cycle)
+    ahead = verdict(a * along[0] + lift * normal[0] - hold - scene.tangential, scale)
+    behind = verdict(lift * normal[1] - a * along[1] - hold + scene.tangential, scale)
+    valid = (ahead.positive | ahead.edge) & (behind.positive | behind.edge)
+    return Verdict(valid, valid & (ahead.edge | behind.edge))
 
 
 def is_sure(scene: Loads, cycle: NeverAtRest) -> Bools:
@@ -241,9 +231,8 @@ def is_sure(scene: Loads, cycle: NeverAtRest) -> Bools:
     left side of Eq. (58) is concave, where there is no root.
     """
     assert scene.lead is not None
-    turned = -cycle.cos_m * scene.lead.cosine - cycle.sin_m * scene.lead.sine  # cos(m + phi)
     lift = scene.kinetic_friction * scene.across
-    after = np.abs(lift * turned) < scene.along * cycle.cos_m
+    after = np.abs(lift * _turned(scene, cycle)[1]) < scene.along * cycle.cos_m
     return np.asarray(np.where(np.isnan(cycle.y), scene.tangential == 0.0, after))
 
 
@@ -304,14 +293,17 @@ def never_at_rest_motion(scene: Loads, slides: Slides, cycle: NeverAtRest) -> tu
         middle, tilt = cycle.sin_m * cycle.cos_y, cycle.cos_m * cycle.sin_y
         starts = [(middle + side * tilt, c_m + side * cycle.y) for side in (1.0, -1.0)]
     else:
-        turned = -cycle.cos_m * scene.lead.cosine - cycle.sin_m * scene.lead.sine  # cos(m + phi)
-        widening = cycle.cos_y + cycle.y * cycle.sin_y
-        displacement = 2.0 * np.pi * scene.along * cycle.cos_m * cycle.sin_y - 4.0 * lift * turned * widening
+        turned, widening = _turned(scene, cycle), cycle.cos_y + cycle.y * cycle.sin_y
+        displacement = (
+            2.0 * np.pi * scene.along * cycle.cos_m * cycle.sin_y - 4.0 * lift * turned[1] * widening
+        )
+        sine, cosine = cycle.sin_m, -cycle.cos_m
+        sines = zip(_sines(sine, cosine, cycle), _sines(*turned, cycle), strict=True)
+        cosines = zip(_cosines(sine, cosine, cycle), _cosines(*turned, cycle), strict=True)
         starts = []
-        for way, at, (_, load) in zip((1.0, -1.0), _starts(scene, cycle), slides, strict=True):
-            sine = way * scene.along * at.cosine + lift * at.normal_cosine
-            cosine = way * scene.along * at.sine + lift * at.normal_sine
-            starts.append((sine / load, np.arctan2(sine, cosine)))
+        for way, load, at, after in zip((1.0, -1.0), slides, sines, cosines, strict=True):
+            rate = way * scene.along * after[0] + lift * after[1]
+            starts.append((rate / load[1], np.arctan2(rate, way * scene.along * at[0] + lift * at[1])))
     peaks = [
         load * (sine + np.sqrt((1.0 - k) * (1.0 + k)) - k * (c + np.arccos(k)))
         for (k, load), (sine, c) in zip(slides, starts, strict=True)

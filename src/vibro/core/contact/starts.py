@@ -86,12 +86,9 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> Start:
         excess = (mu_s - mu_d) * scene.contrast / (static_load * load)
         c, sin = 2.0 * np.arcsin(np.sqrt(0.5 * vers)), np.sqrt(vers * (2.0 - vers))
     else:
-        window, rate, normal = _elliptical_start(scene, direction, margin, static_load)
-        excess = (mu_s - mu_d) * normal / load
-        sin = rate / load
-        cos = excess + k
-        c = np.arctan2(sin, cos)
-        vers = np.where(cos > 0.0, sin * sin / (1.0 + np.abs(cos)), 1.0 - cos)
+        window, sin, excess = _elliptical_start(scene, direction, margin, static_load, load)
+        half = sin / (1.0 + (excess + k))
+        c, vers = 2.0 * np.arctan(half), sin * half
     if np.count_nonzero(scene.tangential):
         # Where the weight down the trough nearly cancels friction, rounding may bring k above sin p0, and no
         # slide would start: take it from sin p0 there.
@@ -102,12 +99,13 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> Start:
 
 
 def _elliptical_start(
-    scene: Loads, direction: int, margin: Floats, static_load: Floats
+    scene: Loads, direction: int, margin: Floats, static_load: Floats, load: Floats
 ) -> tuple[Window, Floats, Floats]:
-    """Return the static window of an elliptical drive, the rate of the slide's load where it opens, and N."""
+    """Return the static window of an elliptical drive, and sin c and the excess of the slide from it."""
     assert scene.lead is not None
     mu_s, mu_d, a, b = scene.static_friction, scene.kinetic_friction, scene.along, scene.across
-    level, steep = direction * a * scene.lead.cosine + mu_s * b, direction * a * scene.lead.sine
+    way = direction * a
+    level, steep = way * scene.lead.cosine + mu_s * b, way * scene.lead.sine
     hold = mu_s * scene.normal + direction * scene.tangential
     rate = np.sqrt(margin * (2.0 * static_load - margin))  # of the load at the window's edges
     scale = 1.0 / (static_load * static_load)
@@ -116,10 +114,10 @@ def _elliptical_start(
     opens, closes = (near - far) * scale, -(near + far) * scale
     crest = (hold * level + rate * steep) * scale
     versine = np.where(crest > 0.0, opens * opens / (1.0 + np.abs(crest)), 1.0 - crest)
-    normal = (scene.normal - b) + b * versine  # nothing in it is negative
-    both = (mu_s + mu_d) * b
-    window = Window(np.arctan2(rate, hold), both * opens - rate, both * closes + rate)
-    return window, rate - (mu_s - mu_d) * b * opens, normal
+    both, share = (mu_s + mu_d) * b, (mu_s - mu_d) / load
+    c = 2.0 * np.arctan(rate / (static_load + hold))
+    excess = share * ((scene.normal - b) + b * versine)  # nothing in it is negative
+    return Window(c, both * opens - rate, both * closes + rate), rate / load - share * b * opens, excess
 
 
 class Pair(NamedTuple):

@@ -43,14 +43,13 @@ def static_lifts(scene: Loads) -> tuple[Floats, Floats]:
     lift = scene.static_friction * scene.across
     if scene.lead is None:
         return lift, -lift
-    cross = 2.0 * scene.along * scene.lead.cosine
-    ahead, behind = (
-        lift
-        * (lift + way * cross)
-        / (load_amplitude(scene, way, scene.static_friction) + scene.along + _TINY)
-        for way in (1, -1)
+    level, steep = scene.along * scene.lead.cosine, scene.along * scene.lead.sine
+    double, square = 2.0 * level, steep * steep
+    low, high = lift - level, lift + level
+    return (
+        lift * (lift + double) / (np.sqrt(high * high + square) + scene.along + _TINY),
+        lift * (lift - double) / (np.sqrt(low * low + square) + scene.along + _TINY),
     )
-    return ahead, behind
 
 
 def skew_of(scene: Loads, friction: Floats) -> Floats:
