@@ -1,4 +1,4 @@
-"""Every quantity that users give: its names, units and range, and the only place that converts.
+"""Every quantity that users give: its names, units and range.
 
 Outside (options, scene files, tables) a quantity has the unit of its column; inside (``Scene``) it is in SI
 units and radians.
@@ -16,91 +16,32 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import InputError, cut, shown
+from vibro.units import (
+    ACCELERATION,
+    ANGLE,
+    FREQUENCY,
+    IN_GRAVITIES,
+    LENGTH,
+    MASS_FLOW,
+    PER_MINUTE,
+    PERCENT,
+    PURE,
+    SPEED,
+    TIME,
+    Kind,
+)  # fmt: skip
+from vibro.units import MASS as _MASS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
 __all__ = [
-    "BY_COLUMN", "DEFAULTS", "DURATION", "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "MASS", "MASS_FLOW",
-    "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR",
-    "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "exact_number",
-    "find_quantity", "kinetic_friction", "nearest_double", "scene_fields",
+    "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DURATION", "ELLIPTICAL", "IN_GRAVITIES", "LEAST_SPEED", "LENGTH",
+    "LINEAR", "MASS", "MASS_FLOW", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SPEED",
+    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME", "Kind",
+    "Quantity", "drive_of", "exact_number", "find_quantity", "kinetic_friction", "nearest_double",
+    "scene_fields",
 ]  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Kind:
-    """A kind of quantity, by its units.
-
-    Attributes
-    ----------
-    unit, si_unit : str
-        Outside and inside; empty for pure numbers.
-    suffix : str
-        What a column's name ends with.
-    sizes : mapping of str to Fraction
-        Every unit that a number may carry, in the unit outside.
-    per_si, si : float
-        Size of the SI unit in the unit outside, and the other way round: 1 where the other is the round one.
-    """
-
-    unit: str
-    si_unit: str
-    suffix: str
-    sizes: Mapping[str, Fraction]
-    per_si: float = 1.0
-    si: float = 1.0
-
-    @cached_property
-    def ratios(self) -> dict[str, tuple[int, int]]:
-        """Sizes as whole numbers, by the unit folded: users type hz and MM, and there are two micro signs."""
-        return {unit.casefold(): size.as_integer_ratio() for unit, size in self.sizes.items()}
-
-    def to_si(self, values: Any) -> Any:
-        """Convert from the unit outside to SI units and radians."""
-        return values * self.si if self.si != 1.0 else values / self.per_si if self.per_si != 1.0 else values
-
-    def from_si(self, values: Any) -> Any:
-        """Convert from SI units and radians to the unit outside; inf beyond the range of doubles."""
-        if self.per_si == 1.0:
-            return values
-        import numpy as np  # here, so that ``vibro --help`` loads no numpy
-
-        with np.errstate(over="ignore"):
-            return values * self.per_si
-
-
-_MILLIMETRES: Final[Mapping[str, Fraction]] = {
-    "mm": Fraction(1),
-    "um": Fraction(1, 1000),
-    "\u00b5m": Fraction(1, 1000),  # the micro sign; the Greek mu folds to the same
-    "cm": Fraction(10),
-    "m": Fraction(1000),
-    "in": Fraction("25.4"),
-}
-# fmt: off
-PURE: Final = Kind("", "", "", {})
-PERCENT: Final = Kind("%", "", "_percent", {"%": Fraction(1)}, per_si=100.0)
-IN_GRAVITIES: Final = Kind("g", "", "_g", {"g": Fraction(1)})  # an acceleration over that of gravity
-LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
-SPEED: Final = Kind("mm/s", "m/s", "_mm_s", {f"{unit}/s": size for unit, size in _MILLIMETRES.items()},
-                    per_si=1000.0)
-_FREQUENCY: Final = Kind("Hz", "Hz", "_hz",
-                         {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60),
-                          "U/min": Fraction(1, 60)})
-_ANGLE: Final = Kind("deg", "rad", "_deg",
-                     {"deg": Fraction(1), "\u00b0": Fraction(1), "rad": Fraction(180) / Fraction(math.pi)},
-                     per_si=180 / math.pi, si=math.pi / 180)
-_ACCELERATION: Final = Kind("m/s^2", "m/s^2", "_m_s2",
-                            dict.fromkeys(("m/s^2", "m/s2", "m/s\u00b2"), Fraction(1)))
-_MASS: Final = Kind("kg", "kg", "_kg",
-                    {"kg": Fraction(1), "g": Fraction(1, 1000), "mg": Fraction(1, 1_000_000),
-                     "lb": Fraction("0.45359237")})
-TIME: Final = Kind("s", "s", "_s",
-                    {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60), "h": Fraction(3600)})
-PER_MINUTE: Final = Kind("1/min", "1/s", "_per_min", {}, per_si=60.0)
-MASS_FLOW: Final = Kind("kg/h", "kg/s", "_kg_h", {}, per_si=3600.0)
-# fmt: on
 
 
 @dataclass(frozen=True)
@@ -202,14 +143,14 @@ _ALL: Final = (
              "amplitude of the trough's motion, half of its stroke"),
     Quantity("stroke", LENGTH, "stroke", "2A", ("--stroke",), _POSITIVE,
              "stroke of the trough from peak to peak, twice the amplitude"),
-    Quantity("frequency", _FREQUENCY, "f", "f", ("-f", "--frequency"), _POSITIVE, "frequency of the drive"),
-    Quantity("drive_angle", _ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle", "--alpha"),
-             Range(0.0, 90.0), "angle of the drive's line above the trough's surface"),
     Quantity("along_amplitude", LENGTH, "X", "X", ("--along",), _ZERO_OR_MORE,
              "amplitude of an elliptical motion along the trough"),
     Quantity("normal_amplitude", LENGTH, "Y", "Y", ("--normal",), _ZERO_OR_MORE,
              "amplitude of an elliptical motion normal to the trough"),
-    Quantity("normal_phase", _ANGLE, "phi", r"\varphi", ("--phase",), Range(-math.inf, with_low=False),
+    Quantity("frequency", FREQUENCY, "f", "f", ("-f", "--frequency"), _POSITIVE, "frequency of the drive"),
+    Quantity("drive_angle", ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle", "--alpha"),
+             Range(0.0, 90.0), "angle of the drive's line above the trough's surface"),
+    Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("--phase",), Range(-math.inf, with_low=False),
              "phase by which the normal motion leads the motion along the trough"),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
              "coefficient of friction at rest"),
@@ -217,9 +158,9 @@ _ALL: Final = (
              Range(0.0, 1.0, with_high=True), "kinetic over static friction, in place of the kinetic one"),
     Quantity("kinetic_friction", PURE, "mu_d", r"\mu_d", ("--mu-d",), _ZERO_OR_MORE,
              "coefficient of friction while sliding, at most the static one"),
-    Quantity("trough_angle", _ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
+    Quantity("trough_angle", ANGLE, "beta", r"\beta", ("--trough-angle", "--beta"),
              Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),
-    Quantity("gravity", _ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
+    Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
              STANDARD_GRAVITY),
     Quantity("restitution", PURE, "e", "e", ("--restitution",), Range(0.0, 1.0),
              "normal coefficient of restitution of an impact on the trough", 0.0),
@@ -233,9 +174,14 @@ BY_COLUMN: Final[Mapping[str, Quantity]] = {q.column: q for q in _ALL}
 
 #: The quantities that can be axes of a sweep, in the same order.
 SWEPT: Final = (
-    "amplitude", "frequency", "drive_angle", "static_friction", "friction_ratio", "kinetic_friction",
-    "trough_angle", "restitution",
+    "amplitude", "along_amplitude", "normal_amplitude", "frequency", "drive_angle", "normal_phase",
+    "static_friction", "friction_ratio", "kinetic_friction", "trough_angle", "restitution",
 )  # fmt: skip
+#: What tells a drive along a line, and one along an ellipse, whose phase is 0 where it is not given.
+LINEAR: Final = ("amplitude", "drive_angle")
+ELLIPTICAL: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
+#: The amplitudes of a drive, with all of which its load grows.
+AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude")
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
 #: What is taken where nothing is given, in the units outside.
@@ -247,7 +193,7 @@ PITCH: Final = Quantity("pitch", LENGTH, allowed=_POSITIVE)
 LEAST_SPEED: Final = Quantity("speed", SPEED, allowed=_POSITIVE)
 STAND_RATIO: Final = Quantity("stand_ratio", allowed=_POSITIVE)
 DURATION: Final = Quantity("duration", TIME)
-START_PHASE: Final = Quantity("start_phase", _ANGLE)
+START_PHASE: Final = Quantity("start_phase", ANGLE)
 START_VELOCITY: Final = Quantity("start_velocity", SPEED)
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
@@ -268,6 +214,11 @@ def find_quantity(text: str) -> Quantity | None:
     letter = called if len(called) == 1 else spelled
     found = (q for q in _ALL if called in q.options or spelled in (q.name, q.column) or letter == q.letter)
     return next(found, None)
+
+
+def drive_of(names: Collection[str]) -> tuple[str, ...]:
+    """Return those of some quantities that tell the drive, in the order of a table's columns."""
+    return tuple(name for name in SWEPT if name in names and name in (*LINEAR, *ELLIPTICAL))
 
 
 def kinetic_friction(ratio: Any, static_friction: Any) -> Any:

@@ -19,7 +19,7 @@ from vibro.core.groups import (
     unit_loads,
 )
 from vibro.errors import Problem, SceneError
-from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY
+from vibro.quantities import DEFAULTS, ELLIPTICAL, LINEAR, QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
@@ -102,11 +102,8 @@ class EllipticalFields(NamedTuple):
 
 Fields = LinearFields | EllipticalFields
 
-# What tells each kind of drive, and what may be left out of it.
-_DRIVES: Final = {
-    LinearFields: ("amplitude", "drive_angle"),
-    EllipticalFields: ("along_amplitude", "normal_amplitude", "normal_phase"),
-}
+# What tells each kind of drive.
+_DRIVES: Final = {LinearFields: LINEAR, EllipticalFields: ELLIPTICAL}
 
 
 def field_text(name: str, value: float) -> str:

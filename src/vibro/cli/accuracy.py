@@ -34,6 +34,10 @@ _SAMPLE: Final = {
     "friction_ratio": "0.4:1",
 }
 _AROUND_A_SCENE: Final = {name: _SAMPLE[name] for name in ("amplitude", "frequency")}
+_LINE_ALONE: Final = (
+    "vibro accuracy runs methods for a drive along a line, not along an ellipse",
+    "give -A and -a in place of --along, --normal and --phase",
+)
 _VALUES: Final = 1001  # of a range that leaves it open
 _SCENES: Final = 5000
 
@@ -111,7 +115,9 @@ def _request(options: Options, argv: Sequence[str]) -> Request:
 
     if options.scene is None and not options.given:
         options = replace(options, given=_SAMPLE)
-    return request_of(options, argv, reads_map=True, takes_axes=True, ranges=_AROUND_A_SCENE)
+    return request_of(
+        options, argv, reads_map=True, takes_axes=True, ranges=_AROUND_A_SCENE, line_alone=_LINE_ALONE
+    )
 
 
 def _grid(request: Request, console: Console) -> Grid:

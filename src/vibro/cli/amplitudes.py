@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 __all__ = ["list_amplitudes"]
 
 _NOT_MET: Final = 4  # exit code
+_LINE_ALONE: Final = (
+    "--speed finds amplitudes of a drive along a line, not of an ellipse",
+    "vibro map --speed draws where an elliptical drive reaches a speed: give --along or --normal as a range",
+)
 _HIGHEST: Final = Regime.BACK_SLIP
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
 _LEAST: Final = 1e-6  # of the largest of them, where bodies start at once
@@ -60,7 +64,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str]) -> int:
         If the scene file cannot be read.
     """
     speed = checked_number(text, LEAST_SPEED)
-    request = request_of(options, argv, asked_for="amplitude")
+    request = request_of(options, argv, asked_for="amplitude", line_alone=_LINE_ALONE)
     scene = Scene(**scene_fields({**request.fixed, "amplitude": 1.0}))  # whatever it is, it does not count
     found = feasible_amplitudes(scene, SPEED.to_si(speed), highest_regime=_HIGHEST.label)
     if options.json:

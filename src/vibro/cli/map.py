@@ -144,7 +144,7 @@ def map_command(
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question_length(request, options)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
-    usual = columns_of(grid.axes, *throughput_of(part))
+    usual = columns_of(grid.axes, *throughput_of(part), drive=grid.drive)
     table = table_of(usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part)
     held = _held(at or [], request)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), held, grid.fixed)

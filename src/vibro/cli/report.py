@@ -11,8 +11,9 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
-from vibro.quantities import DEFAULTS, LENGTH, QUANTITIES, scene_fields
+from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, scene_fields
 from vibro.scene import Scene
+from vibro.sweeps.derived import WITH_STROKE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -103,9 +104,12 @@ class OneScene:
             for name, value in self.given.items()
             if value != DEFAULTS.get(name)
         }
-        given["amplitude"] += (
-            f" (stroke {QUANTITIES['stroke'].text(2.0 * self.given['amplitude'])} peak to peak)"
-        )
+        if "amplitude" in given:
+            stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
+            given["amplitude"] += f" (stroke {stroke} peak to peak)"
+        else:
+            stroke = number(self.value(WITH_STROKE), LENGTH.unit)
+            given["normal_phase"] += f" (stroke {stroke} peak to peak, the longest way across the ellipse)"
         pattern = str(self._cycle.pattern)
         facts = [
             ("scene", ", ".join(given.values())),
@@ -173,13 +177,23 @@ class OneScene:
         begins = next((t for t in self.transitions() if t.name in ("forward slip", "hopping")), None)
         if begins is None:  # beyond the range of doubles
             return "never: the body rests"
-        amplitude, frequency = LENGTH.from_si(begins.amplitude), begins.frequency
-        by_amplitude = f"above {number(amplitude, 'mm')} ({amplitude / self.given['amplitude']:.4g} x)"
+        frequency = begins.frequency
+        by_amplitude = f"{self.amplitudes(begins.ratio)} ({1.0 / begins.ratio:.4g} x)"
         by_frequency = f"above {number(frequency, 'Hz')} ({frequency / self.given['frequency']:.4g} x)"
+        which = "both amplitudes" if len(self.driven) > 1 else "the amplitude"
         return (
-            f"never: the body rests; {begins.name} begins with the amplitude {by_amplitude}"
+            f"never: the body rests; {begins.name} begins with {which} above {by_amplitude}"
             f" or with the frequency {by_frequency}"
         )
+
+    @property
+    def driven(self) -> dict[str, float]:
+        """The amplitudes of the drive, in the units outside: one along a line, two of an ellipse."""
+        return {name: value for name, value in self.given.items() if name in AMPLITUDES}
+
+    def amplitudes(self, ratio: float) -> str:
+        """Write the amplitudes at which the load is the scene's over ``ratio``, which scales all of them."""
+        return " and ".join(number(value / ratio, LENGTH.unit) for value in self.driven.values())
 
     def transitions(self) -> tuple[Transition, ...]:
         """Return where each kind of motion begins."""

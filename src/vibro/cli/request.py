@@ -27,7 +27,6 @@ class _CommandLine(NamedTuple):
 
     argv: Sequence[str]
     gives: str = "the command line"
-    an_axis: str = "-A 0.1:3:200"
 
     @property
     def takes_one_value(self) -> tuple[str, str]:
@@ -35,6 +34,9 @@ class _CommandLine(NamedTuple):
             f"vibro {self.argv[0]} takes one value",
             "vibro map takes axes; a decimal is written with a point",
         )
+
+    def axis(self, quantity: Quantity) -> str:
+        return f"{quantity.options[0]} 0.1:3:200"
 
     def name(self, quantity: Quantity) -> str:
         return quantity.options[0]

@@ -113,13 +113,12 @@ def solve_command(
     request = request_of(options, context.obj)
     question_length(request, options)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
-    table = table_of(
-        columns_of((), *extra), columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part
-    )
+    usual = columns_of((), *extra, drive=grid.drive)
+    table = table_of(usual, columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part)
     answer = table
     if columns is None:
         more = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
-        answer = replace(table, columns=columns_of((), *extra, *more))
+        answer = replace(table, columns=columns_of((), *extra, *more, drive=grid.drive))
     report = partial(_report, grid=grid, part=part)
     return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report, answer)
 
@@ -139,7 +138,6 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     """Say whether a part keeps its base on the trough, and from which drive on it does not."""
     from vibro.cli.report import number
     from vibro.limits import stays_upright, tipping_load
-    from vibro.quantities import LENGTH
 
     load = float(tipping_load(one.scene, stand_ratio))
     answer = int(stays_upright(one.scene, stand_ratio))
@@ -154,9 +152,11 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     ratio = float(one.scene.load) / load
     if not 0.0 < ratio < math.inf:  # beyond the range of doubles
         return told
-    amplitude = number(LENGTH.from_si(float(one.scene.scale) / ratio), "mm")
     frequency = number(float(one.scene.frequency) / math.sqrt(ratio), "Hz")
-    return f"{told}: {edge} above {amplitude} or {frequency} (load now / then {number(ratio)})"
+    both = " (both amplitudes)" if len(one.driven) > 1 else ""
+    return (
+        f"{told}: {edge} above {one.amplitudes(ratio)}{both} or {frequency} (load now / then {number(ratio)})"
+    )
 
 
 def _throughput(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str]]:
@@ -186,13 +186,13 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
     speed = one.result("mean_velocity")
     if math.isnan(speed):
         return []
-    fixed = {**grid.fixed, "amplitude": _RAISED * grid.fixed["amplitude"]}
-    if not math.isfinite(fixed["amplitude"]):  # beyond the range of doubles
+    raised_amplitudes = {name: _RAISED * value for name, value in one.driven.items()}
+    if not all(map(math.isfinite, raised_amplitudes.values())):  # beyond the range of doubles
         return []
-    (block,) = sweep_blocks(replace(grid, fixed=fixed, coexistence=False))
+    (block,) = sweep_blocks(replace(grid, fixed={**grid.fixed, **raised_amplitudes}, coexistence=False))
     raised = OneScene(block)
     then = raised.result("mean_velocity")
-    still = abs(one.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * grid.fixed["amplitude"]
+    still = abs(one.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * max(one.driven.values())
     if math.isnan(then):
         told = f"speed unknown ({raised.status.message})"
     elif not still and then / speed > 0.0:
@@ -206,7 +206,8 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
         told += f", {raised.regime.label}"
     exponent = one.value(WITH_EXPONENT)
     power = "" if math.isnan(exponent) else f" (d ln speed / d ln amplitude = {number(exponent)})"
-    return [("sensitivity", f"+10 % amplitude: {told}{power}")]
+    which = "both amplitudes" if len(one.driven) > 1 else "amplitude"
+    return [("sensitivity", f"+10 % {which}: {told}{power}")]
 
 
 def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
@@ -215,12 +216,13 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
     from vibro.quantities import LENGTH, STAND_RATIO
     from vibro.sweeps.derived import WITH_ACCELERATION
 
+    two, along = len(one.driven) > 1, "along the drive (machine number A w^2/g)"
     facts = [
         *one.facts(),
         *one.numbers(),
         (
             "acceleration",
-            f"{number(one.value(WITH_ACCELERATION))} g along the drive (machine number A w^2/g)",
+            f"{number(one.value(WITH_ACCELERATION))} g {'at most along the ellipse' if two else along}",
         ),
         ("throw number", f"{number(one.throw_number)} (above 1 the body hops)"),
         *_sensitivity(one, grid),
@@ -228,9 +230,15 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
     ]
     if STAND_RATIO.column in part:
         facts.append(("upright", _upright(one, part[STAND_RATIO.column])))
-    heads = [("begins", "load now / then", "amplitude [mm]", "frequency [Hz]")]
+    which = "both amplitudes" if two else "amplitude [mm]"
+    heads = [("begins", "load now / then", which, "frequency [Hz]")]
     begins = [
-        (t.name, number(t.ratio), number(LENGTH.from_si(t.amplitude)), number(t.frequency))
+        (
+            t.name,
+            number(t.ratio),
+            one.amplitudes(t.ratio) if two else number(LENGTH.from_si(t.amplitude)),
+            number(t.frequency),
+        )
         for t in one.transitions()
     ]
     parts = [aligned(facts, right=False), aligned([*heads, *begins])]

@@ -41,6 +41,7 @@ def traverse_time_command(
     from vibro.cli.console import Console
     from vibro.cli.output import answer_one, answer_sweep, make_grid
     from vibro.cli.request import question_length, request_of
+    from vibro.quantities import QUANTITIES
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.derived import WITH_ARRIVAL, WITH_STROKES
 
@@ -48,10 +49,11 @@ def traverse_time_command(
     question_length(request, options)
     name = f"{request.name}-traverse-time" if request.name else "vibro-traverse-time"
     if sweep and not request.varying:
-        raise InputError("nothing varies", hint="give an axis, for example -A 0.1:3:200")
+        option = QUANTITIES[request.drive[0]].options[0]
+        raise InputError("nothing varies", hint=f"give an axis, for example {option} 0.1:3:200")
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
-    usual = columns_of(request.varying, *extra)
+    usual = columns_of(request.varying, *extra, drive=request.drive)
     table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
     if not request.varying:
         refuse_without_table(options, columns, digits)

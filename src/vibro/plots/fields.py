@@ -2,12 +2,12 @@
 
 A regime begins where the load G passes a critical one, so ``ln(G / G_critical)`` is a smooth function of the
 drawn quantities whose zero line is the boundary, between the grid's points too. Amplitude and frequency enter
-it through ln A + 2 ln f: contoured over their logarithms it is exact to rounding.
+it through ln A + 2 ln f: contoured over their logarithms it is exact to rounding. The amplitudes of an
+ellipse change its critical loads too, and may be 0: over them it is contoured as it is.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
@@ -17,7 +17,8 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.core.groups import angle_excess, friction_excess
 from vibro.plots.neighbours import dilate, erode, fill_unknown
-from vibro.quantities import QUANTITIES, kinetic_friction
+from vibro.quantities import scene_fields
+from vibro.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,6 +65,8 @@ _SMOOTH_AROUND: Final = 5
 # Irregular motion comes in dust as well as in patches. A hatch is drawn up to this far from each such point,
 # which closes gaps and makes lonely points large enough to be made out: what is not hatched is exact.
 _SEEN: Final = 0.01  # of the side of the map
+
+_LIFTING: Final = ("amplitude", "normal_amplitude", "frequency")  # with them a body hops farther
 
 _ROUNDING: Final = 1e-9  # of the largest speed: less is none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
@@ -113,11 +116,11 @@ class Fields:
     @cached_property
     def infeasible(self) -> Floats:
         """Positive where the combination cannot be: mu_d > mu_s, or drive + trough angle above 90 deg."""
-        friction = friction_excess(self._quantity("static_friction"), self._kinetic_friction)
-        angles = angle_excess(
-            *(QUANTITIES[name].to_si(self._quantity(name)) for name in ("drive_angle", "trough_angle"))
-        )
-        return np.asarray(np.maximum(friction, angles) + self._zeros)
+        scene = self._scene
+        excess = friction_excess(scene.static_friction, scene.kinetic_friction)
+        if scene.drive_angle is not None:
+            excess = np.maximum(excess, angle_excess(scene.drive_angle, scene.trough_angle))
+        return np.asarray(excess + self._zeros)
 
     @cached_property
     def rest(self) -> Floats:
@@ -166,13 +169,13 @@ class Fields:
         drives = {
             axis.name: i
             for i, axis in enumerate((self.panel.y, self.panel.x))
-            if axis is not None and axis.name in ("amplitude", "frequency")
+            if axis is not None and axis.name in _LIFTING
         }
         advance = self.panel.cycle.get("displacement_per_cycle")
         if not drives or advance is None:
             return np.zeros((len(self.y), len(self.x)), np.bool_)
-        if "amplitude" in drives:
-            advance = advance / self._quantity("amplitude")
+        if drives.keys() - {"frequency"}:
+            advance = advance / self._scene.scale
         rise = np.gradient(advance, axis=min(drives.values()))
         return np.asarray((self.log_ratio["hop"] > 0.0) & (advance > 0.0) & (rise < 0.0))
 
@@ -266,27 +269,17 @@ class Fields:
 
     @property
     def _load(self) -> Floats:
-        """G = A w^2 / g."""
-        amplitude = QUANTITIES["amplitude"].to_si(self._quantity("amplitude"))
-        w = 2.0 * math.pi * self._quantity("frequency")
-        return np.asarray(amplitude * w**2 / self._quantity("gravity") + self._zeros)
+        """Largest acceleration of the trough over gravity, G."""
+        load = self._scene.load if self.panel.load is None else self.panel.load
+        return np.asarray(load + self._zeros)
 
-    @property
-    def _kinetic_friction(self) -> Any:
-        panel = self.panel
-        drawn = {panel.x.name, panel.y.name if panel.y else ""}
-        if "friction_ratio" in panel.values or "friction_ratio" in drawn:
-            return kinetic_friction(self._quantity("friction_ratio"), self._quantity("static_friction"))
-        return self._quantity("kinetic_friction")
-
-    def _quantity(self, name: str) -> Any:
-        """Value of a quantity on the grid, in the user's units."""
-        panel = self.panel
-        if name == panel.x.name:
-            return self.x[np.newaxis, :]
-        if panel.y is not None and name == panel.y.name:
-            return self.y[:, np.newaxis]
-        return panel.values[name]
+    @cached_property
+    def _scene(self) -> Scene:
+        """The scenes of the grid's points."""
+        values: dict[str, Any] = {**self.panel.values, self.panel.x.name: self.x[np.newaxis, :]}
+        if self.panel.y is not None:
+            values[self.panel.y.name] = self.y[:, np.newaxis]
+        return Scene.allowing_infeasible(**scene_fields(values))
 
 
 def hiding_fields(fields: Fields, curve: str) -> list[Floats]:

@@ -10,7 +10,7 @@ import numpy as np
 from vibro.plots.style import INK, axis_label, figure_text, values_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -47,6 +47,8 @@ _SHORT: Final = 2.0  # a logarithmic scale that does not end above this multiple
 _FEW_TICKS: Final = 4  # on a scale that is long enough for these, numbers have the digits to tell them apart
 _MOST_TICKS: Final = 9
 _TICK_STEPS: Final = (1, 2, 2.5, 5, 10)
+_PHASES: Final = ("normal_phase",)
+_PHASE_STEPS: Final = (1, 1.5, 3, 4.5, 9, 10)  # to divide turns
 _DIGIT_WIDTH: Final = 0.115  # [in] of a digit on an axis, with its share of the gap between numbers
 _HANDLE_WIDTH: Final = 0.62  # [in] of a handle in a legend, with the gap between columns
 _LETTER_WIDTH: Final = 0.065  # [in] of a letter in a legend
@@ -158,20 +160,22 @@ def scale_axis(axis: Any, of: Axis) -> None:
     if of.spacing == "log":
         make_logarithmic(axis, low, high)
     else:
-        _spread_ticks(axis)
+        _spread_ticks(axis, _PHASE_STEPS if of.name in _PHASES else _TICK_STEPS)
 
 
-def _spread_ticks(axis: Any) -> None:
+def _spread_ticks(axis: Any, steps: Sequence[float] = _TICK_STEPS) -> None:
     """Have so few ticks along a horizontal axis that their numbers, written in full, do not meet."""
     from matplotlib.ticker import MaxNLocator
 
+    if steps is not _TICK_STEPS:
+        axis.set_major_locator(MaxNLocator(nbins=_MOST_TICKS, steps=steps))
     if axis.axis_name == "x":
         # By default there is room for four digits each.
         low, high = axis.get_view_interval()
         decimals = max(0, math.ceil(math.log10(_FEW_TICKS / (high - low))))
         longest = _DIGIT_WIDTH * len(f"{max(abs(low), abs(high)):.{decimals}f}")
         most = int(axis.axes.bbox.width / axis.axes.figure.dpi / longest)
-        axis.set_major_locator(MaxNLocator(nbins=min(max(most, 1), _MOST_TICKS), steps=_TICK_STEPS))
+        axis.set_major_locator(MaxNLocator(nbins=min(max(most, 1), _MOST_TICKS), steps=steps))
 
 
 def make_logarithmic(axis: Any, low: float, high: float) -> None:

@@ -106,9 +106,10 @@ class Settings:
         for regime, curve in BEGINS.items():
             loads[curve], loads[LAST + curve] = self.data.begins[regime]
         critical = {name: np.array([[load]]) for name, load in loads.items()}
-        speed = self.speed(y.values[:, np.newaxis], x.values)
+        grid = (y.values[:, np.newaxis], x.values)
+        speed = self.speed(*grid)
         cycle = {"mean_velocity": speed, "period_cycles": np.ones(speed.shape)}
-        return Fields(Panel(x, y, {"gravity": self.spec.gravity}, None, cycle, critical))
+        return Fields(Panel(x, y, {}, None, cycle, critical, self.load(*grid)))
 
     @property
     def point(self) -> Floats:

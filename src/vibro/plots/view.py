@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.core.groups import angle_excess, friction_excess
 from vibro.errors import InputError
-from vibro.quantities import QUANTITIES, kinetic_friction
+from vibro.quantities import AMPLITUDES, QUANTITIES, kinetic_friction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -100,6 +100,8 @@ class Panel:
         The attributes of ``SteadyCycle``.
     critical : mapping of str to array
         Critical loads G, by the field of ``CriticalLoads``; of length 1 where they do not vary.
+    load : array, optional
+        Load G; without it that of the scenes that the values and axes make.
     """
 
     x: Axis
@@ -108,6 +110,7 @@ class Panel:
     facet: str | None
     cycle: Mapping[str, NDArray[Any]]
     critical: Mapping[str, NDArray[np.float64]]
+    load: NDArray[np.float64] | None = None
 
 
 def choose_view(
@@ -126,8 +129,8 @@ def choose_view(
         range here.
     x, y : str, optional
         Names of the axes to draw across and up. Without them x is the frequency and y the amplitude
-        where both are ranges, else the first two ranges that are not held; of discrete axes alone, x is the
-        longest.
+        where both are ranges, and no other amplitude is; else the first two ranges that are not held; of
+        discrete axes alone, x is the longest.
     at : mapping of str to float, optional
         Values, in the user's units, at which axes are held.
     fixed : mapping of str to float, optional
@@ -155,8 +158,9 @@ def choose_view(
     lists = [name for name in free if is_discrete(axes[name])]
     ranges = [name for name in free if name not in lists]
     _check_map(axes, x, y, lists, ranges)
-    if x is None and y is None and {"amplitude", "frequency"} <= set(ranges):
-        x, y = "frequency", "amplitude"
+    amplitudes = [name for name in AMPLITUDES if name in ranges]
+    if x is None and y is None and len(amplitudes) == 1 and "frequency" in ranges:
+        x, y = "frequency", amplitudes[0]
     ranges = [name for name in ranges if name not in (x, y)]
     if x is None:
         x = ranges.pop(0) if ranges else max(lists, key=lambda name: len(axes[name]))
@@ -290,8 +294,8 @@ def _panel(result: SweepResult, view: View, facet_index: int, curve_index: int) 
     names = list(result.axes)
 
     def cut(values: NDArray[Any]) -> NDArray[Any]:
-        # Critical loads do not vary with amplitude or frequency, and have length 1 along them. The modulus
-        # turns any index along those axes into 0.
+        # Critical loads do not vary with the frequency and some other axes, and have length 1 along them. The
+        # modulus turns any index along those axes into 0.
         part = values[
             tuple(
                 held[name] % n if name in held else slice(None)

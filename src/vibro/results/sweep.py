@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.quantities import QUANTITIES
+from vibro.quantities import AMPLITUDES, scene_fields
+from vibro.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -85,17 +86,16 @@ class SweepResult:
     Attributes
     ----------
     axes : mapping of str to Axis
-        The axes that vary, in the order amplitude, frequency, drive_angle, static_friction, kinetic_friction
-        or friction_ratio, trough_angle, restitution; values in the user's units. They are the dimensions of
-        ``cycle``, in this order.
+        The axes that vary, in the order of ``quantities.SWEPT``; values in the user's units. They are the
+        dimensions of ``cycle``, in this order.
     fixed : mapping of str to float
         Every other quantity of the scene, by name, in the user's units, with gravity. It has
         kinetic_friction or, where that was given instead, friction_ratio.
     cycle : SteadyCycle
         Arrays of the grid's shape.
     limits : CriticalLoads
-        Critical loads G of the grid's angles and frictions: arrays of the grid's shape, but of length 1 along
-        amplitude, frequency and restitution.
+        Critical loads G of the grid's angles and frictions, and of the shapes of its ellipses: arrays of the
+        grid's shape, but of length 1 along amplitude, frequency and restitution.
     length : float or None
         Length of the trough [mm].
     operating_point : mapping of str to float, or None
@@ -140,21 +140,26 @@ def where_motion_begins(axes: Mapping[str, Axis], fixed: Mapping[str, float], li
     Returns
     -------
     str
-        The amplitude at the highest frequency, and the frequency at the largest amplitude, of the body with
-        the least critical load.
+        The amplitude at the frequency of the body that is nearest to moving, and the frequency at its
+        amplitude; both amplitudes of an ellipse, which grow together.
     """
-    loads = (limits.forward_onset, limits.back_onset, limits.hop)
-    least = min(float(np.fmin.reduce(np.ravel(load), initial=math.inf)) for load in loads)
-    if not math.isfinite(least):
+    values = {name: np.full((1,) * len(axes), value) for name, value in fixed.items()}
+    for i, axis in enumerate(axes.values()):
+        values[axis.name] = axis.values.reshape([-1 if j == i else 1 for j in range(len(axes))])
+    load = Scene.allowing_infeasible(**scene_fields(values)).load
+    with np.errstate(divide="ignore"):
+        ratio = np.fmax.reduce(
+            [load / limit for limit in (limits.forward_onset, limits.back_onset, limits.hop)]
+        )
+    nearest = np.unravel_index(np.argmax(np.nan_to_num(ratio)), ratio.shape)
+    passed = float(ratio[nearest])
+    if not passed > 0.0:
         return "at rest everywhere"
-    amplitude, frequency = (
-        float(axes[name].values[-1]) if name in axes else fixed[name] for name in ("amplitude", "frequency")
-    )
-    length = QUANTITIES["amplitude"]
-    acceleration = least * fixed["gravity"]
-    enough = length.from_si(acceleration / (2.0 * math.pi * frequency) ** 2)
-    fast = math.sqrt(acceleration / length.to_si(amplitude)) / (2.0 * math.pi)
+    here = {name: float(np.broadcast_to(value, ratio.shape)[nearest]) for name, value in values.items()}
+    amplitudes = [here[name] for name in AMPLITUDES if name in here]
+    enough, given = (" and ".join(f"{a / by:.4g}" for a in amplitudes) for by in (passed, 1.0))
+    frequency = here["frequency"]
     return (
-        f"at rest everywhere: motion begins at {enough:.4g} mm with {frequency:.4g} Hz,"
-        f" or at {fast:.4g} Hz with {amplitude:.4g} mm"
+        f"at rest everywhere: motion begins at {enough} mm with {frequency:.4g} Hz,"
+        f" or at {frequency / math.sqrt(passed):.4g} Hz with {given} mm"
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.errors import InputError, shown
 from vibro.files.tables import rounded_cells
-from vibro.quantities import BY_COLUMN, QUANTITIES, SWEPT
+from vibro.quantities import BY_COLUMN, ELLIPTICAL, LINEAR, QUANTITIES, SWEPT
 from vibro.results.steady import RESULTS, Result
 from vibro.results.sweep import Block, Column
 from vibro.sweeps.derived import TRAVERSE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, WITH_STROKES
@@ -64,7 +64,9 @@ _WHERE_SWEPT: Final = ("friction_ratio", "restitution")
 _ON_REQUEST: Final = (WITH_STROKE, _given("restitution"), WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKES)
 
 
-def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]:
+def columns_of(
+    axes: Collection[str] = (), *extra: Column, drive: Collection[str] = LINEAR
+) -> tuple[Column, ...]:
     """Return the columns of a table.
 
     Parameters
@@ -73,8 +75,11 @@ def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]
         What is swept: a friction ratio and the restitution have a column only there.
     *extra : Column
         What this table has beside the common ones, before ``model``.
+    drive : collection of str
+        The quantities that tell the drive.
     """
-    given = [_given(name) for name in SWEPT if name not in _WHERE_SWEPT or name in axes]
+    left_out = {*LINEAR, *ELLIPTICAL, *_WHERE_SWEPT}.difference(axes, drive)
+    given = [_given(name) for name in SWEPT if name not in left_out]
     columns: list[Column] = []
     for result in RESULTS:
         columns += extra if result.name == "model_code" else ()
@@ -84,8 +89,8 @@ def columns_of(axes: Collection[str] = (), *extra: Column) -> tuple[Column, ...]
 
 
 def column_names() -> list[str]:
-    """Return the names of the columns that every table can have."""
-    return [column.name for column in (*columns_of(), *_ON_REQUEST)]
+    """Return the names of the columns that tables can have, whatever their drive."""
+    return [column.name for column in (*columns_of(drive=(*LINEAR, *ELLIPTICAL)), *_ON_REQUEST)]
 
 
 def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...]:

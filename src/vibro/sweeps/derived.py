@@ -71,9 +71,18 @@ def _strokes(block: Block) -> Floats:
     return _traverse_time(block) * block.values["frequency"]
 
 
+def _stroke(block: Block) -> Floats:
+    """From one end of the trough's path to the other, the farther way."""
+    if "amplitude" in block.values:
+        return 2.0 * block.values["amplitude"]
+    return np.asarray(LENGTH.from_si(2.0 * scene_of(block.values).arrays().reach))
+
+
 def _speed_exponent(block: Block) -> Floats:
     """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where none is conveyed."""
     cycle, scene = block.cycle, scene_of(block.values)
+    if scene.amplitude is None:  # its derivatives are those of a drive along a line
+        return _unknown(block)
     pattern = cycle.pattern_code.reshape(-1)
     displacement = (cycle.displacement_per_cycle / scene.scale).reshape(-1)
     one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
@@ -91,9 +100,7 @@ TRAVERSE: Final = _column(TRAVERSE_TIME, _traverse_time)
 WITH_ACCELERATION: Final = _column(ACCELERATION, lambda block: scene_of(block.values).load)
 WITH_ARRIVAL: Final = _column(ARRIVAL_TIME, _arrival)
 WITH_EXPONENT: Final = _column(SPEED_EXPONENT, _speed_exponent)
-WITH_STROKE: Final = Column(
-    QUANTITIES["stroke"].column, LENGTH.unit, lambda block: 2.0 * block.values["amplitude"]
-)
+WITH_STROKE: Final = Column(QUANTITIES["stroke"].column, LENGTH.unit, _stroke)
 WITH_STROKES: Final = _column(STROKES, _strokes)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibro.core.codes import Level
-from vibro.quantities import QUANTITIES, kinetic_friction, scene_fields
+from vibro.quantities import QUANTITIES, drive_of, kinetic_friction, scene_fields
 from vibro.scene import Scene
 from vibro.steady import solve
 
@@ -61,6 +61,11 @@ class Grid:
     def size(self) -> int:
         """Number of cells."""
         return math.prod(self.shape)
+
+    @property
+    def drive(self) -> tuple[str, ...]:
+        """Names of the quantities that tell the drive."""
+        return drive_of((*self.axes, *self.fixed))
 
     def values(self, box: tuple[slice, ...] | None = None) -> dict[str, Floats]:
         """Return every quantity of a box of cells, in the user's units.

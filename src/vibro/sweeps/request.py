@@ -12,8 +12,18 @@ import numpy as np
 from vibro.axes import AxisSpec, axis_of, default_count
 from vibro.errors import InputError, SceneError
 from vibro.files.scene_files import SceneFile
-from vibro.quantities import DEFAULTS, QUANTITIES, STANDS_FOR, SWEPT, scene_fields
+from vibro.quantities import (
+    DEFAULTS,
+    ELLIPTICAL,
+    LINEAR,
+    QUANTITIES,
+    STANDS_FOR,
+    SWEPT,
+    drive_of,
+    scene_fields,
+)
 from vibro.scene import Scene
+from vibro.sweeps.drives import drive_given
 from vibro.sweeps.grid import Grid
 
 if TYPE_CHECKING:
@@ -31,6 +41,8 @@ RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
 # What must be given, with an example: of friction the ratio, which fits whatever static friction is given.
 _EXAMPLES: Final = {
     "amplitude": ("amplitude", "1"),
+    "along_amplitude": ("along_amplitude", "1"),
+    "normal_amplitude": ("normal_amplitude", "0.3"),
     "frequency": ("frequency", "15"),
     "drive_angle": ("drive_angle", "20"),
     "static_friction": ("static_friction", "0.74"),
@@ -60,9 +72,8 @@ class Caller(Protocol):
     def takes_one_value(self) -> tuple[str, str]:
         """What to say, and the hint, where an axis was given and one value is wanted."""
 
-    @property
-    def an_axis(self) -> str:
-        """An axis as it is given: ``-A 0.1:3:200``."""
+    def axis(self, quantity: Quantity) -> str:
+        """Show an axis as it is given: ``-A 0.1:3:200``."""
 
     def name(self, quantity: Quantity) -> str:
         """Name an argument: ``-A``."""
@@ -100,6 +111,11 @@ class Request:
         return self.specs["trough_length"].value if "trough_length" in self.specs else None
 
     @property
+    def drive(self) -> tuple[str, ...]:
+        """Names of the quantities that tell the drive."""
+        return drive_of(self.specs)
+
+    @property
     def fixed(self) -> dict[str, float]:
         """Every quantity of the scene that does not vary, in the units outside."""
         return {
@@ -113,12 +129,13 @@ class Request:
 
         Its length is in millimetres, in which few think of a trough.
         """
-        if self.length is None or "amplitude" not in self.specs:
+        amplitude = self.specs.get("amplitude", self.specs.get("along_amplitude"))
+        if self.length is None or amplitude is None:
             return ""
-        stroke = 2 * self.specs["amplitude"].values[-1]
+        stroke = 2 * amplitude.values[-1]
         if self.length >= stroke:
             return ""
-        largest = "largest " if self.specs["amplitude"].varies else ""
+        largest = "largest " if amplitude.varies else ""
         length, is_given = QUANTITIES["trough_length"], f"{self.length:.15g}"
         return (
             f"{length.label} = {is_given} {length.unit} is less than the {largest}stroke,"
@@ -176,6 +193,7 @@ def gather(
     needs_length: bool = False,
     must_vary: bool = True,
     asked_for: str | None = None,
+    line_alone: tuple[str, str] | None = None,
 ) -> Request:
     """Merge a scene file and what a caller gives beside it, and check all that can be known beforehand.
 
@@ -199,6 +217,8 @@ def gather(
         Whether ``ranges`` without any axis are refused.
     asked_for : str, optional
         Name of a quantity that is to be found: a caller may not give it, and what a file says does not count.
+    line_alone : pair of str, optional
+        What to say, and the hint, where a drive is given that does not move along a line.
 
     Returns
     -------
@@ -223,11 +243,22 @@ def gather(
             problems.add(
                 asked_for, f"{typed.pop(asked_for).quantity.label} is given, and asked for", "leave it out"
             )
+    values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
+    layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", own)]
+    drive, mixed = drive_given(layers, caller, {*problems.slots, asked_for or ""})
+    if mixed is not None:
+        problems.add("", *mixed)
+        problems.slots |= {*LINEAR, *ELLIPTICAL}
+    if line_alone is not None and drive is ELLIPTICAL:
+        problems.add("", *line_alone)
+    other = {*LINEAR, *ELLIPTICAL}.difference(drive)
+    ranges = {slot: text for slot, text in ranges.items() if slot not in other}
     merged = own | swept | typed
     if not any(spec.varies for spec in merged.values()):
         for slot in ranges.keys() & own.keys() - swept.keys() - typed.keys():
             del merged[slot]
-    usual: Mapping[str, float | str] = {**DEFAULTS, **ranges}
+    in_phase = {"normal_phase": 0.0} if drive is ELLIPTICAL else {}
+    usual: Mapping[str, float | str] = {**DEFAULTS, **in_phase, **ranges}
     merged = {slot: axis_of(value, QUANTITIES[slot]) for slot, value in usual.items()} | merged
     for slot in problems.slots:
         merged.pop(slot, None)
@@ -237,14 +268,13 @@ def gather(
         _check_range(slot, spec, problems)
     _check_combinations(merged, problems)
     if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
-        problems.add("", "nothing varies", f"give an axis, for example {caller.an_axis}")
-    given_up = {*ranges, asked_for, *(() if needs_length else ("trough_length",))}
+        problems.add("", "nothing varies", f"give an axis, for example {caller.axis(QUANTITIES[drive[0]])}")
+    given_up = {*ranges, asked_for, *other, *(() if needs_length else ("trough_length",))}
     required = [slot for slot in _EXAMPLES if slot not in given_up]
     _check_missing(required, merged, caller, problems)
     problems.settle()
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
-    values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
     return Request(file.name or None, {name: named[name] for name in QUANTITIES if name in named}, values)
 
 

@@ -47,8 +47,10 @@ class _Call(NamedTuple):
 
     typed: tuple[str, ...] = ()
     gives: str = "the call"
-    an_axis: str = 'amplitude_mm="0.1:3:200"'
     takes_one_value: tuple[str, str] = ("one value is wanted", "vibro.sweep takes axes")
+
+    def axis(self, quantity: Quantity) -> str:
+        return f'{quantity.column}="0.1:3:200"'
 
     def name(self, quantity: Quantity) -> str:
         return quantity.column
@@ -127,7 +129,7 @@ class Sweep:
         InputError
             If there is no such column, or one is named twice.
         """
-        usual = columns_of(self._grid.axes)
+        usual = columns_of(self._grid.axes, drive=self._grid.drive)
         block = Block(self._grid.values(), self.cycle, self._grid.length)
         return to_frame(usual if columns is None else chosen(columns, usual), block)
 

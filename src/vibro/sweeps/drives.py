@@ -1,0 +1,70 @@
+"""Which drive a scene file and a caller give together: one along a line, or one along an ellipse."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+
+    from vibro.axes import AxisSpec
+    from vibro.sweeps.request import Caller
+
+__all__ = ["drive_given"]
+
+
+def drive_given(
+    layers: Sequence[tuple[str, dict[str, AxisSpec]]], caller: Caller, known: Collection[str]
+) -> tuple[tuple[str, ...], tuple[str, str] | None]:
+    """Find which drive is given, and drop what is given below it of another, if it is given whole.
+
+    Parameters
+    ----------
+    layers : sequence of pair of str and dict
+        Who gives what, by slot; each overrides those after it.
+    caller : Caller
+        For messages.
+    known : collection of str
+        Slots that need not be given.
+
+    Returns
+    -------
+    tuple of str
+        ``LINEAR``, also where nothing is given, or ``ELLIPTICAL``.
+    pair of str, or None
+        What is wrong, and a hint, where two drives are given and neither of them whole above the other.
+    """
+    given: dict[str, str] = {}
+    for source, specs in layers:
+        both = given | {slot: source for slot in specs if slot in (*LINEAR, *ELLIPTICAL)}
+        line, ellipse = ([slot for slot in both if slot in drive] for drive in (LINEAR, ELLIPTICAL))
+        if not (line and ellipse):
+            given = both
+            continue
+        for drive, whole in ((LINEAR, LINEAR), (ELLIPTICAL, ELLIPTICAL[:2])):
+            if given.keys() <= set(drive) and set(whole) <= {*given, *known}:
+                for slot in both.keys() - set(drive):
+                    del specs[slot]
+                break
+        else:
+            return LINEAR, _two_drives(both, caller)
+    named = {*given} or {*known}
+    return (ELLIPTICAL if named & set(ELLIPTICAL) else LINEAR), None
+
+
+def _two_drives(both: Mapping[str, str], caller: Caller) -> tuple[str, str]:
+    """Say who gives what of two drives, and what to do."""
+    said = [
+        f"{source} gives {', '.join(QUANTITIES[slot].label for slot in both if both[slot] == source)}"
+        for source in dict.fromkeys(both.values())
+    ]
+    why = "a drive moves either along a line or along an ellipse"
+    if not both.keys() & set(ELLIPTICAL[:2]):
+        why = "a drive along a line has no phase"
+    a, alpha, x, y, phi = (caller.name(QUANTITIES[name]) for name in (*LINEAR, *ELLIPTICAL))
+    return (
+        f"{' and '.join(said)}: {why}",
+        f"for an ellipse give {x}, {y} and {phi}; for a line {a} and {alpha} alone",
+    )

@@ -1,0 +1,92 @@
+"""The kinds of quantities, by their units inside and outside: the only place that converts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = [
+    "ACCELERATION", "ANGLE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS", "MASS_FLOW", "PERCENT",
+    "PER_MINUTE", "PURE", "SPEED", "TIME", "Kind",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity, by its units.
+
+    Attributes
+    ----------
+    unit, si_unit : str
+        Outside and inside; empty for pure numbers.
+    suffix : str
+        What a column's name ends with.
+    sizes : mapping of str to Fraction
+        Every unit that a number may carry, in the unit outside.
+    per_si, si : float
+        Size of the SI unit in the unit outside, and the other way round: 1 where the other is the round one.
+    """
+
+    unit: str
+    si_unit: str
+    suffix: str
+    sizes: Mapping[str, Fraction]
+    per_si: float = 1.0
+    si: float = 1.0
+
+    @cached_property
+    def ratios(self) -> dict[str, tuple[int, int]]:
+        """Sizes as whole numbers, by the unit folded: users type hz and MM, and there are two micro signs."""
+        return {unit.casefold(): size.as_integer_ratio() for unit, size in self.sizes.items()}
+
+    def to_si(self, values: Any) -> Any:
+        """Convert from the unit outside to SI units and radians."""
+        return values * self.si if self.si != 1.0 else values / self.per_si if self.per_si != 1.0 else values
+
+    def from_si(self, values: Any) -> Any:
+        """Convert from SI units and radians to the unit outside; inf beyond the range of doubles."""
+        if self.per_si == 1.0:
+            return values
+        import numpy as np  # here, so that ``vibro --help`` loads no numpy
+
+        with np.errstate(over="ignore"):
+            return values * self.per_si
+
+
+_MILLIMETRES: Final[Mapping[str, Fraction]] = {
+    "mm": Fraction(1),
+    "um": Fraction(1, 1000),
+    "\u00b5m": Fraction(1, 1000),  # the micro sign; the Greek mu folds to the same
+    "cm": Fraction(10),
+    "m": Fraction(1000),
+    "in": Fraction("25.4"),
+}
+# fmt: off
+PURE: Final = Kind("", "", "", {})
+PERCENT: Final = Kind("%", "", "_percent", {"%": Fraction(1)}, per_si=100.0)
+IN_GRAVITIES: Final = Kind("g", "", "_g", {"g": Fraction(1)})  # an acceleration over that of gravity
+LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
+SPEED: Final = Kind("mm/s", "m/s", "_mm_s", {f"{unit}/s": size for unit, size in _MILLIMETRES.items()},
+                    per_si=1000.0)
+FREQUENCY: Final = Kind("Hz", "Hz", "_hz",
+                        {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60),
+                         "U/min": Fraction(1, 60)})
+ANGLE: Final = Kind("deg", "rad", "_deg",
+                    {"deg": Fraction(1), "\u00b0": Fraction(1), "rad": Fraction(180) / Fraction(math.pi)},
+                    per_si=180 / math.pi, si=math.pi / 180)
+ACCELERATION: Final = Kind("m/s^2", "m/s^2", "_m_s2",
+                           dict.fromkeys(("m/s^2", "m/s2", "m/s\u00b2"), Fraction(1)))
+MASS: Final = Kind("kg", "kg", "_kg",
+                   {"kg": Fraction(1), "g": Fraction(1, 1000), "mg": Fraction(1, 1_000_000),
+                    "lb": Fraction("0.45359237")})
+TIME: Final = Kind("s", "s", "_s",
+                    {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60), "h": Fraction(3600)})
+PER_MINUTE: Final = Kind("1/min", "1/s", "_per_min", {}, per_si=60.0)
+MASS_FLOW: Final = Kind("kg/h", "kg/s", "_kg_h", {}, per_si=3600.0)
+# fmt: on
