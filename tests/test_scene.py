@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from vibro import Scene, SceneError, Status, VibroError, solve
+from vibro.scene import EllipticalFields, LinearFields
 
 VALID: dict[str, Any] = {
     "amplitude": 1e-3,
@@ -193,3 +194,125 @@ def test_a_sweep_checks_each_field_alone_and_fills_in_the_defaults() -> None:
         Scene.allowing_infeasible(**(required | {"amplitude": -1.0}))
     with pytest.raises(SceneError, match="shapes"):
         Scene.allowing_infeasible(**(required | {"amplitude": [1, 2], "frequency": [1, 2, 3]}))
+
+
+# --- elliptical drives ------------------------------------------------------------------------------
+
+ELLIPSE: dict[str, Any] = {
+    **{name: value for name, value in VALID.items() if name not in ("amplitude", "drive_angle")},
+    "along_amplitude": 1e-3,
+    "normal_amplitude": 3e-4,
+    "normal_phase": math.radians(-60.0),
+}
+
+
+def test_an_ellipse_has_no_fields_of_a_line_and_the_other_way_round() -> None:
+    ellipse, line = Scene(**ELLIPSE), Scene(**VALID)
+    assert ellipse.amplitude is ellipse.drive_angle is None
+    assert line.along_amplitude is line.normal_amplitude is line.normal_phase is None
+    assert isinstance(ellipse.arrays(), EllipticalFields)
+    assert isinstance(line.arrays(), LinearFields)
+
+
+def test_the_phase_of_an_ellipse_is_0_where_it_is_not_given() -> None:
+    without = {name: value for name, value in ELLIPSE.items() if name != "normal_phase"}
+    for scene in (Scene(**without), Scene.allowing_infeasible(**without)):
+        assert scene.normal_phase == 0.0
+
+
+@pytest.mark.parametrize("missing", ["along_amplitude", "normal_amplitude"])
+def test_half_an_ellipse_is_refused_by_name(missing: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene(**(ELLIPSE | {missing: None}))
+    (problem,) = caught.value.problems
+    assert problem.field == missing
+    assert "must be given beside" in str(problem)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [{"amplitude": 1e-3}, {"drive_angle": 0.3}, {"amplitude": 1e-3, "drive_angle": 0.3}],
+    ids=lambda more: "+".join(more),
+)
+def test_two_drives_are_refused_and_all_their_fields_named(more: dict[str, float]) -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene(**ELLIPSE, **more)
+    assert all(name in str(caught.value) for name in ("along_amplitude", "normal_amplitude", *more))
+
+
+def test_a_phase_without_an_ellipse_is_refused() -> None:
+    with pytest.raises(SceneError, match="amplitude and drive_angle and normal_phase: must be either"):
+        Scene(**VALID, normal_phase=0.1)
+
+
+def test_no_drive_is_refused() -> None:
+    with pytest.raises(SceneError, match="drive = none: must be either amplitude and drive_angle"):
+        Scene(frequency=15, static_friction=0.5, kinetic_friction=0.4)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "shown", "allowed"),
+    [
+        ("along_amplitude", -1e-3, "-0.001 m", "finite and >= 0 m"),
+        ("normal_amplitude", -1e-9, "-1e-09 m", "finite and >= 0 m"),
+        ("along_amplitude", math.inf, "inf m", "finite and >= 0 m"),
+        ("normal_phase", math.nan, "nan rad", "finite deg"),
+        ("normal_phase", -math.inf, "-inf rad", "finite deg"),
+    ],
+)
+def test_a_value_of_an_ellipse_out_of_range_is_named(
+    field: str, value: float, shown: str, allowed: str
+) -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene(**(ELLIPSE | {field: value}))
+    (problem,) = caught.value.problems
+    assert (problem.field, problem.allowed) == (field, allowed)
+    assert shown in problem.value
+
+
+def test_an_ellipse_may_be_steep_stand_still_and_have_any_phase() -> None:
+    Scene(**(ELLIPSE | {"along_amplitude": 0.0, "trough_angle": 1.5}))
+    Scene(**(ELLIPSE | {"along_amplitude": 0.0, "normal_amplitude": 0.0}))
+    Scene(**(ELLIPSE | {"normal_phase": -1e6}))
+
+
+def test_the_fields_of_an_ellipse_broadcast() -> None:
+    values = {"along_amplitude": [[0.0], [1e-3]], "normal_phase": [-1.0, 0.0, 1.0]}
+    scene = Scene(**(ELLIPSE | values))
+    assert scene.shape == scene.load.shape == solve(scene).regime.shape == (2, 3)
+    assert {x.shape for x in scene.flat()} == {(6,)}
+    one = solve(dataclasses.replace(scene, along_amplitude=1e-3, normal_phase=-1.0))
+    assert one.displacement_per_cycle == solve(scene).displacement_per_cycle[1, 0]
+
+
+def test_fields_of_an_ellipse_are_replaced_and_one_drive_by_another() -> None:
+    ellipse = dataclasses.replace(Scene(**ELLIPSE), normal_phase=0.5)
+    assert ellipse.normal_phase == 0.5
+    line = dataclasses.replace(
+        ellipse,
+        along_amplitude=None,
+        normal_amplitude=None,
+        normal_phase=None,
+        amplitude=1e-3,
+        drive_angle=0.3,
+    )
+    assert isinstance(line.arrays(), LinearFields)
+    with pytest.raises(SceneError, match="drive = "):
+        dataclasses.replace(ellipse, amplitude=1e-3)
+
+
+def test_the_load_of_an_ellipse_is_its_largest_acceleration() -> None:
+    random = np.random.default_rng(5)
+    x, y = random.uniform(0.0, 2e-3, (2, 200))
+    phase, frequency = random.uniform(-7.0, 7.0, 200), random.uniform(5.0, 60.0, 200)
+    scene = Scene(**(ELLIPSE | {"along_amplitude": x, "normal_amplitude": y, "normal_phase": phase,
+                                "frequency": frequency}))  # fmt: skip
+    p = np.linspace(0.0, 2.0 * np.pi, 20_001)[:, np.newaxis]
+    largest = (
+        np.hypot(x * np.sin(p), y * np.sin(p + phase)).max(axis=0) * (2.0 * np.pi * frequency) ** 2 / 9.81
+    )
+    np.testing.assert_allclose(scene.load, largest, rtol=1e-7)
+    assert (scene.load >= largest * (1.0 - 1e-15)).all()
+    np.testing.assert_array_equal(scene.scale, np.maximum(x, y))
+    still = Scene(**(ELLIPSE | {"along_amplitude": 0.0, "normal_amplitude": 0.0}))
+    assert (still.load, still.scale) == (0.0, 1.0)

@@ -141,13 +141,13 @@ def where_motion_begins(axes: Mapping[str, Axis], fixed: Mapping[str, float], li
     -------
     str
         The amplitude at the frequency of the body that is nearest to moving, and the frequency at its
-        amplitude; both amplitudes of an ellipse, which grow together.
+        amplitude; of an ellipse the factor of both amplitudes, which grow together.
     """
     values = {name: np.full((1,) * len(axes), value) for name, value in fixed.items()}
     for i, axis in enumerate(axes.values()):
         values[axis.name] = axis.values.reshape([-1 if j == i else 1 for j in range(len(axes))])
     load = Scene.allowing_infeasible(**scene_fields(values)).load
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # where nothing is needed, or given
         ratio = np.fmax.reduce(
             [load / limit for limit in (limits.forward_onset, limits.back_onset, limits.hop)]
         )
@@ -157,9 +157,11 @@ def where_motion_begins(axes: Mapping[str, Axis], fixed: Mapping[str, float], li
         return "at rest everywhere"
     here = {name: float(np.broadcast_to(value, ratio.shape)[nearest]) for name, value in values.items()}
     amplitudes = [here[name] for name in AMPLITUDES if name in here]
-    enough, given = (" and ".join(f"{a / by:.4g}" for a in amplitudes) for by in (passed, 1.0))
-    frequency = here["frequency"]
+    frequency, fast = here["frequency"], here["frequency"] / math.sqrt(passed)
+    begins = "at rest everywhere: motion begins at"
+    if len(amplitudes) > 1:
+        return f"{begins} {fast:.4g} Hz, or at {frequency:.4g} Hz with {1.0 / passed:.4g} x both amplitudes"
+    (given,) = amplitudes
     return (
-        f"at rest everywhere: motion begins at {enough} mm with {frequency:.4g} Hz,"
-        f" or at {frequency / math.sqrt(passed):.4g} Hz with {given} mm"
+        f"{begins} {given / passed:.4g} mm with {frequency:.4g} Hz, or at {fast:.4g} Hz with {given:.4g} mm"
     )
