@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def hopping_cycles(scene: Loads, restitution: NDArray[np.float64]) -> HoppingCycles:
     """Solve hopping scenes as ``vibro.solve`` does: what a stage leaves unresolved is left to the next."""
-    out = unresolved(np.broadcast(*scene, restitution).size)
+    out = unresolved(np.broadcast(*scene.flattened(), restitution).size)
     left = np.arange(out.status.size)
     for stage, _ in steady._HOPPING:
         put(out, left, stage(take(scene, left), take((restitution,), left)[0]))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from event_walk import Body
 from numpy.typing import NDArray
-from scenes import Groups
+from scenes import Groups, line_of
 
 import vibro
 from vibro.records.alignment import Observation
@@ -43,8 +43,8 @@ class Walked:
     """The settled motion of a scene by the walk from slide to slide, over trough time."""
 
     def __init__(self, scene: vibro.Scene) -> None:
-        amplitude, gravity = float(scene.amplitude), float(scene.gravity)
-        alpha, beta = float(scene.drive_angle), float(scene.trough_angle)
+        amplitude, gravity = float(scene.scale), float(scene.gravity)
+        alpha, beta = float(line_of(scene).drive_angle), float(scene.trough_angle)
         mu_s, mu_d = float(scene.static_friction), float(scene.kinetic_friction)
         self.rate = 2.0 * math.pi * float(scene.frequency)
         self.period = 1.0 / float(scene.frequency)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from vibro import Scene, SteadyCycle, solve
 from vibro.core.groups import Loads, each
+from vibro.scene import LinearFields
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,8 +55,15 @@ def at_load(
 
 def loads_of(scene: Scene) -> Loads:
     """Form the groups of scenes, as 1-D arrays over the flattened grid."""
-    groups = scene.arrays().loads()
-    return each(groups, lambda x: np.broadcast_to(x, scene.shape).reshape(-1))
+    flat: Loads = each(scene.arrays().loads(), lambda x: np.broadcast_to(x, scene.shape).reshape(-1))
+    return flat
+
+
+def line_of(scene: Scene) -> LinearFields:
+    """Return the fields of scenes whose drives move along lines."""
+    fields = scene.arrays()
+    assert isinstance(fields, LinearFields)
+    return fields
 
 
 def random_scenes(count: int, seed: int, *, most_trough_deg: float = 0.0, least_ratio: float = 0.4) -> Scene:
@@ -72,10 +80,10 @@ def random_scenes(count: int, seed: int, *, most_trough_deg: float = 0.0, least_
 
 def groups_of(scene: Scene) -> list[Groups]:
     """List the groups of scenes, one by one."""
-    load = scene.amplitude * (2.0 * np.pi * scene.frequency) ** 2 / scene.gravity
+    load = scene.scale * (2.0 * np.pi * scene.frequency) ** 2 / scene.gravity
     fields = (
         load,
-        np.degrees(scene.drive_angle),
+        np.degrees(line_of(scene).drive_angle),
         scene.static_friction,
         scene.kinetic_friction,
         np.degrees(scene.trough_angle),

@@ -41,7 +41,7 @@ def test_each_transition_is_where_the_motion_changes() -> None:
     scene = vibro.read_scene(EXAMPLES / "safety_nut.toml")
     seen = []
     for t in vibro.transitions(scene):
-        assert t.ratio == pytest.approx(float(scene.amplitude) / t.amplitude, rel=1e-14)
+        assert t.ratio == pytest.approx(float(scene.scale) / t.amplitude, rel=1e-14)
         assert t.ratio == pytest.approx((float(scene.frequency) / t.frequency) ** 2, rel=1e-14)
         for name, value in (("amplitude", t.amplitude), ("frequency", t.frequency)):
             below, above = (

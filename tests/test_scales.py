@@ -14,6 +14,7 @@ from scenes import (
     assert_same,
     at_load,
     contact_groups,
+    line_of,
     random_scenes,
     replaced,
     scene_with,
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 def test_similarity_is_exact_for_powers_of_two() -> None:
     scene = random_scenes(2000, seed=8, most_trough_deg=10.0)
     for scale in (0.25, 2.0, 1024.0):
-        similar = replaced(scene, amplitude=scene.amplitude / scale**2, frequency=scene.frequency * scale)
+        similar = replaced(scene, amplitude=scene.scale / scale**2, frequency=scene.frequency * scale)
         here, there = solve(scene), solve(similar)
         assert_same(here, there, names=["regime", "status", "pattern_code", "throw_number", "coexists"])
         for name, power in (("displacement_per_cycle", 2), ("mean_velocity", 1), ("peak_velocity", 1)):
@@ -56,11 +57,11 @@ def test_similarity(one: Groups, scale: float) -> None:
     near, beyond = (solve(at_load(one.load * (1.0 + h), *one[1:])) for h in (-1e-11, 1e-11))
     assume(near.status == beyond.status == Status.OK and near.pattern == beyond.pattern)
     here = solve(scene)
-    similar = replaced(scene, amplitude=scene.amplitude / scale**2, frequency=scene.frequency * scale)
+    similar = replaced(scene, amplitude=scene.scale / scale**2, frequency=scene.frequency * scale)
     there = solve(similar)
     assert there.pattern == here.pattern
     spread = abs(beyond.displacement_per_cycle - near.displacement_per_cycle)
-    tolerance = float(spread + 1e-14 * scene.amplitude)
+    tolerance = float(spread + 1e-14 * scene.scale)
     assert float(there.displacement_per_cycle) * scale**2 == pytest.approx(
         float(here.displacement_per_cycle), abs=tolerance
     )
@@ -138,8 +139,8 @@ def test_the_largest_and_smallest_numbers_pass_without_a_warning() -> None:
     exact = solve(Scene(**{name: x[in_contact] for name, x in spread_out(scene).items()}))
     assert np.isin(exact.status, (Status.OK, Status.BOUNDARY)).all()
     assert not np.isnan(exact.displacement_per_cycle).any()
-    steep = scene.drive_angle > 0.1
-    load = np.log10(scene.amplitude) + 2.0 * np.log10(2.0 * np.pi) + 2.0 * np.log10(scene.frequency)
+    steep = line_of(scene).drive_angle > 0.1
+    load = np.log10(scene.scale) + 2.0 * np.log10(2.0 * np.pi) + 2.0 * np.log10(scene.frequency)
     load = np.broadcast_to(load - np.log10(scene.gravity), scene.shape)
     assert (cycle.regime[steep & (load > 10.0)] == Regime.HOPPING).all()
     assert (cycle.regime[load < -3.0] == Regime.NO_SLIP).all()

@@ -15,6 +15,7 @@ from scenes import (
     assert_same,
     at_load,
     contact_groups,
+    line_of,
     loads_of,
     random_scenes,
     scene_with,
@@ -132,8 +133,8 @@ def test_phases_agree_with_the_onsets_and_friction_stays_inside_its_cone(one: Gr
     assert ("B" in kinds) <= (cycle.back_ratio > 1.0)
     assert (kinds == "_") == (max(cycle.forward_ratio, cycle.back_ratio) <= 1.0)
     assert sum(p.end - p.start for p in phases) == pytest.approx(2.0 * math.pi, abs=1e-12)
-    moved = float(scene.amplitude) * sum(p.displacement for p in phases)
-    size = float(scene.amplitude) * sum(abs(p.displacement) for p in phases)
+    moved = float(scene.scale) * sum(p.displacement for p in phases)
+    size = float(scene.scale) * sum(abs(p.displacement) for p in phases)
     assert moved == pytest.approx(float(cycle.displacement_per_cycle), abs=1e-12 * size)
 
     a, b = (one.load * f(math.radians(one.drive_deg)) for f in (math.cos, math.sin))
@@ -178,7 +179,7 @@ def test_the_peak_is_the_largest_speed_of_the_phases(one: Groups) -> None:
     scene = at_load(*one)
     cycle = solve(scene)
     w = 2.0 * math.pi * float(scene.frequency)
-    alpha, beta = float(scene.drive_angle), float(scene.trough_angle)
+    alpha, beta = float(line_of(scene).drive_angle), float(scene.trough_angle)
     largest = 0.0
     for phase in cycle_legs(loads_of(scene), int(cycle.pattern_code)):
         if phase.kind != "_":
@@ -373,7 +374,7 @@ def test_an_error_in_any_block_reaches_the_caller(failing: int, monkeypatch: pyt
     solve_block = steady._solve_block
 
     def fail_there(part: dict[str, Any], inputs: Fields, classes_alone: bool) -> None:
-        if inputs.amplitude[0] == amplitude[failing]:
+        if inputs.scale[0] == amplitude[failing]:
             raise IndexError(failing)
         solve_block(part, inputs, classes_alone)
 

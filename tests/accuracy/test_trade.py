@@ -11,6 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 from matplotlib.text import Text
+from scenes import line_of
 
 import vibro
 from vibro.accuracy.events import simulate_by_events
@@ -179,8 +180,8 @@ def test_the_sensitivity_is_the_condition_of_the_tables() -> None:
 
 
 def test_scenes_are_drawn_evenly_from_every_axis() -> None:
-    scene = draw_scenes(grid(amplitude="1:3"), 0, 2000)
-    assert scene.shape == (2000,)
+    scene = line_of(draw_scenes(grid(amplitude="1:3"), 0, 2000))
+    assert scene.amplitude.shape == (2000,)
     for values, low, high in (
         (scene.amplitude, 1e-3, 3e-3),
         (scene.drive_angle, math.radians(2.0), math.radians(45.0)),
@@ -192,7 +193,7 @@ def test_scenes_are_drawn_evenly_from_every_axis() -> None:
 
 def test_scenes_go_on_where_they_ended() -> None:
     whole, rest = draw_scenes(grid(), 0, 60), draw_scenes(grid(), 20, 40)
-    np.testing.assert_array_equal(whole.amplitude[20:], rest.amplitude)
+    np.testing.assert_array_equal(whole.scale[20:], rest.scale)
 
 
 def test_a_small_grid_is_taken_whole_and_without_what_cannot_be() -> None:
@@ -298,7 +299,7 @@ def test_errors_are_counted_where_they_are() -> None:
 
     def answer(scene: vibro.Scene, tick: object) -> Answers:
         cycle = vibro.solve(scene)
-        displacement = cycle.displacement_per_cycle / scene.amplitude
+        displacement = cycle.displacement_per_cycle / scene.scale
         regime = cycle.regime.copy()
         still, moves = np.flatnonzero(displacement == 0.0), np.flatnonzero(displacement > 0.1)
         displacement[still[0]] = 0.25  # creeps

@@ -49,7 +49,7 @@ def assert_guarantees(
 @given(boxes(), st.floats(0.05, 1.05))
 def test_one_body_is_followed_through_every_jump(box: Boxed, share: float) -> None:
     scene = box.scene
-    hop = float(vibro.critical_loads(scene).hop / scene.load * scene.amplitude)
+    hop = float(vibro.critical_loads(scene).hop / scene.load * scene.scale)
     grid = hop * np.linspace(0.0, 1.0, 5001)[1:-1]
     speeds = vibro.solve(replaced(scene, amplitude=grid)).mean_velocity
     speed = share * max(float(np.max(speeds)), 1e-6)

@@ -137,7 +137,7 @@ def test_bands_that_grow_together_never_help_where_parts_slip_back() -> None:
 def test_speeds_go_with_the_scale_of_length(box: Boxed, scale: float) -> None:
     small, large = (
         vibro.guarantee(
-            replaced(box.scene, amplitude=box.scene.amplitude / k**2, frequency=box.scene.frequency * k),
+            replaced(box.scene, amplitude=box.scene.scale / k**2, frequency=box.scene.frequency * k),
             **(box.bands | {"amplitude": tuple(end / k**2 for end in box.span("amplitude"))}),
         )
         for k in (1.0, scale)

@@ -71,12 +71,12 @@ def test_the_length_broadcasts_against_the_scene() -> None:
 @given(contact_groups(), st.floats(0.01, 30.0))
 def test_a_body_is_there_on_arrival_and_never_was_before(groups: Groups, reach: float) -> None:
     scene = at_load(*groups)
-    length = reach * float(scene.amplitude)
+    length = reach * float(scene.scale)
     time = float(vibro.arrival_time(scene, length))
     horizon = 12.0 / float(scene.frequency)
     history = vibro.simulate(scene, duration=min(time, horizon))
     farthest = max(phase.end_position for phase in history.phases)  # slides are monotone
-    slack = 1e-12 * max(length, float(scene.amplitude))
+    slack = 1e-12 * max(length, float(scene.scale))
     assert farthest <= length + slack
     if time <= horizon:
         assert history.sample(history.end).position == pytest.approx(length, abs=slack)
@@ -85,7 +85,7 @@ def test_a_body_is_there_on_arrival_and_never_was_before(groups: Groups, reach: 
 def test_a_length_that_the_first_slide_covers_needs_no_steady_advance() -> None:
     """Nearly horizontal, so that the steady cycle advances by 1e-17 amplitudes."""
     scene = at_load(999.0, 1.8e-15, 1.0, 1.0)
-    length = np.array([0.5, 1.0, 10.0, 1e4]) * float(scene.amplitude)
+    length = np.array([0.5, 1.0, 10.0, 1e4]) * float(scene.scale)
     cycles = vibro.arrival_time(scene, length) * float(scene.frequency)
     assert (cycles[:3] < 10.0).all()
     assert np.isnan(cycles[3])
@@ -101,7 +101,7 @@ def test_hopping_bodies_too(restitution: float, reach: float) -> None:
     periodic = [cell for cell in cells_of(scene) if vibro.solve(cell).status == Status.OK]
     assert len(periodic) >= 3
     for cell in periodic:
-        length = reach * float(cell.amplitude)
+        length = reach * float(cell.scale)
         history = vibro.simulate(cell, length=length)
         positions = history.sample(np.linspace(0.0, history.end, 1_001)).position
         assert positions[-1] == pytest.approx(length, rel=1e-12)
@@ -147,13 +147,13 @@ def test_a_jump_over_a_converging_transient_is_exact(monkeypatch: pytest.MonkeyP
 def test_the_steady_figure_is_the_limit_for_long_troughs() -> None:
     scene = random_scenes(400, 3, most_trough_deg=6.0)
     cycle = vibro.solve(scene)
-    forward = cycle.displacement_per_cycle > 1e-3 * scene.amplitude
+    forward = cycle.displacement_per_cycle > 1e-3 * scene.scale
     length = np.where(forward, 1e5 * cycle.displacement_per_cycle, 1.0)
     exact = np.where(forward, vibro.arrival_time(scene, length), 0.0)
     # the start gains or loses a distance that does not grow with the length; at a slow advance it takes many
     # cycles
     ahead = cycle.mean_velocity[forward] * (cycle.traverse_time(length) - exact)[forward]
-    assert (np.abs(ahead) < 200.0 * scene.amplitude[forward]).all()
+    assert (np.abs(ahead) < 200.0 * scene.scale[forward]).all()
 
 
 def test_bodies_that_never_arrive() -> None:
@@ -202,8 +202,8 @@ def test_without_static_friction_the_motion_from_rest_is_still_known() -> None:
 def test_motion_without_a_period_is_unknown_once_rounding_has_grown() -> None:
     scene = scene_with(amplitude=8e-3, restitution=0.3)
     assert vibro.solve(scene).status == Status.AVERAGED
-    soon, late = vibro.arrival_time(scene, float(scene.amplitude) * np.array([1.0, 1e4]))
-    assert vibro.simulate(scene, duration=soon).sample(soon).position == pytest.approx(float(scene.amplitude))
+    soon, late = vibro.arrival_time(scene, float(scene.scale) * np.array([1.0, 1e4]))
+    assert vibro.simulate(scene, duration=soon).sample(soon).position == pytest.approx(float(scene.scale))
     assert math.isnan(late)
 
 

@@ -72,7 +72,7 @@ def integral(phase: Phase, values: Floats) -> float:
 def assert_balanced(history: vibro.History) -> None:
     """Path, velocity and kinetic energy are the integrals of velocity, acceleration and power."""
     scene = history.scene
-    speed = float(scene.amplitude * TURN * scene.frequency)
+    speed = float(scene.scale * TURN * scene.frequency)
     period = 1.0 / float(scene.frequency)
     for phase in history.phases:
         if phase.end - phase.start > 2.0 * period:
@@ -99,7 +99,7 @@ def assert_in_cone(history: vibro.History) -> None:
         if phase.end - phase.start < 1e-9 / float(scene.frequency):
             continue  # no time inside it is a double
         q = history.sample(within(phase))
-        noise = 1e-12 * float(GRAVITY + (TURN * scene.frequency) ** 2 * scene.amplitude)
+        noise = 1e-12 * float(GRAVITY + (TURN * scene.frequency) ** 2 * scene.scale)
         assert (q.normal >= 0.0).all()
         assert (q.gap >= 0.0).all()
         if phase.kind == "_":
@@ -119,7 +119,7 @@ def test_contact_motion_balances_and_keeps_to_the_friction_cone(
     groups: Groups, velocity: float, phase: float
 ) -> None:
     scene = at_load(*groups)
-    speed = float(scene.amplitude * TURN * scene.frequency)
+    speed = float(scene.scale * TURN * scene.frequency)
     history = vibro.simulate(scene, cycles=3, start_phase=phase, start_velocity=velocity * speed)
     assert_balanced(history)
     assert_in_cone(history)
@@ -189,7 +189,7 @@ def test_a_disturbed_body_settles_into_the_other_steady_cycle() -> None:
     assert from_rest.pattern == "F_"
     assert from_rest.cycle_displacement / unit == pytest.approx(6.4684, abs=5e-5)
     assert from_rest.cycle_displacement == pytest.approx(float(steady.displacement_per_cycle), rel=1e-12)
-    speed = float(scene.amplitude * TURN * scene.frequency)
+    speed = float(scene.scale * TURN * scene.frequency)
     disturbed = vibro.simulate(scene, cycles=1_000, start_velocity=-speed)
     assert disturbed.pattern in rotations("FB")
     assert disturbed.cycle_displacement / unit == pytest.approx(0.5732, abs=5e-5)
@@ -296,7 +296,7 @@ def test_an_integrated_body_moves_the_same_way(
     # the integrator's bounces end at a small speed, those of the history are summed to their end
     tolerance = 1e-8 if restitution == 0.0 else 1e-6
     np.testing.assert_allclose(
-        history.sample(times).position, expected, rtol=0.0, atol=tolerance * float(scene.amplitude)
+        history.sample(times).position, expected, rtol=0.0, atol=tolerance * float(scene.scale)
     )
 
 

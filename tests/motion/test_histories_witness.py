@@ -32,7 +32,7 @@ def _scene(groups: Groups, restitution: float) -> vibro.Scene:
 
 def _units(scene: vibro.Scene) -> tuple[float, float]:
     """Return A [m] and w [1/s]."""
-    return float(scene.amplitude), TURN * float(scene.frequency)
+    return float(scene.scale), TURN * float(scene.frequency)
 
 
 @pytest.mark.parametrize(("phase", "velocity"), [(0.0, 0.0), (0.0, 0.6), (4.0, -0.8)])

@@ -73,7 +73,7 @@ def drawn() -> Drawn:
         )
         slack = 1.0 - np.abs(groups.tangential) / (groups.kinetic_friction * groups.normal)
         condition = 1.0 + 1.0 / np.minimum(onsets, np.abs(slack))
-        condition += np.abs(scene.amplitude / cycle.displacement_per_cycle)
+        condition += np.abs(scene.scale / cycle.displacement_per_cycle)
     return Drawn(scene, beside, cycle.pattern_code, exponents(scene), condition)
 
 
@@ -100,11 +100,11 @@ def test_the_exponent_is_that_of_the_reference(drawn: Drawn, pattern: str, besid
 def test_the_exponent_is_the_limit_of_secants(drawn: Drawn) -> None:
     """As the step shrinks the solver's own secants tend to it, with the square of the step."""
     steady = drawn.condition < 100.0
-    wide = replaced(drawn.scene, amplitude=drawn.scene.amplitude * 1.001)
+    wide = replaced(drawn.scene, amplitude=drawn.scene.scale * 1.001)
     same = (solve(wide).pattern_code == drawn.pattern) & steady & ~np.isnan(drawn.exponent)
     errors = []
     for step in (1e-3, 1e-4, 1e-5):
-        up, down = (replaced(drawn.scene, amplitude=drawn.scene.amplitude * x) for x in (1 + step, 1 - step))
+        up, down = (replaced(drawn.scene, amplitude=drawn.scene.scale * x) for x in (1 + step, 1 - step))
         with np.errstate(divide="ignore", invalid="ignore"):
             secant = np.log(solve(up).mean_velocity / solve(down).mean_velocity) / np.log(
                 (1 + step) / (1 - step)

@@ -315,7 +315,7 @@ def test_the_operating_point_is_the_scene_that_the_file_gives() -> None:
 def test_one_operating_point_of_a_file(tmp_path: Path) -> None:
     scene = vibro.read_scene(NUT_FILE)
     assert scene.shape == ()
-    assert float(scene.amplitude) == 1e-3
+    assert float(scene.scale) == 1e-3
     path = tmp_path / "half.toml"
     path.write_text("[scene]\namplitude_mm = 1\nstatic_friction = 0.5\n", encoding="utf-8")
     with pytest.raises(InputError, match="missing: frequency"):

@@ -50,7 +50,7 @@ def solved(scene: Scene) -> Solved:
     cycle = solve(scene)
     pattern = np.where(cycle.status == Status.OK, cycle.pattern_code, Pattern.NONE)
     gradient = displacement_gradient(loads_of(scene), pattern)
-    return Solved(scene, pattern, cycle.displacement_per_cycle / scene.amplitude, gradient)
+    return Solved(scene, pattern, cycle.displacement_per_cycle / scene.scale, gradient)
 
 
 def drawn(count: int, seed: int, most_trough_deg: float) -> Scene:

@@ -39,7 +39,7 @@ def _exact(groups: Groups) -> tuple[float, float, float]:
 def _at(groups: Groups, load: float, steps: int = 0, offset: float = 0.0) -> vibro.SteadyCycle:
     """Solve at a load, some ulp of the amplitude or a relative offset away from it."""
     scene = at_load(load, groups.drive_deg, groups.mu_s, groups.mu_d, groups.trough_deg, FREQUENCY)
-    amplitude = float(scene.amplitude) * (1.0 + offset)
+    amplitude = float(scene.scale) * (1.0 + offset)
     amplitude += steps * math.ulp(amplitude)
     return vibro.solve(
         vibro.Scene(

@@ -131,7 +131,7 @@ def test_ideal_sticking_is_the_limit_of_high_friction() -> None:
 def test_hardly_hopping_tends_to_contact() -> None:
     drive, mu_s = np.array([15.0, 25.0, 35.0, 45.0]), np.array([0.9, 0.6, 0.5, 0.3])
     below = at_load((1.0 - 1e-12) / np.sin(np.radians(drive)), drive, mu_s, 0.8 * mu_s)
-    contact = solve(below).displacement_per_cycle / below.amplitude
+    contact = solve(below).displacement_per_cycle / below.scale
     gaps = []
     for excess in (1e-4, 1e-6, 1e-8):
         cycles = _solve(loads_at_throw(1.0 + excess, drive, mu_s, 0.8 * mu_s))
