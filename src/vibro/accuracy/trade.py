@@ -12,7 +12,7 @@ import numpy as np
 from vibro.accuracy.methods import METHODS, Answers, answers_of, converged_answers
 from vibro.accuracy.sample import draw_scenes, take_scenes
 from vibro.core.codes import Regime
-from vibro.scene import Scene
+from vibro.scene import LinearFields, Scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -218,7 +218,7 @@ def _sample(grid: Grid, scenes: int, reference: Reference, tick: Tick) -> tuple[
         )
     fields = {
         name: np.concatenate([getattr(part, name) for part, _ in parts] or [np.empty(0)])
-        for name in Scene.__dataclass_fields__
+        for name in LinearFields._fields
     }
     displacement = np.concatenate([a.displacement for _, a in parts] or [np.empty(0)])
     regime = np.concatenate([a.regime for _, a in parts] or [np.empty(0, np.int8)])
