@@ -1,0 +1,272 @@
+"""Histories, arrivals and phases of elliptical drives: integrated motion, reference rows, symmetries."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from integrated import LEAST_BOUNCE, TURN, Body
+from scenes import GRAVITY, Groups
+
+import vibro
+from vibro.motion.settled import cycle_phases, settled_motion
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+EPS = float(np.finfo(float).eps)
+DATA = Path(__file__).parents[1] / "data" / "two_axis"
+FREQUENCY = 15.0
+COLUMNS = {
+    "along_amplitude": "x_amplitude_m",
+    "normal_amplitude": "y_amplitude_m",
+    "normal_phase": "phase_rad",
+    "frequency": "frequency_hz",
+    "static_friction": "static_friction",
+    "kinetic_friction": "kinetic_friction",
+    "trough_angle": "trough_angle_rad",
+}
+
+# Load of the hypotenuse of both amplitudes and its angle, as a line has them; lead [deg]; restitution.
+SCENES = {
+    "slips between rests": (Groups(0.9, 20.0, 0.5, 0.4), -60.0, 0.0),
+    "conveys backwards": (Groups(1.35, 20.0, 0.74, 0.57), 160.0, 0.0),
+    "never at rest": (Groups(2.0, 25.0, 0.2, 0.15), -90.0, 0.0),
+    "never at rest, uphill": (Groups(2.2, 20.0, 0.45, 0.3, 3.0), 75.0, 0.0),
+    "presses more than it pushes": (Groups(0.95, 75.0, 0.6, 0.5, -6.0), 120.0, 0.0),
+    "near the hop, at rest inside a window": (Groups(1.03, 75.0, 0.7, 0.6, 8.0), -100.0, 0.0),
+    "hops, slides forward before": (Groups(3.4, 30.0, 0.5, 0.4), -35.0, 0.0),
+    "hops, slides back before": (Groups(3.4, 30.0, 0.5, 0.4), -170.0, 0.0),
+    "hops uphill, thrown at once": (Groups(4.5, 25.0, 0.6, 0.45, 5.0), 80.0, 0.0),
+    "hops high": (Groups(8.6, 30.0, 0.5, 0.4), 130.0, 0.0),
+    "bounces": (Groups(3.0, 30.0, 0.5, 0.4), -120.0, 0.3),
+}
+
+
+def ellipse(groups: Groups, lead: float, restitution: float = 0.0) -> vibro.Scene:
+    """Make a scene with a phase [rad]."""
+    drive = math.radians(groups.drive_deg)
+    size = groups.load * GRAVITY / (TURN * FREQUENCY) ** 2
+    return vibro.Scene(
+        along_amplitude=size * math.cos(drive),
+        normal_amplitude=size * math.sin(drive),
+        normal_phase=lead,
+        frequency=FREQUENCY,
+        static_friction=groups.mu_s,
+        kinetic_friction=groups.mu_d,
+        trough_angle=math.radians(groups.trough_deg),
+        gravity=GRAVITY,
+        restitution=restitution,
+    )
+
+
+def line(groups: Groups, restitution: float = 0.0) -> vibro.Scene:
+    """Make the scene of a drive along a line."""
+    return vibro.Scene(
+        amplitude=groups.load * GRAVITY / (TURN * FREQUENCY) ** 2,
+        drive_angle=math.radians(groups.drive_deg),
+        frequency=FREQUENCY,
+        static_friction=groups.mu_s,
+        kinetic_friction=groups.mu_d,
+        trough_angle=math.radians(groups.trough_deg),
+        gravity=GRAVITY,
+        restitution=restitution,
+    )
+
+
+def units(groups: Groups) -> tuple[float, float]:
+    """Return the hypotenuse of the amplitudes [m] and w [1/s]."""
+    w = TURN * FREQUENCY
+    return groups.load * GRAVITY / w**2, w
+
+
+@pytest.mark.parametrize(("phase", "velocity"), [(0.0, 0.0), (0.0, 0.6), (4.0, -0.8), (-8.0, 0.0)])
+@pytest.mark.parametrize("name", SCENES)
+def test_motion_and_forces_are_those_of_the_integrated_body(name: str, phase: float, velocity: float) -> None:
+    groups, degrees, restitution = SCENES[name]
+    lead = math.radians(degrees)
+    a, w = units(groups)
+    scene = ellipse(groups, lead, restitution)
+    history = vibro.simulate(scene, cycles=6, start_phase=phase, start_velocity=velocity * a * w)
+    body = Body(groups, restitution, phase=phase, velocity=velocity, lead=lead)
+    if body.normal(phase) < 0.0:
+        body.aloft = True
+    # the integration leaves out the smallest bounces, whose flights would shift everything after them
+    tolerance = 1e-9 if restitution == 0.0 else 100.0 * LEAST_BOUNCE
+    for since in np.arange(0.37, 6.0 * TURN, 0.81):
+        p = phase + since
+        body.until(p)
+        at = history.sample(since / w)
+        assert at.position / a == pytest.approx(body.state[0], abs=tolerance)
+        assert at.velocity / (a * w) == pytest.approx(body.state[1], abs=tolerance)
+        assert at.gap / a == pytest.approx(body.state[2] if body.aloft else 0.0, abs=tolerance)
+        assert at.trough_along / a == pytest.approx(body.along * math.sin(p), abs=1e-13)
+        assert at.trough_normal / a == pytest.approx(body.across * math.sin(p + lead), abs=1e-13)
+        assert np.isnan(at.trough_displacement)
+        assert at.inertial / (a * w * w) == pytest.approx(body.load(p), abs=1e-13)
+        if not body.aloft:
+            assert at.normal / (a * w * w) == pytest.approx(body.normal(p), abs=1e-13)
+            if body.way:
+                friction = -body.way * groups.mu_d * body.normal(p)
+                assert at.friction / (a * w * w) == pytest.approx(friction, abs=1e-12)
+
+
+def rows_of(name: str) -> list[dict[str, str]]:
+    with (DATA / name).open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def scene_of(row: dict[str, str]) -> vibro.Scene:
+    fields: dict[str, Any] = {name: float(row[column]) for name, column in COLUMNS.items()}
+    return vibro.Scene(**fields, gravity=9.81)
+
+
+def test_hops_settle_into_the_cycles_of_the_reference_rows() -> None:
+    rows = rows_of("elliptic_hopping.csv")
+    assert len(rows) == 30
+    for row in rows:
+        scene = scene_of(row)
+        history = vibro.simulate(scene, cycles=1000)
+        expected = float(row["displacement_per_cycle_m"])
+        error = abs(history.cycle_displacement - expected)
+        assert error <= 1e-11 * (abs(expected) + float(scene.scale))
+        assert len(history.pattern) == len(row["pattern"])
+        assert row["pattern"] in 2 * history.pattern
+        assert history.period_cycles == int(row["period_cycles"])
+
+
+def test_phases_of_contact_cycles_follow_each_other_and_add_up_to_the_reference_rows() -> None:
+    slipping = [row for row in rows_of("elliptic_contact.csv") if set(row["pattern"]) & set("FB")]
+    assert len(slipping) > 130
+    assert {"FB", "F_B_", "FB_", "F_B", "F_", "B_"} <= {row["pattern"] for row in slipping}
+    for row in slipping:
+        if not row["displacement_per_cycle_m"]:  # runs away
+            continue
+        scene = scene_of(row)
+        phases = cycle_phases(scene)
+        expected = float(row["displacement_per_cycle_m"])
+        both = {"F", "B"} <= set(row["pattern"])
+        size = float(row["condition"]) * abs(expected) + (float(scene.scale) if both else abs(expected))
+        assert abs(sum(p.displacement for p in phases) - expected) <= 16 * EPS * size
+        kinds = "".join(p.kind for p in phases)
+        assert kinds == row["pattern"]
+        turns = [float(row["frequency_hz"]) * t for p in phases for t in (p.start, p.end)]
+        assert 0.0 <= turns[0] < 1.0
+        assert turns[-1] - turns[0] == pytest.approx(1.0, abs=1e-12)
+        assert turns[2::2] == pytest.approx(turns[1:-1:2], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in SCENES if name != "hops high"]
+)  # it repeats every few cycles
+def test_the_settled_motion_is_the_history_at_trough_times(name: str) -> None:
+    groups, degrees, restitution = SCENES[name]
+    scene = ellipse(groups, math.radians(degrees), restitution)
+    a, w = units(groups)
+    settled, late = settled_motion(scene), vibro.simulate(scene, cycles=400)
+    assert late.settles_at < 300.0 / FREQUENCY
+    times = np.linspace(0.0, 1.0 / FREQUENCY, 41)
+    one, other = settled.sample(times), late.sample(times + 350.0 / FREQUENCY)
+    for field in ("velocity", "gap", "trough_along", "trough_normal"):
+        assert getattr(one, field) == pytest.approx(getattr(other, field), abs=1e-9 * a * w), field
+    assert np.diff(one.position) == pytest.approx(np.diff(other.position), abs=1e-9 * a)
+    for kind, start, end in [(p.kind, p.start, p.end) for p in cycle_phases(scene) if p.kind in "FB"]:
+        # the same slide in the history
+        middles = [
+            (0.5 * (p.start + p.end) - 0.5 * (start + end)) * FREQUENCY
+            for p in late.phases[-30:-1]
+            if p.kind == kind and p.end - p.start == pytest.approx(end - start, abs=1e-9)
+        ]
+        assert min(abs(turns - round(turns)) for turns in middles) < 1e-9
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_first_arrival_is_that_of_the_history(name: str) -> None:
+    groups, degrees, restitution = SCENES[name]
+    scene = ellipse(groups, math.radians(degrees), restitution)
+    a, _ = units(groups)
+    if vibro.solve(scene).mean_velocity < 0.0:  # look from the other end
+        groups = groups._replace(trough_deg=-groups.trough_deg)
+        scene = ellipse(groups, math.radians(degrees - 180.0), restitution)
+    lengths = a * np.array([0.02, 1.7, 23.0])
+    for length, time in zip(lengths, vibro.arrival_time(scene, lengths), strict=True):
+        history = vibro.simulate(scene, duration=time * (1.0 + 1e-9))
+        assert history.sample(time).position == pytest.approx(length, rel=1e-11)
+        before = history.sample(np.linspace(0.0, time * (1.0 - 1e-9), 2_001)).position
+        assert before.max() < length
+
+
+@st.composite
+def drawn(draw: Callable[[st.SearchStrategy[float]], float]) -> tuple[Groups, float]:
+    """Draw groups of contact and of hops, and a lead."""
+    drive = draw(st.floats(5.0, 80.0))
+    mu_s = draw(st.floats(0.1, 1.0))
+    trough = draw(st.sampled_from((0.0, -5.0, 4.0)))
+    throw = draw(st.sampled_from((0.4, 0.9, 1.05, 1.6, 2.8)))
+    load = throw * math.cos(math.radians(trough)) / math.sin(math.radians(drive))
+    lead = draw(st.floats(-math.pi, math.pi))
+    return Groups(load, drive, mu_s, mu_s * draw(st.floats(0.3, 1.0)), trough), lead
+
+
+@settings(max_examples=40)
+@given(drawn())
+def test_from_the_other_end_the_motion_is_reversed(values: tuple[Groups, float]) -> None:
+    groups, lead = values
+    a, w = units(groups)
+    one = vibro.simulate(ellipse(groups, lead), cycles=4, start_phase=0.4, start_velocity=0.1 * a * w)
+    other = vibro.simulate(
+        ellipse(groups._replace(trough_deg=-groups.trough_deg), lead - math.pi),
+        cycles=4,
+        start_phase=0.4 + math.pi,
+        start_velocity=-0.1 * a * w,
+    )
+    reverse = str.maketrans("FB", "BF")
+    kinds = ["".join(p.kind for p in history.phases) for history in (one, other)]
+    assert kinds[0] == kinds[1].translate(reverse)
+    times = np.linspace(0.0, one.end, 97)
+    forth, back = one.sample(times), other.sample(times)
+    assert forth.position == pytest.approx(-back.position, abs=1e-11 * a)
+    assert forth.gap == pytest.approx(back.gap, abs=1e-11 * a)
+    assert forth.trough_along == pytest.approx(-back.trough_along, abs=1e-13 * a)
+
+
+@pytest.mark.parametrize("turns", [0, -3])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_line_given_by_both_amplitudes_is_that_line(name: str, turns: int) -> None:
+    groups, _, restitution = SCENES[name]
+    a, w = units(groups)
+    scenes = line(groups, restitution), ellipse(groups, turns * TURN, restitution)
+    start = {"start_phase": 2.0, "start_velocity": 0.3 * a * w}
+    histories = [vibro.simulate(scene, cycles=5, **start) for scene in scenes]
+    times = np.linspace(0.0, histories[0].end, 101)
+    samples = [history.sample(times) for history in histories]
+    assert samples[0].position == pytest.approx(samples[1].position, abs=1e-11 * a)
+    assert samples[0].trough_along == pytest.approx(samples[1].trough_along, abs=1e-12 * a)
+    assert samples[0].trough_normal == pytest.approx(samples[1].trough_normal, abs=1e-12 * a)
+    arrivals = [vibro.arrival_time(scene, 3.0 * a) for scene in scenes]
+    assert arrivals[0] == pytest.approx(arrivals[1], rel=1e-11)
+    cycles = [vibro.solve(scene) for scene in scenes]
+    assert cycles[0].pattern == cycles[1].pattern
+    for field in ("displacement_per_cycle", "peak_velocity", "flight_fraction"):
+        assert getattr(cycles[0], field) == pytest.approx(getattr(cycles[1], field), rel=1e-11), field
+
+
+def test_a_trough_that_only_rises_and_falls_moves_no_body() -> None:
+    scene = vibro.Scene(
+        along_amplitude=0.0,
+        normal_amplitude=[1e-4, 2e-3, 3e-3],
+        frequency=FREQUENCY,
+        static_friction=0.5,
+        kinetic_friction=0.4,
+        gravity=GRAVITY,
+    )
+    cycle = vibro.solve(scene)
+    assert cycle.pattern.tolist() == ["_", "H_", "H_"]
+    assert cycle.displacement_per_cycle.tolist() == [0.0, 0.0, 0.0]
+    assert np.isinf(vibro.arrival_time(scene, 0.1)).all()
