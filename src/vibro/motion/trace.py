@@ -74,7 +74,7 @@ def motion_table(history: History, sample: Sample) -> TableColumns:
         "time_s": sample.time,
         "trough_phase_deg": _degrees(history, sample.time),
         "phase": [PHASE_NAMES[phases[i].kind] for i in place],
-        "trough_displacement_mm": _mm(sample.trough_displacement),
+        **_trough(sample),
         "relative_position_mm": _mm(sample.position),
         "relative_velocity_mm_s": _mm(sample.velocity),
         "relative_acceleration_m_s2": sample.acceleration,
@@ -99,6 +99,16 @@ def phase_table(history: History, phases: Sequence[Phase]) -> TableColumns:
         "end_velocity_mm_s": _mm(np.array([p.end_velocity for p in phases])),
         "impact_velocity_mm_s": _mm(np.array([p.impact_velocity for p in phases])),
     }
+
+
+def _trough(sample: Sample) -> TableColumns:
+    """Return the columns of the trough's own motion: one along a line, two of an ellipse."""
+    if np.isnan(sample.trough_displacement).all():
+        return {
+            "trough_along_mm": _mm(sample.trough_along),
+            "trough_normal_mm": _mm(sample.trough_normal),
+        }
+    return {"trough_displacement_mm": _mm(sample.trough_displacement)}
 
 
 def _mm(values: Floats) -> Floats:

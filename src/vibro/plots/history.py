@@ -9,8 +9,9 @@ import numpy as np
 
 from vibro.errors import InputError
 from vibro.plots.frame import set_heading
-from vibro.plots.phases import PHASE_STYLES, legend_entries, shade
+from vibro.plots.phases import PHASE_STYLES, events_of, legend_entries, shade
 from vibro.plots.style import INK, house_style, values_text
+from vibro.plots.trough_path import draw_path
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -72,8 +73,22 @@ PANELS: Final[Mapping[str, _Panel]] = {
     "gap": _Panel("height above\nthe trough", "mm", 1e-3, (_Curve("gap", "", _RED),)),
 }
 
+# Of an elliptical drive, in place of the panel of its line.
+_ELLIPSE: Final = _Panel(
+    "motion of\nthe trough",
+    "mm",
+    1e-3,
+    (
+        _Curve("trough_normal", "trough, normal to itself", _GREEN, (0, (6, 1.5, 1, 1.5)), 1.2),
+        _Curve("trough_along", "trough, along itself", INK),
+    ),
+    height=0.8,
+)
+
 _ROW: Final = 1.35  # [in] of a panel of height 1
 _LETTER: Final = 0.0095  # generous width of a letter, as a share of a panel's
+_PATH: Final = 2.0  # height of the path below the panels
+_BESIDE: Final = 1.5  # width of the legend beside it, over that of the path
 _COLUMNS: Final = 3  # of the legend, one for each curve in the panel of forces
 _MARGIN: Final = 0.12  # above and below the curves, as a share of what they span
 _HEADROOM: Final = 0.25  # for the names of phases, as a share of the panel's height
@@ -82,9 +97,6 @@ _STRETCH: Final = 1.5
 _EDGE: Final = 1e-9  # share of the drawn time by which a phase must reach into it: rounding
 # Panels in which events are marked: the first of them that is shown.
 _MARKED: Final = ("forces", "velocity", "acceleration", "position", "trough", "gap")
-_START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
-_STOP_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "o", "markerfacecolor": "#FFFFFF"}
-_IMPACT_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "v", "color": "#994455"}
 
 
 def choose_panels(text: str | None, *, flies: bool) -> list[str]:
@@ -119,6 +131,8 @@ def history_figure(
     title: str,
     given: Mapping[str, float],
     part: str = "",
+    *,
+    period: float = math.inf,
 ) -> Figure:
     """Draw a time history.
 
@@ -136,25 +150,33 @@ def history_figure(
         Quantities of the scene, in the user's units, written under the title.
     part : str, optional
         Which part of the history the trace is, if not all of it.
+    period : float, optional
+        Of the drive; the path of an elliptical one is that of the last period [s].
 
     Returns
     -------
     Figure
-        Panels above each other over one time axis.
+        Panels above each other over one time axis; below them the path of an elliptical drive.
     """
-    shown = [PANELS[name] for name in panels]
+    elliptical = bool(np.isnan(trace.trough_displacement).all())
+    shown = {name: _ELLIPSE if name == "trough" and elliptical else PANELS[name] for name in panels}
     first, last = float(trace.time[0]), float(trace.time[-1])
     edge = _EDGE * (last - first)
     phases = [phase for phase in phases if phase.end > first + edge and phase.start < last - edge]
-    heights = [panel.height for panel in shown]
+    heights = [panel.height for panel in shown.values()]
     with house_style():
         from matplotlib.figure import Figure as NewFigure
 
-        figure = NewFigure(figsize=(9.0, 1.5 + _ROW * sum(heights)), layout="constrained")
-        grid = figure.subplots(len(shown), 1, squeeze=False, sharex=True, height_ratios=heights)[:, 0]
+        rows = [*heights, *[_PATH] * elliptical]
+        figure = NewFigure(figsize=(9.0, 1.5 + _ROW * sum(rows)), layout="constrained")
+        cells = figure.add_gridspec(len(rows), 2, height_ratios=rows, width_ratios=(1.0, _BESIDE))
+        grid = [figure.add_subplot(cells[0, :])]
+        grid += [figure.add_subplot(cells[i, :], sharex=grid[0]) for i in range(1, len(shown))]
+        for axes in grid[:-1]:
+            axes.tick_params(labelbottom=False)
         milliseconds = 1e3 * trace.time
         curves = []
-        for axes, panel in zip(grid, shown, strict=True):
+        for axes, panel in zip(grid, shown.values(), strict=True):
             curves += _draw(axes, panel, trace, milliseconds)
             for phase in phases:
                 shade(axes, phase.kind, 1e3 * phase.start, 1e3 * phase.end)
@@ -162,11 +184,17 @@ def history_figure(
         grid[-1].set_xlabel(f"time [ms], {part}" if part else "time [ms]")
         figure.align_ylabels(grid)
         _name_phases(grid[0], phases, (milliseconds[0], milliseconds[-1]))
-        marks = _mark_events(dict(zip(panels, grid, strict=True)), phases, trace)
+        marks = _mark_events(shown, dict(zip(panels, grid, strict=True)), phases, trace)
         _write_times(grid[0], phases, (milliseconds[0], milliseconds[-1]))
         kinds = {phase.kind for phase in phases} - {"_"}
         entries = [PHASE_STYLES[kind] for kind in PHASE_STYLES if kind in kinds]
-        _add_legend(figure, curves, [*marks, *legend_entries(entries)])
+        others = [*marks, *legend_entries(entries)]
+        if elliptical:
+            draw_path(figure.add_subplot(cells[-1, 0]), phases, trace, period)
+            beside = figure.add_subplot(cells[-1, 1], frameon=False, xticks=(), yticks=())
+            beside.legend(handles=[*curves, *others], loc="center left")
+        else:
+            _add_legend(figure, curves, others)
         set_heading(figure, title, values_text(given))
         return figure
 
@@ -240,27 +268,15 @@ def _name_phases(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float
             )
 
 
-def _mark_events(panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sample) -> list[Any]:
+def _mark_events(
+    shown: Mapping[str, _Panel], panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sample
+) -> list[Any]:
     """Mark starts and stops of slides, and impacts, on the most telling curve; return legend entries."""
     name = next(name for name in _MARKED if name in panels)
-    panel = PANELS[name]
+    panel = shown[name]
     values = getattr(trace, panel.curves[-1].field) / panel.size
     handles = []
-    for label, mark, instants, before in (
-        (
-            "slide starts",
-            _START_MARK,
-            [p.start for p in phases if p.kind in "FB" and p.start_velocity == 0.0],
-            True,
-        ),
-        (
-            "slide stops",
-            _STOP_MARK,
-            [p.end for p in phases if p.kind in "FB" and p.end_velocity == 0.0],
-            False,
-        ),
-        ("impact", _IMPACT_MARK, [p.end for p in phases if p.kind == "H"], False),
-    ):
+    for label, mark, instants, before in events_of(phases):
         seen = [t for t in instants if trace.time[0] < t < trace.time[-1]]
         if seen:
             places = np.searchsorted(trace.time, seen, side="left" if before else "right")

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.core.codes import PHASE_NAMES, Regime
-from vibro.plots.style import REGIME_COLOURS
+from vibro.plots.style import INK, REGIME_COLOURS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.patches import Patch
 
-__all__ = ["PHASE_STYLES", "PhaseStyle", "legend_entries", "shade"]
+    from vibro.results.history import Phase
 
-_STRENGTH: Final = 0.35
+__all__ = ["PHASE_STYLES", "STRENGTH", "Event", "PhaseStyle", "events_of", "legend_entries", "shade"]
+
+#: Opacity of the phases' colours.
+STRENGTH: Final = 0.35
+
+_START_MARK: Final[Mapping[str, Any]] = {"marker": "s", "markersize": 5, "color": INK, "linestyle": "none"}
+_STOP_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "o", "markerfacecolor": "#FFFFFF"}
+_IMPACT_MARK: Final[Mapping[str, Any]] = {**_START_MARK, "marker": "v", "color": "#994455"}
 
 
 class PhaseStyle(NamedTuple):
@@ -37,9 +44,28 @@ PHASE_STYLES: Final[Mapping[str, PhaseStyle]] = {
 }
 
 
+class Event(NamedTuple):
+    """What is marked where phases meet: name, look, times [s], and whether at the values before or after."""
+
+    label: str
+    mark: Mapping[str, Any]
+    instants: list[float]
+    before: bool
+
+
+def events_of(phases: Sequence[Phase]) -> list[Event]:
+    """List the starts and the stops of slides, and the impacts."""
+    slides = [p for p in phases if p.kind in "FB"]
+    return [
+        Event("slide starts", _START_MARK, [p.start for p in slides if p.start_velocity == 0.0], before=True),
+        Event("slide stops", _STOP_MARK, [p.end for p in slides if p.end_velocity == 0.0], before=False),
+        Event("impact", _IMPACT_MARK, [p.end for p in phases if p.kind == "H"], before=False),
+    ]
+
+
 def shade(axes: Axes, kind: str, start: float, end: float) -> None:
     """Shade a phase over the height of the axes."""
-    axes.axvspan(start, end, facecolor=PHASE_STYLES[kind].colour, alpha=_STRENGTH, edgecolor="none", zorder=0)
+    axes.axvspan(start, end, facecolor=PHASE_STYLES[kind].colour, alpha=STRENGTH, edgecolor="none", zorder=0)
 
 
 def legend_entries(styles: Iterable[PhaseStyle]) -> list[Patch]:
@@ -47,6 +73,5 @@ def legend_entries(styles: Iterable[PhaseStyle]) -> list[Patch]:
     from matplotlib.patches import Patch
 
     return [
-        Patch(facecolor=style.colour, alpha=_STRENGTH, edgecolor="none", label=style.label)
-        for style in styles
+        Patch(facecolor=style.colour, alpha=STRENGTH, edgecolor="none", label=style.label) for style in styles
     ]

@@ -152,7 +152,7 @@ def _crest(scene: Loads, direction: int) -> Floats:
 
 
 def starting(course: Course, phase: Floats, velocity: Floats) -> State:
-    """Bodies on the trough at a drive phase with a velocity; where its load is negative they leave at once."""
+    """Bodies on the trough at a drive phase with a velocity; where the load is negative they leave."""
     if lead := course.track.scene.lead:
         phase = phase + lead.angle
     turns = np.floor(phase / _TURN)
