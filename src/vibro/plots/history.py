@@ -192,7 +192,8 @@ def history_figure(
         if elliptical:
             draw_path(figure.add_subplot(cells[-1, 0]), phases, trace, period)
             beside = figure.add_subplot(cells[-1, 1], frameon=False, xticks=(), yticks=())
-            beside.legend(handles=[*curves, *others], loc="center left")
+            if curves or others:
+                beside.legend(handles=[*curves, *others], loc="center left")
         else:
             _add_legend(figure, curves, others)
         set_heading(figure, title, values_text(given))

@@ -48,8 +48,8 @@ def draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float)
     for phase in phases:
         part = (time >= phase.start) & (time <= phase.end)
         if part.any():
-            style = {"color": PHASE_STYLES[phase.kind].colour, "alpha": STRENGTH, "linewidth": _BAND}
-            axes.plot(x[part], y[part], solid_capstyle="butt", zorder=1, **style)
+            (band,) = axes.plot(x[part], y[part], linewidth=_BAND, solid_capstyle="butt", zorder=1)
+            band.set(color=PHASE_STYLES[phase.kind].colour, alpha=STRENGTH)
     axes.plot(x, y, color=INK, linewidth=1.2)
     marked = np.zeros((0, 2))
     for event in events_of(phases):

@@ -1,0 +1,146 @@
+"""The path of an elliptical trough: its shape, its way round, and the body's phases and events on it."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from made_records import nut
+from matplotlib.colors import to_rgb
+from matplotlib.text import Annotation
+
+import vibro
+from vibro.motion.trace import motion_table, trace
+from vibro.plots.history import choose_panels, history_figure
+from vibro.plots.phases import PHASE_STYLES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from vibro.results.history import Sample
+
+FREQUENCY = 25.0
+
+
+@cache
+def draw(
+    normal: float = 0.3, degrees: float = -60.0, panels: str | None = None
+) -> tuple[vibro.History, Sample, Figure]:
+    """Follow a body for three cycles and draw it; tests only look at the figure."""
+    scene = vibro.Scene(
+        along_amplitude=1e-3,
+        normal_amplitude=1e-3 * normal,
+        normal_phase=math.radians(degrees),
+        frequency=FREQUENCY,
+        static_friction=0.4,
+        kinetic_friction=0.3,
+    )
+    history = vibro.simulate(scene, cycles=3)
+    rows = trace(history, until=history.end, samples_per_cycle=200, both_sides=True)
+    flies = any(p.kind == "H" for p in history.phases)
+    seen = choose_panels(panels, flies=flies)
+    figure = history_figure(history.phases, rows, seen, "title", {}, period=1.0 / FREQUENCY)
+    return history, rows, figure
+
+
+def path_of(figure: Figure) -> Axes:
+    return figure.axes[-2]
+
+
+@pytest.mark.parametrize("degrees", [-60.0, 90.0, 180.0])
+def test_the_path_is_the_ellipse_of_the_last_cycle(degrees: float) -> None:
+    _, _, figure = draw(degrees=degrees)
+    axes = path_of(figure)
+    assert axes.get_title() == "path of the trough, last cycle"
+    assert axes.get_aspect() == 1.0
+    (path,) = (line for line in axes.lines if line.get_linewidth() == 1.2)
+    x, y = np.asarray(path.get_xdata()), np.asarray(path.get_ydata())
+    assert x.size >= 200
+    phase = math.radians(degrees)
+    # x = sin p, y = 0.3 sin(p + phi)
+    rest = y / 0.3 - x * math.cos(phase)
+    assert rest**2 + (x * math.sin(phase)) ** 2 == pytest.approx(math.sin(phase) ** 2, abs=1e-12)
+    assert np.ptp(x) == pytest.approx(2.0, rel=1e-3)
+    (arrow,) = (text for text in axes.texts if isinstance(text, Annotation))
+    head, tail = np.array(arrow.xy), np.array(arrow.xyann)
+    turns = float(tail[0] * head[1] - tail[1] * head[0])
+    assert np.sign(turns) == (0.0 if degrees == 180.0 else -np.sign(degrees)) or abs(turns) < 1e-12
+
+
+@pytest.mark.parametrize(("normal", "degrees"), [(0.3, -60.0), (0.8, -170.0), (0.8, 40.0)])
+def test_phases_and_events_lie_where_the_trough_is_then(normal: float, degrees: float) -> None:
+    history, _, figure = draw(normal, degrees)
+    axes = path_of(figure)
+    since = 2.0 / FREQUENCY
+    marks = [line for line in axes.lines if line.get_linestyle() == "None"]
+    drawn = np.concatenate([np.asarray(line.get_xydata()) for line in marks])
+    events = [
+        t
+        for p in history.phases
+        for t, meant in (
+            (p.start, p.kind in "FB" and p.start_velocity == 0.0),
+            (p.end, p.kind == "H" or (p.kind in "FB" and p.end_velocity == 0.0)),
+        )
+        if meant and since < t < history.end
+    ]
+    at = history.sample(sorted(events))
+    expected = 1e3 * np.column_stack((at.trough_along, at.trough_normal))
+    assert len(drawn) == len(expected) > 0
+    order = [np.lexsort(points.T) for points in (drawn, expected)]
+    assert drawn[order[0]] == pytest.approx(expected[order[1]], abs=1e-9)
+    for phase in history.phases:
+        if phase.end <= since or phase.kind == "_":
+            continue
+        middle = history.sample(0.5 * (max(phase.start, since) + phase.end))
+        point = 1e3 * np.array([middle.trough_along, middle.trough_normal])
+        bands = [
+            np.asarray(line.get_xydata())
+            for line in axes.lines
+            if to_rgb(line.get_color()) == to_rgb(PHASE_STYLES[phase.kind].colour) and line.get_alpha()
+        ]
+        assert min(np.linalg.norm(band - point, axis=1).min() for band in bands) < 0.05
+
+
+def test_a_drive_along_a_line_has_no_path() -> None:
+    history = vibro.simulate(nut(), cycles=2)
+    rows = trace(history, until=history.end, samples_per_cycle=50, both_sides=True)
+    figure = history_figure(history.phases, rows, ["trough"], "title", {})
+    assert [axes.get_ylabel() for axes in figure.axes] == ["trough along\nthe drive [mm]"]
+    assert "trough_displacement_mm" in motion_table(history, rows)
+    assert "trough_along_mm" not in motion_table(history, rows)
+
+
+def test_the_table_and_the_topmost_panel_have_both_motions_of_the_trough() -> None:
+    history, rows, figure = draw()
+    table = motion_table(history, rows)
+    assert "trough_displacement_mm" not in table
+    phase = 2.0 * math.pi * FREQUENCY * rows.time
+    along, normal = np.sin(phase), 0.3 * np.sin(phase - math.pi / 3.0)
+    assert np.asarray(table["trough_along_mm"], float) == pytest.approx(along, abs=1e-12)
+    assert np.asarray(table["trough_normal_mm"], float) == pytest.approx(normal, abs=1e-12)
+    curves = {line.get_label(): np.asarray(line.get_ydata()) for line in figure.axes[0].lines}
+    assert curves["trough, along itself"] == pytest.approx(along, abs=1e-12)
+    assert curves["trough, normal to itself"] == pytest.approx(normal, abs=1e-12)
+
+
+@pytest.mark.parametrize("panels", [None, "velocity"])
+def test_no_words_overlap(panels: str | None) -> None:
+    _, _, figure = draw(0.8, -170.0, panels)
+    figure.draw_without_rendering()
+    path, beside = figure.axes[-2:]
+    legend = beside.get_legend()
+    assert legend is not None
+    boxes = [
+        *(axes.get_tightbbox() for axes in figure.axes[:-2]),
+        path.get_tightbbox(),
+        legend.get_window_extent(),
+    ]
+    for i, box in enumerate(boxes):
+        assert box is not None
+        assert not any(other is not None and box.overlaps(other) for other in boxes[i + 1 :])
+    page = figure.bbox
+    assert legend.get_window_extent().x1 <= page.x1
