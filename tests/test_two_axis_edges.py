@@ -167,7 +167,8 @@ def test_troughs_are_solved_about_as_steep_as_kinetic_friction_holds() -> None:
     some = random_drives(300, 31)
     steep = np.arctan(some.mu_d * np.random.default_rng(31).uniform(0.7, 1.2, 300))
     steep = np.minimum(steep, 0.99 * np.arctan(some.mu_s))
-    seen = compare(some.changed(trough=np.where(some.lead > 0.0, steep, -steep)))
+    trough = np.where(some.lead > 0.0, steep, -steep)
+    seen = compare(some.changed(trough=trough, normal=some.normal * np.cos(trough)))
     assert seen.keys() >= {"runaway", "FB", "F_B", "FB_"}
 
 
