@@ -68,10 +68,13 @@ def test_bodies_are_lifted_above_a_throw_number_of_one() -> None:
 
 @pytest.mark.parametrize(("seed", "steepest", "least_ratio"), [(1, 0.0, 0.4), (2, 0.5, 0.4), (3, 0.2, 0.1)])
 def test_random_hops_settle_as_the_walk_does(seed: int, steepest: float, least_ratio: float) -> None:
-    some = random_drives(40, seed, steepest=steepest, least_ratio=least_ratio, throw=(1.01, 3.3))
-    assert len(compare(some)) >= 6
+    some = random_drives(40, seed, steepest=steepest, least_ratio=least_ratio, throw=(1.01, 3.2))
+    seen = compare(some)
+    assert "irregular" not in seen
+    assert len(seen) >= 6
 
 
 def test_bouncing_bodies_settle_as_the_walk_does() -> None:
     some = random_drives(30, 4, steepest=0.3, throw=(1.01, 1.9))
-    compare(some.changed(e=np.linspace(0.02, 0.3, 30)), tolerance=1e-8)
+    seen = compare(some.changed(e=np.linspace(0.02, 0.3, 30)), tolerance=1e-9)
+    assert seen.get("irregular", 0) <= 3

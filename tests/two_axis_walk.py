@@ -192,11 +192,14 @@ class Body:
         over, across = self.push(1, 0.0, self.v), self.lift(rise)
         length = across.landing()
         speed, impact = over.velocity(length), -across.velocity(length)
-        self.v = math.copysign(max(abs(speed) - self.mu_d * (1.0 + self.e) * impact, 0.0), speed)
-        self.way = (self.v > 0.0) - (self.v < 0.0)
         leg = Leg("H", self.p, length, over.path(length), over.fastest(length), impact)
         rise, up = self.e * impact, across.acceleration(length)
-        return leg, rise, up > 0.0 or rise > -LEAST_BOUNCE * up
+        aloft = up > 0.0 or rise > -LEAST_BOUNCE * up
+        # without the bounces that are left out the load takes away what they would have taken
+        impulse = impact + (rise if aloft else 0.0)
+        self.v = math.copysign(max(abs(speed) - self.mu_d * impulse, 0.0), speed)
+        self.way = (self.v > 0.0) - (self.v < 0.0)
+        return leg, rise, aloft
 
     def _touch(self) -> tuple[Leg, bool]:
         """Rest or slide; whether the body leaves the trough after it."""
