@@ -41,7 +41,7 @@ class Body:
         self.along, self.across, self.lead = math.cos(alpha), math.sin(alpha), lead
         self.weight, self.slope = math.cos(beta) / groups.load, math.sin(beta) / groups.load
         self.mu_s, self.mu_d, self.e = groups.mu_s, groups.mu_d, e
-        self.p, self.aloft, self.way = phase, False, int(np.sign(velocity))
+        self.p, self.aloft, self.way = phase, self.normal(phase) < 0.0, int(np.sign(velocity))
         self.state = np.array([0.0, velocity, 0.0, 0.0])  # position, velocity, height and its rate
 
     def load(self, p: float) -> float:

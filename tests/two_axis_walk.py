@@ -66,8 +66,10 @@ class Arc(NamedTuple):
         for low, high in itertools.pairwise(itertools.chain((0.0,), self.turns())):
             if self.velocity(low) > 0.0 >= self.velocity(high):
                 return _zero(self.velocity, low, high)
-            if gains and low > 2.0 * TURN:
-                raise NeverEndsError
+            if low > 2.0 * TURN:
+                if gains:
+                    raise NeverEndsError
+                assert self.velocity(low) > 0.0
         raise AssertionError
 
     def landing(self) -> float:
@@ -173,7 +175,7 @@ class Body:
 
     def legs(self) -> Iterator[Leg]:
         """Leg after leg for ever, or until the body can only rest."""
-        rise, aloft = 0.0, False  # rate of take-off
+        rise, aloft = 0.0, self.lift().first > 0.0  # rate of take-off; the trough may fall away at once
         while True:
             start = self.p
             if aloft:
