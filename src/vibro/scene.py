@@ -161,7 +161,7 @@ class Scene:
         conveying direction, and normal to it, positive upwards; >= 0 [m].
     normal_phase : array_like, optional
         Phase by which the normal motion leads the motion along the trough, modulo 2 pi [rad]. Others count
-        the lag, or from the normal motion: theory.md, section 13.
+        the lag, or from the normal motion: theory.md, section 15.
     frequency : array_like
         Drive frequency, > 0 [Hz].
     static_friction, kinetic_friction : array_like

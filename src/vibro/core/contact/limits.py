@@ -91,7 +91,7 @@ def critical_loads_of(unit: Loads) -> CriticalLoads:
     Notes
     -----
     As ``critical_loads``. Of elliptical drives back slip and the end of rest are looked for up to the hop, by
-    halving, as classes follow each other in one order there too (theory.md, section 13).
+    halving, as classes follow each other in one order there too (theory.md, section 15).
     """
     shape = np.broadcast_shapes(*(a.shape for a in unit.flattened()))
     flat: Loads = each(unit, lambda a: np.broadcast_to(a, shape).reshape(-1))
@@ -171,7 +171,7 @@ def _critical(unit: Loads) -> CriticalLoads:
 
 
 def _onsets(unit: Loads) -> tuple[Floats, Floats]:
-    """Return the loads of the forward and the back onset, Eqs. (5) and (53); 0 where it slips without any."""
+    """Return the loads of the forward and the back onset, Eqs. (5) and (55); 0 where it slips without any."""
     ahead, behind = static_lifts(unit)
     hold = unit.static_friction * unit.normal
     forward = np.maximum(hold + unit.tangential, 0.0) / (unit.along + ahead)

@@ -36,7 +36,7 @@ Slides = tuple[tuple["Floats", "Floats"], tuple["Floats", "Floats"]]
 
 
 class NeverAtRest(NamedTuple):
-    """The never-at-rest cycle, Eqs. (18)-(19) and (57)-(59); NaN where there is none.
+    """The never-at-rest cycle, Eqs. (18)-(19) and (59)-(61); NaN where there is none.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ def _sine_and_cosine(y: Floats) -> tuple[Floats, Floats]:
 
 
 class _Equation(NamedTuple):
-    """What Eq. (58) is made of, over a: arrays that broadcast against each other.
+    """What Eq. (60) is made of, over a: arrays that broadcast against each other.
 
     ``rho = rho_0 + rho_1 z`` is mu_d times the ratio of the normal to the tangential swing in the middle of
     the slides, z = cot m; ``hold`` is pi mu_d n / 2 and ``lean`` t.
@@ -106,7 +106,7 @@ class _Equation(NamedTuple):
     lean: Floats
 
     def half_length(self, z: Floats) -> tuple[Floats, Floats]:
-        """Y of Eq. (57), and its derivative."""
+        """Y of Eq. (59), and its derivative."""
         rho = self.rho_0 + self.rho_1 * z
         if not np.count_nonzero(self.lean):
             return 0.5 * np.pi * rho, 0.5 * np.pi * self.rho_1
@@ -115,7 +115,7 @@ class _Equation(NamedTuple):
         return y, 0.5 * np.pi * self.rho_1 * (1.0 - self.slope) * (1.0 + self.slope) * share * share
 
     def halley(self, z: Floats) -> tuple[Floats, Floats]:
-        """Halley's step of Eq. (58) at z, and the slope of its left side.
+        """Halley's step of Eq. (60) at z, and the slope of its left side.
 
         The curvature leaves out what is of the order of t on inclines.
         """
@@ -136,11 +136,11 @@ class _Equation(NamedTuple):
 
 
 def _lower_root(scene: Loads) -> Floats:
-    """Z = cot m of the cycle, the lower root of Eq. (58); NaN where there is none.
+    """Z = cot m of the cycle, the lower root of Eq. (60); NaN where there is none.
 
     On a level trough its left side is concave and not positive at the start, so that the iteration rises
     to the root, or passes the top of the curve. On an incline it need not be: what does not settle is
-    bisected by Eq. (59).
+    bisected by Eq. (61).
     """
     assert scene.lead is not None
     mu_d, a = scene.kinetic_friction, scene.along
@@ -183,7 +183,7 @@ def _refined(equation: _Equation, z: Floats) -> Floats:
 
 
 def _from_middle(scene: Loads, z: Floats) -> NeverAtRest:
-    """Form the cycle from z = cot m, where it is one; Eq. (57)."""
+    """Form the cycle from z = cot m, where it is one; Eq. (59)."""
     assert scene.lead is not None
     swing = scene.kinetic_friction * scene.across / scene.along
     rho = swing * (scene.lead.cosine + z * scene.lead.sine)
@@ -214,7 +214,7 @@ def _cosines(sine: Floats, cosine: Floats, cycle: NeverAtRest) -> tuple[Floats, 
 
 
 def _starts_beyond(scene: Loads, cycle: NeverAtRest) -> Verdict:
-    """Whether both slides start where the load exceeds static friction, Eq. (60)."""
+    """Whether both slides start where the load exceeds static friction, Eq. (62)."""
     a, lift, hold = scene.along, scene.static_friction * scene.across, scene.static_friction * scene.normal
     scale = a + lift + hold
     along, normal = _sines(cycle.sin_m, -cycle.cos_m, cycle), _sines(*_turned(scene, cycle), cycle)
@@ -225,10 +225,10 @@ def _starts_beyond(scene: Loads, cycle: NeverAtRest) -> Verdict:
 
 
 def is_sure(scene: Loads, cycle: NeverAtRest) -> Bools:
-    """Whether the lower root of Eq. (58), or its absence, is sure to be that of Eq. (59), which has but one.
+    """Whether the lower root of Eq. (60), or its absence, is sure to be that of Eq. (61), which has but one.
 
     It is where the middle of each slide comes after the crest of its load, and on a level trough, where the
-    left side of Eq. (58) is concave, where there is no root.
+    left side of Eq. (60) is concave, where there is no root.
     """
     assert scene.lead is not None
     lift = scene.kinetic_friction * scene.across
@@ -237,7 +237,7 @@ def is_sure(scene: Loads, cycle: NeverAtRest) -> Bools:
 
 
 def by_half_length(scene: Loads, pair: Pair) -> tuple[NeverAtRest, Verdict]:
-    """Cycle of elliptical drives by Eq. (59), whose root is the only one: where the lower root is not sure.
+    """Cycle of elliptical drives by Eq. (61), whose root is the only one: where the lower root is not sure.
 
     It is looked for between the lengths at which one of the slides would start with the load that resists it.
     """
@@ -280,7 +280,7 @@ def _longest(k: Floats) -> Floats:
 
 
 def never_at_rest_motion(scene: Loads, slides: Slides, cycle: NeverAtRest) -> tuple[Floats, Floats]:
-    """Displacement, Eqs. (20) and (61), and peak speed of the never-at-rest cycle.
+    """Displacement, Eqs. (20) and (63), and peak speed of the never-at-rest cycle.
 
     ``slides`` are the k and the load of the forward and the back slide. They are never short, so that
     Eq. (14) is used as it stands.

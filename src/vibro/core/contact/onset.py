@@ -30,7 +30,7 @@ class Margins(NamedTuple):
     ----------
     forward, back : array
         (1 - s_f) C_f and (1 - s_b) C_b, sharing their rounding: > 0 where the load exceeds static friction
-        that way, Eqs. (5) and (53).
+        that way, Eqs. (5) and (55).
     forward_load, back_load : array
         C_f and C_b: a + mu_s b and a - mu_s b of drives along a line.
     """

@@ -64,7 +64,7 @@ class Start(NamedTuple):
     onset : Onset
         Where it starts, in its own phase.
     load : array
-        Load amplitude while it slides, C of Eq. (52).
+        Load amplitude while it slides, C of Eq. (54).
     window : Window, or None
         The static window that it starts from; None of drives along a line, where the onset says it all.
     """
@@ -75,7 +75,7 @@ class Start(NamedTuple):
 
 
 def resting_start(scene: Loads, at: Margins, direction: int) -> Start:
-    """Slide from rest, forward (+1) or back (-1), Eqs. (3)-(6) and (54), without cancellation."""
+    """Slide from rest, forward (+1) or back (-1), Eqs. (3)-(6) and (56), without cancellation."""
     margin, static_load = (at.forward, at.forward_load) if direction > 0 else (at.back, at.back_load)
     mu_s, mu_d = scene.static_friction, scene.kinetic_friction
     load = load_amplitude(scene, direction, mu_d)
@@ -144,7 +144,7 @@ class Pair(NamedTuple):
         return self._replace(forward=self.back, back=self.forward, skew=-np.asarray(self.skew))
 
     def reaches(self, direction: int) -> Verdict:
-        """Whether a slide still moves where the opposite load window opens, Eqs. (17) and (56)."""
+        """Whether a slide still moves where the opposite load window opens, Eqs. (17) and (58)."""
         start, other, skew = self._seen(direction)
         onset = start.onset
         if start.window is None or other.window is None:
@@ -156,7 +156,7 @@ class Pair(NamedTuple):
         return verdict(begin - end - loss, np.abs(begin) + np.abs(end) + np.abs(drag))
 
     def outlasts(self, direction: int) -> Verdict:
-        """Whether a slide still moves where the opposite load window closes, Eqs. (17) and (56).
+        """Whether a slide still moves where the opposite load window closes, Eqs. (17) and (58).
 
         For k < 0 the speed grows again after 2 pi - asin|k|, and is looked at there if that comes first.
         |k| < 1 where the other onset exists and the body can rest.

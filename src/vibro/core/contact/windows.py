@@ -1,7 +1,7 @@
 """Where the load of a body at rest exceeds static friction: one window a cycle in each direction.
 
 Equation numbers are those of docs/theory.md. A slide in the direction s = +1 or -1 with the coefficient mu is
-pulled by C sin(p + psi), C e^{i psi} = s a e^{-i phi} + mu b, Eq. (52): p + psi is the slide's own phase.
+pulled by C sin(p + psi), C e^{i psi} = s a e^{-i phi} + mu b, Eq. (54): p + psi is the slide's own phase.
 Loads are over m A w^2, phases in radians.
 """
 
@@ -21,7 +21,7 @@ _TINY: Final = 1e-300  # [1] keeps the quotients of a trough that stands still f
 
 
 def load_amplitude(scene: Loads, direction: int | Floats, friction: Floats) -> Floats:
-    """C of Eq. (52); of drives along a line a + s mu b, below zero where the angle is not that of s."""
+    """C of Eq. (54); of drives along a line a + s mu b, below zero where the angle is not that of s."""
     lift = friction * scene.across
     if scene.lead is None:
         return scene.along + direction * lift
@@ -30,7 +30,7 @@ def load_amplitude(scene: Loads, direction: int | Floats, friction: Floats) -> F
 
 
 def own_phase(scene: Loads, direction: int | Floats, friction: Floats | None = None) -> Floats:
-    """Psi of Eq. (52), while the body slides unless a friction is given: it makes a phase the slide's own."""
+    """Psi of Eq. (54), while the body slides unless a friction is given: it makes a phase the slide's own."""
     lift = (scene.kinetic_friction if friction is None else friction) * scene.across
     if scene.lead is None:
         return np.where(direction * scene.along + lift < 0.0, np.pi, 0.0)
@@ -53,7 +53,7 @@ def static_lifts(scene: Loads) -> tuple[Floats, Floats]:
 
 
 def skew_of(scene: Loads, friction: Floats) -> Floats:
-    """E of Eq. (55): the angle beyond half a turn between the phases of the forward and the back load.
+    """E of Eq. (57): the angle beyond half a turn between the phases of the forward and the back load.
 
     With static friction it tells how much more than half a turn after the forward window the back window
     lies; with kinetic friction the same of the zeros of both slides' own phases. 0 of drives along a line.
