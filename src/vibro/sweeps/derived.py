@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import HOPPING_PATTERNS, Pattern, Status
-from vibro.core.contact.derivatives import displacement_gradient
+from vibro.core.contact.load_slopes import load_slope
 from vibro.core.groups import each, take
 from vibro.limits import stays_upright, tipping_load
 from vibro.quantities import LENGTH, QUANTITIES
@@ -81,8 +81,6 @@ def _stroke(block: Block) -> Floats:
 def _speed_exponent(block: Block) -> Floats:
     """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where none is conveyed."""
     cycle, scene = block.cycle, scene_of(block.values)
-    if scene.amplitude is None:  # its derivatives are those of a drive along a line
-        return _unknown(block)
     pattern = cycle.pattern_code.reshape(-1)
     displacement = (cycle.displacement_per_cycle / scene.scale).reshape(-1)
     one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
@@ -90,7 +88,7 @@ def _speed_exponent(block: Block) -> Floats:
     slides = (pattern > Pattern.R) & (pattern < HOPPING_PATTERNS)
     cells = np.flatnonzero(slides & conveyed & (cycle.status.reshape(-1) == Status.OK))
     groups = each(scene.arrays().loads(), lambda x: np.broadcast_to(x, block.shape).reshape(-1))
-    slope = displacement_gradient(take(groups, cells), pattern[cells]).log_load
+    slope = load_slope(take(groups, cells), pattern[cells])
     exponent = np.full(pattern.size, np.nan)
     exponent[cells] = 1.0 + slope / displacement[cells]
     return exponent.reshape(block.shape)

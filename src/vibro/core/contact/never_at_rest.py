@@ -25,7 +25,14 @@ if TYPE_CHECKING:
 
     Bools = NDArray[np.bool_]
 
-__all__ = ["NeverAtRest", "by_half_length", "is_sure", "never_at_rest", "never_at_rest_motion"]
+__all__ = [
+    "NeverAtRest",
+    "by_half_length",
+    "is_sure",
+    "never_at_rest",
+    "never_at_rest_motion",
+    "never_at_rest_slope",
+]
 
 _FEW_STEPS: Final = 3  # of Halley's iteration, which nearly every cell needs
 _MORE_STEPS: Final = 60
@@ -135,6 +142,19 @@ class _Equation(NamedTuple):
         return -left * slope / (slope * slope + 0.5 * left * curve), slope
 
 
+def _equation(scene: Loads) -> _Equation:
+    assert scene.lead is not None
+    mu_d, a = scene.kinetic_friction, scene.along
+    swing = mu_d * scene.across / a
+    return _Equation(
+        swing * scene.lead.cosine,
+        swing * scene.lead.sine,
+        scene.tangential / (mu_d * scene.normal),
+        0.5 * np.pi * mu_d * scene.normal / a,
+        scene.tangential / a,
+    )
+
+
 def _lower_root(scene: Loads) -> Floats:
     """Z = cot m of the cycle, the lower root of Eq. (60); NaN where there is none.
 
@@ -143,15 +163,7 @@ def _lower_root(scene: Loads) -> Floats:
     bisected by Eq. (61).
     """
     assert scene.lead is not None
-    mu_d, a = scene.kinetic_friction, scene.along
-    swing = mu_d * scene.across / a
-    equation = _Equation(
-        swing * scene.lead.cosine,
-        swing * scene.lead.sine,
-        scene.tangential / (mu_d * scene.normal),
-        0.5 * np.pi * mu_d * scene.normal / a,
-        scene.tangential / a,
-    )
+    equation = _equation(scene)
     least = equation.hold - 0.5 * np.pi * np.abs(equation.lean)
     possible = (least > 0.0) & (least < 1.0)
     # where the drive cannot outweigh the drag, and where a slide would take the whole cycle
@@ -309,3 +321,18 @@ def never_at_rest_motion(scene: Loads, slides: Slides, cycle: NeverAtRest) -> tu
         for (k, load), (sine, c) in zip(slides, starts, strict=True)
     ]
     return displacement, np.maximum(*peaks)
+
+
+def never_at_rest_slope(scene: Loads, cycle: NeverAtRest) -> Floats:
+    """Differentiate the displacement of elliptical drives with respect to ln G, Eq. (64)."""
+    z = -cycle.cos_m / cycle.sin_m
+    y_rate = _equation(scene).half_length(z)[1]
+    lift, lean = scene.kinetic_friction * scene.across, scene.tangential / scene.along
+    root = np.sqrt(1.0 + z * z)
+    drag = cycle.cos_y / root  # over a, by Eq. (60)
+    slope = -cycle.sin_y * y_rate - lean * y_rate * root - drag * z / root
+    sine, cosine = _turned(scene, cycle)
+    middle = 2.0 * np.pi * scene.along * cycle.sin_m * cycle.sin_y
+    middle += 4.0 * lift * sine * (cycle.cos_y + cycle.y * cycle.sin_y)
+    length = (2.0 * np.pi * scene.along * cycle.cos_m - 4.0 * lift * cosine * cycle.y) * cycle.cos_y
+    return -cycle.cos_y / slope * (length * y_rate - middle * cycle.sin_m * cycle.sin_m)
