@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from vibro.core.codes import HOPPING_PATTERNS, Level, Model, Status
+from vibro.core.codes import SPELT_PATTERNS, Level, Model, Status
 from vibro.core.contact.solver import SteadyState, steady_state
 from vibro.core.flight.averages import AVERAGES
 from vibro.core.flight.coexistence import coexisting
@@ -189,7 +189,7 @@ def _solve_hops(out: SteadyCycle, cells: NDArray[np.intp], inputs: Fields, model
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         cycles = model(inputs.loads(), inputs.restitution)
     answered = np.isfinite(cycles.displacement)
-    codes = np.where(cycles.pattern > 0, cycles.pattern + HOPPING_PATTERNS, cycles.pattern)
+    codes = np.where(cycles.pattern > 0, cycles.pattern + SPELT_PATTERNS, cycles.pattern)
     found = {_NAMES.get(name, name): values for name, values in cycles._asdict().items()}
     found["pattern_code"] = np.where(answered, codes, 0)
     found["model_code"] = np.where(answered, np.int8(Model.FLIGHT), np.int8(Model.NONE))

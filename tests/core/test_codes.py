@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from vibro.core.codes import (
-    HOPPING_PATTERNS,
+    SPELT_PATTERNS,
     LETTERS,
     PATTERNS,
     Level,
     Mode,
     Pattern,
     Status,
-    hopping_text,
+    spelt_text,
     is_answered,
     pattern_texts,
 )
@@ -35,14 +35,14 @@ def test_levels_are_the_words_that_users_write() -> None:
 
 
 def test_contact_patterns_have_one_text_each() -> None:
-    assert len(PATTERNS) == len(Pattern) == HOPPING_PATTERNS
+    assert len(PATTERNS) == len(Pattern) == SPELT_PATTERNS
     assert [PATTERNS[p] for p in (Pattern.NONE, Pattern.R, Pattern.FB_)] == ["", "_", "FB_"]
 
 
 def test_hopping_patterns_are_spelt_by_their_digits() -> None:
     assert [LETTERS[mode] for mode in Mode] == ["H", "F", "B", "_"]
-    assert [hopping_text(code) for code in (0, 1, 1 * 25 + 2 * 5 + 4, -1)] == ["", "H", "HF_", "H..."]
-    codes = np.array([[0, Pattern.F_B, HOPPING_PATTERNS + 1], [-1, HOPPING_PATTERNS + 9, Pattern.R]])
+    assert [spelt_text(code) for code in (0, 1, 1 * 25 + 2 * 5 + 4, -1)] == ["", "H", "HF_", "H..."]
+    codes = np.array([[0, Pattern.F_B, SPELT_PATTERNS + 1], [-1, SPELT_PATTERNS + 9, Pattern.R]])
     assert pattern_texts(codes).tolist() == [["", "F_B", "H"], ["H...", "H_", "_"]]
 
 

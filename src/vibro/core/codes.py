@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    "HOPPING_PATTERNS",
+    "SPELT_PATTERNS",
     "LETTERS",
     "MODELS",
     "MOST_LETTERS",
@@ -22,7 +22,7 @@ __all__ = [
     "Pattern",
     "Regime",
     "Status",
-    "hopping_text",
+    "spelt_text",
     "is_answered",
     "pattern_texts",
 ]
@@ -114,7 +114,7 @@ PATTERNS: Final = ("", "_", "F_", "B_", "F_B_", "FB_", "F_B", "FB")
 
 
 class Mode(IntEnum):
-    """What a body does during one leg; the values are the digits of a hopping pattern's code."""
+    """What a body does during one leg; the values are the digits of a code that spells a pattern."""
 
     FLIGHT = 1
     FORWARD = 2
@@ -133,16 +133,16 @@ PHASE_NAMES: Final = {
     "_": "rest",
 }
 
-#: Legs of a hopping pattern that an int64 has room for, as digits to base 5; longer ones are cut.
+#: Legs of a pattern that an int64 has room for, as digits to base 5; longer ones are cut.
 MOST_LETTERS: Final = 27
 
-#: [code] Patterns of contact cycles have the codes of ``Pattern``; from here on up, and below 0, are those of
-#: hopping cycles.
-HOPPING_PATTERNS: Final = 8
+#: [code] The commonest patterns of contact cycles have the codes of ``Pattern``; from here on up, and below 0,
+#: a code spells its legs: all hopping cycles, and contact cycles of drives with harmonics.
+SPELT_PATTERNS: Final = 8
 
 
-def hopping_text(code: int) -> str:
-    """Legs of a hopping cycle from the digits of its code: H flight, F forward slide, B back slide, _ rest.
+def spelt_text(code: int) -> str:
+    """Legs of a cycle from the digits of its code: H flight, F forward slide, B back slide, _ rest.
 
     A pattern of more than ``MOST_LETTERS`` legs has a negative code; its text is cut and ends in ``...``.
     """
@@ -154,12 +154,12 @@ def hopping_text(code: int) -> str:
 
 
 def pattern_texts(codes: NDArray[np.int64]) -> NDArray[np.str_]:
-    """Legs of steady cycles as text, from the codes of contact and hopping patterns."""
+    """Legs of steady cycles as text, from the codes of their patterns."""
     import numpy as np  # late, as above
 
     different, which = np.unique(codes.ravel(), return_inverse=True)
     texts = [
-        PATTERNS[code] if 0 <= code < HOPPING_PATTERNS else hopping_text(code - HOPPING_PATTERNS * (code > 0))
+        PATTERNS[code] if 0 <= code < SPELT_PATTERNS else spelt_text(code - SPELT_PATTERNS * (code > 0))
         for code in different.tolist()
     ]
     return np.array(texts, dtype=np.str_)[which].reshape(codes.shape)
@@ -174,6 +174,7 @@ class Model(IntEnum):
     TWO_SLIDES = 3
     CLOSED_FORM = 4  # never at rest
     FLIGHT = 5
+    SLIDES = 6  # as many as two a harmonic, of a drive that has several
 
 
-MODELS: Final = ("", "rest", "one-slide", "two-slides", "closed-form", "flight")
+MODELS: Final = ("", "rest", "one-slide", "two-slides", "closed-form", "flight", "slides")

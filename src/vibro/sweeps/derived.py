@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.codes import HOPPING_PATTERNS, Pattern, Status
+from vibro.core.codes import SPELT_PATTERNS, Pattern, Status
 from vibro.core.contact.load_slopes import load_slope
 from vibro.core.groups import each, take
 from vibro.limits import stays_upright, tipping_load
@@ -85,7 +85,7 @@ def _speed_exponent(block: Block) -> Floats:
     displacement = (cycle.displacement_per_cycle / scene.scale).reshape(-1)
     one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
     conveyed = np.abs(displacement) > np.where(one_way, 0.0, LEAST_DIFFERENCE)
-    slides = (pattern > Pattern.R) & (pattern < HOPPING_PATTERNS)
+    slides = (pattern > Pattern.R) & (pattern < SPELT_PATTERNS)
     cells = np.flatnonzero(slides & conveyed & (cycle.status.reshape(-1) == Status.OK))
     groups = each(scene.arrays().loads(), lambda x: np.broadcast_to(x, block.shape).reshape(-1))
     slope = load_slope(take(groups, cells), pattern[cells])

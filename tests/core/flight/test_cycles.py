@@ -14,7 +14,7 @@ from hopping import hopping_cycles, loads_at_throw, random_loads
 from scenes import at_load, loads_of
 
 from vibro import Scene, Status, solve
-from vibro.core.codes import Mode, hopping_text
+from vibro.core.codes import Mode, spelt_text
 from vibro.core.flight import returns
 from vibro.core.flight.bounces import bounces
 from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, entered
@@ -44,7 +44,7 @@ def _return_map(scene: Loads) -> tuple[Callable[[Floats], Return], Floats]:
 
 
 def _patterns(cycles: HoppingCycles) -> list[str]:
-    return [hopping_text(code) for code in cycles.pattern.tolist()]
+    return [spelt_text(code) for code in cycles.pattern.tolist()]
 
 
 class Row(NamedTuple):
@@ -263,4 +263,4 @@ def test_long_patterns_are_cut_and_say_so() -> None:
     code = np.zeros(1, np.int64)
     for _ in range(40):
         code = returns._append(code, np.int64(Mode.FLIGHT))
-    assert hopping_text(int(code[0])) == "H" * 27 + "..."
+    assert spelt_text(int(code[0])) == "H" * 27 + "..."

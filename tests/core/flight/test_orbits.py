@@ -11,7 +11,7 @@ from hopping import hopping_cycles, loads_at_throw, random_loads
 from scenes import loads_of
 
 from vibro import Scene, Status, solve
-from vibro.core.codes import hopping_text
+from vibro.core.codes import spelt_text
 from vibro.core.contact.legs import track_of
 from vibro.core.flight.averages import averages
 from vibro.core.flight.bounces import bounces
@@ -83,7 +83,7 @@ def test_low_friction_as_50_digits_have_it(
     # the fixed point was bracketed by 90 bisections of a cycle computed event by event with mpmath
     found = _solve(loads_at_throw([throw], drive_deg, mu_s, mu_d, trough_deg))
     assert found.status[0] == Status.OK
-    assert hopping_text(int(found.pattern[0])) == pattern
+    assert spelt_text(int(found.pattern[0])) == pattern
     assert found.displacement[0] == pytest.approx(displacement, rel=1e-12)
 
 

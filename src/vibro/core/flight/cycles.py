@@ -54,7 +54,7 @@ class HoppingCycles(NamedTuple):
         before rounding could choose it, and the numbers are means over many cycles; ``RUNAWAY``,
         ``INDETERMINATE`` or ``UNRESOLVED``, with NaN for numbers.
     pattern : int64 array
-        Legs of the cycle, for ``hopping_text``; 0 where there are no numbers.
+        Legs of the cycle, for ``spelt_text``; 0 where there are no numbers.
     displacement : array
         Mean displacement per drive cycle [A].
     deviation : array
