@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.harmonic.slides import rates, slides, velocity
-from vibro.core.harmonic.waves import TURN, values
+from vibro.core.harmonic.slides import distance, rates, slides
+from vibro.core.harmonic.waves import TURN, harmonics, values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -62,42 +62,68 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
 
     Notes
     -----
-    Newton's method on the starts. That the slide from p_j has no speed left at p_(j+1) links a start to the next
+    Newton's method on the starts p_j. That the slide from p_j has no speed left at p_(j+1) links a start to the next
     alone; once round, the shift of the first is a linear function of itself, whose slope is the product of load
-    beyond friction at the starts over that at the ends: below 1.
+    beyond friction at the starts over that at the ends: below 1. Where friction is small it is near 1, and what
+    the drive does to the speed must cancel over a cycle to rounding of the friction: it is the difference of one
+    antiderivative between the starts. A last shift, too small for the rounded phases, goes into the paths.
     """
     m, n = lane.shape
-    waves = [at.kinetic[:, of_slide] for of_slide in lane]
-    phase = np.mod(start, TURN)
+    scenes = at.noise.size // 2
+    ahead, behind = at.kinetic[:, lane[0] % scenes], at.kinetic[:, lane[0] % scenes + scenes]
+    drive, drag = 0.5 * (ahead - behind), 0.5 * (ahead + behind)
+    ways = np.where(lane < scenes, 1.0, -1.0)
+    phase = start[0] + np.concatenate([np.zeros((1, n)), np.cumsum(np.mod(np.diff(start, axis=0), TURN), axis=0)])
     step = np.full(n, np.inf)
-    for _ in range(_MOST_STEPS):
-        offset, slope = np.zeros(n), np.ones(n)  # shift of a start = offset + slope * shift of the first
-        shifts = [(offset, slope)]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for _ in range(_MOST_STEPS):
+            nodes = harmonics(phase, ahead.shape[0] // 2)
+            load, impulse = _load_and_impulse(drive, nodes)
+            brake, slowing = _load_and_impulse(drag, nodes)
+            length = np.roll(phase, -1, axis=0) - phase
+            length[-1] += TURN
+            left = ways * (_next(impulse) - impulse + drive[0] * length) + (_next(slowing) - slowing + drag[0] * length)
+            pull = ways * load + brake  # at the starts
+            push = ways * _next(load) + _next(brake)  # at the ends
+            offset, slope = np.zeros(n), np.ones(n)  # shift of a start = offset + slope * shift of the first
+            shifts = []
             for j in range(m):
-                length = np.mod(phase[(j + 1) % m] - phase[j], TURN)
-                own = rates(waves[j], phase[j])
-                left, brake = velocity(length, own)
-                offset = -(left - own[0] * offset) / brake
-                slope = own[0] * slope / brake
                 shifts.append((offset, slope))
+                offset = (pull[j] * offset - left[j]) / push[j]
+                slope = pull[j] * slope / push[j]
             first = offset / (1.0 - slope)
-            moves = np.array([offset + slope * first for offset, slope in shifts[:-1]])
+            moves = np.array([offset + slope * first for offset, slope in shifts])
             step = np.abs(moves).max(axis=0)
-            phase = np.mod(phase + np.where(np.isfinite(moves), moves, 0.0), TURN)
-        if not np.count_nonzero(step > _SETTLED):
-            break
-    unknown = np.full(lane.size, np.nan)
-    slid = slides(at, lane.reshape(-1), phase.reshape(-1), unknown)
-    length, path, peak = (x.reshape(m, n) for x in (slid.length, slid.path, slid.peak))
-    with np.errstate(invalid="ignore"):
-        miss = np.mod(phase + length - np.roll(phase, -1, axis=0) + np.pi, TURN) - np.pi
-        turns = length.sum(axis=0)
-    flat = lane.reshape(-1)
-    load = values(at.static[:, flat], phase.reshape(-1)).reshape(m, n)
+            if np.count_nonzero(step > _SETTLED) == 0:
+                break
+            phase = phase + np.where(np.isfinite(moves) & (step > _SETTLED), moves, 0.0)
+        flat = lane.reshape(-1)
+        found = np.mod(phase + moves, TURN)
+        begun = found.reshape(-1)
+        slid = slides(at, flat, begun, np.full(flat.size, np.nan))
+        ends, peak = slid.length.reshape(m, n), slid.peak.reshape(m, n)
+        miss = np.mod(found + ends - _next(found) + np.pi, TURN) - np.pi
+        own = rates(at.kinetic[:, flat], phase.reshape(-1))
+        path = distance(length.reshape(-1), own).reshape(m, n) + length * (0.5 * left - pull * moves)
+    load = values(at.static[:, flat], begun).reshape(m, n)
     noise = at.noise[flat].reshape(m, n)
     valid = (step <= _SETTLED) & slid.settled.reshape(m, n).all(axis=0)
-    valid &= (np.abs(miss) < _CLOSED).all(axis=0) & (np.abs(turns - TURN) < 1e-6)
+    valid &= (np.abs(miss) < _CLOSED).all(axis=0) & (np.abs(ends.sum(axis=0) - TURN) < _CLOSED)
     edge = (np.abs(load) <= noise).any(axis=0) & valid
     valid &= (load > noise).all(axis=0)
-    return Restless(phase, length, path, peak, valid, (slid.edge.reshape(m, n).any(axis=0) & valid) | edge)
+    return Restless(found, ends, path, peak, valid, (slid.edge.reshape(m, n).any(axis=0) & valid) | edge)
+
+
+def _next(of_slides: Floats) -> Floats:
+    """Values at the next starts."""
+    return np.roll(of_slides, -1, axis=0)
+
+
+def _load_and_impulse(waves: Floats, nodes: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
+    """Waves at phases, and their antiderivatives but for the constant's."""
+    h = len(nodes)
+    load, impulse = waves[0] + np.zeros(nodes[0][0].shape), np.zeros(nodes[0][0].shape)
+    for n, (s, c) in enumerate(nodes, 1):
+        load += waves[n] * s + waves[h + n] * c
+        impulse += (waves[h + n] * s - waves[n] * c) / n
+    return load, impulse

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     Bools = NDArray[np.bool_]
     Indices = NDArray[np.intp]
 
-__all__ = ["Lanes", "Slides", "rates", "slides", "velocity"]
+__all__ = ["Lanes", "Slides", "distance", "lanes", "rates", "slides", "velocity"]
 
 # [1] The power series of z - sin z and of sin y - y cos y are for arguments up to this.
 _SHORT: Final = 1.0
@@ -115,7 +115,7 @@ def velocity(s: Floats, rates: Floats) -> tuple[Floats, Floats]:
     return speed, slope
 
 
-def _path(s: Floats, rates: Floats) -> Floats:
+def distance(s: Floats, rates: Floats) -> Floats:
     """Distance of slides of length s that end at zero speed.
 
     With v(s) = 0 the constant drops out, as in Eq. (11): each harmonic gives its load's slope at the middle times
@@ -201,5 +201,5 @@ def slides(at: Lanes, lane: Indices, phase: Floats, excess: Floats) -> Slides:
     )
     edge |= ends & (at_low <= 0.0)
     with np.errstate(invalid="ignore"):
-        path = np.where(ends, _path(np.where(ends, length, 0.0), own), np.nan)
+        path = np.where(ends, distance(np.where(ends, length, 0.0), own), np.nan)
     return Slides(length, path, np.where(ends, peak, np.nan), edge, settled)
