@@ -1,4 +1,4 @@
-"""The cycle that a body settles into: followed slide by slide, and solved at once where it never rests."""
+"""The cycle that a body settles into: followed slide by slide, and chosen among few where that takes long."""
 
 from __future__ import annotations
 
@@ -19,12 +19,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Bools = NDArray[np.bool_]
     Indices = NDArray[np.intp]
+    Signs = NDArray[np.int8]
 
-__all__ = ["Cycles", "Start", "resting", "settle"]
-
-# A body that has not settled after so many slides is given up. Those that take long approach a cycle that
-# breaks off just before they reach it.
-_MOST_SLIDES: Final = 400
+__all__ = ["Bodies", "Cycles", "Start", "Track", "follow", "from_onsets", "near_cycles", "signs", "stopped"]
 
 # [rad] Slides this close to where they were a cycle before are near enough to try the cycle without rest.
 _NEAR: Final = 1.0
@@ -39,7 +36,7 @@ class Start(NamedTuple):
     Attributes
     ----------
     lane : int array
-        Column of ``Lanes``; -1 where a body rests for ever.
+        Column of ``Lanes``.
     phase : array
         In [0, 2 pi).
     excess : array
@@ -61,239 +58,257 @@ class Start(NamedTuple):
 
 
 class Cycles(NamedTuple):
-    """Steady cycles of bodies, 1-D, and their slides in 2 H rows, in the order of time.
+    """Steady cycles of bodies, 1-D, with their slides in 2 H rows, in the order of time.
 
     Attributes
     ----------
     count : int array
         Number of slides; 0 without a cycle.
-    lane : int array
-        Columns of ``Lanes``, rows of slides.
+    lane, row : int arrays
+        Columns of ``Lanes``; onsets that slides start from, or -1.
     start, length, path, peak : array
-        Phase at the start and until the end, distance and largest speed, rows of slides.
+        Phase at the start and until the end, distance and largest speed.
     rests : bool array
-        Whether a rest follows, rows of slides.
-    endless : int array
-        Lane of the slide that never ends; -1 where all end.
-    edge : bool array
-        Whether rounding decided something on the way.
+        Whether a rest follows.
     """
 
     count: Indices
     lane: Indices
+    row: Indices
     start: Floats
     length: Floats
     path: Floats
     peak: Floats
     rests: Bools
-    endless: Indices
-    edge: Bools
+
+    @property
+    def at_rest(self) -> Bools:
+        """Whether the body rests in its cycle."""
+        return np.asarray(self.rests.any(axis=0))
 
 
-def resting(at: Lanes, cell: Indices, phase: Floats) -> Start:
-    """Start of the next slide of bodies that rest."""
-    n = at.noise.size // 2
-    onsets = np.concatenate([at.onset[:, cell], at.onset[:, cell + n]])
-    waits = until(onsets, phase)
-    waits[np.isnan(waits)] = np.inf
-    row = np.argmin(waits, axis=0)
-    columns = np.arange(cell.size)
-    waited = waits[row, columns]
-    h = at.onset.shape[0]
-    lane = np.where(row < h, cell, cell + n)
-    lane[np.isinf(waited)] = -1
-    return Start(
-        lane, onsets[row, columns], at.excess[row % h, lane], row, waited, np.zeros(cell.size, np.bool_)
+def no_cycles(bodies: int, rows: int) -> Cycles:
+    """Make cycles to be filled."""
+    shape = (rows, bodies)
+    return Cycles(
+        np.zeros(bodies, np.intp),
+        np.zeros(shape, np.intp),
+        np.full(shape, -1, np.intp),
+        *np.zeros((4, *shape)),
+        np.zeros(shape, np.bool_),
     )
 
 
+def write(out: Cycles, bodies: Indices, cycles: Cycles) -> None:
+    """Put cycles where they belong."""
+    for target, values_ in zip(out, cycles, strict=True):
+        target[..., bodies] = values_
+
+
+def read(cycles: Cycles, bodies: Indices) -> Cycles:
+    """Take cycles of some bodies."""
+    return Cycles(*(x[..., bodies] for x in cycles))
+
+
+def from_onsets(at: Lanes, cell: Indices, row: Indices, waited: Floats | float = 0.0) -> Start:
+    """Start of slides from onsets."""
+    n, h = at.noise.size // 2, at.onset.shape[0]
+    lane = np.where(row < h, cell, cell + n)
+    return Start(
+        lane,
+        at.onset[row % h, lane],
+        at.excess[row % h, lane],
+        row,
+        np.broadcast_to(waited, cell.shape).copy(),
+        np.zeros(cell.size, np.bool_),
+    )
+
+
+def onsets_of(at: Lanes, cell: Indices) -> Floats:
+    """Phases of all onsets, forward ones first, in rows."""
+    return np.concatenate([at.onset[:, cell], at.onset[:, cell + at.noise.size // 2]])
+
+
 def stopped(at: Lanes, cell: Indices, phase: Floats, lanes: tuple[Indices, ...]) -> Start:
-    """Start of the next slide of bodies that stop at phases, or that were put there.
+    """Start of the next slide of bodies that stop, or are put, at phases.
 
     Parameters
     ----------
     at : Lanes
-        Scenes.
+        Scenes, each with an onset.
     cell : int array
-        Theirs.
+        That of each body.
     phase : array
         In [0, 2 pi).
     lanes : tuple of int arrays
         In which a slide may begin at once.
     """
-    n = cell.size
-    start = resting(at, cell, phase)
+    waits = until(onsets_of(at, cell), phase)
+    waits[np.isnan(waits)] = np.inf
+    row = np.argmin(waits, axis=0)
+    start = from_onsets(at, cell, row, waits[row, np.arange(cell.size)])
     for lane in lanes:
         load = values(at.static[:, lane], phase)
         noise = at.noise[lane]
-        start.edge[:] |= np.abs(load) <= noise
-        inside = (load > noise).nonzero()[0]
-        start.lane[inside] = lane[inside]
-        start.phase[inside] = phase[inside]
-        start.excess[inside] = np.nan
-        start.row[inside] = -1
-        start.waited[inside] = 0.0
-    assert start.lane.size == n
+        np.logical_or(start.edge, np.abs(load) <= noise, out=start.edge)
+        inside = load > noise
+        for member, now in zip(start[:5], (lane, phase, np.nan, -1, 0.0), strict=True):
+            np.copyto(member, now, where=inside)
     return start
 
 
-class _Track:
-    """The last 2 H slides of bodies, and when they first started from each onset."""
+class Bodies(NamedTuple):
+    """Bodies under way.
+
+    Attributes
+    ----------
+    number, cell : int arrays
+        Their own numbers and those of their scenes.
+    now : Start
+        Next slides.
+    travelled : array
+        Phase since they were started.
+    chained : int array
+        Slides since the last rest.
+    """
+
+    number: Indices
+    cell: Indices
+    now: Start
+    travelled: Floats
+    chained: Indices
+
+    def some(self, which: Indices) -> Bodies:
+        """Take some of them."""
+        return Bodies(
+            self.number[which],
+            self.cell[which],
+            Start(*(x[which] for x in self.now)),
+            self.travelled[which],
+            self.chained[which],
+        )
+
+
+class Track:
+    """The last 2 H slides of bodies, in slots, and when they last started from each onset.
+
+    Attributes
+    ----------
+    slides : Cycles
+        Those slides; a slide's slot is its number modulo 2 H.
+    when : array
+        Phase travelled before each slide.
+    first : int array
+        Number of the first slide from an onset, -1 before it.
+    endless : int array
+        Lane of the slide that never ends; -1 where all end.
+    edge, settled : bool array
+        Whether rounding decided something on the way, and whether all ends were found.
+    """
 
     def __init__(self, bodies: int, h: int) -> None:
         self.rows = 2 * h
-        shape = (self.rows, bodies)
-        self.lane = np.zeros(shape, np.intp)
-        self.start, self.length, self.path, self.peak = np.zeros((4, *shape))
-        self.rests = np.zeros(shape, np.bool_)
-        self.row = np.full(shape, -1, np.intp)
-        self.when = np.zeros(shape)  # phase travelled before the slide
-        self.first = np.full(shape, -1, np.intp)  # number of the first slide from an onset
+        self.slides = no_cycles(bodies, self.rows)
+        self.when = np.zeros((self.rows, bodies))
+        self.first = np.full((self.rows, bodies), -1, np.intp)
+        self.endless = np.full(bodies, -1, np.intp)
+        self.edge = np.zeros(bodies, np.bool_)
+        self.settled = np.ones(bodies, np.bool_)
+
+    def cut(self, bodies: Indices, first: Indices, count: Indices) -> Cycles:
+        """Slides of bodies from a number on, as cycles."""
+        rows = np.arange(self.rows)[:, np.newaxis]
+        slots = (first + rows) % self.rows
+        members = (np.where(rows < count, x[slots, bodies], 0) for x in self.slides[1:])
+        return Cycles(count, *members)
 
 
-def settle(at: Lanes, cell: Indices, begun: Start) -> Cycles:
-    """Follow bodies until their motion repeats.
+def follow(at: Lanes, bodies: Bodies, track: Track, out: Cycles, numbers: range) -> Bodies:
+    """Follow bodies through slides with these numbers, or until they start from the same onset again.
 
-    Parameters
-    ----------
-    at : Lanes
-        Scenes.
-    cell : int array
-        That of each body.
-    begun : Start
-        Their first slides.
-
-    Returns
-    -------
-    Cycles
-        One element per body; without a slide where it has not settled, or where a slide never ends.
-
-    Notes
-    -----
-    A body that starts twice from the same onset repeats itself: what it does depends on nothing before. Its
-    velocity at a given phase rises, or falls, from cycle to cycle, because trajectories do not cross, and tends to
-    the next fixed point on that side. So a body that is not at rest for a whole cycle tends to the cycle without
-    rest if that exists on that side and no cycle with a rest lies between: none does if no onset lies between the
-    phases at which the one and the other turn.
+    Their cycles are written; those that have none yet are returned. What a body does after an onset depends on
+    nothing before: it repeats itself.
     """
-    n, h = at.noise.size // 2, at.onset.shape[0]
-    bodies = cell.size
-    track = _Track(bodies, h)
+    n = at.noise.size // 2
     rows = track.rows
-    out = Cycles(
-        np.zeros(bodies, np.intp),
-        np.zeros((rows, bodies), np.intp),
-        *np.zeros((4, rows, bodies)),
-        np.zeros((rows, bodies), np.bool_),
-        np.full(bodies, -1, np.intp),
-        begun.edge.copy(),
-    )
-    body = np.arange(bodies)
-    now = begun
-    travelled = np.zeros(bodies)
-    chained = np.zeros(bodies, np.intp)  # slides since the last start from rest, that one included
-    for k in range(_MOST_SLIDES):
+    for k in numbers:
+        number, cell, now, travelled, chained = bodies
         slot = k % rows
-        track.lane[slot, body], track.start[slot, body] = now.lane, now.phase
-        track.row[slot, body], track.when[slot, body] = now.row, travelled
-        held = (now.row >= 0).nonzero()[0]
-        track.first[now.row[held], body[held]] = k
         slid = slides(at, now.lane, now.phase, now.excess)
-        track.length[slot, body], track.path[slot, body] = slid.length, slid.path
-        track.peak[slot, body] = slid.peak
+        for target, source in zip(
+            track.slides[1:7], (now.lane, now.row, now.phase, slid.length, slid.path, slid.peak), strict=True
+        ):
+            target[slot, number] = source
+        track.when[slot, number] = travelled
+        held = (now.row >= 0).nonzero()[0]
+        track.first[now.row[held], number[held]] = k
+        track.edge[number] |= now.edge | slid.edge
         ends = np.isfinite(slid.length)
-        out.edge[body] |= slid.edge
-        out.endless[body[~ends]] = now.lane[~ends]
+        track.endless[number[~ends]] = now.lane[~ends]
+        track.settled[number] &= slid.settled
         going = (ends & slid.settled).nonzero()[0]
-        body, travelled, chained = body[going], travelled[going], chained[going]
-        lane, phase, length = now.lane[going], now.phase[going], slid.length[going]
-        stop = np.mod(phase + length, TURN)
-        now = stopped(at, cell[body], stop, (np.where(lane < n, lane + n, lane - n),))
-        out.edge[body] |= now.edge
+        if going.size < number.size:
+            number, cell, now, travelled, chained = bodies.some(going)
+        length = slid.length[going]
+        lane = now.lane
+        now = stopped(at, cell, np.mod(now.phase + length, TURN), (np.where(lane < n, lane + n, lane - n),))
         travelled = travelled + length + now.waited
         rests = now.row >= 0
-        track.rests[slot, body] = rests
-        chained = np.where(rests, 0, chained + 1)
-
-        # cycles with a rest
-        first = np.where(rests, track.first[now.row, body], -1)
-        count = np.where(first >= 0, k + 1 - first, 0)
+        track.slides.rests[slot, number] = rests
+        bodies = Bodies(number, cell, now, travelled, np.where(rests, 0, chained + 1))
+        first = np.where(rests, track.first[now.row, number], -1)
         closed = first >= 0
-        period = travelled - track.when[first % rows, body]
-        good = closed & (count <= rows) & (np.abs(period - TURN) < _CLOSED)
-        _close(out, track, body[good], first[good], count[good])
-
-        # cycles without
-        pick = (~rests).nonzero()[0]
-        if k and pick.size:
-            done = _try_restless(at, out, track, body[pick], cell[body[pick]], k, chained[pick], travelled[pick], now.phase[pick])
-            closed[pick[done]] = True
-        going = (~closed).nonzero()[0]
-        if not going.size:
+        again = closed.nonzero()[0]
+        if again.size:
+            first, count = first[again], k + 1 - first[again]
+            period = travelled[again] - track.when[first % rows, number[again]]
+            good = (count <= rows) & (np.abs(period - TURN) < _CLOSED)
+            track.settled[number[again]] &= good
+            write(out, number[again], track.cut(number[again], first, count))
+            out.count[number[again[~good]]] = 0
+            bodies = bodies.some((~closed).nonzero()[0])
+        if not bodies.number.size:
             break
-        body, travelled, chained = body[going], travelled[going], chained[going]
-        now = Start(*(x[going] for x in now))
+    return bodies
+
+
+def near_cycles(bodies: Bodies, track: Track, k: int) -> Indices:
+    """Number of the last slides that nearly make a turn without rest; 0 where none do; k slides were followed."""
+    best = np.full(bodies.number.size, _NEAR)
+    count = np.zeros(bodies.number.size, np.intp)
+    for m in range(2, min(track.rows, k) + 1, 2):
+        shift = np.abs(bodies.travelled - track.when[(k - m) % track.rows, bodies.number] - TURN)
+        better = (bodies.chained >= m) & (shift < best)
+        best[better], count[better] = shift[better], m
+    return count
+
+
+def without_rest(at: Lanes, cycles: Cycles) -> tuple[Cycles, Bools, Bools]:
+    """Cycles without rest by those that are nearly such; whether they are valid, and decided by rounding."""
+    rows, n = cycles.start.shape
+    out, valid, edge = no_cycles(n, rows), np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+    for m in range(2, rows + 1, 2):
+        own = (cycles.count == m).nonzero()[0]
+        if own.size:
+            lane = cycles.lane[:m, own]
+            found = restless_cycles(at, lane, cycles.start[:m, own])
+            valid[own], edge[own] = found.valid, found.edge
+            out.count[own] = m
+            out.lane[:m, own] = lane
+            for target, source in zip(out[3:7], found[:4], strict=True):
+                target[:m, own] = source
+    return out, valid, edge
+
+
+def signs(cycles: Cycles, lanes: int, phases: Floats) -> Signs:
+    """Directions in which bodies move at phases, in rows: +1, -1, or 0 at rest.
+
+    Slides that nearly make a turn without rest may leave a gap, in which the first one has begun again.
+    """
+    filler = np.where(cycles.at_rest, 0, np.where(cycles.lane[0] < lanes // 2, 1, -1)).astype(np.int8)
+    out = np.broadcast_to(filler, phases.shape).copy()
+    for j in range(cycles.start.shape[0] - 1, -1, -1):
+        after = np.mod(phases - cycles.start[j], TURN)
+        covered = (after > 0.0) & (after < cycles.length[j]) & (j < cycles.count)
+        np.copyto(out, np.where(cycles.lane[j] < lanes // 2, np.int8(1), np.int8(-1)), where=covered)
     return out
-
-
-def _close(out: Cycles, track: _Track, body: Indices, first: Indices, count: Indices) -> None:
-    """Write cycles that repeat from a slide on."""
-    rows = np.arange(track.rows)[:, np.newaxis]
-    slots = (first + rows) % track.rows
-    out.count[body] = count
-    for target, source in zip(
-        (out.lane, out.start, out.length, out.path, out.peak, out.rests),
-        (track.lane, track.start, track.length, track.path, track.peak, track.rests),
-        strict=True,
-    ):
-        target[:, body] = np.where(rows < count, source[slots, body], 0)
-
-
-def _try_restless(
-    at: Lanes,
-    out: Cycles,
-    track: _Track,
-    body: Indices,
-    cell: Indices,
-    k: int,
-    chained: Indices,
-    travelled: Floats,
-    phase: Floats,
-) -> Indices:
-    """Solve the cycle without rest where the last slides nearly repeat; return the bodies that tend to it."""
-    best = np.full(body.size, np.inf)
-    slides_of = np.zeros(body.size, np.intp)
-    for m in range(2, min(track.rows, k + 1) + 1, 2):
-        shift = travelled - track.when[(k + 1 - m) % track.rows, body] - TURN
-        better = (chained >= m) & (np.abs(shift) < np.minimum(np.abs(best), _NEAR))
-        best[better], slides_of[better] = shift[better], m
-    done = np.zeros(body.size, np.bool_)
-    n = at.noise.size // 2
-    for m in range(2, track.rows + 1, 2):
-        tried = (slides_of == m).nonzero()[0]
-        if not tried.size:
-            continue
-        slots = (k + 1 - m + np.arange(m)) % track.rows
-        own = body[tried]
-        begun = track.start[slots][:, own]
-        found = restless_cycles(at, track.lane[slots][:, own], begun)
-        # nothing lies between, and the body moves towards it
-        onsets = np.concatenate([at.onset[:, cell[tried]], at.onset[:, cell[tried] + n]])
-        way = np.mod(found.start - begun + np.pi, TURN) - np.pi
-        low = np.where(way > 0.0, begun, found.start)
-        clear = found.valid
-        for j in range(m):
-            after = np.mod(onsets - low[j], TURN)
-            clear &= ~((after > 0.0) & (after < np.abs(way[j]))).any(axis=0)
-        clear &= (best[tried] * way[0] >= 0.0) | (np.abs(way[0]) < _CLOSED)
-        good = clear.nonzero()[0]
-        rows = slice(0, m)
-        own = own[good]
-        out.count[own] = m
-        out.lane[rows, own] = track.lane[slots][:, own]
-        out.start[rows, own] = np.mod(found.start[:, good], TURN)
-        out.length[rows, own], out.path[rows, own] = found.length[:, good], found.path[:, good]
-        out.peak[rows, own] = found.peak[:, good]
-        out.edge[own] |= found.edge[good]
-        done[tried[good]] = True
-    return done.nonzero()[0]

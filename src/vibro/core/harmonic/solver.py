@@ -8,7 +8,8 @@ import numpy as np
 
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact.onset import FEW_ULP
-from vibro.core.harmonic.cycle import settle, stopped
+from vibro.core.harmonic.cycle import stopped
+from vibro.core.harmonic.settling import settle
 from vibro.core.harmonic.slides import lanes
 from vibro.core.harmonic.waves import turning_points, values
 
@@ -141,22 +142,23 @@ def _slip(
     m = cells.size
     all_cells = np.arange(m)
     begun = stopped(track, all_cells, np.zeros(m), (all_cells, all_cells + m))
-    cycles = settle(track, all_cells, begun)
+    settled = settle(track, all_cells, begun)
+    cycles = settled.cycles
     forward = cycles.lane < m
     rows = np.arange(forward.shape[0])[:, np.newaxis]
     own_slides = rows < cycles.count
     out.displacement[cells] = np.where(forward, cycles.path, -cycles.path).sum(axis=0)
     out.peak[cells] = cycles.peak.max(axis=0)
     back = (own_slides & ~forward).any(axis=0)
-    back |= cycles.endless >= m
+    back |= settled.endless >= m
     out.regime[cells] = np.where(back, Regime.BACK_SLIP, Regime.FORWARD_SLIP)
     out.pattern[cells] = spelt(cycles, m)
     out.model[cells] = Model.SLIDES
-    out.status[cells] |= cycles.edge
+    out.status[cells] |= settled.edge
     lost = cells[cycles.count == 0]
     _withdraw(out, lost)
     out.status[lost] = Status.UNRESOLVED
-    out.status[cells[cycles.endless >= 0]] = Status.RUNAWAY
+    out.status[cells[settled.endless >= 0]] = Status.RUNAWAY
 
 
 # Patterns that have a code of their own, by their digits.
