@@ -22,7 +22,7 @@ from vibro.core.harmonic.cycle import (
     without_rest,
     write,
 )
-from vibro.core.harmonic.waves import values
+from vibro.core.harmonic.waves import TURN, values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,8 +39,8 @@ __all__ = ["Settled", "settle"]
 _FEW_SLIDES: Final = 5
 # A body that has not settled after so many slides is given up.
 _MOST_SLIDES: Final = 200
-# How often a cycle without rest is looked for further on.
-_LEAPS: Final = 4
+# [1] Shares of the way to a cycle that is none, at which one is looked for.
+_LEAPS: Final = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05)
 
 
 class Settled(NamedTuple):
@@ -166,20 +166,60 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
         beyond = (order[:, i] * side >= 0) | ~exists
         beyond[i] = True
         np.copyto(chosen, i, where=exists[i] & beyond.all(axis=0))
-    # where none without rest was found it may yet exist, unless no jump of the return map lies between
-    openings = np.concatenate([at.opening[:, some.cell], at.opening[:, some.cell + lanes // 2]])
-    here = signs(orbit, lanes, openings)
-    for i in range(rows):
-        of_i = (chosen == i) & ~exists[rows]
-        if of_i.any():
-            between = (here * side < 0) & (signs(candidates[i], lanes, openings) * side >= 0)
-            chosen[of_i & (between & ~np.isnan(openings)).any(axis=0)] = -1
+    # Where none without rest was found it may yet exist. Where gravity exceeds friction none does: its mean force
+    # along the trough would not be zero.
+    loose = np.array([at.kinetic[0, some.cell] >= 0.0, at.kinetic[0, some.cell + lanes // 2] >= 0.0])
+    unsure = ((chosen >= 0) & ~exists[rows] & ~loose.any(axis=0)).nonzero()[0]
+    if unsure.size:
+        next_one = no_cycles(count, rows)
+        for i in range(rows):
+            own = (chosen == i).nonzero()[0]
+            write(next_one, own, read(candidates[i], own))
+        sure = _nothing_between(at, some.cell[unsure], read(orbit, unsure), read(next_one, unsure), side[unsure])
+        chosen[unsure[~sure]] = -1
     done = np.zeros(bodies.number.size, np.bool_)
+    runs = (~exists.any(axis=0) & loose[np.where(side > 0, 0, 1), np.arange(count)]).nonzero()[0]
+    track.endless[some.number[runs]] = some.cell[runs] + np.where(side[runs] > 0, 0, lanes // 2)
+    done[pick[runs]] = True
     for i, cycles in enumerate(candidates):
         own = (chosen == i).nonzero()[0]
         write(out, some.number[own], read(cycles, own))
         done[pick[own]] = True
     return bodies.some((~done).nonzero()[0])
+
+
+def _nothing_between(at: Lanes, cell: Indices, orbit: Cycles, cycle: Cycles, side: NDArray[np.int8]) -> Bools:
+    """Whether no cycle without rest lies between bodies and the nearest cycle with a rest.
+
+    If one did, it would attract from both sides, as the other does: between them the return map would jump. It
+    jumps where a slide just does not stop, which is where kinetic friction is overcome, and on the near side of
+    the jump bodies would tend back.
+    """
+    n = at.noise.size // 2
+    lanes = np.concatenate([np.broadcast_to(cell, (at.opening.shape[0], cell.size)) + of_way for of_way in (0, n)])
+    openings = np.concatenate([at.opening[:, cell], at.opening[:, cell + n]])
+    between = (signs(orbit, 2 * n, openings) * side < 0) & (signs(cycle, 2 * n, openings) * side >= 0)
+    row, column = np.nonzero(between & ~np.isnan(openings))
+    lane, phase = lanes[row, column], openings[row, column]
+    toward = side[column]
+    begun = stopped(at, cell[column], phase, ())
+    # bodies at rest are on the near side of a jump towards faster slides their way; sliding ones on that of the other
+    slides_on = (np.where(lane < n, 1, -1) != toward).nonzero()[0]
+    for member, now in zip(begun[:5], (lane, phase, 0.0 * phase, -1, 0.0), strict=True):
+        member[slides_on] = now if np.isscalar(now) else np.asarray(now)[slides_on]
+    back = _direction_after_turn(at, cell[column], begun) * toward < 0
+    return np.bincount(column[back], minlength=cell.size) == 0
+
+
+def _direction_after_turn(at: Lanes, cell: Indices, begun: Start) -> NDArray[np.int8]:
+    """Directions in which bodies slide a turn after they were put on the trough; 0 at rest."""
+    h, n = at.onset.shape[0], at.noise.size // 2
+    track, out = Track(cell.size, h), no_cycles(cell.size, 2 * h)
+    # a turn has no more than 2 H slides
+    follow(at, Bodies(np.arange(cell.size), cell, begun, begun.waited, np.zeros(cell.size, np.intp)), track, out, range(2 * h))
+    covers = (track.when < TURN) & (track.when + track.slides.length > TURN) & (track.slides.length > 0.0)
+    way = np.where(track.slides.lane < n, 1, -1)
+    return np.where(covers, way, 0).sum(axis=0).astype(np.int8)
 
 
 def _with_rest(at: Lanes, cell: Indices, row: Indices) -> Cycles:
@@ -197,32 +237,32 @@ def _with_rest(at: Lanes, cell: Indices, row: Indices) -> Cycles:
 def _leap(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
     """Look for cycles without rest far from where bodies are; a cycle without a slide where none is found.
 
-    Slides that link up but do not stop where they should show which slides there are further on.
+    Starts that link the slides of a body up to a cycle are no cycle where one of them stops too early, or starts
+    too late. On the way there the body turns to other slides: they show which ones the cycle consists of.
     """
-    h, n = at.onset.shape[0], at.noise.size // 2
-    out = no_cycles(bodies.number.size, 2 * h)
-    left = np.arange(bodies.number.size)
-    for _ in range(_LEAPS):
-        found, valid, _ = without_rest(at, orbit)
-        good = valid.nonzero()[0]
-        write(out, left[good], read(found, good))
-        again = (~valid).nonzero()[0]
-        left = left[again]
-        if not left.size:
-            break
-        lane, cell = orbit.lane[0, again], bodies.cell[left]
-        there = found.start[0, again]
-        held = values(at.static[:, lane], there) <= at.noise[lane]
-        phase = np.where(held, orbit.start[0, again], there)
-        track, ignored = Track(left.size, h), no_cycles(left.size, 2 * h)
-        begun = stopped(at, cell, phase, (lane,))
-        under_way = Bodies(np.arange(left.size), cell, begun, np.zeros(left.size), np.zeros(left.size, np.intp))
-        slides = 4 * h
-        under_way = follow(at, under_way, track, ignored, range(slides))
-        near = near_cycles(under_way, track, slides)
+    h = at.onset.shape[0]
+    out, valid, _ = without_rest(at, orbit)
+    out.count[~valid] = 0
+    left = (~valid).nonzero()[0]
+    lane, start = orbit.lane[0], orbit.start[0]
+    with np.errstate(invalid="ignore"):
+        way = np.mod(out.start[0] - start + np.pi, TURN) - np.pi
+    for share in _LEAPS:
+        phase = np.mod(start + share * way, TURN)[left]
+        inside = (values(at.static[:, lane[left]], phase) > at.noise[lane[left]]).nonzero()[0]
+        tried, phase = left[inside], phase[inside]
+        if not tried.size:
+            continue
+        track, ignored = Track(tried.size, h), no_cycles(tried.size, 2 * h)
+        none = np.zeros(tried.size, np.intp)
+        begun = stopped(at, bodies.cell[tried], phase, (lane[tried],))
+        leapt = Bodies(np.arange(tried.size), bodies.cell[tried], begun, np.zeros(tried.size), none)
+        leapt = follow(at, leapt, track, ignored, range(4 * h))
+        near = near_cycles(leapt, track, 4 * h)
         going = (near > 0).nonzero()[0]
-        left = left[under_way.number[going]]
-        orbit = track.cut(under_way.number[going], slides - near[going], near[going])
-        if not left.size:
-            break
+        there = leapt.number[going]
+        found, valid, _ = without_rest(at, track.cut(there, 4 * h - near[going], near[going]))
+        good = valid.nonzero()[0]
+        write(out, tried[there[good]], read(found, good))
+        left = left[out.count[left] == 0]
     return out
