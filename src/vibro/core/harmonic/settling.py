@@ -35,10 +35,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Settled", "settle"]
 
-# Slides a harmonic that are followed before cycles are looked for elsewhere.
-_FEW_SLIDES: Final = 5
-# A body that has not settled after so many slides is given up.
-_MOST_SLIDES: Final = 200
+# Slides a harmonic after which the nearest cycle is looked for elsewhere; after the last a body is given up.
+_LOOKS: Final = (4, 7, 11, 17, 26, 40, 60, 90)
 # [1] Shares of the way to a cycle that is none, at which one is looked for.
 _LEAPS: Final = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05)
 
@@ -84,18 +82,12 @@ def settle(at: Lanes, cell: Indices, begun: Start) -> Settled:
     track, out = Track(count, h), no_cycles(count, 2 * h)
     track.edge |= begun.edge
     bodies = Bodies(np.arange(count), cell, begun, np.zeros(count), np.zeros(count, np.intp))
-    few = _FEW_SLIDES * h
-    for k in range(_MOST_SLIDES):
-        bodies = follow(at, bodies, track, out, range(k, k + 1))
-        if not bodies.number.size:
-            break
-        if k < few or k % (2 * h) == 0:
-            near = near_cycles(bodies, track, k + 1)
-            tried = (near > 0).nonzero()[0]
-            if tried.size:
-                bodies = _nearest_without_rest(at, bodies, track, out, k + 1, tried, near[tried])
-        if k >= few and k % (2 * h) == 0 and bodies.number.size:
-            bodies = _nearest(at, bodies, track, out, k + 1)
+    for k in range(1, _LOOKS[-1] * h + 1):
+        bodies = follow(at, bodies, track, out, range(k - 1, k))
+        if k <= _LOOKS[0] * h:
+            bodies = _nearest_without_rest(at, bodies, track, out, k)
+        if k % h == 0 and k // h in _LOOKS:
+            bodies = _nearest(at, bodies, track, out, k)
         if not bodies.number.size:
             break
     return Settled(out, track.endless, track.edge)
@@ -111,11 +103,13 @@ def _side(at: Lanes, orbit: Cycles, bodies: Bodies) -> NDArray[np.int8]:
     return np.sign(-forward * later).astype(np.int8)
 
 
-def _nearest_without_rest(
-    at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int, tried: Indices, near: Indices
-) -> Bodies:
+def _nearest_without_rest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bodies:
     """Settle bodies that tend to the cycle without rest, with nothing in between; return the others."""
-    some = bodies.some(tried)
+    near = near_cycles(bodies, track, k)
+    tried = (near > 0).nonzero()[0]
+    if not tried.size:
+        return bodies
+    some, near = bodies.some(tried), near[tried]
     orbit = track.cut(some.number, k - near, near)
     found, valid, edge = without_rest(at, orbit)
     good = valid & _is_next(at, some, orbit, found)
@@ -143,6 +137,8 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
     """Choose the nearest of all cycles on the right side; return the bodies for which that is not possible."""
     near = near_cycles(bodies, track, k)
     pick = (near > 0).nonzero()[0]
+    if not pick.size:
+        return bodies
     some = bodies.some(pick)
     orbit = track.cut(some.number, k - near[pick], near[pick])
     side, lanes = _side(at, orbit, some), at.noise.size
@@ -192,31 +188,33 @@ def _nothing_between(at: Lanes, cell: Indices, orbit: Cycles, cycle: Cycles, sid
     """Whether no cycle without rest lies between bodies and the nearest cycle with a rest.
 
     If one did, it would attract from both sides, as the other does: between them the return map would jump. It
-    jumps where a slide just does not stop, which is where kinetic friction is overcome, and on the near side of
-    the jump bodies would tend back.
+    does where a body at rest stays so but would slide on at the least speed, and on the near side of the jump
+    bodies would tend back.
     """
     n = at.noise.size // 2
-    lanes = np.concatenate([np.broadcast_to(cell, (at.opening.shape[0], cell.size)) + of_way for of_way in (0, n)])
-    openings = np.concatenate([at.opening[:, cell], at.opening[:, cell + n]])
-    between = (signs(orbit, 2 * n, openings) * side < 0) & (signs(cycle, 2 * n, openings) * side >= 0)
-    row, column = np.nonzero(between & ~np.isnan(openings))
-    lane, phase = lanes[row, column], openings[row, column]
+    jumps = np.concatenate([at.jump[:, cell], at.jump[:, cell + n]])
+    between = (signs(orbit, 2 * n, jumps) * side < 0) & (signs(cycle, 2 * n, jumps) * side >= 0)
+    row, column = np.nonzero(between & ~np.isnan(jumps))
+    rows = at.jump.shape[0]
+    lane = cell[column] + np.where(row < rows, 0, n)
     toward = side[column]
-    begun = stopped(at, cell[column], phase, ())
-    # bodies at rest are on the near side of a jump towards faster slides their way; sliding ones on that of the other
+    begun = stopped(at, cell[column], jumps[row, column], ())
+    # slides towards the cycle lie on the far side of the jump, bodies at rest on the near one; or the other way round
     slides_on = (np.where(lane < n, 1, -1) != toward).nonzero()[0]
-    for member, now in zip(begun[:5], (lane, phase, 0.0 * phase, -1, 0.0), strict=True):
-        member[slides_on] = now if np.isscalar(now) else np.asarray(now)[slides_on]
+    begun.lane[slides_on], begun.phase[slides_on] = lane[slides_on], jumps[row, column][slides_on]
+    begun.excess[slides_on] = at.jump_excess[row % rows, lane][slides_on]
+    begun.row[slides_on], begun.waited[slides_on] = -1, 0.0
     back = _direction_after_turn(at, cell[column], begun) * toward < 0
-    return np.bincount(column[back], minlength=cell.size) == 0
+    return np.asarray(np.bincount(column[back], minlength=cell.size) == 0)
 
 
 def _direction_after_turn(at: Lanes, cell: Indices, begun: Start) -> NDArray[np.int8]:
     """Directions in which bodies slide a turn after they were put on the trough; 0 at rest."""
     h, n = at.onset.shape[0], at.noise.size // 2
     track, out = Track(cell.size, h), no_cycles(cell.size, 2 * h)
-    # a turn has no more than 2 H slides
-    follow(at, Bodies(np.arange(cell.size), cell, begun, begun.waited, np.zeros(cell.size, np.intp)), track, out, range(2 * h))
+    still = np.zeros(cell.size, np.intp)
+    bodies = Bodies(np.arange(cell.size), cell, begun, begun.waited, still)
+    follow(at, bodies, track, out, range(2 * h + 1))  # 2 H in the turn, and one at its end
     covers = (track.when < TURN) & (track.when + track.slides.length > TURN) & (track.slides.length > 0.0)
     way = np.where(track.slides.lane < n, 1, -1)
     return np.where(covers, way, 0).sum(axis=0).astype(np.int8)

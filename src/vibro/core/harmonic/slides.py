@@ -47,6 +47,9 @@ class Lanes(NamedTuple):
         Acceleration at the onsets, without cancellation.
     opening, top : array
         Phases at which the speed of a slide is least, and largest, alike.
+    jump, jump_excess : array
+        Phases at which a body at rest stays so but would, set in motion by as little as may be, slide on: kinetic
+        friction is just overcome there, or static friction no more; 2 H rows, NaN for none. Acceleration there.
     """
 
     static: Floats
@@ -56,6 +59,8 @@ class Lanes(NamedTuple):
     excess: Floats
     opening: Floats
     top: Floats
+    jump: Floats
+    jump_excess: Floats
 
 
 class Slides(NamedTuple):
@@ -150,13 +155,17 @@ def lanes(static: Floats, kinetic: Floats, points: Floats, at: Floats, across: F
     noise : array
         See ``Lanes``.
     """
-    onset, _ = crossings(static, points, at)
-    n = normal.size
-    off = values(np.concatenate([across, across], axis=1), onset)
-    excess = np.concatenate([friction_gap, friction_gap]) * (np.concatenate([normal, normal]) - off)
+    onset, closing = crossings(static, points, at)
+    off = np.concatenate([across, across], axis=1)
+    gap = np.concatenate([friction_gap, friction_gap])
+    weight = np.concatenate([normal, normal])
+    excess, last_excess = (np.maximum(gap * (weight - values(off, p)), 0.0) for p in (onset, closing))
     turning = turning_points(kinetic)
     opening, top = crossings(kinetic, turning, values(kinetic, turning))
-    return Lanes(static, kinetic, noise, onset, np.maximum(excess, 0.0), opening, top)
+    jump = np.concatenate([opening, np.where(last_excess > noise, closing, np.nan)])
+    jump[:, gap == 0.0] = np.nan
+    jump_excess = np.concatenate([0.0 * opening, last_excess])
+    return Lanes(static, kinetic, noise, onset, excess, opening, top, jump, jump_excess)
 
 
 def slides(at: Lanes, lane: Indices, phase: Floats, excess: Floats) -> Slides:
