@@ -106,7 +106,9 @@ def _side(at: Lanes, orbit: Cycles, bodies: Bodies) -> NDArray[np.int8]:
 def _nearest_without_rest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bodies:
     """Settle bodies that tend to the cycle without rest, with nothing in between; return the others."""
     near = near_cycles(bodies, track, k)
-    tried = (near > 0).nonzero()[0]
+    n = at.noise.size // 2
+    held = (at.kinetic[0, bodies.cell] < 0.0) & (at.kinetic[0, bodies.cell + n] < 0.0)
+    tried = ((near > 0) & held).nonzero()[0]
     if not tried.size:
         return bodies
     some, near = bodies.some(tried), near[tried]
@@ -139,49 +141,59 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
     pick = (near > 0).nonzero()[0]
     if not pick.size:
         return bodies
+    n, h = at.noise.size // 2, at.onset.shape[0]
     some = bodies.some(pick)
     orbit = track.cut(some.number, k - near[pick], near[pick])
-    side, lanes = _side(at, orbit, some), at.noise.size
-    onsets = onsets_of(at, some.cell)
-    rows, count = onsets.shape
-    # cycles with a rest, by the onset that it ends at
-    row, column = np.nonzero(~np.isnan(onsets))
-    found = _with_rest(at, some.cell[column], row)
-    candidates = [no_cycles(count, rows) for _ in range(rows + 1)]
-    for i in range(rows):
-        own = (row == i).nonzero()[0]
-        write(candidates[i], column[own], read(found, own))
-    candidates[rows] = _leap(at, some, orbit)
-    # the nearest: all others on this side pass the onset, or the start, of it on the far side
-    chosen = np.full(count, -1)
-    sides = np.array([signs(x, lanes, orbit.start[:1])[0] == side for x in candidates])
-    exists = sides & np.array([x.count > 0 for x in candidates])
-    probes = np.concatenate([onsets, candidates[rows].start[:1]])
+    side = _side(at, orbit, some)
+    resting = _with_rest(at, some.cell)
+    # Where gravity exceeds friction no cycle goes without rest: the mean force along the trough would not be zero.
+    loose = np.array([at.kinetic[0, some.cell] >= 0.0, at.kinetic[0, some.cell + n] >= 0.0])
+    held = ~loose.any(axis=0)
+    restless = no_cycles(pick.size, 2 * h)
+    done = np.zeros(pick.size, np.bool_)
+    for look in (_here, _leap):
+        left = (~done & held).nonzero()[0]
+        write(restless, left, look(at, some.some(left), read(orbit, left)))
+        left = (~done).nonzero()[0]
+        candidates = [read(x, left) for x in (*resting, restless)]
+        chosen, restless_beside = _choose(at, some.some(left), candidates, read(orbit, left), side[left])
+        # one without rest that was not found may yet exist
+        for i, cycles in enumerate(candidates):
+            own = (chosen == i).nonzero()[0]
+            cells = left[own]
+            sure = restless_beside[own] | ~held[cells]
+            if i < 2 * h and not sure.all():
+                open_ = (~sure).nonzero()[0]
+                args = read(orbit, cells[open_]), read(cycles, own[open_]), side[cells[open_]]
+                sure[open_] = _nothing_between(at, some.cell[cells[open_]], *args)
+            write(out, some.number[cells[sure]], read(cycles, own[sure]))
+            done[cells[sure]] = True
+        runs = left[(chosen < 0) & loose[np.where(side > 0, 0, 1), np.arange(side.size)][left]]
+        track.endless[some.number[runs]] = some.cell[runs] + np.where(side[runs] > 0, 0, n)
+        done[runs] = True
+    stays = np.ones(bodies.number.size, np.bool_)
+    stays[pick[done]] = False
+    return bodies.some(stays.nonzero()[0])
+
+
+def _choose(
+    at: Lanes, bodies: Bodies, candidates: list[Cycles], orbit: Cycles, side: NDArray[np.int8]
+) -> tuple[Indices, Bools]:
+    """Which cycle, in the order of the onsets they rest until and the one without rest, is nearest; -1 for none.
+
+    All others on that side pass its onset, or its first start, on the far side. Tell too whether that without
+    rest is among them.
+    """
+    lanes = at.noise.size
+    exists = np.array([(x.count > 0) & (signs(x, lanes, orbit.start[:1])[0] == side) for x in candidates])
+    probes = np.concatenate([onsets_of(at, bodies.cell), candidates[-1].start[:1]])
     order = np.array([signs(x, lanes, probes) for x in candidates])  # [cycle, probe, body]
-    for i in range(rows + 1):
+    chosen = np.full(side.size, -1)
+    for i in range(len(candidates)):
         beyond = (order[:, i] * side >= 0) | ~exists
         beyond[i] = True
         np.copyto(chosen, i, where=exists[i] & beyond.all(axis=0))
-    # Where none without rest was found it may yet exist. Where gravity exceeds friction none does: its mean force
-    # along the trough would not be zero.
-    loose = np.array([at.kinetic[0, some.cell] >= 0.0, at.kinetic[0, some.cell + lanes // 2] >= 0.0])
-    unsure = ((chosen >= 0) & ~exists[rows] & ~loose.any(axis=0)).nonzero()[0]
-    if unsure.size:
-        next_one = no_cycles(count, rows)
-        for i in range(rows):
-            own = (chosen == i).nonzero()[0]
-            write(next_one, own, read(candidates[i], own))
-        sure = _nothing_between(at, some.cell[unsure], read(orbit, unsure), read(next_one, unsure), side[unsure])
-        chosen[unsure[~sure]] = -1
-    done = np.zeros(bodies.number.size, np.bool_)
-    runs = (~exists.any(axis=0) & loose[np.where(side > 0, 0, 1), np.arange(count)]).nonzero()[0]
-    track.endless[some.number[runs]] = some.cell[runs] + np.where(side[runs] > 0, 0, lanes // 2)
-    done[pick[runs]] = True
-    for i, cycles in enumerate(candidates):
-        own = (chosen == i).nonzero()[0]
-        write(out, some.number[own], read(cycles, own))
-        done[pick[own]] = True
-    return bodies.some((~done).nonzero()[0])
+    return chosen, exists[-1]
 
 
 def _nothing_between(at: Lanes, cell: Indices, orbit: Cycles, cycle: Cycles, side: NDArray[np.int8]) -> Bools:
@@ -220,15 +232,27 @@ def _direction_after_turn(at: Lanes, cell: Indices, begun: Start) -> NDArray[np.
     return np.where(covers, way, 0).sum(axis=0).astype(np.int8)
 
 
-def _with_rest(at: Lanes, cell: Indices, row: Indices) -> Cycles:
-    """Cycles that rest until given onsets, where there are such."""
+def _with_rest(at: Lanes, cell: Indices) -> list[Cycles]:
+    """Cycles that rest until each of the onsets, where there are such."""
     h = at.onset.shape[0]
-    track, out = Track(cell.size, h), no_cycles(cell.size, 2 * h)
-    n = np.arange(cell.size)
-    begun = Bodies(n, cell, from_onsets(at, cell, row), np.zeros(n.size), np.zeros(n.size, np.intp))
-    follow(at, begun, track, out, range(2 * h))
+    row, column = np.nonzero(~np.isnan(onsets_of(at, cell)))
+    track, out = Track(row.size, h), no_cycles(row.size, 2 * h)
+    still = np.zeros(row.size, np.intp)
+    begun = from_onsets(at, cell[column], row)
+    follow(at, Bodies(np.arange(row.size), cell[column], begun, 0.0 * still, still), track, out, range(2 * h))
     other = ~((out.row == row) & (np.arange(2 * h)[:, np.newaxis] < out.count)).any(axis=0)
     out.count[other] = 0
+    cycles = [no_cycles(cell.size, 2 * h) for _ in range(2 * h)]
+    for i, of_row in enumerate(cycles):
+        own = (row == i).nonzero()[0]
+        write(of_row, column[own], read(out, own))
+    return cycles
+
+
+def _here(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
+    """Cycles without rest near the bodies' own; without a slide where there are none."""
+    out, valid, _ = without_rest(at, orbit)
+    out.count[~valid] = 0
     return out
 
 
