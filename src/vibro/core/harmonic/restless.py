@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Restless", "restless_cycles"]
 
-_MOST_STEPS: Final = 12
+_MOST_STEPS: Final = 10
 # [rad] The last Newton step leaves rounding errors if it is smaller than this.
 _SETTLED: Final = 1e-8
 # [rad] Slides that are followed from the starts that were found end where the next ones start.
@@ -97,21 +97,29 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
             if np.count_nonzero(step > _SETTLED) == 0:
                 break
             phase = phase + np.where(np.isfinite(moves) & (step > _SETTLED), moves, 0.0)
-        flat = lane.reshape(-1)
         found = np.mod(phase + moves, TURN)
-        begun = found.reshape(-1)
+        flat = lane.reshape(-1)
+        load = values(at.static[:, flat], found.reshape(-1)).reshape(m, n)
+        noise = at.noise[flat].reshape(m, n)
+        right = (step <= _SETTLED) & (load >= -noise).all(axis=0)
+        out = Restless(found, *np.zeros((3, m, n)), np.zeros(n, np.bool_), np.zeros(n, np.bool_))
+        own = right.nonzero()[0]
+        if not own.size:
+            return out
+        flat, begun = lane[:, own].reshape(-1), found[:, own].reshape(-1)
         slid = slides(at, flat, begun, np.full(flat.size, np.nan))
-        ends, peak = slid.length.reshape(m, n), slid.peak.reshape(m, n)
-        miss = np.mod(found + ends - _next(found) + np.pi, TURN) - np.pi
-        own = rates(at.kinetic[:, flat], phase.reshape(-1))
-        path = distance(length.reshape(-1), own).reshape(m, n) + length * (0.5 * left - pull * moves)
-    load = values(at.static[:, flat], begun).reshape(m, n)
-    noise = at.noise[flat].reshape(m, n)
-    valid = (step <= _SETTLED) & slid.settled.reshape(m, n).all(axis=0)
-    valid &= (np.abs(miss) < _CLOSED).all(axis=0) & (np.abs(ends.sum(axis=0) - TURN) < _CLOSED)
-    edge = (np.abs(load) <= noise).any(axis=0) & valid
-    valid &= (load > noise).all(axis=0)
-    return Restless(found, ends, path, peak, valid, (slid.edge.reshape(m, n).any(axis=0) & valid) | edge)
+        ends = slid.length.reshape(m, own.size)
+        miss = np.mod(found[:, own] + ends - _next(found[:, own]) + np.pi, TURN) - np.pi
+        length, left, pull, moves = (x[:, own] for x in (length, left, pull, moves))
+        path = distance(length.reshape(-1), rates(at.kinetic[:, flat], phase[:, own].reshape(-1)))
+        out.length[:, own], out.peak[:, own] = ends, slid.peak.reshape(m, own.size)
+        out.path[:, own] = path.reshape(m, own.size) + length * (0.5 * left - pull * moves)
+        valid = slid.settled.reshape(m, own.size).all(axis=0) & (load[:, own] > noise[:, own]).all(axis=0)
+        valid &= (np.abs(miss) < _CLOSED).all(axis=0) & (np.abs(ends.sum(axis=0) - TURN) < _CLOSED)
+    out.valid[own] = valid
+    edge = slid.edge.reshape(m, own.size).any(axis=0) | (np.abs(load) <= noise).any(axis=0)[own]
+    out.edge[own] = valid & edge
+    return out
 
 
 def _next(of_slides: Floats) -> Floats:

@@ -263,28 +263,26 @@ def _leap(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
     too late. On the way there the body turns to other slides: they show which ones the cycle consists of.
     """
     h = at.onset.shape[0]
-    out, valid, _ = without_rest(at, orbit)
-    out.count[~valid] = 0
-    left = (~valid).nonzero()[0]
-    lane, start = orbit.lane[0], orbit.start[0]
+    out, _, _ = without_rest(at, orbit)
     with np.errstate(invalid="ignore"):
-        way = np.mod(out.start[0] - start + np.pi, TURN) - np.pi
-    for share in _LEAPS:
-        phase = np.mod(start + share * way, TURN)[left]
-        inside = (values(at.static[:, lane[left]], phase) > at.noise[lane[left]]).nonzero()[0]
-        tried, phase = left[inside], phase[inside]
-        if not tried.size:
-            continue
-        track, ignored = Track(tried.size, h), no_cycles(tried.size, 2 * h)
-        none = np.zeros(tried.size, np.intp)
-        begun = stopped(at, bodies.cell[tried], phase, (lane[tried],))
-        leapt = Bodies(np.arange(tried.size), bodies.cell[tried], begun, np.zeros(tried.size), none)
+        way = np.mod(out.start[0] - orbit.start[0] + np.pi, TURN) - np.pi
+    out.count[:] = 0
+    shares, body = np.meshgrid(np.array(_LEAPS), np.arange(way.size), indexing="ij")
+    body = body.reshape(-1)
+    phase = np.mod(orbit.start[0, body] + shares.reshape(-1) * way[body], TURN)
+    lane = orbit.lane[0, body]
+    inside = values(at.static[:, lane], phase) > at.noise[lane]
+    body, lane, phase = body[inside], lane[inside], phase[inside]
+    if body.size:
+        still = np.zeros(body.size, np.intp)
+        track, ignored = Track(body.size, h), no_cycles(body.size, 2 * h)
+        begun = stopped(at, bodies.cell[body], phase, (lane,))
+        leapt = Bodies(np.arange(body.size), bodies.cell[body], begun, 0.0 * still, still)
         leapt = follow(at, leapt, track, ignored, range(4 * h))
         near = near_cycles(leapt, track, 4 * h)
         going = (near > 0).nonzero()[0]
         there = leapt.number[going]
         found, valid, _ = without_rest(at, track.cut(there, 4 * h - near[going], near[going]))
         good = valid.nonzero()[0]
-        write(out, tried[there[good]], read(found, good))
-        left = left[out.count[left] == 0]
+        write(out, body[there[good]], read(found, good))
     return out
