@@ -8,6 +8,7 @@ import numpy as np
 
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact.onset import FEW_ULP
+from vibro.core.harmonic.coexistence import coexisting
 from vibro.core.harmonic.cycle import stopped
 from vibro.core.harmonic.settling import settle
 from vibro.core.harmonic.slides import lanes
@@ -103,7 +104,7 @@ def harmonic_state(scene: HarmonicLoads, out: SteadyState, *, classes_alone: boo
         array.fill(0)
     out.coexists[np.abs(lean) > waves.kinetic_friction * waves.normal] = 1
     if slipping.size:
-        _slip(out, waves, slipping, static, points, at, noise)
+        _slip(out, waves, slipping, static, points, at, noise, classes_alone)
     exceptions = exceptional.nonzero()[0]
     if exceptions.size:
         _except(out, exceptions, waves, hops, infeasible, loads)
@@ -119,6 +120,7 @@ def _slip(
     points: Floats,
     at: Floats,
     noise: Floats,
+    classes_alone: bool,
 ) -> None:
     """Solve slipping cells."""
     n = out.status.size
@@ -155,6 +157,9 @@ def _slip(
     out.pattern[cells] = spelt(cycles, m)
     out.model[cells] = Model.SLIDES
     out.status[cells] |= settled.edge
+    if not classes_alone:
+        held = (np.abs(own.tangential) <= own.kinetic_friction * own.normal) & (cycles.count > 0)
+        out.coexists[cells[held]] = coexisting(track, cycles._replace(count=np.where(held, cycles.count, 0)))[held]
     lost = cells[cycles.count == 0]
     _withdraw(out, lost)
     out.status[lost] = Status.UNRESOLVED
