@@ -58,7 +58,7 @@ class Start(NamedTuple):
 
 
 class Cycles(NamedTuple):
-    """Steady cycles of bodies, 1-D, with their slides in 2 H rows, in the order of time.
+    """Steady cycles of bodies, 1-D, with their slides in 2 H + 1 rows, in the order of time.
 
     Attributes
     ----------
@@ -87,9 +87,9 @@ class Cycles(NamedTuple):
         return np.asarray(self.rests.any(axis=0))
 
 
-def no_cycles(bodies: int, rows: int) -> Cycles:
+def no_cycles(bodies: int, h: int) -> Cycles:
     """Make cycles to be filled."""
-    shape = (rows, bodies)
+    shape = (2 * h + 1, bodies)
     return Cycles(
         np.zeros(bodies, np.intp),
         np.zeros(shape, np.intp),
@@ -190,12 +190,12 @@ class Bodies(NamedTuple):
 
 
 class Track:
-    """The last 2 H slides of bodies, in slots, and when they last started from each onset.
+    """The last 2 H + 1 slides of bodies, in slots, and when they last started from each onset.
 
     Attributes
     ----------
     slides : Cycles
-        Those slides; a slide's slot is its number modulo 2 H.
+        Those slides; a slide's slot is its number modulo 2 H + 1.
     when : array
         Phase travelled before each slide.
     first : int array
@@ -207,8 +207,8 @@ class Track:
     """
 
     def __init__(self, bodies: int, h: int) -> None:
-        self.rows = 2 * h
-        self.slides = no_cycles(bodies, self.rows)
+        self.rows = 2 * h + 1
+        self.slides = no_cycles(bodies, h)
         self.when = np.zeros((self.rows, bodies))
         self.first = np.full((self.rows, bodies), -1, np.intp)
         self.endless = np.full(bodies, -1, np.intp)
@@ -262,7 +262,7 @@ def follow(at: Lanes, bodies: Bodies, track: Track, out: Cycles, numbers: range)
         if again.size:
             first, count = first[again], k + 1 - first[again]
             period = travelled[again] - track.when[first % rows, number[again]]
-            good = (count <= rows) & (np.abs(period - TURN) < _CLOSED)
+            good = (count < rows) & (np.abs(period - TURN) < _CLOSED)
             track.settled[number[again]] &= good
             write(out, number[again], track.cut(number[again], first, count))
             out.count[number[again[~good]]] = 0
@@ -286,7 +286,7 @@ def near_cycles(bodies: Bodies, track: Track, k: int) -> Indices:
 def without_rest(at: Lanes, cycles: Cycles) -> tuple[Cycles, Bools, Bools]:
     """Cycles without rest by those that are nearly such; whether they are valid, and decided by rounding."""
     rows, n = cycles.start.shape
-    out, valid, edge = no_cycles(n, rows), np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+    out, valid, edge = no_cycles(n, rows // 2), np.zeros(n, np.bool_), np.zeros(n, np.bool_)
     for m in range(2, rows + 1, 2):
         own = (cycles.count == m).nonzero()[0]
         if own.size:

@@ -22,6 +22,7 @@ from vibro.core.harmonic.cycle import (
     without_rest,
     write,
 )
+from vibro.core.harmonic.jumps import direction_after_turn, jumps_of, leads
 from vibro.core.harmonic.waves import TURN, values
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def settle(at: Lanes, cell: Indices, begun: Start) -> Settled:
     others only if these pass the onset in different directions.
     """
     count, h = cell.size, at.onset.shape[0]
-    track, out = Track(count, h), no_cycles(count, 2 * h)
+    track, out = Track(count, h), no_cycles(count, h)
     track.edge |= begun.edge
     bodies = Bodies(np.arange(count), cell, begun, np.zeros(count), np.zeros(count, np.intp))
     for k in range(1, _LOOKS[-1] * h + 1):
@@ -149,7 +150,7 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
     # Where gravity exceeds friction no cycle goes without rest: the mean force along the trough would not be zero.
     loose = np.array([at.kinetic[0, some.cell] >= 0.0, at.kinetic[0, some.cell + n] >= 0.0])
     held = ~loose.any(axis=0)
-    restless = no_cycles(pick.size, 2 * h)
+    restless = no_cycles(pick.size, h)
     done = np.zeros(pick.size, np.bool_)
     for look in (_here, _leap):
         left = (~done & held).nonzero()[0]
@@ -203,46 +204,26 @@ def _nothing_between(at: Lanes, cell: Indices, orbit: Cycles, cycle: Cycles, sid
     does where a body at rest stays so but would slide on at the least speed, and on the near side of the jump
     bodies would tend back.
     """
-    n = at.noise.size // 2
-    jumps = np.concatenate([at.jump[:, cell], at.jump[:, cell + n]])
-    between = (signs(orbit, 2 * n, jumps) * side < 0) & (signs(cycle, 2 * n, jumps) * side >= 0)
+    jumps = jumps_of(at, cell)
+    between = (signs(orbit, at.noise.size, jumps) * side < 0) & (signs(cycle, at.noise.size, jumps) * side >= 0)
     row, column = np.nonzero(between & ~np.isnan(jumps))
-    rows = at.jump.shape[0]
-    lane = cell[column] + np.where(row < rows, 0, n)
     toward = side[column]
-    begun = stopped(at, cell[column], jumps[row, column], ())
     # slides towards the cycle lie on the far side of the jump, bodies at rest on the near one; or the other way round
-    slides_on = (np.where(lane < n, 1, -1) != toward).nonzero()[0]
-    begun.lane[slides_on], begun.phase[slides_on] = lane[slides_on], jumps[row, column][slides_on]
-    begun.excess[slides_on] = at.jump_excess[row % rows, lane][slides_on]
-    begun.row[slides_on], begun.waited[slides_on] = -1, 0.0
-    back = _direction_after_turn(at, cell[column], begun) * toward < 0
+    back = direction_after_turn(at, cell[column], row, leads(at, row) != toward) * toward < 0
     return np.asarray(np.bincount(column[back], minlength=cell.size) == 0)
-
-
-def _direction_after_turn(at: Lanes, cell: Indices, begun: Start) -> NDArray[np.int8]:
-    """Directions in which bodies slide a turn after they were put on the trough; 0 at rest."""
-    h, n = at.onset.shape[0], at.noise.size // 2
-    track, out = Track(cell.size, h), no_cycles(cell.size, 2 * h)
-    still = np.zeros(cell.size, np.intp)
-    bodies = Bodies(np.arange(cell.size), cell, begun, begun.waited, still)
-    follow(at, bodies, track, out, range(2 * h + 1))  # 2 H in the turn, and one at its end
-    covers = (track.when < TURN) & (track.when + track.slides.length > TURN) & (track.slides.length > 0.0)
-    way = np.where(track.slides.lane < n, 1, -1)
-    return np.where(covers, way, 0).sum(axis=0).astype(np.int8)
 
 
 def _with_rest(at: Lanes, cell: Indices) -> list[Cycles]:
     """Cycles that rest until each of the onsets, where there are such."""
     h = at.onset.shape[0]
     row, column = np.nonzero(~np.isnan(onsets_of(at, cell)))
-    track, out = Track(row.size, h), no_cycles(row.size, 2 * h)
+    track, out = Track(row.size, h), no_cycles(row.size, h)
     still = np.zeros(row.size, np.intp)
     begun = from_onsets(at, cell[column], row)
     follow(at, Bodies(np.arange(row.size), cell[column], begun, 0.0 * still, still), track, out, range(2 * h))
-    other = ~((out.row == row) & (np.arange(2 * h)[:, np.newaxis] < out.count)).any(axis=0)
+    other = ~((out.row == row) & (np.arange(2 * h + 1)[:, np.newaxis] < out.count)).any(axis=0)
     out.count[other] = 0
-    cycles = [no_cycles(cell.size, 2 * h) for _ in range(2 * h)]
+    cycles = [no_cycles(cell.size, h) for _ in range(2 * h)]
     for i, of_row in enumerate(cycles):
         own = (row == i).nonzero()[0]
         write(of_row, column[own], read(out, own))
@@ -275,7 +256,7 @@ def _leap(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
     body, lane, phase = body[inside], lane[inside], phase[inside]
     if body.size:
         still = np.zeros(body.size, np.intp)
-        track, ignored = Track(body.size, h), no_cycles(body.size, 2 * h)
+        track, ignored = Track(body.size, h), no_cycles(body.size, h)
         begun = stopped(at, bodies.cell[body], phase, (lane,))
         leapt = Bodies(np.arange(body.size), bodies.cell[body], begun, 0.0 * still, still)
         leapt = follow(at, leapt, track, ignored, range(4 * h))
