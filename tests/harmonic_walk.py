@@ -128,7 +128,9 @@ class Drive(NamedTuple):
         turned = ["".join(legs[i:] + legs[:i]) for i in range(len(legs))]
         order = str.maketrans("FB_", "123")
         pattern = min(turned, key=lambda text: text.translate(order))
-        return Cycle(pattern, sum(slide.way * self.path(slide.way, slide.start, slide.length) for slide in slides))
+        return Cycle(
+            pattern, sum(slide.way * self.path(slide.way, slide.start, slide.length) for slide in slides)
+        )
 
 
 def _sum(waves: Sequence[tuple[float, float]], p: NDArray[np.float64] | float) -> NDArray[np.float64]:

@@ -46,9 +46,7 @@ class HarmonicLoads(NamedTuple):
     kinetic_friction: Floats
 
 
-def harmonic_scale(
-    along_amplitudes: tuple[Floats, ...], normal_amplitudes: tuple[Floats, ...]
-) -> Floats:
+def harmonic_scale(along_amplitudes: tuple[Floats, ...], normal_amplitudes: tuple[Floats, ...]) -> Floats:
     """Largest amplitude of a scene, the unit of its lengths; 1 where all are 0 [m]."""
     largest = along_amplitudes[0]
     for amplitude in (*along_amplitudes[1:], *normal_amplitudes):

@@ -73,7 +73,9 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
     ahead, behind = at.kinetic[:, lane[0] % scenes], at.kinetic[:, lane[0] % scenes + scenes]
     drive, drag = 0.5 * (ahead - behind), 0.5 * (ahead + behind)
     ways = np.where(lane < scenes, 1.0, -1.0)
-    phase = start[0] + np.concatenate([np.zeros((1, n)), np.cumsum(np.mod(np.diff(start, axis=0), TURN), axis=0)])
+    phase = start[0] + np.concatenate(
+        [np.zeros((1, n)), np.cumsum(np.mod(np.diff(start, axis=0), TURN), axis=0)]
+    )
     step = np.full(n, np.inf)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for _ in range(_MOST_STEPS):
@@ -82,7 +84,9 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
             brake, slowing = _load_and_impulse(drag, nodes)
             length = np.roll(phase, -1, axis=0) - phase
             length[-1] += TURN
-            left = ways * (_next(impulse) - impulse + drive[0] * length) + (_next(slowing) - slowing + drag[0] * length)
+            left = ways * (_next(impulse) - impulse + drive[0] * length) + (
+                _next(slowing) - slowing + drag[0] * length
+            )
             pull = ways * load + brake  # at the starts
             push = ways * _next(load) + _next(brake)  # at the ends
             offset, slope = np.zeros(n), np.ones(n)  # shift of a start = offset + slope * shift of the first

@@ -150,6 +150,8 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
     # Where gravity exceeds friction no cycle goes without rest: the mean force along the trough would not be zero.
     loose = np.array([at.kinetic[0, some.cell] >= 0.0, at.kinetic[0, some.cell + n] >= 0.0])
     held = ~loose.any(axis=0)
+    pull = np.where(side > 0, at.kinetic[0, some.cell], at.kinetic[0, some.cell + n])
+    runaway = pull > 0.0
     restless = no_cycles(pick.size, h)
     done = np.zeros(pick.size, np.bool_)
     for look in (_here, _leap):
@@ -169,7 +171,7 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
                 sure[open_] = _nothing_between(at, some.cell[cells[open_]], *args)
             write(out, some.number[cells[sure]], read(cycles, own[sure]))
             done[cells[sure]] = True
-        runs = left[(chosen < 0) & loose[np.where(side > 0, 0, 1), np.arange(side.size)][left]]
+        runs = left[(chosen < 0) & runaway[left]]
         track.endless[some.number[runs]] = some.cell[runs] + np.where(side[runs] > 0, 0, n)
         done[runs] = True
     stays = np.ones(bodies.number.size, np.bool_)
@@ -205,7 +207,9 @@ def _nothing_between(at: Lanes, cell: Indices, orbit: Cycles, cycle: Cycles, sid
     bodies would tend back.
     """
     jumps = jumps_of(at, cell)
-    between = (signs(orbit, at.noise.size, jumps) * side < 0) & (signs(cycle, at.noise.size, jumps) * side >= 0)
+    between = (signs(orbit, at.noise.size, jumps) * side < 0) & (
+        signs(cycle, at.noise.size, jumps) * side >= 0
+    )
     row, column = np.nonzero(between & ~np.isnan(jumps))
     toward = side[column]
     # slides towards the cycle lie on the far side of the jump, bodies at rest on the near one; or the other way round

@@ -139,7 +139,16 @@ def distance(s: Floats, rates: Floats) -> Floats:
     return path
 
 
-def lanes(static: Floats, kinetic: Floats, points: Floats, at: Floats, across: Floats, normal: Floats, noise: Floats, friction_gap: Floats) -> Lanes:
+def lanes(
+    static: Floats,
+    kinetic: Floats,
+    points: Floats,
+    at: Floats,
+    across: Floats,
+    normal: Floats,
+    noise: Floats,
+    friction_gap: Floats,
+) -> Lanes:
     """Prepare scenes.
 
     Parameters

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
+from vibro.core.codes import Model, Pattern, Regime, Status
 from vibro.core.contact.onset import FEW_ULP
 from vibro.core.harmonic.coexistence import coexisting
 from vibro.core.harmonic.cycle import stopped
+from vibro.core.harmonic.patterns import spelt
 from vibro.core.harmonic.settling import settle
 from vibro.core.harmonic.slides import lanes
 from vibro.core.harmonic.waves import turning_points, values
@@ -18,19 +19,35 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.solver import SteadyState
-    from vibro.core.harmonic.cycle import Cycles
     from vibro.core.harmonic.loads import HarmonicLoads
+    from vibro.core.harmonic.settling import Settled
     from vibro.core.harmonic.slides import Lanes
 
     Floats = NDArray[np.float64]
     Bools = NDArray[np.bool_]
     Indices = NDArray[np.intp]
 
-__all__ = ["harmonic_state"]
+__all__ = ["from_rest", "harmonic_state", "lanes_of", "scenes_of"]
 
 
-class _Waves(NamedTuple):
-    """Loads of scenes, 1-D, as waves: arrays of shape (2 H + 1, scenes)."""
+class Scenes(NamedTuple):
+    """Scenes, 1-D, as waves: arrays of shape (2 H + 1, scenes), and their thresholds.
+
+    Attributes
+    ----------
+    along, across : array
+        Loads along the trough and off it.
+    normal, tangential, static_friction, kinetic_friction : array
+        As in ``HarmonicLoads``.
+    static : array
+        Loads beyond static friction, forward and, in as many more columns, back.
+    points, at : array
+        Turning points of these, and their values there.
+    noise : array
+        What rounding may make of zero in ``static``.
+    most, throw : array
+        Largest load of a body at rest each way, of shape (2, scenes), and off the trough.
+    """
 
     along: Floats
     across: Floats
@@ -38,26 +55,82 @@ class _Waves(NamedTuple):
     tangential: Floats
     static_friction: Floats
     kinetic_friction: Floats
+    static: Floats
+    points: Floats
+    at: Floats
+    noise: Floats
+    most: Floats
+    throw: Floats
 
-    def beyond(self, friction: Floats, direction: int) -> Floats:
-        """Load of a direction beyond friction."""
-        waves: Floats = direction * self.along + friction * self.across
-        waves[0] -= friction * self.normal + direction * self.tangential
-        return waves
+    @property
+    def exceptional(self) -> Bools:
+        """Whether there is no steady contact cycle: hopping, infeasible, or steeper than static friction."""
+        infeasible = self.kinetic_friction > self.static_friction
+        unheld = np.abs(self.tangential) >= self.static_friction * self.normal
+        return np.asarray(self.hops | infeasible | unheld)
+
+    @property
+    def hops(self) -> Bools:
+        """Whether the throw number exceeds 1, by more than rounding."""
+        return np.asarray(self.throw - self.normal > FEW_ULP * self.normal)
+
+    @property
+    def slips(self) -> Bools:
+        """Whether slip begins either way, by more than rounding."""
+        n = self.normal.size
+        margins = self.at.max(axis=0).reshape(2, n)
+        return np.asarray((margins > self.noise.reshape(2, n)).any(axis=0) & ~self.exceptional)
+
+    @property
+    def edge(self) -> Bools:
+        """Whether rounding decides one of these."""
+        n = self.normal.size
+        margins = np.abs(self.at.max(axis=0)).reshape(2, n)
+        throw = np.abs(self.throw - self.normal) <= FEW_ULP * self.normal
+        return np.asarray((margins <= self.noise.reshape(2, n)).any(axis=0) | throw)
 
 
-def _waves(scene: HarmonicLoads, n: int) -> _Waves:
+def scenes_of(loads: HarmonicLoads, n: int) -> Scenes:
+    """Form the waves of n scenes and their thresholds."""
+
     def stack(sines: tuple[Floats, ...], cosines: tuple[Floats, ...]) -> Floats:
         waves = np.zeros((1 + 2 * len(sines), n))
-        for row, values in enumerate((*sines, *cosines), 1):
-            waves[row] = values
+        for row, part in enumerate((*sines, *cosines), 1):
+            waves[row] = part
         return waves
 
-    return _Waves(
-        stack(scene.along_sine, scene.along_cosine),
-        stack(scene.across_sine, scene.across_cosine),
-        *(np.broadcast_to(x, n) for x in scene[4:]),
-    )
+    along = stack(loads.along_sine, loads.along_cosine)
+    across = stack(loads.across_sine, loads.across_cosine)
+    normal, tangential, mu_s, mu_d = (np.broadcast_to(x, n) for x in loads[4:])
+    resting = np.concatenate([along + mu_s * across, mu_s * across - along, across], axis=1)
+    points = turning_points(resting)
+    at = values(resting, points)
+    most = at.max(axis=0).reshape(3, n)
+    static = resting[:, : 2 * n]
+    static[0] = -np.concatenate([mu_s * normal + tangential, mu_s * normal - tangential])
+    noise = FEW_ULP * np.abs(static).sum(axis=0)
+    return Scenes(
+        along, across, normal, tangential, mu_s, mu_d, static, points[:, : 2 * n], at[:, : 2 * n] + static[0],
+        noise, most[:2], most[2],
+    )  # fmt: skip
+
+
+def lanes_of(scenes: Scenes, cells: Indices) -> Lanes:
+    """Prepare some scenes for slides."""
+    both = np.concatenate([cells, cells + scenes.normal.size])
+    along, across = scenes.along[:, cells], scenes.across[:, cells]
+    normal, lean, mu_s, mu_d = (x[cells] for x in scenes[2:6])
+    kinetic = np.concatenate([along + mu_d * across, mu_d * across - along], axis=1)
+    kinetic[0] = -np.concatenate([mu_d * normal + lean, mu_d * normal - lean])
+    static, points, at, noise = (x[..., both] for x in scenes[6:10])
+    return lanes(static, kinetic, points, at, across, normal, noise, mu_s - mu_d)
+
+
+def from_rest(at: Lanes) -> Settled:
+    """Cycles that bodies at rest at phase 0 settle into."""
+    n = at.noise.size // 2
+    cells = np.arange(n)
+    return settle(at, cells, stopped(at, cells, np.zeros(n), (cells, cells + n)))
 
 
 def harmonic_state(scene: HarmonicLoads, out: SteadyState, *, classes_alone: bool = False) -> None:
@@ -68,134 +141,56 @@ def harmonic_state(scene: HarmonicLoads, out: SteadyState, *, classes_alone: boo
     scene : HarmonicLoads
         Groups of the scenes, 1-D, or 0-d where one value serves all.
     out : SteadyState
-        1-D arrays that are filled.
+        1-D arrays that are filled: lengths over the scene's scale A, speeds over A w.
     classes_alone : bool
         Whether to find the regimes only: slipping cells then have neither pattern nor numbers.
     """
-    n = out.status.size
-    waves = _waves(scene, n)
-    static = np.concatenate([waves.beyond(waves.static_friction, way) for way in (1, -1)], axis=1)
-    both = np.concatenate([static, waves.across], axis=1)
-    points = turning_points(both)
-    at = values(both, points)
-    most = at.max(axis=0)
-    noise = FEW_ULP * np.abs(static).sum(axis=0)
-    hold, lean = waves.static_friction * waves.normal, waves.tangential
-    margins = most[: 2 * n].reshape(2, n)
-    noises = noise.reshape(2, n)
-    loads = margins + np.array([hold + lean, hold - lean])
+    scenes = scenes_of(scene, out.status.size)
+    hold, lean = scenes.static_friction * scenes.normal, scenes.tangential
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        out.throw_number[:] = most[2 * n :] / waves.normal
-        out.forward_ratio[:] = np.maximum(loads[0], 0.0) / (hold + lean)
-        out.back_ratio[:] = np.maximum(loads[1], 0.0) / (hold - lean)
-    throw = most[2 * n :] - waves.normal
-    hops = throw > FEW_ULP * waves.normal
-    infeasible = waves.kinetic_friction > waves.static_friction
-    unheld = np.abs(lean) >= hold
-    exceptional = hops | infeasible | unheld
-    slipping = ((margins > noises).any(axis=0) & ~exceptional).nonzero()[0]
-    edge = (np.abs(margins) <= noises).any(axis=0) | (np.abs(throw) <= FEW_ULP * waves.normal)
-
-    out.status[:] = edge
+        out.throw_number[:] = scenes.throw / scenes.normal
+        out.forward_ratio[:] = scenes.most[0] / (hold + lean)
+        out.back_ratio[:] = scenes.most[1] / (hold - lean)
+    out.status[:] = scenes.edge
     out.pattern.fill(Pattern.R)
     out.model.fill(Model.REST)
     out.regime.fill(Regime.NO_SLIP)
     for array in (out.displacement, out.peak, out.coexists):
         array.fill(0)
-    out.coexists[np.abs(lean) > waves.kinetic_friction * waves.normal] = 1
+    slipping = scenes.slips.nonzero()[0]
     if slipping.size:
-        _slip(out, waves, slipping, static, points, at, noise, classes_alone)
-    exceptions = exceptional.nonzero()[0]
+        _slip(out, slipping, lanes_of(scenes, slipping), classes_alone)
+    # Where gravity along the trough exceeds kinetic friction a pushed body may slide on for ever.
+    loose = np.abs(lean) > scenes.kinetic_friction * scenes.normal
+    out.coexists[loose & (out.coexists >= 0)] = 1
+    exceptions = scenes.exceptional.nonzero()[0]
     if exceptions.size:
-        _except(out, exceptions, waves, hops, infeasible, loads)
+        _except(out, exceptions, scenes)
     if classes_alone:
         _withdraw(out, ((out.regime == Regime.FORWARD_SLIP) | (out.regime == Regime.BACK_SLIP)).nonzero()[0])
 
 
-def _slip(
-    out: SteadyState,
-    waves: _Waves,
-    cells: Indices,
-    static: Floats,
-    points: Floats,
-    at: Floats,
-    noise: Floats,
-    classes_alone: bool,
-) -> None:
+def _slip(out: SteadyState, cells: Indices, at: Lanes, classes_alone: bool) -> None:
     """Solve slipping cells."""
-    n = out.status.size
-    both = np.concatenate([cells, cells + n])
-    own = _Waves(
-        waves.along[:, cells],
-        waves.across[:, cells],
-        *(x[cells] for x in waves[2:]),
-    )
-    kinetic = np.concatenate([own.beyond(own.kinetic_friction, way) for way in (1, -1)], axis=1)
-    track = lanes(
-        static[:, both],
-        kinetic,
-        points[:, both],
-        at[:, both],
-        own.across,
-        own.normal,
-        noise[both],
-        own.static_friction - own.kinetic_friction,
-    )
-    m = cells.size
-    all_cells = np.arange(m)
-    begun = stopped(track, all_cells, np.zeros(m), (all_cells, all_cells + m))
-    settled = settle(track, all_cells, begun)
-    cycles = settled.cycles
-    forward = cycles.lane < m
-    rows = np.arange(forward.shape[0])[:, np.newaxis]
-    own_slides = rows < cycles.count
-    out.displacement[cells] = np.where(forward, cycles.path, -cycles.path).sum(axis=0)
+    n = cells.size
+    cycles, endless, edge = from_rest(at)
+    back = cycles.lane >= n
+    out.displacement[cells] = np.where(back, -cycles.path, cycles.path).sum(axis=0)
     out.peak[cells] = cycles.peak.max(axis=0)
-    back = (own_slides & ~forward).any(axis=0)
-    back |= settled.endless >= m
-    out.regime[cells] = np.where(back, Regime.BACK_SLIP, Regime.FORWARD_SLIP)
-    out.pattern[cells] = spelt(cycles, m)
+    slides_back = (back & (np.arange(back.shape[0])[:, np.newaxis] < cycles.count)).any(axis=0)
+    out.regime[cells] = np.where(slides_back | (endless >= n), Regime.BACK_SLIP, Regime.FORWARD_SLIP)
+    out.pattern[cells], _ = spelt(cycles, n)
     out.model[cells] = Model.SLIDES
-    out.status[cells] |= settled.edge
+    out.status[cells] |= edge
     if not classes_alone:
-        held = (np.abs(own.tangential) <= own.kinetic_friction * own.normal) & (cycles.count > 0)
-        out.coexists[cells[held]] = coexisting(track, cycles._replace(count=np.where(held, cycles.count, 0)))[held]
+        held = (at.kinetic[0] <= 0.0).reshape(2, n).all(axis=0)
+        out.coexists[cells] = coexisting(at, cycles._replace(count=np.where(held, cycles.count, 0)))
     lost = cells[cycles.count == 0]
     _withdraw(out, lost)
     out.status[lost] = Status.UNRESOLVED
-    out.status[cells[settled.endless >= 0]] = Status.RUNAWAY
-
-
-# Patterns that have a code of their own, by their digits.
-_NAMED: Final = {
-    Mode.FORWARD * 5 + Mode.REST: Pattern.F_,
-    Mode.BACK * 5 + Mode.REST: Pattern.B_,
-    ((Mode.FORWARD * 5 + Mode.REST) * 5 + Mode.BACK) * 5 + Mode.REST: Pattern.F_B_,
-    (Mode.FORWARD * 5 + Mode.BACK) * 5 + Mode.REST: Pattern.FB_,
-    (Mode.FORWARD * 5 + Mode.REST) * 5 + Mode.BACK: Pattern.F_B,
-    Mode.FORWARD * 5 + Mode.BACK: Pattern.FB,
-}
-
-
-def spelt(cycles: Cycles, scenes: int) -> NDArray[np.int64]:
-    """Codes of the patterns: the rotation whose digits are least, F before B before a rest."""
-    rows, n = cycles.lane.shape
-    count = np.maximum(cycles.count, 1)
-    codes = np.full(n, np.iinfo(np.int64).max)
-    columns = np.arange(n)
-    for first in range(rows):
-        code = np.zeros(n, np.int64)
-        for j in range(rows):
-            row = (first + j) % count
-            way = np.where(cycles.lane[row, columns] < scenes, Mode.FORWARD, Mode.BACK)
-            more = code * 5 + way
-            more = np.where(cycles.rests[row, columns], more * 5 + Mode.REST, more)
-            code = np.where(j < cycles.count, more, code)
-        codes = np.minimum(codes, code)
-    out = codes + SPELT_PATTERNS
-    for digits, pattern in _NAMED.items():
-        out[codes == digits] = pattern
-    return out
+    runs = cells[endless >= 0]
+    out.status[runs] = Status.RUNAWAY
+    out.regime[lost[out.status[lost] == Status.UNRESOLVED]] = Regime.UNDEFINED
 
 
 def _withdraw(out: SteadyState, cells: Indices) -> None:
@@ -207,13 +202,11 @@ def _withdraw(out: SteadyState, cells: Indices) -> None:
         numbers[cells] = np.nan
 
 
-def _except(
-    out: SteadyState, cells: Indices, waves: _Waves, hops: Bools, infeasible: Bools, loads: Floats
-) -> None:
+def _except(out: SteadyState, cells: Indices, scenes: Scenes) -> None:
     """Give scenes without a steady contact cycle the status that says why."""
-    hold = (waves.static_friction * waves.normal)[cells]
-    lean = waves.tangential[cells]
-    kinds = [infeasible[cells], hops[cells], waves.static_friction[cells] == 0.0]  # the rest is unheld
+    hold, lean = (scenes.static_friction * scenes.normal)[cells], scenes.tangential[cells]
+    infeasible = (scenes.kinetic_friction > scenes.static_friction)[cells]
+    kinds = [infeasible, scenes.hops[cells], scenes.static_friction[cells] == 0.0]  # the rest is unheld
     status = np.select(
         kinds, [Status.INFEASIBLE, Status.FLIGHT_NOT_MODELLED, Status.INDETERMINATE], Status.RUNAWAY
     )
@@ -223,6 +216,7 @@ def _except(
     out.regime[cells] = np.select(kinds, [Regime.UNDEFINED, Regime.HOPPING, Regime.UNDEFINED], downhill)
     # Where nothing rests, any load makes it slip.
     for ratio, way, held in ((out.forward_ratio, 0, hold + lean), (out.back_ratio, 1, hold - lean)):
-        ratio[cells] = np.where(held > 0.0, ratio[cells], np.where(loads[way, cells] > 0.0, np.inf, 0.0))
+        free = np.where(scenes.most[way, cells] > 0.0, np.inf, 0.0)
+        ratio[cells] = np.where(held > 0.0, ratio[cells], free)
     for ratio in (out.throw_number, out.forward_ratio, out.back_ratio):
-        ratio[cells[infeasible[cells]]] = np.nan
+        ratio[cells[infeasible]] = np.nan
