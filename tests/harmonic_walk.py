@@ -1,12 +1,14 @@
 """A second solver of drives with harmonics: a walk from slide to slide that uses nothing of the package.
 
-Speeds are Newton's law integrated in closed form, in units of g/w; every zero is bracketed on a fine mesh and found
-by Brent's method. The walk ends when the slides of a drive cycle repeat.
+Speeds are Newton's law integrated in closed form, in units of g/w; every zero is bracketed on a fine mesh and
+found by Brent's method. The walk ends when the slides of a drive cycle repeat.
 """
 
 from __future__ import annotations
 
 import math
+from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -96,25 +98,24 @@ class Drive(NamedTuple):
 
     def onsets(self) -> list[tuple[float, int]]:
         """Phases at which a body at rest starts to slide, with the direction."""
-        return sorted(
-            (p % TURN, way) for way in (1, -1) for p in _rising(lambda p, way=way: self.begins(way, p))
-        )
+        return sorted((p % TURN, way) for way in (1, -1) for p in _rising(partial(self.begins, way)))
 
-    def settle(self, most: int = 2000) -> Cycle:
-        """Walk from rest at phase 0 until the slides of a cycle repeat."""
+    def settle(self, most: int = 2000, phase: float = 0.0, way: int = 0) -> Cycle:
+        """Walk from rest at a phase, or a slide from there, until the slides of a cycle repeat."""
         onsets = self.onsets()
         if not onsets:
             return Cycle("_", 0.0)
-        phase, slides = 0.0, list[Slide]()
+        slides = list[Slide]()
         h = len(self.along)
         while len(slides) < most:
-            way = next((w for w in (1, -1) if self.begins(w, phase) > 0.0), 0)
-            from_rest = way == 0
-            if from_rest:
+            from_rest = bool(way) and not slides
+            way = way or next((w for w in (1, -1) if self.begins(w, phase) > 0.0), 0)
+            if not way:
+                from_rest = True
                 wait, way = min(((onset - phase) % TURN, way) for onset, way in onsets)
                 phase += wait
             slides.append(self.slide(way, phase, from_rest))
-            phase = (slides[-1].start + slides[-1].length) % TURN
+            phase, way = (slides[-1].start + slides[-1].length) % TURN, 0
             for count in range(1, min(2 * h, len(slides) - 1) + 1):
                 if _repeats(slides[-1 - count], slides[-1]):
                     return self._cycle(slides[-count:])
@@ -155,7 +156,7 @@ def _rising(f: Callable[[NDArray[np.float64] | float], NDArray[np.float64]]) -> 
     edges.sort()
     return [
         brentq(lambda p: float(f(p)), low, high, xtol=1e-15, rtol=1e-15)
-        for low, high in zip(edges, edges[1:], strict=False)
+        for low, high in pairwise(edges)
         if f(low) <= 0.0 < f(high)
     ]
 

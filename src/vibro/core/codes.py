@@ -10,21 +10,21 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    "SPELT_PATTERNS",
     "LETTERS",
     "MODELS",
     "MOST_LETTERS",
     "PATTERNS",
     "PHASE_NAMES",
+    "SPELT_PATTERNS",
     "Level",
     "Mode",
     "Model",
     "Pattern",
     "Regime",
     "Status",
-    "spelt_text",
     "is_answered",
     "pattern_texts",
+    "spelt_text",
 ]
 
 
@@ -136,8 +136,8 @@ PHASE_NAMES: Final = {
 #: Legs of a pattern that an int64 has room for, as digits to base 5; longer ones are cut.
 MOST_LETTERS: Final = 27
 
-#: [code] The commonest patterns of contact cycles have the codes of ``Pattern``; from here on up, and below 0,
-#: a code spells its legs: all hopping cycles, and contact cycles of drives with harmonics.
+#: [code] The patterns of contact cycles that a drive without harmonics has are those of ``Pattern``; from here on
+#: up, and below 0, a code spells its legs, as those of hopping cycles all do.
 SPELT_PATTERNS: Final = 8
 
 

@@ -1,4 +1,4 @@
-"""Whether a pushed body can settle into another cycle: the highest and the lowest cycle are reached from outside."""
+"""Whether a pushed body can settle into another cycle, higher or lower than the one from rest."""
 
 from __future__ import annotations
 
@@ -40,14 +40,15 @@ def coexisting(at: Lanes, cycles: Cycles) -> Codes:
 
     Notes
     -----
-    Every cycle with a slide forward is passed by, or is below, a body that slides forward from where kinetic friction
-    is just overcome: the highest of these bodies stays above all cycles. Between two cycles the return map jumps,
-    since all of them attract, and on the far side of the jump bodies tend to the far one. So the jumps between
-    a cycle and where that body is after a turn tell whether there is a higher one. The same holds below.
+    Every cycle with a slide forward is passed by, or is below, a body that slides forward from where kinetic
+    friction is just overcome: the highest of these bodies stays above all cycles. Between two cycles the
+    return map jumps, since all of them attract, and on the far side of the jump bodies tend to the far one.
+    So the jumps between a cycle and where that body is after a turn tell whether there is a higher one. The
+    same holds below.
     """
     n = at.noise.size // 2
     out = np.zeros(n, np.int8)
-    some = np.nonzero((cycles.count > 0) & ~np.isnan(at.jump[0].reshape(2, n)))
+    some = np.nonzero((cycles.size > 0) & ~np.isnan(at.jump[0].reshape(2, n)))
     out[some[1][_beyond(at, some[1], some[1] + n * some[0], cycles)]] = 1
     return out
 
@@ -56,14 +57,16 @@ def _beyond(at: Lanes, cell: Indices, lane: Indices, cycles: Cycles) -> Bools:
     """Whether there are other cycles on the sides of given ones to which lanes lead."""
     h, lanes = at.onset.shape[0], at.noise.size
     still = np.zeros(cell.size, np.intp)
-    bodies = Bodies(np.arange(cell.size), cell, _outermost(at, lane), 0.0 * still, still)
+    bodies = Bodies(np.arange(cell.size), cell, _outermost(at, lane), np.zeros(cell.size), still)
     track, found = Track(cell.size, h), no_cycles(cell.size, h)
     for k in range(2 * h + 1):  # 2 H in a turn, and one at its end
         bodies = follow(at, bodies, track, found, range(k, k + 1))
         bodies = bodies.some((~_joins(read(cycles, bodies.cell), bodies)).nonzero()[0])
-    out = (found.count > 0) | (track.endless >= 0)
+    out = (found.size > 0) | (track.endless >= 0)
     # latest first: slides of the first turn count only where there are none since
-    last = Cycles(np.full(bodies.number.size, 2 * h + 1), *(x[::-1, bodies.number] for x in track.slides[1:]))
+    last = Cycles._make(
+        (np.full(bodies.number.size, 2 * h + 1), *(x[::-1, bodies.number] for x in track.slides[1:]))
+    )
     way = np.where(lane < lanes // 2, 1, -1)[bodies.number]
     jumps = jumps_of(at, bodies.cell)
     outer, inner = (way * signs(x, lanes, jumps) for x in (last, read(cycles, bodies.cell)))
@@ -94,5 +97,5 @@ def _outermost(at: Lanes, lane: Indices) -> Start:
 def _joins(cycles: Cycles, bodies: Bodies) -> Bools:
     """Whether bodies start from an onset that their scene's cycle starts from, too."""
     rows = np.arange(cycles.row.shape[0])[:, np.newaxis]
-    own = (cycles.row == bodies.now.row) & (rows < cycles.count)
+    own = (cycles.row == bodies.now.row) & (rows < cycles.size)
     return np.asarray((own & (bodies.now.row >= 0)).any(axis=0))

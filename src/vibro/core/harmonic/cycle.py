@@ -21,7 +21,23 @@ if TYPE_CHECKING:
     Indices = NDArray[np.intp]
     Signs = NDArray[np.int8]
 
-__all__ = ["Bodies", "Cycles", "Start", "Track", "follow", "from_onsets", "near_cycles", "signs", "stopped"]
+__all__ = [
+    "Bodies",
+    "Cycles",
+    "Start",
+    "Track",
+    "follow",
+    "from_onsets",
+    "near_cycles",
+    "no_cycles",
+    "onsets_of",
+    "put_in",
+    "read",
+    "signs",
+    "stopped",
+    "without_rest",
+    "write",
+]
 
 # [rad] Slides this close to where they were a cycle before are near enough to try the cycle without rest.
 _NEAR: Final = 1.0
@@ -62,7 +78,7 @@ class Cycles(NamedTuple):
 
     Attributes
     ----------
-    count : int array
+    size : int array
         Number of slides; 0 without a cycle.
     lane, row : int arrays
         Columns of ``Lanes``; onsets that slides start from, or -1.
@@ -72,7 +88,7 @@ class Cycles(NamedTuple):
         Whether a rest follows.
     """
 
-    count: Indices
+    size: Indices
     lane: Indices
     row: Indices
     start: Floats
@@ -90,13 +106,10 @@ class Cycles(NamedTuple):
 def no_cycles(bodies: int, h: int) -> Cycles:
     """Make cycles to be filled."""
     shape = (2 * h + 1, bodies)
-    return Cycles(
-        np.zeros(bodies, np.intp),
-        np.zeros(shape, np.intp),
-        np.full(shape, -1, np.intp),
-        *np.zeros((4, *shape)),
-        np.zeros(shape, np.bool_),
-    )
+    numbers = np.zeros((4, *shape))
+    none = np.full(shape, -1, np.intp)
+    rests = np.zeros(shape, np.bool_)
+    return Cycles._make((np.zeros(bodies, np.intp), none + 1, none, *numbers, rests))
 
 
 def write(out: Cycles, bodies: Indices, cycles: Cycles) -> None:
@@ -107,7 +120,7 @@ def write(out: Cycles, bodies: Indices, cycles: Cycles) -> None:
 
 def read(cycles: Cycles, bodies: Indices) -> Cycles:
     """Take cycles of some bodies."""
-    return Cycles(*(x[..., bodies] for x in cycles))
+    return Cycles._make(x[..., bodies] for x in cycles)
 
 
 def from_onsets(at: Lanes, cell: Indices, row: Indices, waited: Floats | float = 0.0) -> Start:
@@ -152,9 +165,17 @@ def stopped(at: Lanes, cell: Indices, phase: Floats, lanes: tuple[Indices, ...])
         noise = at.noise[lane]
         np.logical_or(start.edge, np.abs(load) <= noise, out=start.edge)
         inside = load > noise
-        for member, now in zip(start[:5], (lane, phase, np.nan, -1, 0.0), strict=True):
-            np.copyto(member, now, where=inside)
+        put_in(start, inside, lane, phase, np.nan)
     return start
+
+
+def put_in(start: Start, which: Bools, lane: Indices, phase: Floats, excess: Floats | float) -> None:
+    """Let some bodies start from inside a window instead."""
+    np.copyto(start.lane, lane, where=which)
+    np.copyto(start.phase, phase, where=which)
+    np.copyto(start.excess, excess, where=which)
+    np.copyto(start.row, -1, where=which)
+    np.copyto(start.waited, 0.0, where=which)
 
 
 class Bodies(NamedTuple):
@@ -183,7 +204,7 @@ class Bodies(NamedTuple):
         return Bodies(
             self.number[which],
             self.cell[which],
-            Start(*(x[which] for x in self.now)),
+            Start._make(x[which] for x in self.now),
             self.travelled[which],
             self.chained[which],
         )
@@ -220,14 +241,14 @@ class Track:
         rows = np.arange(self.rows)[:, np.newaxis]
         slots = (first + rows) % self.rows
         members = (np.where(rows < count, x[slots, bodies], 0) for x in self.slides[1:])
-        return Cycles(count, *members)
+        return Cycles._make((count, *members))
 
 
 def follow(at: Lanes, bodies: Bodies, track: Track, out: Cycles, numbers: range) -> Bodies:
     """Follow bodies through slides with these numbers, or until they start from the same onset again.
 
-    Their cycles are written; those that have none yet are returned. What a body does after an onset depends on
-    nothing before: it repeats itself.
+    Their cycles are written; those that have none yet are returned. What a body does after an onset depends
+    on nothing before: it repeats itself.
     """
     n = at.noise.size // 2
     rows = track.rows
@@ -265,7 +286,7 @@ def follow(at: Lanes, bodies: Bodies, track: Track, out: Cycles, numbers: range)
             good = (count < rows) & (np.abs(period - TURN) < _CLOSED)
             track.settled[number[again]] &= good
             write(out, number[again], track.cut(number[again], first, count))
-            out.count[number[again[~good]]] = 0
+            out.size[number[again[~good]]] = 0
             bodies = bodies.some((~closed).nonzero()[0])
         if not bodies.number.size:
             break
@@ -273,7 +294,7 @@ def follow(at: Lanes, bodies: Bodies, track: Track, out: Cycles, numbers: range)
 
 
 def near_cycles(bodies: Bodies, track: Track, k: int) -> Indices:
-    """Number of the last slides that nearly make a turn without rest; 0 where none do; k slides were followed."""
+    """Count the last of k slides that nearly make a turn without rest; 0 where none do."""
     best = np.full(bodies.number.size, _NEAR)
     count = np.zeros(bodies.number.size, np.intp)
     for m in range(2, min(track.rows, k) + 1, 2):
@@ -288,12 +309,12 @@ def without_rest(at: Lanes, cycles: Cycles) -> tuple[Cycles, Bools, Bools]:
     rows, n = cycles.start.shape
     out, valid, edge = no_cycles(n, rows // 2), np.zeros(n, np.bool_), np.zeros(n, np.bool_)
     for m in range(2, rows + 1, 2):
-        own = (cycles.count == m).nonzero()[0]
+        own = (cycles.size == m).nonzero()[0]
         if own.size:
             lane = cycles.lane[:m, own]
             found = restless_cycles(at, lane, cycles.start[:m, own])
             valid[own], edge[own] = found.valid, found.edge
-            out.count[own] = m
+            out.size[own] = m
             out.lane[:m, own] = lane
             for target, source in zip(out[3:7], found[:4], strict=True):
                 target[:m, own] = source
@@ -309,6 +330,6 @@ def signs(cycles: Cycles, lanes: int, phases: Floats) -> Signs:
     out = np.broadcast_to(filler, phases.shape).copy()
     for j in range(cycles.start.shape[0] - 1, -1, -1):
         after = np.mod(phases - cycles.start[j], TURN)
-        covered = (after > 0.0) & (after < cycles.length[j]) & (j < cycles.count)
+        covered = (after > 0.0) & (after < cycles.length[j]) & (j < cycles.size)
         np.copyto(out, np.where(cycles.lane[j] < lanes // 2, np.int8(1), np.int8(-1)), where=covered)
     return out

@@ -1,4 +1,4 @@
-"""Jumps of the return map: where a body at rest stays so but, set in motion by as little as may be, slides on."""
+"""Jumps of the return map: where a body at rest stays so, but slides on once it is set in motion."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibro.core.harmonic.cycle import Bodies, Track, follow, no_cycles, stopped
+from vibro.core.harmonic.cycle import Bodies, Track, follow, no_cycles, put_in, stopped
 from vibro.core.harmonic.waves import TURN
 
 if TYPE_CHECKING:
@@ -49,11 +49,10 @@ def direction_after_turn(at: Lanes, cell: Indices, row: Indices, slides_on: Bool
     lane = np.where(row < rows, cell, cell + n)
     phase = at.jump[row % rows, lane]
     begun = stopped(at, cell, phase, ())
-    for member, now in zip(begun[:5], (lane, phase, at.jump_excess[row % rows, lane], -1, 0.0), strict=True):
-        np.copyto(member, now, where=slides_on)
+    put_in(begun, slides_on, lane, phase, at.jump_excess[row % rows, lane])
     track, out = Track(cell.size, h), no_cycles(cell.size, h)
     bodies = Bodies(np.arange(cell.size), cell, begun, begun.waited, np.zeros(cell.size, np.intp))
     follow(at, bodies, track, out, range(2 * h + 1))  # 2 H in a turn, and one at its end
     covers = (track.when < TURN) & (track.when + track.slides.length > TURN)
     way = np.where(track.slides.lane < n, 1, -1)
-    return np.where(covers, way, 0).sum(axis=0).astype(np.int8)
+    return np.asarray(np.where(covers, way, 0).sum(axis=0), np.int8)

@@ -38,7 +38,7 @@ def harmonic_legs(scene: HarmonicLoads) -> list[CycleLeg]:
     if not scenes.slips[0]:
         return [CycleLeg("_", 0.0, _TURN, 0.0)]
     cycles = from_rest(lanes_of(scenes, np.zeros(1, np.intp))).cycles
-    count = int(cycles.count[0])
+    count = int(cycles.size[0])
     if not count:
         return []
     first = int(spelt(cycles, 1)[1][0])

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 __all__ = ["HarmonicLoads", "harmonic_loads", "harmonic_scale"]
 
-# [1] Range of g / (A w^2) in which no product of it overflows or vanishes; the body rests, or leaves, long before.
+# [1] Range of g / (A w^2) in which no product of it overflows or vanishes; the body rests, or leaves, long
+# before.
 _LEAST_GRAVITY: Final = 1e-307
 _MOST_GRAVITY: Final = 1e307
 
@@ -21,8 +22,8 @@ _MOST_GRAVITY: Final = 1e307
 class HarmonicLoads(NamedTuple):
     """Loads on the body over m A w^2, A the scene's scale; the members broadcast against each other.
 
-    Along the trough the drive pushes the body with sum_n along_sine[n-1] sin(n p) + along_cosine[n-1] cos(n p),
-    off the trough alike.
+    Along the trough the drive pushes the body with sum_n along_sine[n-1] sin(n p) + along_cosine[n-1] cos(n
+    p), off the trough alike.
 
     Attributes
     ----------

@@ -29,9 +29,9 @@ _NAMED: Final = {
 def spelt(cycles: Cycles, scenes: int) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
     """Codes of the patterns of cycles with slides, and the row of the slide with which each begins.
 
-    Of all rotations of the legs a pattern is the first one in the order F, B, rest, letter by letter, which is that
-    of the least digits. So it begins with a forward slide if there is one, with one that another slide follows
-    if there is such, and so on: ``F_B``, not ``BF_``.
+    Of all rotations of the legs a pattern is the first one in the order F, B, rest, letter by letter, which
+    is that of the least digits. So it begins with a forward slide if there is one, with one that another
+    slide follows if there is such, and so on: ``F_B``, not ``BF_``.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def spelt(cycles: Cycles, scenes: int) -> tuple[NDArray[np.int64], NDArray[np.in
         Number of scenes in the ``Lanes`` that the cycles are about.
     """
     rows, n = cycles.lane.shape
-    slides = np.arange(rows)[:, np.newaxis] < cycles.count
+    slides = np.arange(rows)[:, np.newaxis] < cycles.size
     # one slide with the rest after it, and by how much it shifts the digits before it
     digits = np.where(cycles.lane < scenes, np.int64(Mode.FORWARD), np.int64(Mode.BACK))
     digits = np.where(cycles.rests, 5 * digits + Mode.REST, digits) * slides

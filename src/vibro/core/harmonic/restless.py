@@ -62,11 +62,12 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
 
     Notes
     -----
-    Newton's method on the starts p_j. That the slide from p_j has no speed left at p_(j+1) links a start to the next
-    alone; once round, the shift of the first is a linear function of itself, whose slope is the product of load
-    beyond friction at the starts over that at the ends: below 1. Where friction is small it is near 1, and what
-    the drive does to the speed must cancel over a cycle to rounding of the friction: it is the difference of one
-    antiderivative between the starts. A last shift, too small for the rounded phases, goes into the paths.
+    Newton's method on the starts p_j. That the slide from p_j has no speed left at p_(j+1) links a start to
+    the next alone; once round, the shift of the first is a linear function of itself, whose slope is the
+    product of load beyond friction at the starts over that at the ends: below 1. Where friction is small it
+    is near 1, and what the drive does to the speed must cancel over a cycle to rounding of the friction: it
+    is the difference of one antiderivative between the starts. A last shift, too small for the rounded
+    phases, goes into the paths.
     """
     m, n = lane.shape
     scenes = at.noise.size // 2
@@ -106,7 +107,7 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
         load = values(at.static[:, flat], found.reshape(-1)).reshape(m, n)
         noise = at.noise[flat].reshape(m, n)
         right = (step <= _SETTLED) & (load >= -noise).all(axis=0)
-        out = Restless(found, *np.zeros((3, m, n)), np.zeros(n, np.bool_), np.zeros(n, np.bool_))
+        out = Restless._make((found, *np.zeros((3, m, n)), *np.zeros((2, n), np.bool_)))
         own = right.nonzero()[0]
         if not own.size:
             return out
@@ -121,7 +122,8 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
         valid = slid.settled.reshape(m, own.size).all(axis=0) & (load[:, own] > noise[:, own]).all(axis=0)
         valid &= (np.abs(miss) < _CLOSED).all(axis=0) & (np.abs(ends.sum(axis=0) - TURN) < _CLOSED)
     out.valid[own] = valid
-    edge = slid.edge.reshape(m, own.size).any(axis=0) | (np.abs(load) <= noise).any(axis=0)[own]
+    near = (np.abs(load[:, own]) <= noise[:, own]).any(axis=0)
+    edge = slid.edge.reshape(m, own.size).any(axis=0) | near
     out.edge[own] = valid & edge
     return out
 

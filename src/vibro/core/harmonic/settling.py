@@ -74,10 +74,10 @@ def settle(at: Lanes, cell: Indices, begun: Start) -> Settled:
 
     Notes
     -----
-    Trajectories do not cross. So a body's velocity at a given phase rises, or falls, from cycle to cycle, and tends
-    to the nearest fixed point on that side. If it does not rest for a whole cycle, that is either the one cycle
-    without rest or a cycle with one. A cycle that rests before an onset, where it has no velocity, lies between two
-    others only if these pass the onset in different directions.
+    Trajectories do not cross. So a body's velocity at a given phase rises, or falls, from cycle to cycle, and
+    tends to the nearest fixed point on that side. If it does not rest for a whole cycle, that is either the
+    one cycle without rest or a cycle with one. A cycle that rests before an onset, where it has no velocity,
+    lies between two others only if these pass the onset in different directions.
     """
     count, h = cell.size, at.onset.shape[0]
     track, out = Track(count, h), no_cycles(count, h)
@@ -101,7 +101,7 @@ def _side(at: Lanes, orbit: Cycles, bodies: Bodies) -> NDArray[np.int8]:
     """
     forward = np.where(orbit.lane[0] < at.noise.size // 2, 1.0, -1.0)
     later = np.mod(bodies.now.phase - orbit.start[0] + np.pi, 2.0 * np.pi) - np.pi
-    return np.sign(-forward * later).astype(np.int8)
+    return np.asarray(np.sign(-forward * later), np.int8)
 
 
 def _nearest_without_rest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bodies:
@@ -137,7 +137,7 @@ def _is_next(at: Lanes, bodies: Bodies, orbit: Cycles, cycle: Cycles) -> Bools:
 
 
 def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bodies:
-    """Choose the nearest of all cycles on the right side; return the bodies for which that is not possible."""
+    """Choose the nearest of all cycles on the right side; return the bodies where that is not possible."""
     near = near_cycles(bodies, track, k)
     pick = (near > 0).nonzero()[0]
     if not pick.size:
@@ -147,7 +147,7 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
     orbit = track.cut(some.number, k - near[pick], near[pick])
     side = _side(at, orbit, some)
     resting = _with_rest(at, some.cell)
-    # Where gravity exceeds friction no cycle goes without rest: the mean force along the trough would not be zero.
+    # Where gravity exceeds friction no cycle goes without rest: the mean force along the trough would not be 0.
     loose = np.array([at.kinetic[0, some.cell] >= 0.0, at.kinetic[0, some.cell + n] >= 0.0])
     held = ~loose.any(axis=0)
     pull = np.where(side > 0, at.kinetic[0, some.cell], at.kinetic[0, some.cell + n])
@@ -164,14 +164,14 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
         for i, cycles in enumerate(candidates):
             own = (chosen == i).nonzero()[0]
             cells = left[own]
-            sure = restless_beside[own] | ~held[cells]
+            sure: Bools = np.logical_or(restless_beside[own], ~held[cells])
             if i < 2 * h and not sure.all():
                 open_ = (~sure).nonzero()[0]
                 args = read(orbit, cells[open_]), read(cycles, own[open_]), side[cells[open_]]
                 sure[open_] = _nothing_between(at, some.cell[cells[open_]], *args)
             write(out, some.number[cells[sure]], read(cycles, own[sure]))
             done[cells[sure]] = True
-        runs = left[(chosen < 0) & runaway[left]]
+        runs = left[(chosen == -1) & runaway[left]]
         track.endless[some.number[runs]] = some.cell[runs] + np.where(side[runs] > 0, 0, n)
         done[runs] = True
     stays = np.ones(bodies.number.size, np.bool_)
@@ -182,16 +182,16 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
 def _choose(
     at: Lanes, bodies: Bodies, candidates: list[Cycles], orbit: Cycles, side: NDArray[np.int8]
 ) -> tuple[Indices, Bools]:
-    """Which cycle, in the order of the onsets they rest until and the one without rest, is nearest; -1 for none.
+    """Choose the nearest of cycles, in the order of the onsets they rest until and last the one without rest.
 
-    All others on that side pass its onset, or its first start, on the far side. Tell too whether that without
-    rest is among them.
+    All others on that side pass its onset, or its first start, on the far side. It is -1 where there is none,
+    -2 where rounding decides. Tell too whether that without rest is among them.
     """
     lanes = at.noise.size
-    exists = np.array([(x.count > 0) & (signs(x, lanes, orbit.start[:1])[0] == side) for x in candidates])
+    exists = np.array([(x.size > 0) & (signs(x, lanes, orbit.start[:1])[0] == side) for x in candidates])
     probes = np.concatenate([onsets_of(at, bodies.cell), candidates[-1].start[:1]])
     order = np.array([signs(x, lanes, probes) for x in candidates])  # [cycle, probe, body]
-    chosen = np.full(side.size, -1)
+    chosen = np.where(exists.any(axis=0), -2, -1)
     for i in range(len(candidates)):
         beyond = (order[:, i] * side >= 0) | ~exists
         beyond[i] = True
@@ -202,9 +202,9 @@ def _choose(
 def _nothing_between(at: Lanes, cell: Indices, orbit: Cycles, cycle: Cycles, side: NDArray[np.int8]) -> Bools:
     """Whether no cycle without rest lies between bodies and the nearest cycle with a rest.
 
-    If one did, it would attract from both sides, as the other does: between them the return map would jump. It
-    does where a body at rest stays so but would slide on at the least speed, and on the near side of the jump
-    bodies would tend back.
+    If one did, it would attract from both sides, as the other does: between them the return map would jump.
+    It does where a body at rest stays so but would slide on at the least speed, and on the near side of the
+    jump bodies would tend back.
     """
     jumps = jumps_of(at, cell)
     between = (signs(orbit, at.noise.size, jumps) * side < 0) & (
@@ -212,7 +212,8 @@ def _nothing_between(at: Lanes, cell: Indices, orbit: Cycles, cycle: Cycles, sid
     )
     row, column = np.nonzero(between & ~np.isnan(jumps))
     toward = side[column]
-    # slides towards the cycle lie on the far side of the jump, bodies at rest on the near one; or the other way round
+    # slides towards the cycle lie on the far side of the jump, bodies at rest on the near one; or the other
+    # way round
     back = direction_after_turn(at, cell[column], row, leads(at, row) != toward) * toward < 0
     return np.asarray(np.bincount(column[back], minlength=cell.size) == 0)
 
@@ -224,9 +225,15 @@ def _with_rest(at: Lanes, cell: Indices) -> list[Cycles]:
     track, out = Track(row.size, h), no_cycles(row.size, h)
     still = np.zeros(row.size, np.intp)
     begun = from_onsets(at, cell[column], row)
-    follow(at, Bodies(np.arange(row.size), cell[column], begun, 0.0 * still, still), track, out, range(2 * h))
-    other = ~((out.row == row) & (np.arange(2 * h + 1)[:, np.newaxis] < out.count)).any(axis=0)
-    out.count[other] = 0
+    follow(
+        at,
+        Bodies(np.arange(row.size), cell[column], begun, np.zeros(still.size), still),
+        track,
+        out,
+        range(2 * h),
+    )
+    other = ~((out.row == row) & (np.arange(2 * h + 1)[:, np.newaxis] < out.size)).any(axis=0)
+    out.size[other] = 0
     cycles = [no_cycles(cell.size, h) for _ in range(2 * h)]
     for i, of_row in enumerate(cycles):
         own = (row == i).nonzero()[0]
@@ -237,21 +244,22 @@ def _with_rest(at: Lanes, cell: Indices) -> list[Cycles]:
 def _here(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
     """Cycles without rest near the bodies' own; without a slide where there are none."""
     out, valid, _ = without_rest(at, orbit)
-    out.count[~valid] = 0
+    out.size[~valid] = 0
     return out
 
 
 def _leap(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
     """Look for cycles without rest far from where bodies are; a cycle without a slide where none is found.
 
-    Starts that link the slides of a body up to a cycle are no cycle where one of them stops too early, or starts
-    too late. On the way there the body turns to other slides: they show which ones the cycle consists of.
+    Starts that link the slides of a body up to a cycle are no cycle where one of them stops too early, or
+    starts too late. On the way there the body turns to other slides: they show which ones the cycle consists
+    of.
     """
     h = at.onset.shape[0]
     out, _, _ = without_rest(at, orbit)
     with np.errstate(invalid="ignore"):
         way = np.mod(out.start[0] - orbit.start[0] + np.pi, TURN) - np.pi
-    out.count[:] = 0
+    out.size[:] = 0
     shares, body = np.meshgrid(np.array(_LEAPS), np.arange(way.size), indexing="ij")
     body = body.reshape(-1)
     phase = np.mod(orbit.start[0, body] + shares.reshape(-1) * way[body], TURN)
@@ -262,7 +270,7 @@ def _leap(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
         still = np.zeros(body.size, np.intp)
         track, ignored = Track(body.size, h), no_cycles(body.size, h)
         begun = stopped(at, bodies.cell[body], phase, (lane,))
-        leapt = Bodies(np.arange(body.size), bodies.cell[body], begun, 0.0 * still, still)
+        leapt = Bodies(np.arange(body.size), bodies.cell[body], begun, np.zeros(still.size), still)
         leapt = follow(at, leapt, track, ignored, range(4 * h))
         near = near_cycles(leapt, track, 4 * h)
         going = (near > 0).nonzero()[0]

@@ -2,10 +2,11 @@
 
 A slide in the direction sigma has the acceleration g(p) = sigma F - mu_d N, a wave. A phase s after its start
 
-    g = g_0 + sum_n [B_n sin(n s) - A_n (1 - cos(n s))],   v = g_0 s + sum_n [B_n (1 - cos(n s)) - A_n (n s - sin(n s))]/n,
+    g = g_0 + sum_n [B_n sin(n s) - A_n (1 - cos(n s))],
+    v = g_0 s + sum_n [B_n (1 - cos(n s)) - A_n (n s - sin(n s))]/n,
 
-each term without cancellation for short slides. Its speed turns at the zeros of g; it stops before the first of
-its minima that is not positive. Lengths in A, speeds in A w, phases in radians.
+each term without cancellation for short slides. Its speed turns at the zeros of g; it stops before the first
+of its minima that is not positive. Lengths in A, speeds in A w, phases in radians.
 """
 
 from __future__ import annotations
@@ -48,8 +49,9 @@ class Lanes(NamedTuple):
     opening, top : array
         Phases at which the speed of a slide is least, and largest, alike.
     jump, jump_excess : array
-        Phases at which a body at rest stays so but would, set in motion by as little as may be, slide on: kinetic
-        friction is just overcome there, or static friction no more; 2 H rows, NaN for none. Acceleration there.
+        Phases at which a body at rest stays so but would, set in motion by as little as may be, slide on:
+        kinetic friction is just overcome there, or static friction no more; 2 H rows, NaN for none.
+        Acceleration there.
     """
 
     static: Floats
@@ -123,8 +125,8 @@ def velocity(s: Floats, rates: Floats) -> tuple[Floats, Floats]:
 def distance(s: Floats, rates: Floats) -> Floats:
     """Distance of slides of length s that end at zero speed.
 
-    With v(s) = 0 the constant drops out, as in Eq. (11): each harmonic gives its load's slope at the middle times
-    sin y - y cos y, y = n s/2.
+    With v(s) = 0 the constant drops out, as in Eq. (11): each harmonic gives its load's slope at the middle
+    times sin y - y cos y, y = n s/2.
     """
     h = rates.shape[0] // 2
     path = np.zeros(s.shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -177,15 +177,15 @@ def _slip(out: SteadyState, cells: Indices, at: Lanes, classes_alone: bool) -> N
     back = cycles.lane >= n
     out.displacement[cells] = np.where(back, -cycles.path, cycles.path).sum(axis=0)
     out.peak[cells] = cycles.peak.max(axis=0)
-    slides_back = (back & (np.arange(back.shape[0])[:, np.newaxis] < cycles.count)).any(axis=0)
+    slides_back = (back & (np.arange(back.shape[0])[:, np.newaxis] < cycles.size)).any(axis=0)
     out.regime[cells] = np.where(slides_back | (endless >= n), Regime.BACK_SLIP, Regime.FORWARD_SLIP)
     out.pattern[cells], _ = spelt(cycles, n)
     out.model[cells] = Model.SLIDES
     out.status[cells] |= edge
     if not classes_alone:
         held = (at.kinetic[0] <= 0.0).reshape(2, n).all(axis=0)
-        out.coexists[cells] = coexisting(at, cycles._replace(count=np.where(held, cycles.count, 0)))
-    lost = cells[cycles.count == 0]
+        out.coexists[cells] = coexisting(at, cycles._replace(size=np.where(held, cycles.size, 0)))
+    lost = cells[cycles.size == 0]
     _withdraw(out, lost)
     out.status[lost] = Status.UNRESOLVED
     runs = cells[endless >= 0]

@@ -1,8 +1,9 @@
 """Trigonometric polynomials: their turning points, and the zeros between these, none of which is missed.
 
-A wave f(p) = c_0 + sum_n s_n sin(n p) + c_n cos(n p), n = 1 ... H, is a column [c_0, s_1 ... s_H, c_1 ... c_H] of
-an array. Its derivative is a wave too; times (1 + t^2)^H with t = tan(p/2) it is a polynomial of degree 2 H in t,
-whose real zeros lie between those of its derivative, which lie between those of the next, and so on.
+A wave f(p) = c_0 + sum_n s_n sin(n p) + c_n cos(n p), n = 1 ... H, is a column [c_0, s_1 ... s_H, c_1 ...
+c_H] of an array. Its derivative is a wave too; times (1 + t^2)^H with t = tan(p/2) it is a polynomial of
+degree 2 H in t, whose real zeros lie between those of its derivative, which lie between those of the next,
+and so on.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ TURN: Final = 2.0 * np.pi
 
 _MOST_STEPS: Final = 80  # halvings from a turn down to an ulp, and a few more
 
-# [1] A Newton step below this share of the unit leaves rounding errors: its error is the step's square over the
-# distance from the next turning point, and its conditioning is one over that distance.
+# [1] A Newton step below this share of the unit leaves rounding errors: its error is the step's square over
+# the distance from the next turning point, and its conditioning is one over that distance.
 _SETTLED: Final = 3e-9
 
 
@@ -49,7 +50,7 @@ def harmonics(p: Floats, count: int) -> list[tuple[Floats, Floats]]:
 def values(waves: Floats, p: Floats) -> Floats:
     """Waves, one a column, at phases: one a column, or rows of them."""
     h = waves.shape[0] // 2
-    total = waves[0]
+    total: Floats = waves[0]
     for n, (s, c) in enumerate(harmonics(p, h), 1):
         total = total + (waves[n] * s + waves[h + n] * c)
     return total
@@ -65,7 +66,7 @@ def _value_and_slope(p: Floats, waves: Floats) -> tuple[Floats, Floats]:
 
 
 def slopes_of(waves: Floats) -> Floats:
-    """Derivatives of waves, as waves."""
+    """Differentiate waves; their derivatives are waves."""
     h = waves.shape[0] // 2
     n = np.arange(1, h + 1)[:, np.newaxis]
     return np.concatenate([np.zeros((1, waves.shape[1])), -n * waves[h + 1 :], n * waves[1 : h + 1]])
@@ -104,8 +105,8 @@ def zeros(
 
     Notes
     -----
-    It starts from the zero of the cubic that is level at both ends, where the functions mostly are, too. A step
-    out of the bracket is replaced by halving it.
+    It starts from the zero of the cubic that is level at both ends, where the functions mostly are, too. A
+    step out of the bracket is replaced by halving it.
     """
     share = np.clip((at_low + at_high) / (at_low - at_high), -1.0, 1.0)  # 1 - 2 at_low / (at_low - at_high)
     x = low + (high - low) * (0.5 + np.sin(np.arcsin(share) / 3.0))
@@ -180,7 +181,8 @@ def _tables(h: int) -> _Tables:
             turned[k, k], turned[k, h + k] = c, -s
             turned[h + k, k], turned[h + k, h + k] = s, c
         polynomials.append(plain @ turned)
-    return _Tables(samples, tuple(polynomials), phases, 1.0 / float(np.tan(np.pi / (8 * h))) * (1.0 + 1e-9))
+    reach = 1.0 / float(np.tan(np.pi / (8 * h))) * (1.0 + 1e-9)
+    return _Tables(samples, tuple(polynomials), np.asarray(phases, np.float64), reach)
 
 
 def _horner(t: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
@@ -259,7 +261,7 @@ def turning_points(waves: Floats) -> Floats:
     size = sampled.max(axis=0)
     polynomials /= np.where(size > 0.0, size, 1.0)
     points = _chain(polynomials, tables.reach)
-    return 2.0 * np.arctan(points) + (tables.phases[best] + np.pi)
+    return np.asarray(2.0 * np.arctan(points) + (tables.phases[best] + np.pi))
 
 
 def crossings(waves: Floats, points: Floats, at: Floats) -> tuple[Floats, Floats]:
@@ -268,8 +270,8 @@ def crossings(waves: Floats, points: Floats, at: Floats) -> tuple[Floats, Floats
     Returns
     -------
     up, down : array
-        Phases where a wave becomes positive, and where it ceases to be, H rows, in [0, 2 pi) and rising order;
-        NaN after the last.
+        Phases where a wave becomes positive, and where it ceases to be, H rows, in [0, 2 pi) and rising
+        order; NaN after the last.
     """
     h = waves.shape[0] // 2
     edges = np.concatenate([points, points[:1] + TURN])

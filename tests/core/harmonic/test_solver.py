@@ -1,0 +1,235 @@
+"""The steady solve of drives with harmonics: limits, symmetries, statuses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from harmonics import drawn, drive_of, solved
+
+from vibro.core.codes import Model, Pattern, Regime, Status, pattern_texts
+from vibro.core.contact.solver import SteadyState, steady_state
+from vibro.core.groups import loads as linear_loads
+from vibro.core.groups import take
+from vibro.core.harmonic.legs import harmonic_legs
+from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads, harmonic_scale
+
+SWAPPED = str.maketrans("FB", "BF")
+
+
+def scene(
+    along: tuple[float, ...] = (1.0, 0.0),
+    across: tuple[float, ...] = (0.0, 0.0),
+    frictions: tuple[float, float] = (0.4, 0.3),
+    beta: float = 0.0,
+    phases: tuple[float, ...] = (0.0, 0.0),
+) -> HarmonicLoads:
+    """Make one scene of amplitudes in g/w^2."""
+
+    def arrays(numbers: tuple[float, ...]) -> tuple[np.ndarray, ...]:
+        return tuple(np.array([x]) for x in numbers)
+
+    none = arrays((0.0,) * len(across))
+    f = np.array([1.0 / (2.0 * np.pi)])
+    mu_s, mu_d = arrays(frictions)
+    return harmonic_loads(
+        arrays(along), arrays(phases), arrays(across), none, f, mu_s, mu_d, np.array([beta]), np.ones(())
+    )
+
+
+@pytest.mark.parametrize("harmonics", [1, 2, 3])
+def test_one_harmonic_is_the_linear_drive(harmonics: int) -> None:
+    count = 3000
+    rng = np.random.default_rng(3)
+    alpha = rng.uniform(0.0, 1.3, count)
+    static = rng.uniform(0.1, 1.0, count)
+    kinetic = static * rng.uniform(0.05, 1.0, count)
+    beta = 0.98 * np.arctan(static) * rng.uniform(-1.0, 1.0, count) * (rng.uniform(size=count) < 0.5)
+    beta = np.minimum(beta, 0.49 * np.pi - alpha)
+    size = np.exp(rng.uniform(np.log(0.1), np.log(8.0), count))
+    f = np.full(count, 1.0 / (2.0 * np.pi))
+    linear = linear_loads(size, f, alpha, static, kinetic, beta, np.ones(()))
+    codes = [np.empty(count, dtype) for dtype in (np.int8, np.int8, np.int64, np.int8)]
+    wanted = SteadyState(*codes, *np.empty((5, count)), np.empty(count, np.int8))
+    steady_state(linear, wanted)
+    none = (np.zeros(()),) * (harmonics - 1)
+    along, across = (size * np.cos(alpha), *none), (size * np.sin(alpha), *none)
+    phases = (np.zeros(()),) * harmonics
+    loads = harmonic_loads(along, phases, across, phases, f, static, kinetic, beta, np.ones(()))
+    out = solved(loads, count)
+    scale = harmonic_scale(along, across) / size
+    for name in ("status", "regime", "pattern", "coexists"):
+        assert np.array_equal(getattr(out, name), getattr(wanted, name)), name
+    assert len(set(out.pattern)) == len(Pattern)
+    known = ~np.isnan(wanted.displacement)
+    assert np.array_equal(known, ~np.isnan(out.displacement))
+    for name, tolerance in (("displacement", 2e-12), ("peak", 1e-13)):
+        apart = np.abs(getattr(out, name) * scale - getattr(wanted, name))[known]
+        assert apart.max() < tolerance
+    for name in ("throw_number", "forward_ratio", "back_ratio"):
+        got, true = getattr(out, name), getattr(wanted, name)
+        finite = np.isfinite(true)
+        assert np.array_equal(finite, np.isfinite(got)), name
+        assert np.max(np.abs(got - true)[finite] / (1.0 + true[finite])) < 1e-14
+
+
+@pytest.mark.parametrize("harmonics", [2, 3])
+def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
+    # the push is turned round, the load off the trough stays
+    count = 2000
+    loads = drawn(count, 6, harmonics)
+    turned = loads._replace(
+        along_sine=tuple(-x for x in loads.along_sine),
+        along_cosine=tuple(-x for x in loads.along_cosine),
+        tangential=-loads.tangential,
+    )
+    here, there = solved(loads, count), solved(turned, count)
+    assert np.array_equal(here.status, there.status)
+    assert np.array_equal(here.coexists, there.coexists)
+    known = here.status == Status.OK
+    assert known.sum() > 1000
+    assert np.max(np.abs(here.displacement + there.displacement)[known]) < 1e-12
+    assert np.array_equal(here.forward_ratio, there.back_ratio)
+
+    def turned_text(text: str) -> str:
+        swapped = text.translate(SWAPPED)
+        order = str.maketrans("FB_", "123")
+        return min((swapped[i:] + swapped[:i] for i in range(len(swapped))), key=lambda t: t.translate(order))
+
+    different = {
+        (a, b)
+        for a, b in zip(
+            pattern_texts(here.pattern[known]).tolist(),
+            pattern_texts(there.pattern[known]).tolist(),
+            strict=True,
+        )
+    }
+    assert all(turned_text(a) == b for a, b in different)
+
+
+def test_odd_harmonics_along_a_level_trough_convey_nothing() -> None:
+    count = 500
+    loads = drawn(count, 7, 3, along_only=True, steep=0.0)
+    zero = np.zeros(count)
+    loads = loads._replace(
+        along_sine=(loads.along_sine[0], zero, loads.along_sine[2]),
+        along_cosine=(loads.along_cosine[0], zero, loads.along_cosine[2]),
+    )
+    out = solved(loads, count)
+    slips = out.pattern > Pattern.R
+    assert slips.sum() > 200
+    assert np.max(np.abs(out.displacement[slips])) < 1e-13
+
+
+def test_statuses() -> None:
+    cases = [
+        (scene(along=(0.3, 0.0)), Status.OK, Regime.NO_SLIP, "_"),
+        (scene(along=(0.4, 0.0)), Status.BOUNDARY, Regime.NO_SLIP, "_"),
+        (scene(along=(0.0, 0.0)), Status.OK, Regime.NO_SLIP, "_"),
+        (scene(across=(0.5, 0.3)), Status.FLIGHT_NOT_MODELLED, Regime.HOPPING, ""),
+        (scene(across=(1.0, 0.0)), Status.BOUNDARY, Regime.BACK_SLIP, "FB"),
+        (scene(frictions=(0.3, 0.4)), Status.INFEASIBLE, Regime.UNDEFINED, ""),
+        (scene(frictions=(0.0, 0.0)), Status.INDETERMINATE, Regime.UNDEFINED, ""),
+        (scene(beta=0.5), Status.RUNAWAY, Regime.BACK_SLIP, ""),
+        (scene(beta=-0.5), Status.RUNAWAY, Regime.FORWARD_SLIP, ""),
+        (scene(beta=0.35), Status.RUNAWAY, Regime.BACK_SLIP, ""),
+    ]
+    for loads, status, regime, text in cases:
+        out = solved(loads, 1)
+        assert (Status(out.status[0]), Regime(out.regime[0])) == (status, regime)
+        assert pattern_texts(out.pattern).tolist() == [text]
+        assert np.isnan(out.displacement[0]) == (text == "")
+        assert out.coexists[0] == (0 if text else -1)
+
+
+def test_onsets_just_below_at_and_just_above() -> None:
+    # cos(2 p) + sin(p) is largest, 9/8, where sin(p) = 1/4, twice in a cycle
+    for size, status, pattern in (
+        (1.0 - 1e-9, Status.OK, "_"),
+        (1.0, Status.BOUNDARY, "_"),
+        (1.0 + 1e-9, Status.OK, "F_F_"),
+    ):
+        amplitudes = (size * 0.4 / 1.125, 0.25 * size * 0.4 / 1.125)
+        # the largest load back, 2, is held by gravity
+        loads = scene(amplitudes, phases=(0.0, 0.5 * math.pi))
+        beta = loads._replace(tangential=loads.normal * 0.0)
+        out = solved(beta._replace(static_friction=np.array([0.4])), 1)
+        if out.back_ratio[0] > 1.0:
+            lean = 0.5 * (out.back_ratio[0] - out.forward_ratio[0]) * 0.4 * loads.normal
+            rise = beta._replace(tangential=-lean, static_friction=(0.4 * loads.normal + lean) / loads.normal)
+            out = solved(rise, 1)
+        assert Status(out.status[0]) is status
+        assert pattern_texts(out.pattern).tolist() == [pattern]
+
+
+def test_rest_at_phase_0_inside_a_window_slides_at_once() -> None:
+    loads = scene(along=(1.0, 0.2), phases=(0.5 * math.pi, 0.0))
+    drive, weight = drive_of(loads, 0)
+    assert drive.begins(1, 0.0) > 0.0
+    cycle = drive.settle()
+    out = solved(loads, 1)
+    assert pattern_texts(out.pattern).tolist() == [cycle.pattern]
+    assert abs(out.displacement[0] - cycle.displacement * weight) < 1e-9
+
+
+def test_classes_alone_have_no_numbers() -> None:
+    count = 300
+    loads = drawn(count, 8)
+    whole, classes = solved(loads, count), solved(loads, count, classes_alone=True)
+    assert np.array_equal(whole.regime, classes.regime)
+    slips = (whole.regime == Regime.FORWARD_SLIP) | (whole.regime == Regime.BACK_SLIP)
+    assert slips.sum() > 100
+    assert np.isnan(classes.displacement[slips]).all()
+    assert set(classes.model[slips]) == {Model.NONE}
+    assert set(classes.coexists[slips]) == {-1}
+
+
+def test_cells_do_not_depend_on_their_neighbours() -> None:
+    count = 60
+    loads = drawn(count, 9)
+    whole = solved(loads, count)
+    for i in range(0, count, 7):
+        alone = solved(take(loads, np.array([i])), 1)
+        for one, many in zip(alone, whole, strict=True):
+            assert np.array_equal(one[0], many[i], equal_nan=True)
+
+
+def test_legs_follow_each_other_for_a_turn() -> None:
+    count = 200
+    loads = drawn(count, 10)
+    out = solved(loads, count)
+    texts = pattern_texts(out.pattern).tolist()
+    for i in range(count):
+        legs = harmonic_legs(take(loads, np.array([i])))
+        assert "".join(leg.kind for leg in legs) == texts[i]
+        if not legs:
+            continue
+        assert 0.0 <= legs[0].start < 2.0 * math.pi
+        assert abs(legs[-1].end - legs[0].start - 2.0 * math.pi) < 1e-12
+        for leg, following in zip(legs, legs[1:], strict=False):
+            assert leg.end == following.start
+            assert leg.end > leg.start
+        assert abs(sum(leg.displacement for leg in legs) - out.displacement[i]) < 1e-14 * len(legs)
+
+
+def test_other_cycles_are_found_where_bodies_start_from_them() -> None:
+    # every onset is a start: what bodies reach from there must be the answer wherever none coexists
+    count = 150
+    loads = drawn(count, 11, ratio=(0.05, 0.3), along_only=True, steep=0.0)
+    out = solved(loads, count)
+    answered = np.flatnonzero((out.status == Status.OK) & (out.pattern > Pattern.R))
+    seen = 0
+    for i in answered[:30]:
+        drive, weight = drive_of(loads, int(i))
+        ends = set()
+        for phase, way in drive.onsets():
+            try:
+                cycle = drive.settle(phase=phase, way=way)
+            except ArithmeticError:
+                continue
+            ends.add((cycle.pattern, round(cycle.displacement * weight, 6)))
+        if len(ends) > 1:
+            seen += 1
+            assert out.coexists[i] == 1
+    assert seen > 0

@@ -1,0 +1,75 @@
+"""Drives with harmonics for the tests: random ones, and how the core and the second solver see them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from harmonic_walk import Drive
+
+from vibro.core.contact.solver import SteadyState
+from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
+from vibro.core.harmonic.solver import harmonic_state
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+def solved(loads: HarmonicLoads, count: int, *, classes_alone: bool = False) -> SteadyState:
+    """Solve scenes."""
+    codes = [np.empty(count, dtype) for dtype in (np.int8, np.int8, np.int64, np.int8)]
+    out = SteadyState(*codes, *np.empty((5, count)), np.empty(count, np.int8))
+    harmonic_state(loads, out, classes_alone=classes_alone)
+    return out
+
+
+def drawn(
+    count: int,
+    seed: int,
+    harmonics: int = 2,
+    *,
+    ratio: tuple[float, float] = (0.4, 1.0),
+    along_only: bool = False,
+    steep: float = 0.5,
+    load: tuple[float, float] = (0.3, 8.0),
+) -> HarmonicLoads:
+    """Draw scenes: ratios of the frictions, and the steepest trough over the angle of static friction."""
+    rng = np.random.default_rng(seed)
+    size = np.exp(rng.uniform(*np.log(load), count))
+    along = [
+        size * rng.uniform(0.1, 1.0, count) / n ** rng.uniform(0.5, 2.0, count)
+        for n in range(1, harmonics + 1)
+    ]
+    across = [x * rng.uniform(0.0, 0.5, count) * (not along_only) / n for n, x in enumerate(along, 1)]
+    phases = [tuple(rng.uniform(-np.pi, np.pi, (harmonics, count))) for _ in range(2)]
+    static = rng.uniform(0.1, 1.0, count)
+    kinetic = static * np.exp(rng.uniform(*np.log(ratio), count))
+    beta = np.arctan(static) * steep * rng.uniform(-1.0, 1.0, count) * (rng.uniform(size=count) < 0.6)
+    w = np.full(count, 1.0 / (2.0 * np.pi))
+    return harmonic_loads(
+        tuple(along), phases[0], tuple(across), phases[1], w, static, kinetic, beta, np.ones(())
+    )
+
+
+def drive_of(loads: HarmonicLoads, i: int) -> tuple[Drive, float]:
+    """Return a scene as the second solver sees it, and its g/w^2 over A."""
+
+    def at(x: Floats) -> float:
+        return float(x[i] if x.ndim else x)
+
+    normal, lean = at(loads.normal), at(loads.tangential)
+    weight = float(np.hypot(normal, lean))
+
+    def pairs(sines: tuple[Floats, ...], cosines: tuple[Floats, ...]) -> list[tuple[float, float]]:
+        return [(at(s) / weight, at(c) / weight) for s, c in zip(sines, cosines, strict=True)]
+
+    drive = Drive(
+        pairs(loads.along_sine, loads.along_cosine),
+        pairs(loads.across_sine, loads.across_cosine),
+        at(loads.static_friction),
+        at(loads.kinetic_friction),
+        float(np.arctan2(lean, normal)),
+    )
+    return drive, weight
