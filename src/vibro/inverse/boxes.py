@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
 
 import numpy as np
 
@@ -16,9 +17,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Ends = tuple[Any, Any]  # numbers, or arrays of shape (m, 1)
 
-__all__ = ["AXES", "Box", "Points"]
+__all__ = ["AXES", "Box", "Parts", "Points", "inside"]
 
-#: The coordinates of a box, in order. Amplitude and frequency are one: for a load the speed goes with 1/f.
+#: The coordinates of a box of a drive along a line. Amplitude and frequency are one: for a load the speed goes with 1/f.
 AXES: Final = ("load", "drive_angle", "trough_angle", "static_friction", "second_friction")
 
 
@@ -42,16 +43,16 @@ class Points(NamedTuple):
     kinetic_friction: Floats
 
 
-@dataclass(frozen=True)
-class Box:
-    """A closed box of bands, cut at mu_d <= mu_s; both ends of a band are equal where a value is known.
+@dataclass(frozen=True, kw_only=True)
+class Parts(ABC):
+    """A closed box of bands, cut at mu_d <= mu_s, of which this much is the same whatever the drive.
 
-    Ends may be arrays of shape (m, 1): m boxes at once, of which every method serves one a row.
+    Both ends of a band are equal where a value is known. Ends may be arrays of shape (m, 1): m boxes at once, of which every method serves one a row.
 
     Attributes
     ----------
-    amplitude, frequency, drive_angle, trough_angle, static_friction : pair
-        Bands [m, Hz, rad, rad, 1].
+    trough_angle, static_friction : pair
+        Bands [rad, 1].
     second_friction : pair
         Band of kinetic friction, or of its ratio to the static one [1].
     is_ratio : bool
@@ -60,9 +61,6 @@ class Box:
         As in ``Scene``.
     """
 
-    amplitude: Ends
-    frequency: Ends
-    drive_angle: Ends
     trough_angle: Ends
     static_friction: Ends
     second_friction: Ends
@@ -70,14 +68,44 @@ class Box:
     gravity: float
     restitution: float
 
+    #: The coordinates of a box, in order; frictions are last.
+    axes: ClassVar[tuple[str, ...]]
+
     @property
+    @abstractmethod
     def load(self) -> tuple[Floats, Floats]:
-        """Smallest and largest load G."""
-        low, high = (
-            np.asarray(a * (2.0 * np.pi * np.asarray(f)) ** 2 / self.gravity)
-            for a, f in zip(self.amplitude, self.frequency, strict=True)
-        )
-        return low, high
+        """Smallest and largest acceleration of the drive over gravity."""
+
+    @property
+    @abstractmethod
+    def lift(self) -> Floats:
+        """Largest share of such an acceleration that is normal to the trough."""
+
+    @property
+    @abstractmethod
+    def spans(self) -> tuple[Ends, ...]:
+        """Bands of ``axes``, the last one as it is given."""
+
+    @abstractmethod
+    def hops(self, points: Any) -> NDArray[np.bool_]:
+        """Tell which points throw their bodies."""
+
+    @abstractmethod
+    def points(self, shares: Floats) -> Any:
+        """Return the points at shares in [0, 1] of the bands, an array of shape (axes, n).
+
+        The share of kinetic friction counts from its lower end to its upper one or to static friction,
+        whichever is less.
+        """
+
+    @abstractmethod
+    def scene(self, points: Any, *, fast: bool) -> Scene:
+        """Return scenes at the points, in SI units: the fastest, or the slowest, where a point has several."""
+
+    @property
+    def varies(self) -> NDArray[np.bool_]:
+        """Whether each of ``axes`` has a width, of a single box."""
+        return np.array([bool(low < high) for low, high in self.spans])
 
     @property
     def constants(self) -> dict[str, float]:
@@ -98,34 +126,52 @@ class Box:
         )
         return low, high
 
+
+@dataclass(frozen=True, kw_only=True)
+class Box(Parts):
+    """A closed box of bands of a drive along a line.
+
+    Attributes
+    ----------
+    amplitude, frequency, drive_angle : pair
+        Bands [m, Hz, rad].
+    """
+
+    amplitude: Ends
+    frequency: Ends
+    drive_angle: Ends
+
+    axes = AXES
+
+    @property
+    def load(self) -> tuple[Floats, Floats]:
+        low, high = (
+            np.asarray(a * (2.0 * np.pi * np.asarray(f)) ** 2 / self.gravity)
+            for a, f in zip(self.amplitude, self.frequency, strict=True)
+        )
+        return low, high
+
+    @property
+    def lift(self) -> Floats:
+        return np.asarray(np.sin(self.drive_angle[1]))
+
     @property
     def spans(self) -> tuple[Ends, ...]:
-        """Bands of ``AXES``, the last one as it is given."""
         return (self.load, self.drive_angle, self.trough_angle, self.static_span, self.second_friction)
 
-    @property
-    def varies(self) -> NDArray[np.bool_]:
-        """Whether each of ``AXES`` has a width, of a single box."""
-        return np.array([bool(low < high) for low, high in self.spans])
+    def hops(self, points: Points) -> NDArray[np.bool_]:
+        return np.asarray(points.load * np.sin(points.drive_angle) > np.cos(points.trough_angle))
 
     def points(self, shares: Floats) -> Points:
-        """Return the points at shares in [0, 1] of the bands, an array of shape (5, n) in the order of AXES.
-
-        The share of kinetic friction counts from its lower end to its upper one or to static friction,
-        whichever is less.
-        """
         low, high = self.load
-        load = _inside((low, high), shares[0])
-        alpha, beta = _inside(self.drive_angle, shares[1]), _inside(self.trough_angle, shares[2])
-        mu_s = _inside(self.static_span, shares[3])
-        return Points(load, alpha, beta, mu_s, _inside(self.kinetic_span(mu_s), shares[4]))
+        load = inside((low, high), shares[0])
+        alpha, beta = inside(self.drive_angle, shares[1]), inside(self.trough_angle, shares[2])
+        mu_s = inside(self.static_span, shares[3])
+        return Points(load, alpha, beta, mu_s, inside(self.kinetic_span(mu_s), shares[4]))
 
     def scene(self, points: Points, *, fast: bool) -> Scene:
-        """Return scenes at the points, in SI units.
-
-        Of all amplitudes and frequencies with the same load the lowest frequency is the fastest, and the
-        highest the slowest, Eq. (52); ``fast`` says which is taken.
-        """
+        # Of all amplitudes and frequencies with the same load the lowest frequency is the fastest, and the
+        # highest the slowest, Eq. (52).
         weight = points.load * self.gravity / (4.0 * math.pi**2)  # A f^2
         (a_low, a_high), (f_low, f_high) = self.amplitude, self.frequency
         with np.errstate(over="ignore"):  # beyond the range of doubles, and so beyond the band
@@ -142,7 +188,7 @@ class Box:
         )
 
 
-def _inside(ends: Ends, share: Floats) -> Floats:
+def inside(ends: Ends, share: Floats) -> Floats:
     """Value at a share of a band: exact at both ends, and never beyond them."""
     low, high = ends
     value: Floats = np.where(share == 1.0, high, np.clip(low + share * (high - low), low, high))

@@ -13,7 +13,7 @@ from vibro.core.contact.limits import critical_loads, tipping_load
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Box
+    from vibro.inverse.boxes import Box, Parts
 
     Floats = NDArray[np.float64]
 
@@ -23,11 +23,11 @@ _EDGE: Final = 65  # static frictions at which an edge of the box is looked at
 _ROUNDS: Final = 5  # of looking closer, each by a factor of 32
 
 
-def hop_load(box: Box) -> Floats:
+def hop_load(box: Parts) -> Floats:
     """Load above which the first body hops, Eq. (4): on the steepest trough, with the steepest drive."""
     b_low, b_high = box.trough_angle
     with np.errstate(divide="ignore"):
-        return np.asarray(np.minimum(np.cos(b_low), np.cos(b_high)) / np.sin(box.drive_angle[1]))
+        return np.asarray(np.minimum(np.cos(b_low), np.cos(b_high)) / box.lift)
 
 
 def regime_loads(box: Box, highest: Regime) -> dict[str, Floats]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
 from vibro.core.contact.limits import critical_loads
-from vibro.inverse.boxes import AXES, Points
+from vibro.inverse.boxes import Box, Points
 from vibro.inverse.caps import hop_load
 from vibro.inverse.evolution import evolve, scatter, sobol
 from vibro.results.steady import SteadyCycle
@@ -24,14 +24,13 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Box
+    from vibro.inverse.boxes import Parts
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
 __all__ = [
     "ANY_LANDING",
-    "CORNERS",
     "SEEDS",
     "Extreme",
     "Landings",
@@ -46,9 +45,6 @@ __all__ = [
     "steeper_is_slower",
     "taken",
 ]
-
-_LOAD: Final = AXES.index("load")
-_TROUGH: Final = AXES.index("trough_angle")
 
 # Standard errors by which the speed of a body counts as less than its mean, where that is a mean.
 _ERRORS: Final = 3.0
@@ -68,9 +64,6 @@ _LOOKS: Final = 12  # base-2 logarithm of the samples whose regimes are looked a
 _BESIDE: Final = 1e-12  # relative distance from a critical load
 _LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
 _ROUNDS: Final = 3  # of samples closer to the extreme ones
-
-#: Corners of a box, in the order of AXES: shape (5, 32).
-CORNERS: Final = np.array(list(product((0.0, 1.0), repeat=len(AXES)))).T
 
 
 @dataclass
@@ -96,7 +89,7 @@ class Extreme:
     speed : float
         Its mean speed [m/s]; infinite where a body has none; NaN if there is no body.
     shares : array
-        Where, as shares of the bands, of shape (5, 1).
+        Where, as shares of the bands, of shape (axes, 1).
     scene : Scene
         There.
     """
@@ -129,14 +122,14 @@ class Landings(NamedTuple):
         too_hard = np.asarray(cycle.impact_velocity > self.impact_speed)
         return too_hard | (cycle.flight_fraction > self.flight_fraction)
 
-    def worst(self, box: Box) -> Floats:
-        """Return the bodies of a box that exceed them most among samples, as shares, of shape (5, n)."""
+    def worst(self, box: Parts) -> Floats:
+        """Return the bodies of a box that exceed them most among samples, as shares, of shape (axes, n)."""
         limited = math.isfinite(self.impact_speed) or math.isfinite(self.flight_fraction)
         if not limited or float(box.load[1]) <= float(hop_load(box)):
-            return np.empty((len(AXES), 0))
+            return np.empty((len(box.axes), 0))
         shares = corners(box)
         if box.varies.any():
-            samples = np.zeros((len(AXES), 2**_LANDINGS))
+            samples = np.zeros((len(box.axes), 2**_LANDINGS))
             samples[box.varies] = sobol(int(box.varies.sum()), _LANDINGS, _SEED)
             shares = np.hstack([shares, samples])
         # at one load landings are hardest at the lowest frequency
@@ -170,22 +163,33 @@ def least_of(speed: Floats) -> Floats:
     return np.where(known.any(axis=1), np.where(known, speed, np.inf).min(axis=1), -np.inf)
 
 
-def corners(box: Box) -> Floats:
-    """Return the corners of a box that differ, as shares, of shape (5, n); those without a width at 0."""
-    return CORNERS[:, np.all(CORNERS[~box.varies] == 0.0, axis=0)]
+def corners(box: Parts) -> Floats:
+    """Return the corners of a box that differ, as shares, of shape (axes, n); those without a width at 0."""
+    return _corners(box.varies)
 
 
-def look_around(box: Box, seen: Seen) -> None:
+def _corners(varies: NDArray[np.bool_]) -> Floats:
+    return np.array(list(product(*((0.0, 1.0) if free else (0.0,) for free in varies)))).T
+
+
+def look_around(box: Parts, seen: Seen) -> None:
     """See which regimes there are in a box.
 
-    At samples, and at its corners at every load at which their regime changes: what the first and the last
-    body do that slips, slips back or hops.
+    At samples and corners and, of a drive along a line, at corners at every load at which their regime
+    changes: what the first and the last body do that slips, slips back or hops.
     """
     axes = np.flatnonzero(box.varies)
-    shares = np.zeros((len(AXES), 2**_LOOKS))
+    shares = np.zeros((len(box.axes), 2**_LOOKS))
     shares[axes] = sobol(axes.size, _LOOKS, _SEED) if axes.size else 0.0
-    shares = np.hstack([corners(box), shares, np.full((len(AXES), 1), 0.5)])
+    shares = np.hstack([corners(box), shares, np.full((len(box.axes), 1), 0.5)])
     points = box.points(shares)
+    if isinstance(box, Box):
+        points = _with_changes(box, points)
+    speeds_of(box.scene(points, fast=False), fast=False, flight=False, seen=seen)
+
+
+def _with_changes(box: Box, points: Points) -> Points:
+    """Add the corners at both sides of every load at which their regime changes."""
     ends = box.points(corners(box))
     least_angles = np.clip(np.arctan(ends.static_friction), *box.drive_angle)
     ends = Points(*np.hstack([ends, ends._replace(drive_angle=least_angles)]))
@@ -194,10 +198,10 @@ def look_around(box: Box, seen: Seen) -> None:
         for side in (1.0 - _BESIDE, 1.0 + _BESIDE):
             within = np.clip(np.nan_to_num(load, posinf=np.inf) * side, *box.load)
             points = Points(*np.hstack([points, ends._replace(load=within)]))
-    speeds_of(box.scene(points, fast=False), fast=False, flight=False, seen=seen)
+    return points
 
 
-def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS) -> Extreme:
+def searched(box: Parts, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS) -> Extreme:
     """Find the slowest or the fastest of the bodies in contact by differential evolution.
 
     The best of several seeds; against the reference designs and searches of ten times the size it is within
@@ -205,7 +209,7 @@ def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS
 
     Parameters
     ----------
-    box : Box
+    box : Parts
         A single box.
     fast : bool
         Which of the two.
@@ -217,15 +221,16 @@ def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS
         How many searches are made.
     """
     free = box.varies
-    fixed = np.zeros((len(AXES), 1))
-    if free[_TROUGH] and not hops and steeper_is_slower(box) and not _may_run_away(box):
-        free[_TROUGH] = False
-        fixed[_TROUGH] = 0.0 if fast else 1.0
+    fixed = np.zeros((len(box.axes), 1))
+    trough = box.axes.index("trough_angle")
+    if free[trough] and not hops and steeper_is_slower(box) and not _may_run_away(box):
+        free[trough] = False
+        fixed[trough] = 0.0 if fast else 1.0
     axes = np.flatnonzero(free)
     side = -1.0 if fast else 1.0
 
     def shares_of(x: Floats) -> Floats:
-        shares = np.broadcast_to(fixed, (len(AXES), x.shape[1])).copy()
+        shares = np.broadcast_to(fixed, (len(box.axes), x.shape[1])).copy()
         shares[axes] = x
         return shares
 
@@ -238,8 +243,8 @@ def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS
 
     if not axes.size:
         return taken(box, fixed, fast=fast, flight=False, seen=seen)
-    ends = CORNERS[:, np.all(CORNERS[~free] == 0.0, axis=0)][axes]
-    if free[_LOAD]:  # past a drop the speed may fall for a while, within a sliver of the load
+    ends = _corners(free)[axes]
+    if free[0]:  # of the load: past a drop the speed may fall for a while, within a sliver of the load
         along = np.repeat(ends[:, ends[0] == 0.0], _DIPS.size, axis=1)
         along[0] = np.tile(_DIPS, along.shape[1] // _DIPS.size)
         ends = np.hstack([ends, along[:, np.argsort(cost(along))[:_SEEDED]]])
@@ -253,7 +258,7 @@ def searched(box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS
     return taken(box, shares_of(x), fast=fast, flight=False, seen=seen)
 
 
-def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
+def sampled(box: Parts, *, fast: bool, seen: Seen) -> Extreme:
     """Find the slowest or the fastest of the bodies that hop among samples; NaN if none was found.
 
     Speeds of hopping bodies are not smooth in anything, so that a search has nothing to hold on to: a few
@@ -264,16 +269,16 @@ def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
     side = -1.0 if fast else 1.0
 
     def shares_of(x: Floats) -> Floats:
-        shares = np.zeros((len(AXES), x.shape[1]))
+        shares = np.zeros((len(box.axes), x.shape[1]))
         shares[axes] = x
         return shares
 
     def cost(x: Floats) -> Floats:
         points = box.points(shares_of(x))
         costs = np.full(x.shape[1], np.nan)
-        hops = points.load * np.sin(points.drive_angle) > np.cos(points.trough_angle)
+        hops = box.hops(points)
         if hops.any():
-            scene = box.scene(Points(*(p[hops] for p in points)), fast=fast)
+            scene = box.scene(points._make(p[hops] for p in points), fast=fast)
             costs[hops] = side * speeds_of(scene, fast=fast, flight=True, seen=seen)
             seen.excluded += int(np.count_nonzero(np.isnan(costs[hops])))
         return costs
@@ -285,7 +290,7 @@ def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
     return taken(box, shares_of(x), fast=fast, flight=True, seen=seen)
 
 
-def taken(box: Box, shares: Floats, *, fast: bool, flight: bool, seen: Seen) -> Extreme:
+def taken(box: Parts, shares: Floats, *, fast: bool, flight: bool, seen: Seen) -> Extreme:
     """Take the slower, or the faster, of the amplitudes and frequencies at a point."""
     scenes = [box.scene(box.points(shares), fast=which) for which in (fast, not fast)]
     found = [float(speeds_of(scene, fast=fast, flight=flight, seen=seen)[0]) for scene in scenes]
@@ -294,13 +299,13 @@ def taken(box: Box, shares: Floats, *, fast: bool, flight: bool, seen: Seen) -> 
     return Extreme(found[which], shares, scenes[which])
 
 
-def steeper_is_slower(box: Box) -> bool:
+def steeper_is_slower(box: Parts) -> bool:
     """Whether a steeper trough is slower for every body, Eq. (53)."""
     steepest = max(abs(angle) for angle in box.trough_angle)
     return bool(box.static_friction[1] * math.tan(steepest) < 1.0)
 
 
-def _may_run_away(box: Box) -> bool:
+def _may_run_away(box: Parts) -> bool:
     """Whether gravity along the trough outweighs kinetic friction for some body, up or down."""
     least, _ = box.kinetic_span(np.asarray(box.static_span[0]))
     return bool(least <= math.tan(max(abs(angle) for angle in box.trough_angle)))

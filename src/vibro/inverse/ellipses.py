@@ -1,0 +1,108 @@
+"""Boxes of bands of an elliptical drive, and the bodies that stand for them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.inverse.boxes import Parts, inside
+from vibro.scene import Scene
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.inverse.boxes import Ends
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["EllipticalBodies", "EllipticalBox", "EllipticalPoints"]
+
+_SAME: Final = 6  # digits of shares in which bodies differ
+
+
+class EllipticalPoints(NamedTuple):
+    """Points of a box, by the fields of ``Scene`` [m, m, rad, Hz, rad, 1, 1]."""
+
+    along_amplitude: Floats
+    normal_amplitude: Floats
+    normal_phase: Floats
+    frequency: Floats
+    trough_angle: Floats
+    static_friction: Floats
+    kinetic_friction: Floats
+
+
+@dataclass(frozen=True, kw_only=True)
+class EllipticalBox(Parts):
+    """A closed box of bands of an elliptical drive.
+
+    Attributes
+    ----------
+    factor : pair
+        Band of what both amplitudes are multiplied with: they drift together [1].
+    along_amplitude, normal_amplitude, normal_phase, frequency : pair
+        Bands [m, m, rad, Hz].
+    """
+
+    along_amplitude: Ends
+    normal_amplitude: Ends
+    normal_phase: Ends
+    frequency: Ends
+    factor: Ends = (1.0, 1.0)
+
+    axes = (
+        "factor", "along_amplitude", "normal_amplitude", "normal_phase", "frequency", "trough_angle",
+        "static_friction", "second_friction",
+    )  # fmt: skip
+
+    @property
+    def load(self) -> tuple[Floats, Floats]:
+        """Smallest and largest acceleration normal to the trough over gravity."""
+        low, high = (
+            np.asarray(s * y * (2.0 * np.pi * np.asarray(f)) ** 2 / self.gravity)
+            for s, y, f in zip(self.factor, self.normal_amplitude, self.frequency, strict=True)
+        )
+        return low, high
+
+    @property
+    def lift(self) -> Floats:
+        return np.ones(())
+
+    @property
+    def spans(self) -> tuple[Ends, ...]:
+        return (
+            self.factor, self.along_amplitude, self.normal_amplitude, self.normal_phase, self.frequency,
+            self.trough_angle, self.static_span, self.second_friction,
+        )  # fmt: skip
+
+    def hops(self, points: EllipticalPoints) -> NDArray[np.bool_]:
+        w = 2.0 * np.pi * points.frequency
+        return np.asarray(points.normal_amplitude * w**2 / self.gravity > np.cos(points.trough_angle))
+
+    def points(self, shares: Floats) -> EllipticalPoints:
+        factor, *others, mu_s = (inside(span, s) for span, s in zip(self.spans[:-1], shares, strict=False))
+        x, y, phase, frequency, beta = others
+        mu_d = inside(self.kinetic_span(mu_s), shares[-1])
+        return EllipticalPoints(factor * x, factor * y, phase, frequency, beta, mu_s, mu_d)
+
+    def scene(self, points: EllipticalPoints, *, fast: bool) -> Scene:  # noqa: ARG002  # a point is one scene
+        return Scene.allowing_infeasible(**points._asdict(), **self.constants)
+
+
+class EllipticalBodies(NamedTuple):
+    """Bodies of a box, at shares of its bands, of shape (axes, n)."""
+
+    shares: Floats
+
+    def joined(self, box: Any, shares: Floats) -> EllipticalBodies:  # noqa: ARG002  # wherever they move
+        """Add bodies; those that are there already are left out."""
+        both = np.hstack([self.shares, shares])
+        _, first = np.unique(np.round(both, _SAME), axis=1, return_index=True)
+        return EllipticalBodies(both[:, np.sort(first)])
+
+    def at(self, boxes: EllipticalBox) -> Floats:
+        """Return the shares of all bodies in m boxes, of shape (axes, m, n)."""
+        m = np.broadcast(*(end for span in boxes.spans for end in span)).shape[0]
+        return np.repeat(self.shares[:, None, :], m, axis=1)
