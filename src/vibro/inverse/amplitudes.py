@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.errors import InputError, shown
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import line_box_of
 from vibro.inverse.bodies import Bodies
 from vibro.inverse.caps import onset_load, regime_loads
 from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, corners
@@ -129,7 +129,7 @@ def feasible_amplitudes(
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
     if highest is Regime.HOPPING and math.isinf(largest):
         raise InputError("limit = inf: must be finite where bodies may hop", hint="give limit=")
-    box = box_of(scene, bands, leaves_out="amplitude")
+    box = line_box_of(scene, bands, leaves_out="amplitude")
     family = Family(replace(box, amplitude=(1.0, 1.0)), percent / 100.0)
     return family.intervals(target, highest, largest)
 

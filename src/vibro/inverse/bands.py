@@ -9,6 +9,7 @@ import numpy as np
 
 from vibro.errors import Problem, SceneError, shown
 from vibro.inverse.boxes import Box
+from vibro.inverse.ellipses import EllipticalBox
 from vibro.quantities import QUANTITIES
 from vibro.reals import NotRealError, real_array
 from vibro.scene import Scene, field_range, field_text
@@ -18,18 +19,11 @@ if TYPE_CHECKING:
 
     from vibro.inverse.specs import Span
 
-__all__ = ["BANDED", "box_of", "one_point"]
+__all__ = ["box_of", "line_box_of", "one_point"]
 
-#: What may be a band.
-BANDED: Final = (
-    "amplitude",
-    "frequency",
-    "drive_angle",
-    "static_friction",
-    "friction_ratio",
-    "kinetic_friction",
-    "trough_angle",
-)
+_LINE: Final = ("amplitude", "frequency", "drive_angle")
+_ELLIPSE: Final = ("along_amplitude", "normal_amplitude", "normal_phase", "frequency")
+_PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "trough_angle")
 _RIGHT_ANGLE: Final = 0.5 * math.pi
 
 
@@ -41,7 +35,16 @@ def one_point(scene: object) -> None:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
 
 
-def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> Box:
+def line_box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> Box:
+    """Return the box of a scene's bands, as ``box_of``; of drives along a line alone."""
+    box = box_of(scene, bands, leaves_out=leaves_out)
+    if not isinstance(box, Box):
+        drive = "amplitude and drive_angle: for a drive along an ellipse this is not known"
+        raise SceneError((Problem("drive", "along_amplitude and normal_amplitude", drive),))
+    return box
+
+
+def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> Box | EllipticalBox:
     """Return the box of a scene's bands.
 
     Parameters
@@ -59,7 +62,8 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
         It lists all that is wrong.
     """
     one_point(scene)
-    known = [name for name in BANDED if name != leaves_out]
+    drive = _ELLIPSE if scene.amplitude is None else _LINE
+    known = [name for name in (*drive, *_PARTS) if name != leaves_out]
     problems = []
     given: dict[str, Span] = {}
     for name, band in bands.items():
@@ -78,34 +82,41 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
     if problems:
         raise SceneError(tuple(problems))
     fields = {name: float(value) for name, value in scene.arrays()._asdict().items()}
-    spans = {name: given.get(name, (fields.get(name, math.nan),) * 2) for name in BANDED}
+    spans = {name: given.get(name, (fields.get(name, math.nan),) * 2) for name in (*drive, *_PARTS)}
     is_ratio = "friction_ratio" in given
-    box = Box(
-        amplitude=spans["amplitude"],
-        frequency=spans["frequency"],
-        drive_angle=spans["drive_angle"],
-        trough_angle=spans["trough_angle"],
-        static_friction=spans["static_friction"],
-        second_friction=spans["friction_ratio" if is_ratio else "kinetic_friction"],
-        is_ratio=is_ratio,
-        gravity=fields["gravity"],
-        restitution=fields["restitution"],
-    )
+    parts: dict[str, Any] = {
+        "trough_angle": spans["trough_angle"],
+        "static_friction": spans["static_friction"],
+        "second_friction": spans["friction_ratio" if is_ratio else "kinetic_friction"],
+        "is_ratio": is_ratio,
+        "gravity": fields["gravity"],
+        "restitution": fields["restitution"],
+    }
+    of_drive: dict[str, Any] = {name: spans[name] for name in drive}
+    box = (EllipticalBox if scene.amplitude is None else Box)(**of_drive, **parts)
     if not is_ratio and spans["kinetic_friction"][0] > spans["static_friction"][1]:
         limit = f"<= static_friction = {spans['static_friction'][1]:.15g} somewhere in its band"
         problems.append(Problem("kinetic_friction", f"{spans['kinetic_friction'][0]:.15g}", limit))
-    drive, trough = spans["drive_angle"][1], spans["trough_angle"][1]
+    if isinstance(box, Box):
+        problems += _line_problems(box)
+    if problems:
+        raise SceneError(tuple(problems))
+    return box
+
+
+def _line_problems(box: Box) -> list[Problem]:
+    """Tell what a drive along a line cannot be."""
+    problems = []
+    drive, trough = box.drive_angle[1], box.trough_angle[1]
     if drive + trough >= _RIGHT_ANGLE:
         limit = f"less than 90 deg together with trough_angle = {field_text('trough_angle', trough)}"
         problems.append(Problem("drive_angle", field_text("drive_angle", drive), limit))
     with np.errstate(over="ignore"):
         loads = [float(load) for load in box.load]
     if not all(0.0 < load < math.inf for load in loads):
-        beyond = field_text("frequency", spans["frequency"][loads[0] > 0.0])
+        beyond = field_text("frequency", box.frequency[loads[0] > 0.0])
         problems.append(Problem("frequency", beyond, "such that A w^2 / g is within the range of doubles"))
-    if problems:
-        raise SceneError(tuple(problems))
-    return box
+    return problems
 
 
 def _span(name: str, band: Any) -> Span | Problem:

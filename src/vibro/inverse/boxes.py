@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["AXES", "Box", "Parts", "Points", "inside"]
 
-#: The coordinates of a box of a drive along a line. Amplitude and frequency are one: for a load the speed goes with 1/f.
+#: The coordinates of a box of a drive along a line. Amplitude and frequency are one: for a load the speed
+#: goes with 1/f.
 AXES: Final = ("load", "drive_angle", "trough_angle", "static_friction", "second_friction")
 
 
@@ -47,7 +48,8 @@ class Points(NamedTuple):
 class Parts(ABC):
     """A closed box of bands, cut at mu_d <= mu_s, of which this much is the same whatever the drive.
 
-    Both ends of a band are equal where a value is known. Ends may be arrays of shape (m, 1): m boxes at once, of which every method serves one a row.
+    Both ends of a band are equal where a value is known. Ends may be arrays of shape (m, 1): m boxes at once,
+    of which every method serves one a row.
 
     Attributes
     ----------
@@ -100,7 +102,7 @@ class Parts(ABC):
 
     @abstractmethod
     def scene(self, points: Any, *, fast: bool) -> Scene:
-        """Return scenes at the points, in SI units: the fastest, or the slowest, where a point has several."""
+        """Return scenes at the points, in SI units: of several at a point the fastest, or the slowest."""
 
     @property
     def varies(self) -> NDArray[np.bool_]:
@@ -145,6 +147,7 @@ class Box(Parts):
 
     @property
     def load(self) -> tuple[Floats, Floats]:
+        """Smallest and largest load G."""
         low, high = (
             np.asarray(a * (2.0 * np.pi * np.asarray(f)) ** 2 / self.gravity)
             for a, f in zip(self.amplitude, self.frequency, strict=True)
@@ -153,16 +156,20 @@ class Box(Parts):
 
     @property
     def lift(self) -> Floats:
+        """Largest share of a load that is normal to the trough."""
         return np.asarray(np.sin(self.drive_angle[1]))
 
     @property
     def spans(self) -> tuple[Ends, ...]:
+        """Bands of ``axes``, the last one as it is given."""
         return (self.load, self.drive_angle, self.trough_angle, self.static_span, self.second_friction)
 
     def hops(self, points: Points) -> NDArray[np.bool_]:
+        """Tell which points throw their bodies."""
         return np.asarray(points.load * np.sin(points.drive_angle) > np.cos(points.trough_angle))
 
     def points(self, shares: Floats) -> Points:
+        """Return the points at shares of the bands."""
         low, high = self.load
         load = inside((low, high), shares[0])
         alpha, beta = inside(self.drive_angle, shares[1]), inside(self.trough_angle, shares[2])
@@ -170,6 +177,7 @@ class Box(Parts):
         return Points(load, alpha, beta, mu_s, inside(self.kinetic_span(mu_s), shares[4]))
 
     def scene(self, points: Points, *, fast: bool) -> Scene:
+        """Return scenes at the points, in SI units."""
         # Of all amplitudes and frequencies with the same load the lowest frequency is the fastest, and the
         # highest the slowest, Eq. (52).
         weight = points.load * self.gravity / (4.0 * math.pi**2)  # A f^2

@@ -68,26 +68,31 @@ class EllipticalBox(Parts):
 
     @property
     def lift(self) -> Floats:
+        """Largest share of a load that is normal to the trough."""
         return np.ones(())
 
     @property
     def spans(self) -> tuple[Ends, ...]:
+        """Bands of ``axes``, the last one as it is given."""
         return (
             self.factor, self.along_amplitude, self.normal_amplitude, self.normal_phase, self.frequency,
             self.trough_angle, self.static_span, self.second_friction,
         )  # fmt: skip
 
     def hops(self, points: EllipticalPoints) -> NDArray[np.bool_]:
+        """Tell which points throw their bodies."""
         w = 2.0 * np.pi * points.frequency
         return np.asarray(points.normal_amplitude * w**2 / self.gravity > np.cos(points.trough_angle))
 
     def points(self, shares: Floats) -> EllipticalPoints:
+        """Return the points at shares of the bands."""
         factor, *others, mu_s = (inside(span, s) for span, s in zip(self.spans[:-1], shares, strict=False))
         x, y, phase, frequency, beta = others
         mu_d = inside(self.kinetic_span(mu_s), shares[-1])
         return EllipticalPoints(factor * x, factor * y, phase, frequency, beta, mu_s, mu_d)
 
-    def scene(self, points: EllipticalPoints, *, fast: bool) -> Scene:  # noqa: ARG002  # a point is one scene
+    def scene(self, points: EllipticalPoints, *, fast: bool) -> Scene:  # a point is one scene
+        """Return scenes at the points, in SI units."""
         return Scene.allowing_infeasible(**points._asdict(), **self.constants)
 
 
@@ -96,7 +101,7 @@ class EllipticalBodies(NamedTuple):
 
     shares: Floats
 
-    def joined(self, box: Any, shares: Floats) -> EllipticalBodies:  # noqa: ARG002  # wherever they move
+    def joined(self, box: Any, shares: Floats) -> EllipticalBodies:  # wherever they move
         """Add bodies; those that are there already are left out."""
         both = np.hstack([self.shares, shares])
         _, first = np.unique(np.round(both, _SAME), axis=1, return_index=True)

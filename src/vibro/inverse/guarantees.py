@@ -10,6 +10,7 @@ import numpy as np
 
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.bands import box_of
+from vibro.inverse.boxes import Box
 from vibro.inverse.caps import back_slip_load, hop_load
 from vibro.inverse.extremes import (
     SEEDS,
@@ -28,7 +29,7 @@ from vibro.scene import Scene
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Box
+    from vibro.inverse.boxes import Parts
 
     Floats = NDArray[np.float64]
 
@@ -56,8 +57,9 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
         One operating point; what has no band is known.
     **bands
         Pairs (low, high) by the names of fields, in SI units and radians: ``static_friction``,
-        ``kinetic_friction`` or ``friction_ratio``, ``amplitude``, ``frequency``, ``drive_angle``,
-        ``trough_angle``. They need not hold the scene's own value. The box is cut at mu_d <= mu_s.
+        ``kinetic_friction`` or ``friction_ratio``, ``frequency``, ``trough_angle``, and those of the scene's
+        drive: ``amplitude``, ``drive_angle``, or ``along_amplitude``, ``normal_amplitude``,
+        ``normal_phase``. They need not hold the scene's own value. The box is cut at mu_d <= mu_s.
 
     Returns
     -------
@@ -71,10 +73,10 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
 
     Notes
     -----
-    Where nothing slips back and nothing hops the speed is monotone, so that corners of the box have both
-    ends (``corners``; theory.md, section 14). Else bodies in contact are searched by differential evolution
-    from several seeds (``searched``), and hopping ones sampled (``sampled``). A body whose motion has no
-    short period counts with three standard errors to its disadvantage.
+    Where the drive moves along a line and nothing slips back or hops the speed is monotone, so that corners
+    of the box have both ends (``corners``; theory.md, section 14). Else bodies in contact are searched by
+    differential evolution from several seeds (``searched``), and hopping ones sampled (``sampled``). A body
+    whose motion has no short period counts with three standard errors to its disadvantage.
 
     Examples
     --------
@@ -88,7 +90,7 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     return guarantee_of(box_of(scene, bands))
 
 
-def guarantee_of(box: Box) -> Guarantee:
+def guarantee_of(box: Parts) -> Guarantee:
     """Return what holds in a single box."""
     seen = Seen()
     look_around(box, seen)
@@ -115,13 +117,14 @@ class Bound(NamedTuple):
     proof: str
 
 
-def bound(box: Box, *, fast: bool, seen: Seen, seeds: int = SEEDS) -> Bound:
+def bound(box: Parts, *, fast: bool, seen: Seen, seeds: int = SEEDS) -> Bound:
     """Find the slowest or the fastest body of a single box, by so many searches."""
     most = float(box.load[1])
     hops = most > float(hop_load(box))
     if not box.varies.any():
-        return Bound(taken(box, np.zeros((5, 1)), fast=fast, flight=True, seen=seen), "corners")
-    if not hops and most <= float(back_slip_load(box)) and is_braked(box) and steeper_is_slower(box):
+        only = taken(box, np.zeros((len(box.axes), 1)), fast=fast, flight=True, seen=seen)
+        return Bound(only, "corners" if isinstance(box, Box) else "sampled" if hops else "searched")
+    if isinstance(box, Box) and not hops and _is_monotone(box):
         return _fastest_forward(box, seen) if fast else Bound(_slowest_forward(box, seen), "corners")
     extreme = searched(box, fast=fast, hops=hops, seen=seen, seeds=seeds)
     if not hops:
@@ -131,6 +134,12 @@ def bound(box: Box, *, fast: bool, seen: Seen, seeds: int = SEEDS) -> Bound:
     if math.isnan(hopping.speed):  # of no sample a speed could be found: nothing is known of any
         return Bound(replace(hopping, speed=math.inf if fast else -math.inf), "sampled")
     return Bound(hopping if math.isnan(extreme.speed) else min(extreme, hopping, key=key), "sampled")
+
+
+def _is_monotone(box: Box) -> bool:
+    """Whether the speed is known to rise or fall along every band: all bodies slip forward at most."""
+    slips_forward = float(box.load[1]) <= float(back_slip_load(box))
+    return slips_forward and is_braked(box) and steeper_is_slower(box)
 
 
 def is_braked(box: Box) -> bool:

@@ -12,7 +12,7 @@ from vibro.quantities import STANDARD_GRAVITY
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Drift", "Drive", "Goal", "Spec"]
+__all__ = ["AnyDrive", "Drift", "Drive", "EllipticalDrive", "Goal", "Spec"]
 
 Span = tuple[float, float]
 
@@ -41,14 +41,41 @@ class Drive:
 
 
 @dataclass(frozen=True)
+class EllipticalDrive:
+    """An elliptical drive and what may be chosen of it; limits hold for nominal values.
+
+    Attributes
+    ----------
+    name : str
+        For tables.
+    along_amplitude, normal_amplitude, normal_phase : tuple of float
+        Ranges with their ends, equal for a single value [m, m, rad].
+    frequency : tuple of pairs of float
+        The choices, as for ``Drive`` [Hz].
+    acceleration : float
+        Largest acceleration along the path over g [1]; inf without a limit.
+    """
+
+    name: str
+    along_amplitude: Span
+    normal_amplitude: Span
+    normal_phase: Span
+    frequency: tuple[Span, ...]
+    acceleration: float = math.inf
+
+
+AnyDrive = Drive | EllipticalDrive
+
+
+@dataclass(frozen=True)
 class Drift:
     """By how much the drive and the trough may be off their nominal values, either way.
 
     Attributes
     ----------
     amplitude, frequency : float
-        Relative to the nominal value [1].
-    drive_angle, trough_angle : float
+        Relative to the nominal value [1]; both amplitudes of an ellipse drift together.
+    drive_angle, trough_angle, normal_phase : float
         [rad].
     """
 
@@ -56,6 +83,7 @@ class Drift:
     frequency: float = 0.0
     drive_angle: float = 0.0
     trough_angle: float = 0.0
+    normal_phase: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -89,7 +117,7 @@ class Spec:
     bands : mapping of str to pair of float
         What is known of parts and trough, by field: static_friction, kinetic_friction or friction_ratio,
         trough_angle, without drift; both ends are equal where it is known [1, rad].
-    drives : tuple of Drive
+    drives : tuple of Drive or EllipticalDrive
         What may be chosen.
     goal : Goal
         What is wanted.
@@ -106,7 +134,7 @@ class Spec:
     """
 
     bands: Mapping[str, Span]
-    drives: tuple[Drive, ...]
+    drives: tuple[AnyDrive, ...]
     goal: Goal
     drift: Drift = field(default_factory=Drift)
     length: float | None = None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.inverse.amplitudes import positive, regime_of
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import line_box_of
 from vibro.scene import Scene
 from vibro.steady import solve
 
@@ -68,7 +68,7 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     """
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
-    box = box_of(scene, bands)
+    box = line_box_of(scene, bands)
     shares: list[float] = []
     error = math.inf
     for logarithm in range(_FIRST, _LAST + 1):
