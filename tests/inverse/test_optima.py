@@ -11,15 +11,16 @@ import pytest
 from boxed import ROWS, question_of
 
 from vibro import Regime, Scene, solve
+from vibro.inverse.exchange import MOST_MARGIN
 from vibro.inverse.guarantees import guarantee_of
-from vibro.inverse.optima import MOST_MARGIN, Optimiser
+from vibro.inverse.optima import Optimiser
 from vibro.inverse.questions import Question, Setting
 from vibro.inverse.specs import Drift, Drive, Goal, Spec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.optima import Optimum
+    from vibro.inverse.exchange import Optimum
 
     Floats = NDArray[np.float64]
 

@@ -10,8 +10,9 @@ import pytest
 from boxed import REGIMES, ROWS, friction_of, question_of
 
 import vibro
+from vibro.inverse.exchange import Optimum
 from vibro.inverse.guarantees import guarantee_of
-from vibro.inverse.optima import Optimiser, Optimum
+from vibro.inverse.optima import Optimiser
 
 KINDS = {"amplitude": 4, "range": 4, "window": 2, "fastest": 4, "gentlest": 1, "yield": 1}
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Iterable, Mapping
 
-    from vibro.inverse.optima import Optimum
+    from vibro.inverse.exchange import Optimum
     from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Guarantee
 

@@ -99,12 +99,23 @@ class Extreme:
     scene: Scene
 
 
-def speeds_of(scene: Scene, *, fast: bool, flight: bool, seen: Seen | None = None) -> Floats:
-    """Mean speeds of scenes as ``counted`` returns them; NaN where a body hops and no flight is wanted."""
+def speeds_of(
+    scene: Scene,
+    *,
+    fast: bool,
+    flight: bool,
+    seen: Seen | None = None,
+    highest: Regime = Regime.HOPPING,
+) -> Floats:
+    """Mean speeds of scenes as ``counted`` returns them; NaN where a body hops and no flight is wanted.
+
+    A body in a higher regime than ``highest`` is slower, or faster, than all others.
+    """
     cycle = solve(scene, flight=flight)
     if seen is not None:
         seen.add(cycle)
-    return counted(cycle, fast=fast)
+    speed = counted(cycle, fast=fast)
+    return np.where(cycle.regime > highest, np.inf if fast else -np.inf, speed)
 
 
 class Landings(NamedTuple):
@@ -201,7 +212,9 @@ def _with_changes(box: Box, points: Points) -> Points:
     return points
 
 
-def searched(box: Parts, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS) -> Extreme:
+def searched(
+    box: Parts, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING
+) -> Extreme:
     """Find the slowest or the fastest of the bodies in contact by differential evolution.
 
     The best of several seeds; against the reference designs and searches of ten times the size it is within
@@ -219,6 +232,8 @@ def searched(box: Parts, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEE
         Is told what happens.
     seeds : int
         How many searches are made.
+    highest : Regime
+        As for ``speeds_of``.
     """
     free = box.varies
     fixed = np.zeros((len(box.axes), 1))
@@ -237,12 +252,12 @@ def searched(box: Parts, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEE
     def cost(x: Floats) -> Floats:
         points = box.points(shares_of(x))
         scene, other = (box.scene(points, fast=which) for which in (fast, not fast))
-        speed = speeds_of(scene, fast=fast, flight=False, seen=seen)
+        speed = speeds_of(scene, fast=fast, flight=False, seen=seen, highest=highest)
         # which of the frequencies is slow turns with the sign of the speed, which goes with 1/f
         return np.minimum(side * speed, side * speed * (scene.frequency / other.frequency))
 
     if not axes.size:
-        return taken(box, fixed, fast=fast, flight=False, seen=seen)
+        return taken(box, fixed, fast=fast, flight=False, seen=seen, highest=highest)
     ends = _corners(free)[axes]
     if free[0]:  # of the load: past a drop the speed may fall for a while, within a sliver of the load
         along = np.repeat(ends[:, ends[0] == 0.0], _DIPS.size, axis=1)
@@ -255,7 +270,7 @@ def searched(box: Parts, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEE
         first[:, : ends.shape[1]] = ends
         found.append(evolve(cost, first, generations=_GENERATIONS, seed=seed))
     x, _ = min(found, key=lambda pair: pair[1])
-    return taken(box, shares_of(x), fast=fast, flight=False, seen=seen)
+    return taken(box, shares_of(x), fast=fast, flight=False, seen=seen, highest=highest)
 
 
 def sampled(box: Parts, *, fast: bool, seen: Seen) -> Extreme:
@@ -290,10 +305,20 @@ def sampled(box: Parts, *, fast: bool, seen: Seen) -> Extreme:
     return taken(box, shares_of(x), fast=fast, flight=True, seen=seen)
 
 
-def taken(box: Parts, shares: Floats, *, fast: bool, flight: bool, seen: Seen) -> Extreme:
+def taken(
+    box: Parts,
+    shares: Floats,
+    *,
+    fast: bool,
+    flight: bool,
+    seen: Seen,
+    highest: Regime = Regime.HOPPING,
+) -> Extreme:
     """Take the slower, or the faster, of the amplitudes and frequencies at a point."""
     scenes = [box.scene(box.points(shares), fast=which) for which in (fast, not fast)]
-    found = [float(speeds_of(scene, fast=fast, flight=flight, seen=seen)[0]) for scene in scenes]
+    found = [
+        float(speeds_of(scene, fast=fast, flight=flight, seen=seen, highest=highest)[0]) for scene in scenes
+    ]
     keys = [-s if fast else s for s in found]
     which = 1 if keys[1] < keys[0] else 0
     return Extreme(found[which], shares, scenes[which])

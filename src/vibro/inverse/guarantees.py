@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
+from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.bands import box_of
 from vibro.inverse.boxes import Box
@@ -117,16 +118,21 @@ class Bound(NamedTuple):
     proof: str
 
 
-def bound(box: Parts, *, fast: bool, seen: Seen, seeds: int = SEEDS) -> Bound:
-    """Find the slowest or the fastest body of a single box, by so many searches."""
+def bound(
+    box: Parts, *, fast: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING
+) -> Bound:
+    """Find the slowest or the fastest body of a single box, by so many searches.
+
+    A body in a higher regime than ``highest`` is slower, or faster, than all others.
+    """
     most = float(box.load[1])
     hops = most > float(hop_load(box))
     if not box.varies.any():
-        only = taken(box, np.zeros((len(box.axes), 1)), fast=fast, flight=True, seen=seen)
+        only = taken(box, np.zeros((len(box.axes), 1)), fast=fast, flight=True, seen=seen, highest=highest)
         return Bound(only, "corners" if isinstance(box, Box) else "sampled" if hops else "searched")
     if isinstance(box, Box) and not hops and _is_monotone(box):
         return _fastest_forward(box, seen) if fast else Bound(_slowest_forward(box, seen), "corners")
-    extreme = searched(box, fast=fast, hops=hops, seen=seen, seeds=seeds)
+    extreme = searched(box, fast=fast, hops=hops, seen=seen, seeds=seeds, highest=highest)
     if not hops:
         return Bound(extreme, "searched")
     hopping = sampled(box, fast=fast, seen=seen)
@@ -192,6 +198,8 @@ def _place(scene: Scene) -> dict[str, float]:
 def _limit(extreme: Extreme) -> str:
     """Tell of which side a speed is the limit, where it jumps; empty where it does not."""
     at = _place(extreme.scene)
+    if "drive_angle" not in at:  # INTERIM
+        return ""
     load = float(np.ravel(extreme.scene.load)[0])
     known = critical_loads(
         *(at[f] for f in ("drive_angle", "static_friction", "kinetic_friction", "trough_angle"))

@@ -7,7 +7,8 @@ Bodies that turn out to be slower at an optimum than all before are looked at fr
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -17,8 +18,9 @@ from vibro.inverse.bodies import Bodies
 from vibro.inverse.caps import onset_load
 from vibro.inverse.crossings import first_crossing
 from vibro.inverse.evolution import evolve, scatter, sobol
-from vibro.inverse.extremes import ANY_LANDING, Seen, corners, least_of, steeper_is_slower
-from vibro.inverse.guarantees import bound, is_braked
+from vibro.inverse.exchange import Effort, Exchange, Optimum
+from vibro.inverse.extremes import ANY_LANDING, corners, steeper_is_slower
+from vibro.inverse.guarantees import is_braked
 from vibro.inverse.questions import Setting
 
 if TYPE_CHECKING:
@@ -30,21 +32,16 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["MOST_MARGIN", "Optimiser", "Optimum"]
-
-#: Factor on the bands up to which a margin is followed.
-MOST_MARGIN: Final = 10.0
+__all__ = ["Optimiser"]
 
 _SLOWEST_LOAD: Final = 1e-2  # of the largest load, from which on settings are looked for
-_STEPS: Final = 60  # at most, to the root of a speed
-_HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the bodies at hand
-_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's drift, for every body that was the slowest
 _BESIDE: Final = 1e-12  # [1] below a critical load
 _ROUNDING: Final = 1e-13  # [1] of a load that is formed anew from amplitude and frequency: caps leave more
 _SEED: Final = 1
 
 
-class _Effort(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class _Effort(Effort):
     """How closely is looked.
 
     Attributes
@@ -53,34 +50,30 @@ class _Effort(NamedTuple):
         Drive angles looked at first, and rounds of looking closer.
     loads : int
         Loads between which a speed is looked for.
-    population, generations : int
-        Of an evolution, or settings looked at first and rounds of scattered ones; the first as its base-2
-        logarithm.
     climbs, steps : int
         Rounds of looking closer at peaks of the speed, and of bisection between two loads.
-    margins : int
-        Margins of one setting looked at at once.
-    margin : float
-        To which margins are found.
-    exchanges : int
-        How often slower bodies are looked for.
     """
 
     angles: int
     rounds: int
     loads: int
-    population: int
-    generations: int
     climbs: int
     steps: int
-    margins: int
-    margin: float
-    exchanges: int
 
 
-_IN_CONTACT: Final = _Effort(65, 9, 129, 6, 80, 5, 60, 33, 1e-6, 8)
-_FLYING: Final = _Effort(33, 3, 65, 8, 3, 1, 30, 33, 1e-3, 2)
-_BOUNCING: Final = _Effort(9, 1, 17, 7, 2, 0, 12, 9, 3e-2, 1)  # impacts that are not plastic take long
+_IN_CONTACT: Final = _Effort(
+    angles=65, rounds=9, loads=129, population=6, generations=80, climbs=5, steps=60, margins=33, margin=1e-6,
+    exchanges=8,
+)  # fmt: skip
+_FLYING: Final = _Effort(
+    angles=33, rounds=3, loads=65, population=8, generations=3, climbs=1, steps=30, margins=33, margin=1e-3,
+    exchanges=2,
+)  # fmt: skip
+# impacts that are not plastic take long
+_BOUNCING: Final = _Effort(
+    angles=9, rounds=1, loads=17, population=7, generations=2, climbs=0, steps=12, margins=9, margin=3e-2,
+    exchanges=1,
+)  # fmt: skip
 
 _SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
 _MISSED: Final = 1e6  # [1] against the load of settings that miss the speed
@@ -89,15 +82,8 @@ _KEPT: Final = 3  # angles to look around in each round
 _CLOSER: Final = 17  # angles around each, closer by a factor of 8
 
 
-class Optimum(NamedTuple):
-    """A setting, and the speed that the bodies looked at reach there [m/s]."""
-
-    setting: Setting
-    speed: float
-
-
-class Optimiser:
-    """Optimal settings for one question.
+class Optimiser(Exchange):
+    """Optimal settings of a drive along a line.
 
     Parameters
     ----------
@@ -106,12 +92,12 @@ class Optimiser:
     """
 
     def __init__(self, question: Question) -> None:
-        self._question = question
         angle = question.ranges[0].drive_angle[0]
         one = question.boxes(Setting(1.0, 1.0, angle))
-        self._effort = _IN_CONTACT
+        effort = _IN_CONTACT
         if question.flies:
-            self._effort = _BOUNCING if question.spec.restitution else _FLYING
+            effort = _BOUNCING if question.spec.restitution else _FLYING
+        self._closely = effort
         self._monotone = question.highest is Regime.FORWARD_SLIP and is_braked(one) and steeper_is_slower(one)
         if self._monotone:  # the slowest bodies, and those that may run away where bands are scaled
             shares = np.array(
@@ -119,83 +105,7 @@ class Optimiser:
             )
         else:
             shares = corners(one)
-        self._bodies = Bodies.staying(shares)
-
-    def fastest(self, scale: float = 1.0) -> Optimum | None:
-        """Return the setting of the largest guaranteed speed; None where none guarantees any."""
-
-        def best() -> Optimum | None:
-            return self._fastest(scale, self._effort.generations)
-
-        return self._exchanged(best, scale)
-
-    def gentlest(self, target: float) -> Optimum | None:
-        """Return the setting of least acceleration that guarantees a speed [m/s]; None where none does."""
-        return self._exchanged(lambda: self._gentlest(target), 1.0)
-
-    def safest(self, target: float) -> Optimum | None:
-        """Return the setting of the largest margin for a speed [m/s]; None where none guarantees it."""
-        if not self._question.spec.has_bands:
-            best = self.fastest()
-            return best if best is not None and best.speed >= target else None
-        found = None
-        for _ in range(self._effort.exchanges):
-            found, scale = self._safest(target)
-            if found is None or not self._slower(found, scale):
-                break
-        return found
-
-    def _safest(self, target: float) -> tuple[Optimum | None, float]:
-        """Return the setting that holds at the largest scale, and that scale."""
-        holds: dict[float, Optimum] = {}
-
-        def surplus(scale: float) -> float:
-            best = self._fastest(scale, self._effort.generations // 2)
-            if best is None:
-                return -target
-            if best.speed >= target:
-                holds[scale] = best
-            return best.speed - target
-
-        if surplus(1.0) < 0.0:
-            return None, 1.0
-        if surplus(MOST_MARGIN) < 0.0:
-            from scipy.optimize import brentq  # late: it takes a fifth of a second to load
-
-            brentq(surplus, 1.0, MOST_MARGIN, xtol=self._effort.margin, maxiter=_STEPS, disp=False)
-        widest = max(holds)
-        return holds[widest], widest
-
-    def margin(self, setting: Setting, target: float) -> float | None:
-        """Return the largest scale at which a setting guarantees a speed; None where none does.
-
-        Boxes of growing scale hold each other, so that what fails at one fails at every larger one.
-        """
-        margin = self._margin(setting, target)
-        for _ in range(self._effort.exchanges):
-            if not margin or not self._slower(Optimum(setting, target), margin):
-                break
-            margin = self._margin(setting, target)
-        return margin
-
-    def _margin(self, setting: Setting, target: float) -> float | None:
-        low, high = 0.0, MOST_MARGIN
-        while high - low > self._effort.margin:
-            scales = np.linspace(low, high, self._effort.margins)
-            many = Setting(*(np.full(scales.size, float(x)) for x in setting))
-            holds = self._holds(many, scales) & (self._least(many, scales) >= target)
-            fails = np.flatnonzero(~holds)
-            if not fails.size:
-                return high
-            if fails[0] == 0:
-                return None if low == 0.0 else low
-            low, high = float(scales[fails[0] - 1]), float(scales[fails[0]])
-        return low
-
-    def holds(self, setting: Setting, target: float) -> bool:
-        """Tell whether the bodies looked at reach a speed at a setting, within the regime."""
-        one = Setting(*(np.array([float(x)]) for x in setting))
-        return bool(self._holds(one, 1.0)[0] and self._least(one, 1.0)[0] >= target)
+        super().__init__(question, effort, Bodies.staying(shares))
 
     def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
         """Tell whether settings keep to the regime."""
@@ -205,31 +115,6 @@ class Optimiser:
         least = np.min([cap[:, 0] for name, cap in caps.items() if name != "limit"], axis=0, initial=np.inf)
         return np.asarray(load <= least)
 
-    def _least(self, setting: Setting, scale: Floats | float) -> Floats:
-        return least_of(self._question.speeds(setting, self._bodies, scale))
-
-    def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
-        """Find an optimum again until no body is slower there than those looked at."""
-        found = best()
-        for _ in range(self._effort.exchanges):
-            if found is None or not self._slower(found, scale):
-                break
-            found = best()
-        return found
-
-    def _slower(self, optimum: Optimum, scale: float) -> bool:
-        """Look for a body that is slower at an optimum than those looked at; look at it from now on."""
-        box = self._question.boxes(optimum.setting, scale)
-        slowest = bound(box, fast=False, seen=Seen(), seeds=1).extreme
-        new = self._question.landings.worst(box)
-        if slowest.speed < optimum.speed - _HOLDS * abs(optimum.speed):
-            shares = np.repeat(slowest.shares, _DRIFTS.size if box.varies[0] else 1, axis=1)
-            shares[0, 1:] = _DRIFTS[1:] if box.varies[0] else 0.0
-            new = np.hstack([new, slowest.shares, shares])
-        known = len(self._bodies.axes)
-        self._bodies = self._bodies.joined(box, new)
-        return len(self._bodies.axes) > known
-
     def _tops(self, angles: Floats, choice: Range, scale: float) -> Floats:
         """Largest nominal loads at drive angles."""
         caps = self._question.caps(angles[:, None], scale).values()
@@ -237,7 +122,8 @@ class Optimiser:
         return np.asarray(np.min([*(cap[:, 0] for cap in caps), reach], axis=0))
 
     def _reach(self, choice: Range) -> tuple[float, float]:
-        return self._question.reach(choice.frequency)
+        low, high = self._question.reach(choice.frequency)
+        return low, high
 
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
         """Return the fastest setting for the bodies looked at."""
@@ -259,7 +145,7 @@ class Optimiser:
         def value(angles: Floats) -> Floats:
             return self._value(angles, self._tops(angles, choice, scale), choice, scale)
 
-        angle = np.array([_best(value, choice.drive_angle, self._effort)])
+        angle = np.array([_best(value, choice.drive_angle, self._closely)])
         setting = self._question.setting(self._tops(angle, choice, scale), choice.frequency, angle)
         return _optimum(setting, float(value(angle)[0]))
 
@@ -316,7 +202,7 @@ class Optimiser:
                 top = self._value(angles, self._tops(angles, choice, 1.0), choice, 1.0)
                 return np.where(np.isfinite(loads), -loads, -_MISSED * (2.0 - top / target))
 
-            angle = np.array([_best(value, choice.drive_angle, self._effort)])
+            angle = np.array([_best(value, choice.drive_angle, self._closely)])
             load = self._first_load(angle, target, choice)
             if np.isfinite(load[0]):
                 setting = self._question.setting(load, choice.frequency, angle)
@@ -337,7 +223,7 @@ class Optimiser:
         if self._monotone:
             grid = np.column_stack([bottom, tops])
         else:
-            shares = np.linspace(0.0, 1.0, self._effort.loads)
+            shares = np.linspace(0.0, 1.0, self._closely.loads)
             grid = bottom[:, None] * (tops / bottom)[:, None] ** shares
             entries = self._entries(angles)
             beside = np.hstack([entries * (1.0 - _BESIDE), entries * (1.0 + _BESIDE)])
@@ -346,7 +232,7 @@ class Optimiser:
         def value(rows: NDArray[np.intp], loads: Floats) -> Floats:
             return self._value(angles[rows], loads, choice, 1.0)
 
-        return first_crossing(value, grid, target, climbs=self._effort.climbs, steps=self._effort.steps)
+        return first_crossing(value, grid, target, climbs=self._closely.climbs, steps=self._closely.steps)
 
     def _entries(self, angles: Floats) -> Floats:
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""

@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Question", "Range", "Setting"]
+__all__ = ["MOST_THROW", "Asked", "Question", "Range", "Setting", "off"]
 
 _RIGHT_ANGLE: Final = 0.5 * math.pi
 _SHORT: Final = 1e-6  # [rad, 1] by which scaled bands keep away from what cannot be
-#: By which a load stays below one that is not to be exceeded, so that no rounding brings it over that.
+# By which a load stays below one that is not to be exceeded, so that no rounding brings it over that.
 _BESIDE: Final = 1e-12
-# Throw number up to which settings that hop are sought: beyond, flights last for many cycles, and landings
-# shake parts and drive apart.
-_MOST_THROW: Final = 10.0
+#: Throw number up to which settings that hop are sought: beyond, flights last for many cycles, and landings
+#: shake parts and drive apart.
+MOST_THROW: Final = 10.0
 
 
 class Setting(NamedTuple):
@@ -50,27 +50,22 @@ class Range(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Question:
-    """What is asked of one drive, within a regime.
+class Asked:
+    """What is asked whatever the drive, within a regime.
 
     Attributes
     ----------
     spec : Spec
         The whole question.
-    drive : Drive
+    drive : Drive or EllipticalDrive
         The drive.
     highest : Regime
         Highest regime that may occur.
     """
 
     spec: Spec
-    drive: Drive
+    drive: Any
     highest: Regime
-
-    @property
-    def ranges(self) -> list[Range]:
-        """All choices of frequency and drive angle."""
-        return [Range(f, a) for f in self.drive.frequency for a in self.drive.drive_angle]
 
     @property
     def flies(self) -> bool:
@@ -83,6 +78,35 @@ class Question:
         goal = self.spec.goal
         return Landings(goal.impact_speed, goal.flight_fraction) if self.flies else ANY_LANDING
 
+    def parts(self, scale: Floats | float) -> dict[str, Any]:
+        """Return the fields of ``Parts``, with all bands and drifts scaled about their middles."""
+        bands, drift = self.spec.bands, self.spec.drift
+        is_ratio = "friction_ratio" in bands
+        low, high = bands["trough_angle"]
+        trough = _scaled((low - drift.trough_angle, high + drift.trough_angle), scale)
+        second = _scaled(bands["friction_ratio" if is_ratio else "kinetic_friction"], scale)
+        static = _scaled(bands["static_friction"], scale)
+        return {
+            "trough_angle": _cut(trough, _SHORT - _RIGHT_ANGLE, _RIGHT_ANGLE - _SHORT),
+            "static_friction": _cut(static, 0.0, math.inf),
+            "second_friction": _cut(second, 0.0, 1.0 if is_ratio else math.inf),
+            "is_ratio": is_ratio,
+            "gravity": self.spec.gravity,
+            "restitution": self.spec.restitution,
+        }
+
+
+@dataclass(frozen=True)
+class Question(Asked):
+    """What is asked of one drive along a line."""
+
+    drive: Drive
+
+    @property
+    def ranges(self) -> list[Range]:
+        """All choices of frequency and drive angle."""
+        return [Range(f, a) for f in self.drive.frequency for a in self.drive.drive_angle]
+
     def boxes(self, setting: Setting, scale: Floats | float = 1.0) -> Box:
         """Return the box of a setting, or of several where these are arrays of shape (m, 1).
 
@@ -93,29 +117,19 @@ class Question:
         scale : float or array
             Factor on all bands and drifts about their middles, cut at what can be.
         """
-        bands, drift = self.spec.bands, self.spec.drift
-        is_ratio = "friction_ratio" in bands
-        low, high = bands["trough_angle"]
-        trough = _scaled((low - drift.trough_angle, high + drift.trough_angle), scale)
-        trough = _cut(trough, _SHORT - _RIGHT_ANGLE, _RIGHT_ANGLE - _SHORT)
-        steepest = _RIGHT_ANGLE - _SHORT - trough[1]
+        drift = self.spec.drift
+        parts = self.parts(scale)
+        steepest = _RIGHT_ANGLE - _SHORT - parts["trough_angle"][1]
         alpha = setting.drive_angle
-        second = _scaled(bands["friction_ratio" if is_ratio else "kinetic_friction"], scale)
-        static = _scaled(bands["static_friction"], scale)
         return Box(
-            amplitude=_off(setting.amplitude, drift.amplitude * scale),
-            frequency=_off(setting.frequency, drift.frequency * scale),
+            amplitude=off(setting.amplitude, drift.amplitude * scale),
+            frequency=off(setting.frequency, drift.frequency * scale),
             drive_angle=_cut(
                 (alpha - drift.drive_angle * scale, alpha + drift.drive_angle * scale),
                 0.0,
                 np.maximum(alpha, steepest),
             ),
-            trough_angle=trough,
-            static_friction=_cut(static, 0.0, math.inf),
-            second_friction=_cut(second, 0.0, 1.0 if is_ratio else math.inf),
-            is_ratio=is_ratio,
-            gravity=self.spec.gravity,
-            restitution=self.spec.restitution,
+            **parts,
         )
 
     def caps(self, drive_angle: Floats, scale: Floats | float = 1.0) -> dict[str, Floats]:
@@ -134,7 +148,7 @@ class Question:
         caps = {name: np.broadcast_to(load / most * (1.0 - _BESIDE), shape) for name, load in loads.items()}
         limit = np.full(shape, self.drive.acceleration)
         if self.flies:
-            limit = np.minimum(limit, _MOST_THROW * hop_load(box) / most)
+            limit = np.minimum(limit, MOST_THROW * hop_load(box) / most)
         return {**caps, "limit": limit}
 
     def tip_loads(self, box: Box) -> dict[str, Floats]:
@@ -190,6 +204,6 @@ def _cut(ends: Ends, low: float, high: Floats | float) -> Ends:
     return np.clip(ends[0], low, high), np.clip(ends[1], low, high)
 
 
-def _off(value: Floats | float, share: Floats | float) -> Ends:
+def off(value: Floats | float, share: Floats | float) -> Ends:
     """Return what a drift of a share of a nominal value brings, positive."""
     return value * np.maximum(1.0 - share, _SHORT), value * (1.0 + share)

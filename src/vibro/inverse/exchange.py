@@ -1,0 +1,200 @@
+"""Optimal settings by an exchange, whatever the drive.
+
+A setting is optimal for some bodies of its box; bodies that turn out to be slower there than all before are
+looked at from then on.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.inverse.extremes import Seen, least_of
+from vibro.inverse.guarantees import bound
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from vibro.inverse.bodies import Bodies
+    from vibro.inverse.ellipses import EllipticalBodies
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["MOST_MARGIN", "Effort", "Exchange", "Optimum"]
+
+#: Factor on the bands up to which a margin is followed.
+MOST_MARGIN: Final = 10.0
+
+_STEPS: Final = 60  # at most, to the root of a speed
+_HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the bodies at hand
+_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's drift, for every body that was the slowest
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effort:
+    """How closely is looked.
+
+    Attributes
+    ----------
+    population, generations : int
+        Of an evolution, or settings looked at first and rounds of scattered ones; the first as its base-2
+        logarithm.
+    margins : int
+        Margins of one setting looked at at once.
+    margin : float
+        To which margins are found.
+    exchanges : int
+        How often slower bodies are looked for.
+    """
+
+    population: int
+    generations: int
+    margins: int
+    margin: float
+    exchanges: int
+
+
+class Optimum(NamedTuple):
+    """A setting, and the speed that the bodies looked at reach there [m/s]."""
+
+    setting: Any
+    speed: float
+
+
+class Exchange(ABC):
+    """Optimal settings for one question.
+
+    Parameters
+    ----------
+    question : Question or EllipticalQuestion
+        What is asked.
+    effort : Effort
+        How closely is looked.
+    bodies : Bodies or EllipticalBodies
+        Those looked at first.
+    """
+
+    #: Highest regime that a body may have to be counted at all; what its load tells need not be looked for.
+    _checked = Regime.HOPPING
+
+    def __init__(self, question: Any, effort: Effort, bodies: Bodies | EllipticalBodies) -> None:
+        self._question, self._effort, self._bodies = question, effort, bodies
+
+    @abstractmethod
+    def _fastest(self, scale: float, generations: int) -> Optimum | None:
+        """Return the fastest setting for the bodies looked at."""
+
+    @abstractmethod
+    def _gentlest(self, target: float) -> Optimum | None:
+        """Return the setting of least load that reaches a speed, for the bodies looked at."""
+
+    def fastest(self, scale: float = 1.0) -> Optimum | None:
+        """Return the setting of the largest guaranteed speed; None where none guarantees any."""
+
+        def best() -> Optimum | None:
+            return self._fastest(scale, self._effort.generations)
+
+        return self._exchanged(best, scale)
+
+    def gentlest(self, target: float) -> Optimum | None:
+        """Return the setting of least acceleration that guarantees a speed [m/s]; None where none does."""
+        return self._exchanged(lambda: self._gentlest(target), 1.0)
+
+    def safest(self, target: float) -> Optimum | None:
+        """Return the setting of the largest margin for a speed [m/s]; None where none guarantees it."""
+        if not self._question.spec.has_bands:
+            best = self.fastest()
+            return best if best is not None and best.speed >= target else None
+        found = None
+        for _ in range(self._effort.exchanges):
+            found, scale = self._safest(target)
+            if found is None or not self._slower(found, scale):
+                break
+        return found
+
+    def _safest(self, target: float) -> tuple[Optimum | None, float]:
+        """Return the setting that holds at the largest scale, and that scale."""
+        holds: dict[float, Optimum] = {}
+
+        def surplus(scale: float) -> float:
+            best = self._fastest(scale, self._effort.generations // 2)
+            if best is None:
+                return -target
+            if best.speed >= target:
+                holds[scale] = best
+            return best.speed - target
+
+        if surplus(1.0) < 0.0:
+            return None, 1.0
+        if surplus(MOST_MARGIN) < 0.0:
+            from scipy.optimize import brentq  # late: it takes a fifth of a second to load
+
+            brentq(surplus, 1.0, MOST_MARGIN, xtol=self._effort.margin, maxiter=_STEPS, disp=False)
+        widest = max(holds)
+        return holds[widest], widest
+
+    def margin(self, setting: Any, target: float) -> float | None:
+        """Return the largest scale at which a setting guarantees a speed; None where none does.
+
+        Boxes of growing scale hold each other, so that what fails at one fails at every larger one.
+        """
+        margin = self._margin(setting, target)
+        for _ in range(self._effort.exchanges):
+            if not margin or not self._slower(Optimum(setting, target), margin):
+                break
+            margin = self._margin(setting, target)
+        return margin
+
+    def _margin(self, setting: Any, target: float) -> float | None:
+        low, high = 0.0, MOST_MARGIN
+        while high - low > self._effort.margin:
+            scales = np.linspace(low, high, self._effort.margins)
+            many = setting._make(np.full(scales.size, float(x)) for x in setting)
+            holds = self._holds(many, scales) & (self._least(many, scales) >= target)
+            fails = np.flatnonzero(~holds)
+            if not fails.size:
+                return high
+            if fails[0] == 0:
+                return None if low == 0.0 else low
+            low, high = float(scales[fails[0] - 1]), float(scales[fails[0]])
+        return low
+
+    def holds(self, setting: Any, target: float) -> bool:
+        """Tell whether the bodies looked at reach a speed at a setting, within the regime."""
+        one = setting._make(np.array([float(x)]) for x in setting)
+        return bool(self._holds(one, 1.0)[0] and self._least(one, 1.0)[0] >= target)
+
+    def _holds(self, setting: Any, scale: Floats | float) -> NDArray[np.bool_]:
+        """Tell whether settings keep to the regime, as far as that is known before bodies are looked at."""
+        return np.ones(np.broadcast_shapes(np.shape(setting[0]), np.shape(scale)), np.bool_)
+
+    def _least(self, setting: Any, scale: Floats | float) -> Floats:
+        return least_of(self._question.speeds(setting, self._bodies, scale))
+
+    def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
+        """Find an optimum again until no body is slower there than those looked at."""
+        found = best()
+        for _ in range(self._effort.exchanges):
+            if found is None or not self._slower(found, scale):
+                break
+            found = best()
+        return found
+
+    def _slower(self, optimum: Optimum, scale: float) -> bool:
+        """Look for a body that is slower at an optimum than those looked at; look at it from now on."""
+        box = self._question.boxes(optimum.setting, scale)
+        slowest = bound(box, fast=False, seen=Seen(), seeds=1, highest=self._checked).extreme
+        new = self._question.landings.worst(box)
+        if slowest.speed < optimum.speed - _HOLDS * abs(optimum.speed):
+            shares = np.repeat(slowest.shares, _DRIFTS.size if box.varies[0] else 1, axis=1)
+            shares[0, 1:] = _DRIFTS[1:] if box.varies[0] else 0.0
+            new = np.hstack([new, slowest.shares, shares])
+        known = int(self._bodies.shares.shape[1])
+        self._bodies = self._bodies.joined(box, new)
+        return int(self._bodies.shares.shape[1]) > known
