@@ -19,11 +19,13 @@ if TYPE_CHECKING:
 
     from vibro.inverse.specs import Span
 
-__all__ = ["box_of", "line_box_of", "one_point"]
+__all__ = ["BANDED", "BANDED_ELLIPSES", "box_of", "line_box_of", "one_point"]
 
-_LINE: Final = ("amplitude", "frequency", "drive_angle")
-_ELLIPSE: Final = ("along_amplitude", "normal_amplitude", "normal_phase", "frequency")
 _PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "trough_angle")
+#: What may be a band of a scene whose drive moves along a line.
+BANDED: Final = ("amplitude", "frequency", "drive_angle", *_PARTS)
+#: The same of one whose drive moves along an ellipse.
+BANDED_ELLIPSES: Final = ("along_amplitude", "normal_amplitude", "normal_phase", "frequency", *_PARTS)
 _RIGHT_ANGLE: Final = 0.5 * math.pi
 
 
@@ -62,8 +64,8 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
         It lists all that is wrong.
     """
     one_point(scene)
-    drive = _ELLIPSE if scene.amplitude is None else _LINE
-    known = [name for name in (*drive, *_PARTS) if name != leaves_out]
+    banded = BANDED_ELLIPSES if scene.amplitude is None else BANDED
+    known = [name for name in banded if name != leaves_out]
     problems = []
     given: dict[str, Span] = {}
     for name, band in bands.items():
@@ -82,7 +84,7 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
     if problems:
         raise SceneError(tuple(problems))
     fields = {name: float(value) for name, value in scene.arrays()._asdict().items()}
-    spans = {name: given.get(name, (fields.get(name, math.nan),) * 2) for name in (*drive, *_PARTS)}
+    spans = {name: given.get(name, (fields.get(name, math.nan),) * 2) for name in banded}
     is_ratio = "friction_ratio" in given
     parts: dict[str, Any] = {
         "trough_angle": spans["trough_angle"],
@@ -92,7 +94,7 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
         "gravity": fields["gravity"],
         "restitution": fields["restitution"],
     }
-    of_drive: dict[str, Any] = {name: spans[name] for name in drive}
+    of_drive: dict[str, Any] = {name: spans[name] for name in banded if name not in _PARTS}
     box = (EllipticalBox if scene.amplitude is None else Box)(**of_drive, **parts)
     if not is_ratio and spans["kinetic_friction"][0] > spans["static_friction"][1]:
         limit = f"<= static_friction = {spans['static_friction'][1]:.15g} somewhere in its band"

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.contact.limits import critical_loads
 from vibro.inverse.bands import box_of
 from vibro.inverse.boxes import Box
 from vibro.inverse.caps import back_slip_load, hop_load
@@ -24,6 +23,7 @@ from vibro.inverse.extremes import (
     steeper_is_slower,
     taken,
 )
+from vibro.limits import critical_loads
 from vibro.results.designs import Guarantee
 from vibro.scene import Scene
 
@@ -41,6 +41,7 @@ _BESIDE: Final = 1e-9  # [1] from there, where the speed is compared
 _JUMP: Final = 1e-6  # relative change of the speed that is a jump, not a slope
 _TOP: Final = 1e-10  # [1] to which the share of the fastest drive angle is found
 
+_AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude")
 # Loads at which the speed may jump; where back slip begins with its load, that is told.
 _JUMPS: Final = {
     "back_slip": "back slip begins",
@@ -198,20 +199,15 @@ def _place(scene: Scene) -> dict[str, float]:
 def _limit(extreme: Extreme) -> str:
     """Tell of which side a speed is the limit, where it jumps; empty where it does not."""
     at = _place(extreme.scene)
-    if "drive_angle" not in at:  # INTERIM
-        return ""
     load = float(np.ravel(extreme.scene.load)[0])
-    known = critical_loads(
-        *(at[f] for f in ("drive_angle", "static_friction", "kinetic_friction", "trough_angle"))
-    )
+    known = critical_loads(extreme.scene)
     for name, text in _JUMPS.items():
-        critical = float(getattr(known, name))
+        critical = float(np.ravel(getattr(known, name))[0])
         if not (math.isfinite(critical) and abs(load - critical) <= _NEAR * critical):
             continue
         beside = critical / load * (1.0 + _BESIDE * np.array([-1.0, 1.0]))
-        fields: dict[str, Any] = {**at, "amplitude": at["amplitude"] * beside}
-        scene = Scene(**fields)
-        below, above = speeds_of(scene, fast=False, flight=False)
+        fields: dict[str, Any] = {**at, **{field: at[field] * beside for field in _AMPLITUDES if field in at}}
+        below, above = speeds_of(Scene(**fields), fast=False, flight=False)
         if abs(above - below) > _JUMP * max(abs(above), abs(below)):
             is_above = abs(extreme.speed - above) < abs(extreme.speed - below)
             return f"from {'above' if is_above else 'below'} the load at which {text}"
