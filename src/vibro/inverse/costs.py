@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any, Final
 
 import numpy as np
 
 from vibro.core.contact.derivatives import displacement_gradient
 from vibro.core.groups import each
 from vibro.errors import Problem, SceneError
+from vibro.scene import Scene
 from vibro.steady import solve
 
-if TYPE_CHECKING:
-    from vibro.scene import Scene
-
 __all__ = ["speed_costs"]
+
+_STEP: Final = 1e-5  # [1, rad] of differences
+# Inputs of a scene with an elliptical drive, and whether each is an angle.
+_OF_ELLIPSES: Final = {
+    "along_amplitude": False, "normal_amplitude": False, "normal_phase": True, "frequency": False,
+    "static_friction": False, "kinetic_friction": False, "trough_angle": True,
+}  # fmt: skip
 
 
 def speed_costs(scene: Scene) -> dict[str, float]:
@@ -30,10 +35,11 @@ def speed_costs(scene: Scene) -> dict[str, float]:
     -------
     dict of str to float
         ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: for 1 % more
-        of it, d ln v / d ln x. ``trough_angle_deg``: for a climb steeper by 1 deg, since 1 % of an angle near
-        0 is nothing. Positive is faster, and faster backwards where the body is conveyed backwards. All are
-        NaN where there is no such number: the body rests, slides to and fro without being conveyed, hops, or
-        has no steady cycle [%].
+        of it, d ln v / d ln x; of an elliptical drive ``along_amplitude`` and ``normal_amplitude`` in place
+        of amplitude and drive angle. ``trough_angle_deg`` and ``normal_phase_deg``: for 1 deg more, since
+        1 % of an angle near 0 is nothing. Positive is faster, and faster backwards where the body is conveyed
+        backwards. All are NaN where there is no such number: the body rests, slides to and fro without being
+        conveyed, hops, or has no steady cycle [%].
 
     Raises
     ------
@@ -42,11 +48,13 @@ def speed_costs(scene: Scene) -> dict[str, float]:
 
     Notes
     -----
-    Closed form, Eq. (51). They hold within the pattern of the scene, not across the jumps where slip begins
-    or back slip enters.
+    Closed form, Eq. (51); of elliptical drives differences. They hold within the pattern of the scene, not
+    across the jumps where slip begins or back slip enters.
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+    if scene.amplitude is None:
+        return _differences(scene)
     cycle = solve(scene, flight=False)
     groups = each(scene.arrays().loads(), lambda group: np.reshape(group, 1))
     displacement = float(cycle.displacement_per_cycle / scene.scale) or math.nan
@@ -59,3 +67,19 @@ def speed_costs(scene: Scene) -> dict[str, float]:
         **{name: change[name] * float(getattr(scene, name)) for name in angles_and_frictions},
         "trough_angle_deg": 100.0 * math.radians(change["trough_angle"]),
     }
+
+
+def _differences(scene: Scene) -> dict[str, float]:
+    """Tell the same of an elliptical drive, by differences over steps within which the pattern stays."""
+    fields = {name: float(value) for name, value in scene.arrays()._asdict().items()}
+    costs = {}
+    for name, is_angle in _OF_ELLIPSES.items():
+        step = _STEP if is_angle else _STEP * fields[name]
+        values = fields[name] + step * np.array([-1.0, 0.0, 1.0])
+        beside: dict[str, Any] = {**fields, name: values}
+        cycle = solve(Scene.allowing_infeasible(**beside), flight=False)
+        low, middle, high = cycle.mean_velocity
+        is_smooth = middle != 0.0 and len(set(cycle.pattern_code.tolist())) == 1
+        slope = float((high - low) / (2.0 * _STEP * middle)) if is_smooth else math.nan
+        costs[name + "_deg" * is_angle] = 100.0 * math.radians(slope) if is_angle else slope
+    return costs

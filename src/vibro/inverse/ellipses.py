@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.inverse.boxes import Parts, inside
+from vibro.inverse.evolution import evolve, sobol
+from vibro.inverse.extremes import corners
+from vibro.limits import critical_loads
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
@@ -17,8 +20,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["EllipticalBodies", "EllipticalBox", "EllipticalPoints"]
+__all__ = ["EllipticalBodies", "EllipticalBox", "EllipticalPoints", "extreme_ratio"]
 
+_FIRST: Final = 5  # base-2 logarithm of the bodies looked at first, beside corners
+_GENERATIONS: Final = 60
+_SEED: Final = 1
 _SAME: Final = 6  # digits of shares in which bodies differ
 
 
@@ -111,3 +117,40 @@ class EllipticalBodies(NamedTuple):
         """Return the shares of all bodies in m boxes, of shape (axes, m, n)."""
         m = np.broadcast(*(end for span in boxes.spans for end in span)).shape[0]
         return np.repeat(self.shares[:, None, :], m, axis=1)
+
+
+def extreme_ratio(box: EllipticalBox, name: str, *, largest: bool) -> tuple[float, Floats]:
+    """Search a box for the largest, or the least load over the load at which something begins.
+
+    Parameters
+    ----------
+    box : EllipticalBox
+        A single box.
+    name : str
+        A field of ``CriticalLoads``.
+    largest : bool
+        Which of the two.
+
+    Returns
+    -------
+    ratio, shares : float, (axes, 1) array
+        The ratio, and where it is.
+    """
+    free = box.varies
+    side = -1.0 if largest else 1.0
+
+    def ratios(shares: Floats) -> Floats:
+        scene = box.scene(box.points(shares), fast=True)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(scene.load / getattr(critical_loads(scene), name))
+
+    def placed(x: Floats) -> Floats:
+        shares = np.zeros((len(box.axes), x.shape[1]))
+        shares[free] = x
+        return shares
+
+    best = np.zeros((0, 1))
+    if free.any():
+        first = np.hstack([corners(box)[free], sobol(int(free.sum()), _FIRST, _SEED)])
+        best, _ = evolve(lambda x: side * ratios(placed(x)), first, generations=_GENERATIONS, seed=_SEED)
+    return float(ratios(placed(best))[0]), placed(best)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.inverse.ellipses import EllipticalBodies
+from vibro.core.codes import Regime
+from vibro.inverse.ellipses import EllipticalBodies, extreme_ratio
 from vibro.inverse.elliptical_questions import EllipticalSetting
 from vibro.inverse.evolution import evolve, scatter, sobol
 from vibro.inverse.exchange import Effort, Exchange, Optimum
@@ -26,9 +27,11 @@ if TYPE_CHECKING:
 __all__ = ["EllipticalOptimiser"]
 
 _SEED: Final = 1
-_IN_CONTACT: Final = Effort(population=6, generations=120, margins=33, margin=1e-4, exchanges=6)
-_FLYING: Final = Effort(population=7, generations=3, margins=17, margin=1e-2, exchanges=1)
-_BOUNCING: Final = Effort(population=5, generations=1, margins=5, margin=1e-1, exchanges=1)  # they take long
+_IN_CONTACT: Final = Effort(population=5, generations=100, margins=33, margin=1e-4, scale=3e-2, exchanges=6)
+_FLYING: Final = Effort(population=7, generations=3, margins=17, margin=1e-2, scale=0.1, exchanges=1)
+_BOUNCING: Final = Effort(
+    population=5, generations=1, margins=5, margin=0.1, scale=0.3, exchanges=1
+)  # they take long
 _SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
 # Costs of settings that do not do it, each worse than the one before: [1] over loads and speeds.
 _SLOW: Final = 1e6
@@ -56,11 +59,23 @@ class EllipticalOptimiser(Exchange):
         super().__init__(question, effort, EllipticalBodies(corners(one)))
         self._checked = question.highest
 
+    def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
+        """Look for the body that slips back first, too, where none may."""
+        slower = super().finds_slower(optimum, scale)
+        if self._checked is not Regime.FORWARD_SLIP:
+            return slower
+        box = self._question.boxes(optimum.setting, scale)
+        ratio, shares = extreme_ratio(box, "back_slip", largest=True)
+        known = self._bodies.shares.shape[1]
+        if ratio > 1.0:
+            self._bodies = self._bodies.joined(box, shares)
+        return bool(slower or self._bodies.shares.shape[1] > known)
+
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
         """Return the fastest setting for the bodies looked at."""
 
         def cost(setting: EllipticalSetting, shares: Floats) -> Floats:
-            speeds = self._least(setting, scale)
+            speeds = self.least(setting, scale)
             return np.where(
                 speeds == 0.0, _RESTS - shares, np.where(np.isinf(speeds), _FORBIDDEN + shares, -speeds)
             )
@@ -74,7 +89,7 @@ class EllipticalOptimiser(Exchange):
         """Return the setting of least load that reaches a speed, for the bodies looked at."""
 
         def cost(setting: EllipticalSetting, shares: Floats) -> Floats:
-            speeds = self._least(setting, 1.0)
+            speeds = self.least(setting, 1.0)
             slow = np.where(np.isinf(speeds), _FORBIDDEN + shares, _SLOW * (2.0 - speeds / target))
             return np.where(speeds >= target, self._question.load(setting), slow)
 
@@ -85,7 +100,7 @@ class EllipticalOptimiser(Exchange):
         if least >= _SLOW:
             return None
         columns = EllipticalSetting(*(np.array([x]) for x in setting))
-        return Optimum(setting, float(self._least(columns, 1.0)[0]))
+        return Optimum(setting, float(self.least(columns, 1.0)[0]))
 
     def _best(
         self,

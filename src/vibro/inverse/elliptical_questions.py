@@ -10,7 +10,8 @@ import numpy as np
 
 from vibro.inverse.ellipses import EllipticalBox
 from vibro.inverse.extremes import counted
-from vibro.inverse.questions import MOST_THROW, Asked, off
+from vibro.inverse.questions import MOST_THROW, Asked, Question, off
+from vibro.inverse.specs import Drive
 from vibro.limits import stays_upright
 from vibro.scene import Scene
 from vibro.steady import solve
@@ -18,12 +19,13 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from vibro.core.codes import Regime
     from vibro.inverse.ellipses import EllipticalBodies
-    from vibro.inverse.specs import EllipticalDrive, Span
+    from vibro.inverse.specs import AnyDrive, EllipticalDrive, Span, Spec
 
     Floats = NDArray[np.float64]
 
-__all__ = ["EllipticalQuestion", "EllipticalSetting"]
+__all__ = ["AnyQuestion", "EllipticalQuestion", "EllipticalSetting", "question_of"]
 
 #: By which a motion stays below one that is not to be exceeded, so that no rounding brings it over that.
 _BESIDE: Final = 1e-12
@@ -71,7 +73,7 @@ class EllipticalQuestion(Asked):
         return Scene.allowing_infeasible(**setting._asdict(), **known).load
 
     def most_throw(self, frequency: Floats, scale: float) -> Floats:
-        """Largest nominal amplitude normal to the trough: up to the hop, or to the last throw number sought."""
+        """Largest nominal amplitude normal to the trough: up to the hop, or the last throw number sought."""
         drift, (low, high) = self.spec.drift, self.parts(scale)["trough_angle"]
         factor = (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** 2
         weight = self.spec.gravity * np.minimum(np.cos(low), np.cos(high)) / (2.0 * np.pi * frequency) ** 2
@@ -88,12 +90,9 @@ class EllipticalQuestion(Asked):
         if math.isinf(self.drive.acceleration):
             return np.full(np.shape(reach), np.inf)
         share = np.minimum(normal_amplitude / reach, 1.0)
+        sine = share * np.sin(phase)
         with np.errstate(divide="ignore", invalid="ignore"):
-            rest = (
-                (1.0 - share)
-                * (1.0 + share)
-                / ((1.0 - share * np.sin(phase)) * (1.0 + share * np.sin(phase)))
-            )
+            rest = (1.0 - share) * (1.0 + share) / ((1.0 - sine) * (1.0 + sine))
         # upright where the normal amplitude takes it all
         most = reach * np.sqrt(np.nan_to_num(rest, nan=0.0)) * (1.0 - _BESIDE)
         return np.where(normal_amplitude <= reach, most, 0.0)
@@ -126,3 +125,13 @@ class EllipticalQuestion(Asked):
     def ranges(self) -> tuple[Span, ...]:
         """All choices of frequency."""
         return self.drive.frequency
+
+
+AnyQuestion = Question | EllipticalQuestion
+
+
+def question_of(spec: Spec, drive: AnyDrive, highest: Regime) -> AnyQuestion:
+    """Return what is asked of a drive within a regime."""
+    if isinstance(drive, Drive):
+        return Question(spec, drive, highest)
+    return EllipticalQuestion(spec, drive, highest)

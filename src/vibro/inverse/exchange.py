@@ -47,8 +47,8 @@ class Effort:
         logarithm.
     margins : int
         Margins of one setting looked at at once.
-    margin : float
-        To which margins are found.
+    margin, scale : float
+        To which margins are found, and the scale at which the safest setting is the fastest one.
     exchanges : int
         How often slower bodies are looked for.
     """
@@ -57,6 +57,7 @@ class Effort:
     generations: int
     margins: int
     margin: float
+    scale: float
     exchanges: int
 
 
@@ -114,7 +115,7 @@ class Exchange(ABC):
         found = None
         for _ in range(self._effort.exchanges):
             found, scale = self._safest(target)
-            if found is None or not self._slower(found, scale):
+            if found is None or not self.finds_slower(found, scale):
                 break
         return found
 
@@ -135,7 +136,7 @@ class Exchange(ABC):
         if surplus(MOST_MARGIN) < 0.0:
             from scipy.optimize import brentq  # late: it takes a fifth of a second to load
 
-            brentq(surplus, 1.0, MOST_MARGIN, xtol=self._effort.margin, maxiter=_STEPS, disp=False)
+            brentq(surplus, 1.0, MOST_MARGIN, xtol=self._effort.scale, maxiter=_STEPS, disp=False)
         widest = max(holds)
         return holds[widest], widest
 
@@ -146,7 +147,7 @@ class Exchange(ABC):
         """
         margin = self._margin(setting, target)
         for _ in range(self._effort.exchanges):
-            if not margin or not self._slower(Optimum(setting, target), margin):
+            if not margin or not self.finds_slower(Optimum(setting, target), margin):
                 break
             margin = self._margin(setting, target)
         return margin
@@ -156,7 +157,7 @@ class Exchange(ABC):
         while high - low > self._effort.margin:
             scales = np.linspace(low, high, self._effort.margins)
             many = setting._make(np.full(scales.size, float(x)) for x in setting)
-            holds = self._holds(many, scales) & (self._least(many, scales) >= target)
+            holds = self._holds(many, scales) & (self.least(many, scales) >= target)
             fails = np.flatnonzero(~holds)
             if not fails.size:
                 return high
@@ -168,25 +169,26 @@ class Exchange(ABC):
     def holds(self, setting: Any, target: float) -> bool:
         """Tell whether the bodies looked at reach a speed at a setting, within the regime."""
         one = setting._make(np.array([float(x)]) for x in setting)
-        return bool(self._holds(one, 1.0)[0] and self._least(one, 1.0)[0] >= target)
+        return bool(self._holds(one, 1.0)[0] and self.least(one, 1.0)[0] >= target)
 
     def _holds(self, setting: Any, scale: Floats | float) -> NDArray[np.bool_]:
         """Tell whether settings keep to the regime, as far as that is known before bodies are looked at."""
         return np.ones(np.broadcast_shapes(np.shape(setting[0]), np.shape(scale)), np.bool_)
 
-    def _least(self, setting: Any, scale: Floats | float) -> Floats:
+    def least(self, setting: Any, scale: Floats | float) -> Floats:
+        """Least speeds of the bodies looked at, at settings [m/s]."""
         return least_of(self._question.speeds(setting, self._bodies, scale))
 
     def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
         """Find an optimum again until no body is slower there than those looked at."""
         found = best()
         for _ in range(self._effort.exchanges):
-            if found is None or not self._slower(found, scale):
+            if found is None or not self.finds_slower(found, scale):
                 break
             found = best()
         return found
 
-    def _slower(self, optimum: Optimum, scale: float) -> bool:
+    def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
         """Look for a body that is slower at an optimum than those looked at; look at it from now on."""
         box = self._question.boxes(optimum.setting, scale)
         slowest = bound(box, fast=False, seen=Seen(), seeds=1, highest=self._checked).extreme

@@ -11,9 +11,9 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
-from vibro.inverse.designs import nominal_scene
 from vibro.inverse.extremes import corners, counted
 from vibro.inverse.questions import Question, Setting
+from vibro.inverse.rows import nominal_scene
 from vibro.quantities import LENGTH, SPEED
 from vibro.results.designs import SettingFields, SpeedBand
 from vibro.steady import solve
@@ -91,7 +91,7 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     boxes = question.boxes(Setting(amplitudes[:, None], frequency, angle))
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (counted(solve(boxes.scene(points, fast=which)), fast=which) for which in (False, True))
-    middle = nominal_scene(spec, Setting(amplitudes, frequency, angle))
+    middle = nominal_scene(question, Setting(amplitudes, frequency, angle))
     design = chosen.design
     window = design.amplitude_low_mm, design.amplitude_high_mm
     return SpeedBand(

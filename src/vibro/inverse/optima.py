@@ -62,17 +62,17 @@ class _Effort(Effort):
 
 
 _IN_CONTACT: Final = _Effort(
-    angles=65, rounds=9, loads=129, population=6, generations=80, climbs=5, steps=60, margins=33, margin=1e-6,
-    exchanges=8,
+    angles=65, rounds=9, loads=129, population=6, generations=80, climbs=5, steps=60, margins=33,
+    margin=1e-6, scale=1e-6, exchanges=8,
 )  # fmt: skip
 _FLYING: Final = _Effort(
-    angles=33, rounds=3, loads=65, population=8, generations=3, climbs=1, steps=30, margins=33, margin=1e-3,
-    exchanges=2,
+    angles=33, rounds=3, loads=65, population=8, generations=3, climbs=1, steps=30, margins=33,
+    margin=1e-3, scale=1e-3, exchanges=2,
 )  # fmt: skip
 # impacts that are not plastic take long
 _BOUNCING: Final = _Effort(
-    angles=9, rounds=1, loads=17, population=7, generations=2, climbs=0, steps=12, margins=9, margin=3e-2,
-    exchanges=1,
+    angles=9, rounds=1, loads=17, population=7, generations=2, climbs=0, steps=12, margins=9,
+    margin=3e-2, scale=3e-2, exchanges=1,
 )  # fmt: skip
 
 _SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
@@ -137,7 +137,7 @@ class Optimiser(Exchange):
         setting = self._question.setting(loads, choice.frequency, angles)
         low, high = self._reach(choice)
         inside = (loads >= low * (1.0 - _BESIDE)) & (loads <= high * (1.0 + _BESIDE)) & (loads > 0.0)
-        return np.where(inside, self._least(setting, scale), -np.inf)
+        return np.where(inside, self.least(setting, scale), -np.inf)
 
     def _fastest_at_the_top(self, choice: Range, scale: float, generations: int) -> Optimum:
         """Search the drive angle alone: the speed rises with the load up to where it must end."""
@@ -169,7 +169,7 @@ class Optimiser(Exchange):
         def speed(x: Floats) -> Floats:
             loads, tops, setting = placed(x)
             possible = (tops > 0.0) & (loads >= least * (1.0 - _BESIDE))
-            return np.where(possible, self._least(setting, scale), -np.inf)
+            return np.where(possible, self.least(setting, scale), -np.inf)
 
         def cost(x: Floats) -> Floats:
             speeds = speed(x)

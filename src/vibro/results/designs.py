@@ -112,29 +112,41 @@ class Design:
     amplitude_mm: float | None = _optional("mm", "nominal amplitude")
     frequency_hz: float | None = _optional("Hz", "nominal frequency")
     drive_angle_deg: float | None = _optional("deg", "nominal drive angle")
+    along_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse along the trough")
+    normal_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse normal to it")
+    normal_phase_deg: float | None = _optional("deg", "nominal phase by which the latter leads")
     acceleration_g: float | None = _optional("g", "nominal peak acceleration of the drive over gravity")
     speed_min_mm_s: float | None = _optional("mm/s", "guaranteed speed")
     speed_nominal_mm_s: float | None = _optional("mm/s", "speed in the middle of all bands")
     speed_max_mm_s: float | None = _optional("mm/s", "speed that no part exceeds")
     traverse_time_max_s: float | None = _optional("s", "trough length over the guaranteed speed")
-    amplitude_low_mm: float | None = _optional("mm", "from this nominal amplitude on the guarantee holds")
-    amplitude_high_mm: float | None = _optional("mm", "up to this nominal amplitude the guarantee holds")
+    amplitude_low_mm: float | None = _optional(
+        "mm", "from this nominal amplitude, or that along the trough, on the guarantee holds"
+    )
+    amplitude_high_mm: float | None = _optional(
+        "mm", "up to this nominal amplitude, or that along the trough, the guarantee holds"
+    )
     low_set_by: str | None = _optional("", "what ends it below")
     high_set_by: str | None = _optional("", "what ends it above")
     margin: float | None = _optional("", "factor by which all bands and drifts may grow about their middles")
     throw_number_max: float | None = _optional("", "largest throw number in the box")
     set_by: str | None = _optional("", "what keeps the design from being better")
     frequency_needed_hz: float | None = _optional("Hz", "frequency of the nearest drive that meets the goal")
-    amplitude_needed_mm: float | None = _optional("mm", "its amplitude")
+    amplitude_needed_mm: float | None = _optional("mm", "its amplitude, or that along the trough")
     proof: str | None = _optional("", "corners, searched or sampled")
     coexists: bool | None = _optional("", "whether some disturbed part of the box can settle elsewhere")
     excluded: int | None = _optional("", "sampled points without a speed, left out")
 
 
-#: The columns of a table of designs, in order.
+#: The columns of a table of designs, in order, of all kinds of drives.
 DESIGN_COLUMNS: Final = tuple(
     DesignColumn(f.name, f.metadata["unit"], f.metadata["meaning"]) for f in fields(Design)
 )
+
+
+_OF_LINES: Final = ("amplitude_mm", "drive_angle_deg")
+_OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg")
+_OF_DRIVES: Final = _OF_LINES + _OF_ELLIPSES
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,9 +164,17 @@ class DesignResult:
     met: bool
     designs: tuple[Design, ...]
 
+    @property
+    def columns(self) -> tuple[DesignColumn, ...]:
+        """Columns of its table: of lines and of ellipses those that some design has."""
+        used = {name for d in self.designs for name in _OF_DRIVES if getattr(d, name) is not None}
+        if not used & set(_OF_ELLIPSES):  # where there is no design, as for lines
+            used |= set(_OF_LINES)
+        return tuple(c for c in DESIGN_COLUMNS if c.name in used or c.name not in _OF_DRIVES)
+
     def to_dict(self) -> dict[str, Any]:
         """Return what ``vibro design --json`` prints."""
-        designs = [{f.name: getattr(d, f.name) for f in fields(d)} for d in self.designs]
+        designs = [{c.name: getattr(d, c.name) for c in self.columns} for d in self.designs]
         return {"met": self.met, "designs": designs}
 
 
