@@ -11,14 +11,12 @@ from vibro.cli.console import Console
 from vibro.cli.options import FormatOption, Options, picture_formats
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.figure import Figure
 
     from vibro.files.tables import TableColumns
     from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Spec
-    from vibro.results.designs import Design, DesignResult
+    from vibro.results.designs import DesignResult
 
 __all__ = ["NOT_MET", "design_command"]
 
@@ -35,7 +33,7 @@ def design_command(
     """Find drive settings that convey every part at least as fast as asked for, whatever its friction.
 
     The question says what is known of the parts and the trough, as bands lo:hi, what each drive can do and
-    may drift, and the goal. For every drive and highest regime there are three designs: the gentlest that
+    may drift, and the goal. A drive moves along a line, or along an ellipse with a phase. For every drive and highest regime there are three designs: the gentlest that
     meets the goal, the fastest, and the safest. With -o they go to STEM.csv and STEM.json too, and there are
     pictures of one of them. The exit code is 4 if no drive meets the goal: what comes closest is printed.
     """
@@ -63,7 +61,7 @@ def design_command(
             result = find_designs(spec, lambda done, total: report(_STEPS * done // max(total, 1)))
         chosen = chosen_of(spec, result)
         output.write(
-            lambda: {"": _columns(result.designs)},
+            lambda: {"": _columns(result)},
             lambda: _figures(spec, chosen),
             _content(source, result) if options.output else {},
         )
@@ -72,15 +70,13 @@ def design_command(
     return 0 if result.met else NOT_MET
 
 
-def _columns(designs: Sequence[Design]) -> TableColumns:
+def _columns(result: DesignResult) -> TableColumns:
     """Return the table: texts as they are, numbers with NaN where there is none."""
     import numpy as np
 
-    from vibro.results.designs import DESIGN_COLUMNS
-
     columns: dict[str, Any] = {}
-    for column in DESIGN_COLUMNS:
-        values = [getattr(design, column.name) for design in designs]
+    for column in result.columns:
+        values = [getattr(design, column.name) for design in result.designs]
         texts = any(isinstance(value, str) for value in values)
         columns[column.name] = [v or "" for v in values] if texts else np.array(values, np.float64)
     return columns
@@ -99,7 +95,6 @@ def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
 def _content(source: Path, result: DesignResult) -> dict[str, Any]:
     """Return what the sidecar says: the question as it was asked, and its answer."""
     from vibro.files.toml_files import read_toml
-    from vibro.results.designs import DESIGN_COLUMNS
 
-    units = {column.name: column.unit for column in DESIGN_COLUMNS}
+    units = {column.name: column.unit for column in result.columns}
     return {"spec": read_toml(source), **result.to_dict(), "columns": units}

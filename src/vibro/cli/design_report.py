@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Final
 
 from vibro.cli.report import aligned, bound, number
 from vibro.core.codes import Regime
+from vibro.inverse.specs import EllipticalDrive
 from vibro.quantities import LENGTH, QUANTITIES, SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import Drive, Spec
+    from vibro.inverse.specs import AnyDrive, Spec
     from vibro.results.designs import Design, DesignResult
 
 __all__ = ["design_report"]
@@ -21,12 +22,20 @@ __all__ = ["design_report"]
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 _NEARLY: Final = 0.999  # throw number of a setting that is about to hop
 _NONE: Final = "-"
+# Heads of a setting, by its columns.
+_OF_LINES: Final = {
+    "amplitude_mm": ("amplitude", "[mm]"),
+    "frequency_hz": ("frequency", "[Hz]"),
+    "drive_angle_deg": ("angle", "[deg]"),
+}
+_OF_ELLIPSES: Final = {
+    "along_amplitude_mm": ("along", "[mm]"),
+    "normal_amplitude_mm": ("normal", "[mm]"),
+    "normal_phase_deg": ("phase", "[deg]"),
+    "frequency_hz": ("frequency", "[Hz]"),
+}
 _HEADS: Final = tuple(
     zip(
-        ("", ""),
-        ("amplitude", "[mm]"),
-        ("frequency", "[Hz]"),
-        ("angle", "[deg]"),
         ("accel.", "[g]"),
         ("guaranteed", "[mm/s]"),
         ("nominal", "[mm/s]"),
@@ -37,6 +46,7 @@ _HEADS: Final = tuple(
         strict=True,
     )
 )
+_ELLIPTICAL: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
 _MOST_MARGIN: Final = 10.0
 # What happens beyond the end of a window of amplitudes.
 _BEYOND: Final[Mapping[str, str]] = {
@@ -83,7 +93,7 @@ def design_report(spec: Spec, result: DesignResult, chosen: Chosen | None) -> st
 
 
 def _question(spec: Spec, result: DesignResult) -> str:
-    met = [d.drive for d in _of(result, "gentlest", spec.goal.highest_regime) if d.amplitude_mm is not None]
+    met = [d.drive for d in _of(result, "gentlest", spec.goal.highest_regime) if d.frequency_hz is not None]
     facts = [
         ("goal", _goal(spec)),
         ("met by", ", ".join(met) or "no drive"),
@@ -143,6 +153,7 @@ def _drift(spec: Spec) -> list[str]:
         "frequency": (100.0 * drift.frequency, "%"),
         "drive angle": (math.degrees(drift.drive_angle), "deg"),
         "trough angle": (math.degrees(drift.trough_angle), "deg"),
+        "phase": (math.degrees(drift.normal_phase), "deg"),
     }
     return [f"{name} +- {number(size, unit)}" for name, (size, unit) in sizes.items() if size]
 
@@ -163,7 +174,11 @@ def _closest(spec: Spec, result: DesignResult) -> str:
         needed = _NONE
         if design.frequency_needed_hz is not None and design.amplitude_needed_mm is not None:
             frequency, amplitude = _exact(design.frequency_needed_hz), _exact(design.amplitude_needed_mm)
-            needed = f"{frequency} Hz, {amplitude} mm at {_exact(design.drive_angle_deg)} deg"
+            needed = f"{frequency} Hz, {amplitude} mm"
+            if design.drive_angle_deg is not None:
+                needed += f" at {_exact(design.drive_angle_deg)} deg"
+            else:
+                needed += f" along, the rest in proportion, at {_exact(design.normal_phase_deg)} deg"
         reached = [_least(design), design.set_by or _NONE, *(_least(other[design.drive]) for other in others)]
         rows.append((design.drive, *reached, needed))
     return aligned(rows)
@@ -174,10 +189,15 @@ def _least(design: Design) -> str:
     return "nothing" if speed is None else bound(speed, SPEED.unit, upper=False)
 
 
-def _table(drive: Drive, spec: Spec, result: DesignResult) -> str:
+def _table(drive: AnyDrive, spec: Spec, result: DesignResult) -> str:
     designs = [d for d in result.designs if d.drive == drive.name]
-    lines = iter(aligned([*_HEADS, *map(_row, designs)]).splitlines())
-    written = [_limits(drive), *(next(lines) for _ in _HEADS)]
+    setting = _OF_ELLIPSES if isinstance(drive, EllipticalDrive) else _OF_LINES
+    heads = [
+        ("", *first, *others)
+        for first, others in zip(zip(*setting.values(), strict=True), _HEADS, strict=True)
+    ]
+    lines = iter(aligned([*heads, *(_row(design, setting) for design in designs)]).splitlines())
+    written = [_limits(drive), *(next(lines) for _ in heads)]
     regime = ""
     for design, line in zip(designs, lines, strict=True):
         if design.highest_regime != regime:
@@ -192,13 +212,17 @@ def _regime(label: str) -> Regime:
     return next(regime for regime in _REGIMES if regime.label == label)
 
 
-def _limits(drive: Drive) -> str:
+def _limits(drive: AnyDrive) -> str:
     """Say what a drive can do."""
-    low, high = drive.amplitude
-    parts = [
-        _span("amplitude", (low, high)) if low else f"amplitude up to {number(LENGTH.from_si(high), 'mm')}"
-    ]
-    for name, spans in (("frequency", drive.frequency), ("drive_angle", drive.drive_angle)):
+    choices = {"frequency": drive.frequency}
+    if isinstance(drive, EllipticalDrive):
+        parts = [_span(name, getattr(drive, name)) for name in _ELLIPTICAL]
+    else:
+        low, high = drive.amplitude
+        most = f"amplitude up to {number(LENGTH.from_si(high), 'mm')}"
+        parts = [_span("amplitude", (low, high)) if low else most]
+        choices["drive_angle"] = drive.drive_angle
+    for name, spans in choices.items():
         label = QUANTITIES[name].label
         parts.append(f"{label} {' or '.join(_span(name, span).removeprefix(f'{label} ') for span in spans)}")
     if math.isfinite(drive.acceleration):
@@ -206,11 +230,10 @@ def _limits(drive: Drive) -> str:
     return f"{drive.name}: {', '.join(parts)}"
 
 
-def _row(design: Design) -> tuple[str, ...]:
-    settings = (design.amplitude_mm, design.frequency_hz, design.drive_angle_deg)
+def _row(design: Design, setting: Iterable[str]) -> tuple[str, ...]:
     return (
         f"  {design.design}",
-        *map(_exact, settings),
+        *(_exact(getattr(design, name)) for name in setting),
         _rounded(design.acceleration_g, upper=True),
         _rounded(design.speed_min_mm_s, upper=False),
         _NONE if design.speed_nominal_mm_s is None else number(design.speed_nominal_mm_s),
@@ -231,14 +254,23 @@ def _rounded(value: float | None, *, upper: bool) -> str:
 
 def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
     design = chosen.design
-    setting = f"{_exact(design.amplitude_mm)} mm, {_exact(design.frequency_hz)} Hz, "
-    setting += f"{_exact(design.drive_angle_deg)} deg"
+    if design.drive_angle_deg is not None:
+        setting = f"{_exact(design.amplitude_mm)} mm, {_exact(design.frequency_hz)} Hz, "
+        setting += f"{_exact(design.drive_angle_deg)} deg"
+    else:
+        setting = (
+            f"{_exact(design.along_amplitude_mm)} mm along, {_exact(design.normal_amplitude_mm)} mm normal, "
+        )
+        setting += f"{_exact(design.normal_phase_deg)} deg, {_exact(design.frequency_hz)} Hz"
     facts = [
         (
             "chosen" if met else "closest",
             f"{design.drive}, {design.design} with {_at_most(_regime(design.highest_regime))}: {setting}",
         ),
-        ("amplitude", _window(design)),
+        (
+            "amplitude" if design.amplitude_mm is not None else "along, the rest in proportion",
+            _window(design),
+        ),
         ("margin", _margin(spec, design)),
     ]
     if design.traverse_time_max_s is not None:
@@ -270,7 +302,7 @@ def _window(design: Design) -> str:
         return "none keeps the goal"
     below, above = (_BEYOND.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
     # rounded inwards, but not past the design itself
-    own = design.amplitude_mm or low
+    own = design.amplitude_mm or design.along_amplitude_mm or low
     first = _exact(own) if float(bound(low, upper=True)) > own else bound(low, upper=True)
     last = _exact(own) if float(bound(high, upper=False)) < own else bound(high, upper=False)
     ends = f"{first} ... {last} mm"
