@@ -33,9 +33,10 @@ def design_command(
     """Find drive settings that convey every part at least as fast as asked for, whatever its friction.
 
     The question says what is known of the parts and the trough, as bands lo:hi, what each drive can do and
-    may drift, and the goal. A drive moves along a line, or along an ellipse with a phase. For every drive and highest regime there are three designs: the gentlest that
-    meets the goal, the fastest, and the safest. With -o they go to STEM.csv and STEM.json too, and there are
-    pictures of one of them. The exit code is 4 if no drive meets the goal: what comes closest is printed.
+    may drift, and the goal. Drives move along a line or an ellipse. For every drive and highest regime there
+    are three designs: the gentlest that meets the goal, the fastest, and the safest. With -o they go to
+    STEM.csv and STEM.json too, and there are pictures of one of them. The exit code is 4 if no drive meets
+    the goal: what comes closest is printed.
     """
     from vibro.cli.design_report import design_report
     from vibro.cli.series import SeriesOutput

@@ -267,10 +267,7 @@ def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
             "chosen" if met else "closest",
             f"{design.drive}, {design.design} with {_at_most(_regime(design.highest_regime))}: {setting}",
         ),
-        (
-            "amplitude" if design.amplitude_mm is not None else "along, the rest in proportion",
-            _window(design),
-        ),
+        ("amplitude", _window(design)),
         ("margin", _margin(spec, design)),
     ]
     if design.traverse_time_max_s is not None:
@@ -302,10 +299,11 @@ def _window(design: Design) -> str:
         return "none keeps the goal"
     below, above = (_BEYOND.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
     # rounded inwards, but not past the design itself
-    own = design.amplitude_mm or design.along_amplitude_mm or low
+    own = design.nominal_mm or low
     first = _exact(own) if float(bound(low, upper=True)) > own else bound(low, upper=True)
     last = _exact(own) if float(bound(high, upper=False)) < own else bound(high, upper=False)
-    ends = f"{first} ... {last} mm"
+    along = "" if design.amplitude_mm else " along, the normal one in proportion,"
+    ends = f"{first} ... {last} mm{along}"
     return f"{ends} keep the goal; below, {below}; above, {above}"
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
 from vibro.inverse.costs import speed_costs
-from vibro.inverse.ellipses import EllipticalBox, extreme_ratio
+from vibro.inverse.ellipses import EllipticalBox, critical, extreme_ratio
 from vibro.inverse.elliptical_questions import question_of
 from vibro.inverse.elliptical_rows import EllipticalRows, ellipse_of
 from vibro.inverse.line_rows import LineRows
@@ -152,8 +152,8 @@ def _loads(box: Box | EllipticalBox) -> dict[str, float]:
     with np.errstate(divide="ignore"):
         hops = most / float(hop_load(box))
         if isinstance(box, EllipticalBox):
-            slips_back = extreme_ratio(box, "back_slip", largest=True)[0]
-            starts = extreme_ratio(box, "forward_onset", largest=False)[0]
+            slips_back = extreme_ratio(box, critical("back_slip"), largest=True)[0]
+            starts = extreme_ratio(box, critical("forward_onset"), largest=False)[0]
         else:
             slips_back, starts = most / float(back_slip_load(box)), least / float(onset_load(box))
     return {

@@ -14,13 +14,15 @@ from vibro.limits import critical_loads
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from vibro.inverse.boxes import Ends
 
     Floats = NDArray[np.float64]
 
-__all__ = ["EllipticalBodies", "EllipticalBox", "EllipticalPoints", "extreme_ratio"]
+__all__ = ["EllipticalBodies", "EllipticalBox", "EllipticalPoints", "critical", "extreme_ratio"]
 
 _FIRST: Final = 5  # base-2 logarithm of the bodies looked at first, beside corners
 _GENERATIONS: Final = 60
@@ -119,15 +121,26 @@ class EllipticalBodies(NamedTuple):
         return np.repeat(self.shares[:, None, :], m, axis=1)
 
 
-def extreme_ratio(box: EllipticalBox, name: str, *, largest: bool) -> tuple[float, Floats]:
+def critical(name: str) -> Callable[[Scene], Floats]:
+    """Return what tells the load of scenes at which something begins: a field of ``CriticalLoads``."""
+
+    def load(scene: Scene) -> Floats:
+        return np.asarray(getattr(critical_loads(scene), name))
+
+    return load
+
+
+def extreme_ratio(
+    box: EllipticalBox, critical_load: Callable[[Scene], Floats], *, largest: bool
+) -> tuple[float, Floats]:
     """Search a box for the largest, or the least load over the load at which something begins.
 
     Parameters
     ----------
     box : EllipticalBox
         A single box.
-    name : str
-        A field of ``CriticalLoads``.
+    critical_load : callable
+        Returns that load of scenes.
     largest : bool
         Which of the two.
 
@@ -142,7 +155,7 @@ def extreme_ratio(box: EllipticalBox, name: str, *, largest: bool) -> tuple[floa
     def ratios(shares: Floats) -> Floats:
         scene = box.scene(box.points(shares), fast=True)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(scene.load / getattr(critical_loads(scene), name))
+            return np.asarray(scene.load / critical_load(scene))
 
     def placed(x: Floats) -> Floats:
         shares = np.zeros((len(box.axes), x.shape[1]))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.inverse.ellipses import EllipticalBodies, extreme_ratio
+from vibro.inverse.ellipses import EllipticalBodies, critical, extreme_ratio
 from vibro.inverse.elliptical_questions import EllipticalSetting
 from vibro.inverse.evolution import evolve, scatter, sobol
 from vibro.inverse.exchange import Effort, Exchange, Optimum
@@ -65,7 +65,7 @@ class EllipticalOptimiser(Exchange):
         if self._checked is not Regime.FORWARD_SLIP:
             return slower
         box = self._question.boxes(optimum.setting, scale)
-        ratio, shares = extreme_ratio(box, "back_slip", largest=True)
+        ratio, shares = extreme_ratio(box, critical("back_slip"), largest=True)
         known = self._bodies.shares.shape[1]
         if ratio > 1.0:
             self._bodies = self._bodies.joined(box, shares)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.inverse.ellipses import extreme_ratio
+from vibro.inverse.ellipses import critical, extreme_ratio
 from vibro.inverse.elliptical_optima import EllipticalOptimiser
 from vibro.inverse.elliptical_questions import EllipticalQuestion, EllipticalSetting
 from vibro.inverse.exchange import MOST_MARGIN, Optimum
@@ -44,6 +44,7 @@ _JUMP: Final = 1e-4  # of the speed, that is a jump over a relative distance of 
 class EllipticalRows(Rows):
     """The designs of an elliptical drive within one regime; the parameters are those of ``Rows``."""
 
+    _gentlest_above = "limit"
     _columns = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", "frequency_hz")
     _question: EllipticalQuestion
     _optimiser: EllipticalOptimiser
@@ -91,7 +92,9 @@ class EllipticalRows(Rows):
             return False
         if self._question.highest is not Regime.FORWARD_SLIP:
             return True
-        return extreme_ratio(self._question.boxes(found.setting), "back_slip", largest=True)[0] <= 1.0
+        return (
+            extreme_ratio(self._question.boxes(found.setting), critical("back_slip"), largest=True)[0] <= 1.0
+        )
 
     def _limit(self, found: Found, scale: float) -> str:
         """Tell what keeps a setting from being better with bands of a scale."""

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from itertools import product
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.core.contact.limits import critical_loads
+from vibro.inverse.boxes import Box
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
+from vibro.inverse.ellipses import critical, extreme_ratio
+from vibro.inverse.elliptical_questions import EllipticalSetting, question_of
 from vibro.inverse.extremes import corners, counted
-from vibro.inverse.questions import Question, Setting
+from vibro.inverse.questions import Setting
 from vibro.inverse.rows import nominal_scene
+from vibro.inverse.specs import Drive
+from vibro.limits import tipping_load
 from vibro.quantities import LENGTH, SPEED
 from vibro.results.designs import SettingFields, SpeedBand
 from vibro.steady import solve
@@ -21,8 +26,9 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Box
+    from vibro.inverse.boxes import Parts
     from vibro.inverse.designs import Chosen
+    from vibro.inverse.ellipses import EllipticalBox
     from vibro.inverse.specs import Spec
 
     Floats = NDArray[np.float64]
@@ -36,6 +42,11 @@ _LEAST: Final = 0.05  # of the largest amplitude, where pictures begin
 _BELOW: Final = 0.5  # of the chosen amplitude, where they begin at the latest
 _BESIDE: Final = 1e-9  # relative distance from a load at which numbers jump
 _LEVELS: Final = (0.0, 0.5, 1.0)  # shares of every band, of the bodies that pictures look at
+_CRITICAL: Final = {
+    Regime.FORWARD_SLIP: "forward_onset",
+    Regime.BACK_SLIP: "back_slip",
+    Regime.HOPPING: "hop",
+}
 _MOST: Final = 4  # bands; of more the corners alone are looked at
 
 
@@ -45,29 +56,32 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
     The slowest of some bodies of the box stands for the slowest: pictures show lines, and tables what was
     searched.
     """
-    question = Question(spec, chosen.drive, Regime.HOPPING)
-    largest, (amplitude, _, angle) = chosen.drive.amplitude[1], chosen.setting
-    amplitudes = min(_LEAST * largest, _BELOW * amplitude), _BEYOND * largest
+    question, setting = question_of(spec, chosen.drive, Regime.HOPPING), chosen.setting
+    limits = _limits(chosen)
+    amplitudes = min(_LEAST * limits[1], _BELOW * setting[0]), _BEYOND * limits[1]
     ends = [end for span in chosen.drive.frequency for end in span]
     frequencies = min(ends) / _BEYOND, max(ends) * _BEYOND
     unit = spec.gravity / (2.0 * math.pi) ** 2  # [m] of load 1 at 1 Hz
-    box = question.boxes(Setting(unit, 1.0, angle))
+    box: Any = question.boxes(_at(setting, unit, 1.0))
     begins = _begins(box)
-    low, high = (
-        float(question.load(Setting(a, f, angle))) for a, f in zip(amplitudes, frequencies, strict=True)
-    )
-    loads = _with_jumps(low, high, begins, spec)
-    boxes = question.boxes(Setting(unit * loads[:, None], 1.0, angle))
+    least, most = (a * f**2 / unit for a, f in zip(amplitudes, frequencies, strict=True))
+    loads = _with_jumps(least, most, begins, spec)
+    boxes: Any = question.boxes(_at(setting, unit * loads[:, None], 1.0))
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (solve(boxes.scene(points, fast=which)) for which in (False, True))
     goal = spec.goal
+    # the load of an ellipse is more than that of its motion along the trough
+    share = setting[0] * float(setting.frequency) ** 2 / unit / float(question.load(setting))
     return SettingFields(
+        amplitude=setting._fields[0],
+        limits_mm=(LENGTH.from_si(limits[0]), LENGTH.from_si(limits[1])),
+        most_load=chosen.drive.acceleration * share,
         amplitude_mm=(LENGTH.from_si(amplitudes[0]), LENGTH.from_si(amplitudes[1])),
         frequency_hz=frequencies,
         load=loads,
         speed_min=SPEED.from_si(_least(counted(slow, fast=False))),
         begins=begins,
-        tips=float(question.tip_loads(box).get("tip", np.inf) / box.load[1]),
+        tips=_tips(question, box),
         impact_speed=SPEED.from_si(_most(fast.impact_velocity)) if math.isfinite(goal.impact_speed) else None,
         flight_fraction=_most(fast.flight_fraction) if math.isfinite(goal.flight_fraction) else None,
     )
@@ -78,20 +92,20 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
 
     Of the bodies that ``setting_fields`` looks at too.
     """
-    question = Question(spec, chosen.drive, Regime.HOPPING)
-    amplitude, frequency, angle = chosen.setting
-    box = question.boxes(chosen.setting)
+    question, setting = question_of(spec, chosen.drive, Regime.HOPPING), chosen.setting
+    amplitude, frequency = setting[0], setting.frequency
+    box = question.boxes(setting)
     begins = {regime: (first * amplitude, last * amplitude) for regime, (first, last) in _begins(box).items()}
     low = min(_BELOW * amplitude, 0.8 * begins[Regime.FORWARD_SLIP][0])
-    high = max(chosen.drive.amplitude[1], amplitude)
+    high = max(_limits(chosen)[1], amplitude)
     if spec.goal.highest_regime is not Regime.HOPPING:
         high = max(min(high, begins[Regime.HOPPING][0]), amplitude)
     high *= _BEYOND
     amplitudes = _with_jumps(low, high, begins, spec)
-    boxes = question.boxes(Setting(amplitudes[:, None], frequency, angle))
+    boxes: Any = question.boxes(_at(setting, amplitudes[:, None], frequency))
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (counted(solve(boxes.scene(points, fast=which)), fast=which) for which in (False, True))
-    middle = nominal_scene(question, Setting(amplitudes, frequency, angle))
+    middle = nominal_scene(question, _at(setting, amplitudes, frequency))
     design = chosen.design
     window = design.amplitude_low_mm, design.amplitude_high_mm
     return SpeedBand(
@@ -101,6 +115,37 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
         speed_max=SPEED.from_si(_most(fast)),
         window_mm=None if window[0] is None or window[1] is None else (window[0], window[1]),
     )
+
+
+def _at(setting: Any, amplitude: Any, frequency: Any) -> Any:
+    """Change the amplitude of a setting, or both in proportion, and its frequency."""
+    if isinstance(setting, Setting):
+        return Setting(amplitude, frequency, setting.drive_angle)
+    normal = amplitude * (setting.normal_amplitude / setting.along_amplitude)
+    return EllipticalSetting(amplitude, normal, setting.normal_phase, frequency)
+
+
+def _limits(chosen: Chosen) -> tuple[float, float]:
+    """Smallest and largest amplitude that the drive is capable of; of an ellipse of the chosen shape."""
+    if isinstance(chosen.drive, Drive):
+        return chosen.drive.amplitude
+    x, y = chosen.setting[:2]
+    low, high = chosen.drive.along_amplitude
+    if y > 0.0:
+        low = max(low, chosen.drive.normal_amplitude[0] * x / y)
+        high = min(high, chosen.drive.normal_amplitude[1] * x / y)
+    return low, high
+
+
+def _tips(question: Any, box: Box | EllipticalBox) -> float:
+    """Nominal load over the present one from which the first part lifts an edge, or hops."""
+    if isinstance(box, Box):
+        return float(question.tip_loads(box).get("tip", np.inf) / box.load[1])
+    ratio = question.spec.stand_ratio
+    if math.isinf(ratio):
+        return math.inf
+    tips = extreme_ratio(box, lambda scene: tipping_load(scene, ratio), largest=True)[0]
+    return 1.0 / max(tips, float(box.load[1] / hop_load(box)))
 
 
 def _with_jumps(low: float, high: float, begins: Begins, spec: Spec) -> Floats:
@@ -121,20 +166,31 @@ def _least(speed: Floats) -> Floats:
     return np.where(np.isinf(least) & (least > 0.0), np.nan, least)
 
 
-def _bodies(box: Box) -> Floats:
-    """Bodies of a box, as shares, of shape (5, n): its corners and, of few bands, points between them."""
+def _bodies(box: Parts) -> Floats:
+    """Bodies of a box, as shares, of shape (axes, n): its corners and, of few bands, points between them."""
     if box.varies.sum() > _MOST:
         return corners(box)
     levels = [_LEVELS if varies else (0.0,) for varies in box.varies]
     return np.array(list(product(*levels))).T
 
 
-def _begins(box: Box) -> Begins:
+def _begins(box: Box | EllipticalBox) -> Begins:
     """Nominal loads over the present one from which the first, and the last, part is in a regime or beyond.
 
-    Forward slip, back slip and hopping, whose loads have their extremes at corners of the box, or at the
-    angle of friction (theory.md, sections 6 and 14).
+    Forward slip, back slip and hopping. Of a drive along a line their loads have their extremes at corners of
+    the box, or at the angle of friction (theory.md, sections 6 and 14); of an ellipse they are searched.
     """
+    pairs = _line_begins(box) if isinstance(box, Box) else _ellipse_begins(box)
+    begins: Begins = {}
+    beyond = (math.inf, math.inf)
+    for regime in reversed(Regime):  # a higher regime counts as this one
+        if regime in pairs:
+            beyond = min(pairs[regime][0], beyond[0]), min(pairs[regime][1], beyond[1])
+            begins[regime] = beyond
+    return begins
+
+
+def _line_begins(box: Box) -> Begins:
     (a_low, a_high), (b_low, b_high) = box.drive_angle, box.trough_angle
     (s_low, s_high), (least, most) = box.static_span, box.load
     flattest = max(math.cos(b_low), math.cos(b_high), 1.0 if b_low < 0.0 < b_high else 0.0)
@@ -149,11 +205,14 @@ def _begins(box: Box) -> Begins:
         float(np.min(critical_loads(angles, s_low, s_low, b_low).forward_onset) / most),
         float(onset_load(box) / least),
     )
-    pairs = {Regime.FORWARD_SLIP: slips, Regime.BACK_SLIP: slips_back, Regime.HOPPING: hops}
-    begins: Begins = {}
-    beyond = (math.inf, math.inf)
-    for regime in reversed(Regime):  # a higher regime counts as this one
-        if regime in pairs:
-            beyond = min(pairs[regime][0], beyond[0]), min(pairs[regime][1], beyond[1])
-            begins[regime] = beyond
-    return begins
+    return {Regime.FORWARD_SLIP: slips, Regime.BACK_SLIP: slips_back, Regime.HOPPING: hops}
+
+
+def _ellipse_begins(box: EllipticalBox) -> Begins:
+    """Return the same of ellipses, by searches of the box."""
+    found = {}
+    for regime, name in _CRITICAL.items():
+        ratios = (extreme_ratio(box, critical(name), largest=which)[0] for which in (True, False))
+        first, last = (1.0 / ratio if ratio > 0.0 else math.inf for ratio in ratios)
+        found[regime] = first, last
+    return found

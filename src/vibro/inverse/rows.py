@@ -58,6 +58,8 @@ class Rows(ABC):
         The designs within a lower regime, which are designs here too.
     """
 
+    #: What the gentlest design is set by that is faster than it need be.
+    _gentlest_above: str
     #: Columns of a printed setting, the first of which is the amplitude that windows are of.
     _columns: tuple[str, ...]
 
@@ -162,7 +164,7 @@ class Rows(ABC):
         if found is None:
             return self._first_cap() if kind == "fastest" else None
         if kind == "gentlest":
-            return "onset" if found.guarantee.speed_min > self._target * (1.0 + AT) else "speed"
+            return self._gentlest_above if found.guarantee.speed_min > self._target * (1.0 + AT) else "speed"
         return self._limit(found, found.margin or 1.0 if kind == "safest" else 1.0)
 
     def row(self, kind: str) -> Design:

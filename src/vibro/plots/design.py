@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Spec
-    from vibro.results.designs import SettingFields, SpeedBand
+    from vibro.results.designs import Design, SettingFields, SpeedBand
 
     Floats = NDArray[np.float64]
 
@@ -207,8 +207,9 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
     """Say in a few lines what is known of parts and trough, what is asked for, and what may drift."""
     spec, design = settings.spec, settings.chosen.design
     spans = dict(spec.bands)
-    angle = math.radians(design.drive_angle_deg or 0.0)
-    spans["drive_angle"] = (angle, angle)
+    shape = "drive_angle" if design.drive_angle_deg is not None else "normal_phase"
+    angle = math.radians(design.drive_angle_deg or design.normal_phase_deg or 0.0)
+    spans[shape] = (angle, angle)
     if frequency:
         spans["frequency"] = (float(settings.point[0, 0]),) * 2
     goal = f"goal: at least {number_text(settings.goal)} mm/s"
@@ -222,17 +223,27 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
         goal += f", in flight up to {number_text(100.0 * spec.goal.flight_fraction)} %"
     if float(design.speed_min_mm_s or 0.0) < settings.goal:
         goal += " (not met)"
-    return "\n".join([spans_text(spans), goal, *_drift(spec)])
+    return "\n".join(
+        [spans_text(spans) + _ratio(design), goal, *_drift(spec, elliptical=shape == "normal_phase")]
+    )
 
 
-def _drift(spec: Spec) -> list[str]:
+def _ratio(design: Design) -> str:
+    """Say how an ellipse's amplitudes go along with each other."""
+    if not design.along_amplitude_mm:
+        return ""
+    return f", $Y/X$ = {number_text((design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm)}"
+
+
+def _drift(spec: Spec, *, elliptical: bool) -> list[str]:
     """Say by how much drive and trough may be off, if they may."""
     drift = spec.drift
     parts = [
-        (100.0 * drift.amplitude, " % $A$"),
+        (100.0 * drift.amplitude, " % of amplitudes" if elliptical else " % $A$"),
         (100.0 * drift.frequency, " % $f$"),
         (math.degrees(drift.drive_angle), r"° $\alpha$"),
         (math.degrees(drift.trough_angle), r"° $\beta$"),
+        (math.degrees(drift.normal_phase), r"° $\varphi$"),
     ]
     said = ", ".join(f"±{number_text(size)}{unit}" for size, unit in parts if size)
     return [f"drift: {said}"] if said else []
@@ -256,10 +267,12 @@ def _speed_map(settings: Settings) -> Figure:
     layers.cover_forbidden()
     layers.cover_nothing(speed)
     moves = np.nan_to_num(speed) > 0.0
-    # Beyond the drive, speeds may be so high that its own would look all alike.
-    within = moves & layers.open & (settings.strong(layers.fields.y[:, np.newaxis], layers.fields.x) > 0.0)
-    high = float(speed[within].max()) if within.any() else 1.0
-    extend = "max" if np.any(speed[moves & layers.open] > high) else "neither"
+    # Beyond the drive, speeds may be so high that its own would look all alike; where all is fixed there is
+    # nothing within it.
+    shown = moves & layers.open
+    within = shown & (settings.strong(layers.fields.y[:, np.newaxis], layers.fields.x) > 0.0)
+    high = float(speed[within if within.any() else shown].max(initial=0.0)) or 1.0
+    extend = "max" if np.any(speed[shown] > high) else "neither"
     scale = Scale(Normalize(0.0, high), "cividis", even_levels(0.0, high), None, extend)
     layers.draw_numbers(speed, scale)
     layers.draw_level(speed, settings.goal, f"goal {number_text(settings.goal)} mm/s")
@@ -297,7 +310,7 @@ def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     _draw_goal(axes, settings, band, legend)
     _draw_beginnings(axes, settings, legend)
     design = settings.chosen.design
-    point = np.array([[design.amplitude_mm, design.speed_min_mm_s]], np.float64)
+    point = np.array([[design.nominal_mm, design.speed_min_mm_s]], np.float64)
     mark_operating_point(axes, point, legend, _marked(settings))
     assert settings.fields.panel.y is not None
     axes.set_xlabel(axis_label(settings.fields.panel.y))

@@ -101,7 +101,7 @@ class Settings:
     def fields(self) -> Fields:
         """The grid of a map, with the loads at which the first and the last part reach regimes."""
         x = Axis("frequency", np.linspace(*self.data.frequency_hz, _RESOLVED), "linear")
-        y = Axis("amplitude", np.geomspace(*self.data.amplitude_mm, _RESOLVED), "log")
+        y = Axis(self.data.amplitude, np.geomspace(*self.data.amplitude_mm, _RESOLVED), "log")
         loads = {"tips": self.data.tips}
         for regime, curve in BEGINS.items():
             loads[curve], loads[LAST + curve] = self.data.begins[regime]
@@ -114,7 +114,7 @@ class Settings:
     @property
     def point(self) -> Floats:
         """The chosen setting, as an array of shape (1, 2)."""
-        return np.array([[self.chosen.design.frequency_hz, self.chosen.design.amplitude_mm]], np.float64)
+        return np.array([[self.chosen.design.frequency_hz, self.chosen.design.nominal_mm]], np.float64)
 
     @property
     def goal(self) -> float:
@@ -165,9 +165,8 @@ class Settings:
 
     def strong(self, amplitude: Any, frequency: Any) -> Floats:
         """Positive where amplitude and acceleration keep to the drive's limits, at whatever frequency."""
-        drive = self.chosen.drive
-        low, high = (float(LENGTH.from_si(end)) for end in drive.amplitude)
-        excess = [below(high, amplitude), below(drive.acceleration, self.load(amplitude, frequency))]
+        low, high = self.data.limits_mm
+        excess = [below(high, amplitude), below(self.data.most_load, self.load(amplitude, frequency))]
         excess += [-below(low, amplitude)] if low > 0.0 else []
         return np.asarray(np.minimum.reduce(np.broadcast_arrays(*excess)))
 

@@ -137,6 +137,11 @@ class Design:
     coexists: bool | None = _optional("", "whether some disturbed part of the box can settle elsewhere")
     excluded: int | None = _optional("", "sampled points without a speed, left out")
 
+    @property
+    def nominal_mm(self) -> float | None:
+        """The amplitude that windows and pictures are of: of an ellipse that along the trough."""
+        return self.along_amplitude_mm if self.amplitude_mm is None else self.amplitude_mm
+
 
 #: The columns of a table of designs, in order, of all kinds of drives.
 DESIGN_COLUMNS: Final = tuple(
@@ -180,13 +185,19 @@ class DesignResult:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SettingFields:
-    """What settings of a drive guarantee at one drive angle, over amplitude and frequency.
+    """What settings of a drive guarantee over amplitude and frequency, at one drive angle.
+
+    Of an ellipse, at one shape of it: the amplitude is that along the trough, the other one in proportion.
 
     Patterns and regimes depend on amplitude and frequency through the load G = A w^2 / g alone, and speeds at
     the same load go with 1/f; drifts in percent change nothing of that. So numbers over the load say all.
 
     Attributes
     ----------
+    amplitude : str
+        Which amplitude it is: a name of a quantity.
+    limits_mm, most_load : pair of float, float
+        Amplitudes, and the largest load, that the drive is capable of.
     amplitude_mm, frequency_hz : pair of float
         Nominal settings to be shown, both ends > 0: what the drive can do, and some more on every side. The
         amplitude's scale is logarithmic.
@@ -206,6 +217,9 @@ class SettingFields:
         Largest share of the time in flight, 0 in contact; None without such a limit.
     """
 
+    amplitude: str
+    limits_mm: tuple[float, float]
+    most_load: float
     amplitude_mm: tuple[float, float]
     frequency_hz: tuple[float, float]
     load: Floats
