@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from vibro.core.codes import (
-    SPELT_PATTERNS,
     LETTERS,
     PATTERNS,
+    SPELT_PATTERNS,
     Level,
     Mode,
     Pattern,
     Status,
-    spelt_text,
     is_answered,
     pattern_texts,
+    spelt_text,
 )
 
 

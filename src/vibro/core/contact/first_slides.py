@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from vibro.core.contact.never_at_rest import by_half_length
 from vibro.core.contact.slide import slide, start_inside
 from vibro.core.contact.windows import own_phase, skew_of
 from vibro.core.groups import take
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["first_from_rest"]
 
 _TURN: Final = 2.0 * np.pi
-_MOST_SLIDES: Final = 1000  # without a rest, after which bodies have come to the never-at-rest cycle
+_MOST_SLIDES: Final = 1000  # without a rest, where there is no cycle without rest to come to
 
 
 def first_from_rest(scene: Loads, pair: Pair) -> NDArray[np.int8]:
@@ -57,9 +58,12 @@ def first_from_rest(scene: Loads, pair: Pair) -> NDArray[np.int8]:
     c = 0.5 * np.pi - phase - own_phase(scene, way)
     swing = skew_of(scene, scene.kinetic_friction)
     start = way, np.mod(c + np.pi, _TURN) - np.pi
-    going = OpenCells(cells, take((pair, swing, *start), cells), _MOST_SLIDES)
     out[cells] = 0
-    for open_, (both, turned, now, c) in going:
+    # Where there is a cycle without rest, starts draw near it from one side, and each slide ends between that
+    # of the cycle and the one before it: after two slides without a rest there is none.
+    never = by_half_length(*take((scene, pair), cells))[1].positive
+    going = OpenCells(cells, (*take((pair, swing, *start), cells), never), _MOST_SLIDES)
+    for count, (open_, (both, turned, now, c, draws)) in enumerate(going):
         rests, after = np.zeros(open_.size, np.int8), np.empty(open_.size)
         for direction, own, other in ((1, both.forward, both.back), (-1, both.back, both.forward)):
             mine = (now == direction).nonzero()[0]
@@ -74,5 +78,5 @@ def first_from_rest(scene: Loads, pair: Pair) -> NDArray[np.int8]:
             )
             after[mine] = np.pi + begin - 2.0 * x + direction * swing
         out[open_] = rests
-        going.keep(rests == 0, (both, turned, -now, after))
+        going.keep((rests == 0) & ~(draws & (count > 0)), (both, turned, -now, after, draws))
     return out

@@ -144,14 +144,15 @@ class _Equation(NamedTuple):
 
 def _equation(scene: Loads) -> _Equation:
     assert scene.lead is not None
-    mu_d, a = scene.kinetic_friction, scene.along
+    mu_d, a, t = scene.kinetic_friction, scene.along, scene.tangential
     swing = mu_d * scene.across / a
+    inclined = np.count_nonzero(t)
     return _Equation(
         swing * scene.lead.cosine,
         swing * scene.lead.sine,
-        scene.tangential / (mu_d * scene.normal),
+        t / (mu_d * scene.normal) if inclined else t,
         0.5 * np.pi * mu_d * scene.normal / a,
-        scene.tangential / a,
+        t / a if inclined else t,
     )
 
 

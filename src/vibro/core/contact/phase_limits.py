@@ -73,7 +73,7 @@ def _begins(
         return holds(scene, pair_of(scene, margins._replace(forward=ahead, back=behind)))
 
     between = bisect(lambda x: np.where(at(np.exp(x)), 0.0, 1.0), np.log(low), np.log(high))
-    return np.where(at(high), np.where(at(low), low, np.asarray(np.exp(between))), np.inf)
+    return np.where(at(low), low, np.where(at(high), np.asarray(np.exp(between)), np.inf))
 
 
 def _slips_back(scene: Loads, pair: Pair) -> Bools:

@@ -11,6 +11,7 @@ import numpy as np
 
 from vibro.core.contact.slide import Onset
 from vibro.core.contact.windows import load_amplitude, skew_of
+from vibro.core.groups import take
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +26,9 @@ __all__ = ["Pair", "Start", "Verdict", "Window", "pair_of", "resting_start", "ve
 
 # [1] Relative rounding noise of a slide's speed, and of a load, where the next leg is decided.
 _NOISE: Final = 16 * 2.0**-52
+
+
+_NEARLY_LIFTED: Final = 0.25  # [n] normal load below which it is formed without a difference
 
 
 class Verdict(NamedTuple):
@@ -113,11 +117,15 @@ def _elliptical_start(
     near, far = rate * level, hold * steep
     opens, closes = (near - far) * scale, -(near + far) * scale
     crest = (hold * level + rate * steep) * scale
-    versine = np.where(crest > 0.0, opens * opens / (1.0 + np.abs(crest)), 1.0 - crest)
+    normal = scene.normal - b * crest
+    cells = np.flatnonzero(normal < _NEARLY_LIFTED * scene.normal)
+    if cells.size:  # a sum of what is not negative, in place of a difference
+        lifts, n, y, s = take((crest, scene.normal, b, opens), cells)
+        normal[cells] = (n - y) + y * s * s / (1.0 + lifts)
     both, share = (mu_s + mu_d) * b, (mu_s - mu_d) / load
     c = 2.0 * np.arctan(rate / (static_load + hold))
-    excess = share * ((scene.normal - b) + b * versine)  # nothing in it is negative
-    return Window(c, both * opens - rate, both * closes + rate), rate / load - share * b * opens, excess
+    window = Window(c, both * opens - rate, both * closes + rate)
+    return window, rate / load - share * b * opens, share * normal
 
 
 class Pair(NamedTuple):

@@ -46,9 +46,10 @@ def static_lifts(scene: Loads) -> tuple[Floats, Floats]:
     level, steep = scene.along * scene.lead.cosine, scene.along * scene.lead.sine
     double, square = 2.0 * level, steep * steep
     low, high = lift - level, lift + level
+    along = scene.along + _TINY
     return (
-        lift * (lift + double) / (np.sqrt(high * high + square) + scene.along + _TINY),
-        lift * (lift - double) / (np.sqrt(low * low + square) + scene.along + _TINY),
+        lift * (lift + double) / (np.sqrt(high * high + square) + along),
+        lift * (lift - double) / (np.sqrt(low * low + square) + along),
     )
 
 
