@@ -19,15 +19,22 @@ from vibro.core.groups import (
     unit_loads,
 )
 from vibro.errors import Problem, SceneError
+from vibro.harmonics import HarmonicFields, harmonic_fields, read_harmonics
 from vibro.quantities import DEFAULTS, ELLIPTICAL, LINEAR, QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike, NDArray
+
+    from vibro.harmonics import Harmonics
 
     Floats = NDArray[np.float64]
 
-__all__ = ["EllipticalFields", "Fields", "LinearFields", "Scene", "field_range", "field_text"]
+__all__ = [
+    "EllipticalFields", "Fields", "HarmonicFields", "LinearFields", "Scene", "field_range", "field_text",
+]  # fmt: skip
 
 
 class LinearFields(NamedTuple):
@@ -100,10 +107,19 @@ class EllipticalFields(NamedTuple):
         return here._replace(along=along, across=across, normal=normal, tangential=tangential)
 
 
-Fields = LinearFields | EllipticalFields
+Fields = LinearFields | EllipticalFields | HarmonicFields
 
 # What tells each kind of drive.
-_DRIVES: Final = {LinearFields: LINEAR, EllipticalFields: ELLIPTICAL}
+_HARMONICS: Final = ("along_harmonics", "normal_harmonics")
+_DRIVES: Final[dict[type[Fields], tuple[str, ...]]] = {
+    LinearFields: LINEAR,
+    EllipticalFields: ELLIPTICAL,
+    HarmonicFields: _HARMONICS,
+}
+_EITHER: Final = (
+    "either amplitude and drive_angle, or along_amplitude and normal_amplitude, or along_harmonics and"
+    " normal_harmonics"
+)
 
 
 def field_text(name: str, value: float) -> str:
@@ -127,13 +143,12 @@ def _kind_of(values: dict[str, Any]) -> type[Fields]:
     kinds = [kind for kind, names in given.items() if names]
     if len(kinds) != 1:
         named = " and ".join(name for names in given.values() for name in names) or "none"
-        pairs = "either amplitude and drive_angle, or along_amplitude and normal_amplitude"
-        raise SceneError((Problem("drive", named, pairs),))
+        raise SceneError((Problem("drive", named, _EITHER),))
     (kind,) = kinds
     if kind is EllipticalFields and values.get("normal_phase") is None:
         values["normal_phase"] = 0.0
     missing = [name for name in _DRIVES[kind] if values.get(name) is None]
-    if missing:
+    if missing and kind is not HarmonicFields:
         beside = f"given beside {given[kind][0]}"
         raise SceneError(tuple(Problem(name, "None", beside) for name in missing))
     return kind
@@ -162,6 +177,9 @@ class Scene:
     normal_phase : array_like, optional
         Phase by which the normal motion leads the motion along the trough, modulo 2 pi [rad]. Others count
         the lag, or from the normal motion: theory.md, section 15.
+    along_harmonics, normal_harmonics : sequence of pair of array_like
+        In place of all these, up to 8 pairs of an amplitude [m] and a phase [rad], of a motion with harmonics
+        ``amplitude * sin(2 pi n frequency t + phase)``, n = 1 first; either may be left out.
     frequency : array_like
         Drive frequency, > 0 [Hz].
     static_friction, kinetic_friction : array_like
@@ -197,6 +215,8 @@ class Scene:
     along_amplitude: Floats | None
     normal_amplitude: Floats | None
     normal_phase: Floats | None
+    along_harmonics: Harmonics | None
+    normal_harmonics: Harmonics | None
     static_friction: Floats
     kinetic_friction: Floats
     trough_angle: Floats
@@ -212,6 +232,8 @@ class Scene:
         along_amplitude: ArrayLike | None = None,
         normal_amplitude: ArrayLike | None = None,
         normal_phase: ArrayLike | None = None,
+        along_harmonics: ArrayLike | Iterable[tuple[ArrayLike, ArrayLike]] | None = None,
+        normal_harmonics: ArrayLike | Iterable[tuple[ArrayLike, ArrayLike]] | None = None,
         static_friction: ArrayLike,
         kinetic_friction: ArrayLike,
         trough_angle: ArrayLike = 0.0,
@@ -249,18 +271,26 @@ class Scene:
     @property
     def shape(self) -> tuple[int, ...]:
         """Common shape of the fields."""
-        return np.broadcast(*self.arrays()).shape
+        fields = self.arrays()
+        if isinstance(fields, HarmonicFields):  # more of them than an iterator of NumPy takes
+            return np.broadcast_shapes(*(x.shape for _, _, x in fields.members()))
+        return np.broadcast(*fields).shape
 
     @property
     def load(self) -> Floats:
-        """Largest acceleration of the trough over gravity, G; A w^2 / g along a line [1]."""
+        """Largest acceleration of the trough over gravity, G; A w^2 / g along a line [1].
+
+        With harmonics it is the highest of the tops between points of a path, which is searched: of two tops
+        that differ by less than 1e-6 of them it may be the lower one.
+        """
         with np.errstate(over="ignore", invalid="ignore"):  # inf, or NaN, beyond the range of doubles
-            w = 2.0 * np.pi * self.frequency
-            return np.asarray(self.reach * w**2 / self.gravity)
+            w, fields = 2.0 * np.pi * self.frequency, self.arrays()
+            reach = fields.acceleration_reach if isinstance(fields, HarmonicFields) else fields.reach
+            return np.asarray(reach * w**2 / self.gravity)
 
     @property
     def scale(self) -> Floats:
-        """Length that the solvers count in: A, or the larger of X and Y [m]."""
+        """Length that the solvers count in: A, or the largest of all amplitudes [m]."""
         return self.arrays().scale
 
     @property
@@ -270,8 +300,14 @@ class Scene:
 
     def arrays(self) -> Fields:
         """Return the fields of this scene's drive, in their declared order."""
-        kind = LinearFields if self.amplitude is not None else EllipticalFields
-        return kind._make(getattr(self, name) for name in kind._fields)
+        if self.amplitude is not None:
+            return LinearFields._make(getattr(self, name) for name in LinearFields._fields)
+        if self.along_amplitude is not None:
+            return EllipticalFields._make(getattr(self, name) for name in EllipticalFields._fields)
+        assert self.along_harmonics is not None
+        assert self.normal_harmonics is not None
+        others = [getattr(self, name) for name in HarmonicFields._fields[4:]]
+        return harmonic_fields(self.along_harmonics, self.normal_harmonics, others)
 
     def flat(self) -> Fields:
         """Return the fields as 1-D arrays over all scenes, in the order of their cells."""
@@ -290,8 +326,11 @@ class Scene:
     def _set(self, values: dict[str, Any]) -> None:
         kind, problems = _kind_of(values), []
         for name in self.__dataclass_fields__:
-            x = None
-            if name in kind._fields:
+            x: Any = None
+            if name in _HARMONICS and kind is HarmonicFields:
+                x, wrong = read_harmonics(name, values.get(name))
+                problems += wrong
+            elif name in kind._fields:
                 try:
                     x = real_array(values[name])
                 except NotRealError as exc:
@@ -299,22 +338,31 @@ class Scene:
                     continue
                 x.flags.writeable = False
             object.__setattr__(self, name, x)
+        if kind is HarmonicFields and not (problems or self.along_harmonics or self.normal_harmonics):
+            problems.append(Problem("along_harmonics", "none", "at least one pair, or normal_harmonics"))
         if problems:
             raise SceneError(tuple(problems))
         try:
             _ = self.shape
         except ValueError:
-            shapes = ", ".join(f"{name} {x.shape}" for name, x in self.arrays()._asdict().items())
+            shapes = ", ".join(f"{name} {x.shape}" for name, _, x in self._members())
             problem = Problem("shapes", shapes, "broadcastable against each other, like a ufunc's arguments")
             raise SceneError((problem,)) from None
 
     def _field_problems(self) -> list[Problem]:
         problems = []
-        for name, x in self.arrays()._asdict().items():
+        for field, name, x in self._members():
             good = np.isfinite(x) & QUANTITIES[name].allows(x)
             if np.count_nonzero(good) < x.size:
-                problems.append(Problem(name, field_text(name, float(x[~good].flat[0])), field_range(name)))
+                problems.append(Problem(field, field_text(name, float(x[~good].flat[0])), field_range(name)))
         return problems
+
+    def _members(self) -> list[tuple[str, str, Floats]]:
+        """Return every array with the name of its field, and of a quantity with the same unit and range."""
+        fields = self.arrays()
+        if isinstance(fields, HarmonicFields):
+            return fields.members()
+        return [(name, name, x) for name, x in fields._asdict().items()]
 
     def _combination_problems(self) -> list[Problem]:
         problems = []

@@ -13,7 +13,9 @@ from vibro.core.flight.averages import AVERAGES
 from vibro.core.flight.coexistence import coexisting
 from vibro.core.flight.cycles import MOST_THROW, HoppingCycles, cycles, short_cycles
 from vibro.core.groups import each
+from vibro.core.harmonic.solver import harmonic_state
 from vibro.errors import InputError, shown
+from vibro.harmonics import HarmonicFields
 from vibro.parallel import BLOCK, grid_blocks, in_parallel, within
 from vibro.results.steady import RESULTS, SteadyCycle
 
@@ -111,7 +113,7 @@ def solve(
         _solve_block({name: array[block] for name, array in vars(out).items()}, part, classes_alone)
 
     in_parallel(contact, blocks)
-    if flight and not classes_alone:
+    if flight and not classes_alone and not isinstance(inputs, HarmonicFields):
         # Beyond the largest throw number the phase of a landing is lost to rounding. NumPy takes 2 us to
         # compare with an enum, a tenth of it with an int.
         followed = (out.status == int(Status.FLIGHT_NOT_MODELLED)) & (out.throw_number <= MOST_THROW)
@@ -161,8 +163,12 @@ def _solve_block(part: dict[str, NDArray[Any]], inputs: Fields, classes_alone: b
     # views: blocks are contiguous
     flat = part if len(shape) == 1 else {name: array.reshape(-1) for name, array in part.items()}
     state = SteadyState(*(flat[name] for name in _OF_STATE))
-    loads = each(inputs.loads(), lambda group: _flat(group, shape))
-    steady_state(loads, state, classes_alone=classes_alone)
+    if isinstance(inputs, HarmonicFields):
+        harmonics = each(inputs.harmonic_loads(), lambda group: _flat(group, shape))
+        harmonic_state(harmonics, state, classes_alone=classes_alone)
+    else:
+        loads = each(inputs.loads(), lambda group: _flat(group, shape))
+        steady_state(loads, state, classes_alone=classes_alone)
     with np.errstate(over="ignore"):  # inf where the result is beyond the range of doubles
         scale = inputs.scale
         part["displacement_per_cycle"] *= scale

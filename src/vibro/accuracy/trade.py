@@ -125,7 +125,9 @@ def best_reference() -> Reference:
     def answer(scene: Scene, tick: Tick) -> Answers:
         cycles = []
         start = time.perf_counter()
-        for values in zip(*(field.tolist() for field in scene.flat()[:-1]), strict=True):
+        flat = scene.flat()
+        assert isinstance(flat, LinearFields)
+        for values in zip(*(field.tolist() for field in flat[:-1]), strict=True):
             cycles.append(exact_cycle(values))
             tick()
         seconds = time.perf_counter() - start

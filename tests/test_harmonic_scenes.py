@@ -1,0 +1,135 @@
+"""Drives with harmonics as scenes: their fields, what is wrong with them, their load, what they refuse."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vibro
+from vibro import Scene, SceneError, Status, VibroError, solve
+from vibro.scene import HarmonicFields
+
+REST: dict[str, Any] = {"frequency": 10.0, "static_friction": 0.4, "kinetic_friction": 0.3}
+SLIP_STICK = [(1e-3, 0.0), (0.3e-3, math.radians(90.0))]
+
+
+def error(**values: Any) -> str:
+    with pytest.raises(SceneError) as caught:
+        Scene(**(REST | values))
+    return str(caught.value)
+
+
+def test_either_motion_may_be_left_out_or_have_fewer_harmonics() -> None:
+    scene = Scene(along_harmonics=SLIP_STICK, **REST)
+    assert scene.amplitude is scene.along_amplitude is None
+    fields = scene.arrays()
+    assert isinstance(fields, HarmonicFields)
+    assert [float(x) for x in fields.along_amplitudes] == [1e-3, 0.3e-3]
+    assert [float(x) for x in fields.normal_amplitudes] == [0.0, 0.0]
+    same = Scene(along_harmonics=SLIP_STICK, normal_harmonics=[(0.0, 0.5)], **REST)
+    assert solve(same).displacement_per_cycle == solve(scene).displacement_per_cycle
+    assert len(Scene(normal_harmonics=[(1e-4, 0.0)] * 8, **REST).flat()[0]) == 8
+
+
+def test_one_harmonic_is_an_ellipse() -> None:
+    phase = np.radians(np.arange(-170.0, 171.0, 20.0))
+    ellipse = Scene(along_amplitude=1e-3, normal_amplitude=1e-3, normal_phase=phase, **REST)
+    harmonic = Scene(along_harmonics=[(1e-3, 0.0)], normal_harmonics=[(1e-3, phase)], **REST)
+    np.testing.assert_allclose(harmonic.load, ellipse.load, rtol=1e-14)
+    np.testing.assert_allclose(harmonic.reach, ellipse.reach, rtol=1e-14)
+    a, b = solve(ellipse), solve(harmonic)
+    assert a.pattern.tolist() == b.pattern.tolist()
+    np.testing.assert_allclose(
+        b.displacement_per_cycle, a.displacement_per_cycle, rtol=0.0, atol=1e-13 * 1e-3
+    )
+
+
+def test_every_coefficient_broadcasts() -> None:
+    second = np.radians([-90.0, 0.0, 90.0])
+    scene = Scene(along_harmonics=[([[1e-3], [2e-3]], 0.0), (0.3e-3, second)], **REST)
+    cycle = solve(scene)
+    assert scene.shape == scene.load.shape == cycle.regime.shape == (2, 3)
+    assert (cycle.status == Status.OK).all()
+    one = Scene(along_harmonics=[(2e-3, 0.0), (0.3e-3, second[2])], **REST)
+    assert solve(one).displacement_per_cycle == cycle.displacement_per_cycle[1, 2]
+    # the second harmonic turned by half a turn reverses a level drive without normal motion
+    np.testing.assert_allclose(cycle.mean_velocity[:, 0], -cycle.mean_velocity[:, 2], rtol=1e-13)
+
+
+def test_fields_are_replaced() -> None:
+    scene = Scene(along_harmonics=SLIP_STICK, **REST)
+    slower: dict[str, Any] = {"frequency": 5.0}
+    again = dataclasses.replace(scene, **slower)
+    assert float(again.load) == pytest.approx(float(scene.load) / 4.0, rel=1e-14)
+    assert again.along_harmonics is not None
+    with pytest.raises(ValueError, match="read-only"):
+        again.along_harmonics[0][0][...] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"along_harmonics": []}, "along_harmonics = none: must be at least one pair"),
+        ({"along_harmonics": 3.0}, "along_harmonics = 3.0: must be up to 8 pairs"),
+        ({"along_harmonics": [(1e-3,)]}, "must be up to 8 pairs of an amplitude and a phase"),
+        ({"normal_harmonics": [(1e-3, 0.0)] * 9}, "must be up to 8 pairs"),
+        ({"along_harmonics": [("a", 0.0)]}, "along_harmonics = 'a': must be a real number"),
+        ({"along_harmonics": [(-1.0, 0.0)]}, "along_harmonics = -1 m: must be finite and >= 0 m"),
+        ({"normal_harmonics": [(1.0, math.nan)]}, "normal_harmonics = nan rad"),
+        (
+            {"normal_harmonics": [([1, 2], 0.0), ([1, 2, 3], 0.0)]},
+            "normal_harmonics (2,), normal_harmonics (3,)",
+        ),
+        ({"along_harmonics": SLIP_STICK, "amplitude": 1.0}, "drive = amplitude and along_harmonics"),
+        ({"along_harmonics": SLIP_STICK, "normal_phase": 1.0}, "drive = normal_phase and along_harmonics"),
+    ],
+)
+def test_what_is_wrong_is_named(values: dict[str, Any], said: str) -> None:
+    assert said in error(**values)
+
+
+@pytest.mark.parametrize("harmonics", [1, 2, 3, 8])
+def test_the_load_is_the_largest_acceleration_and_the_reach_the_farthest_point(harmonics: int) -> None:
+    random = np.random.default_rng(harmonics)
+    size, phase = random.uniform(0.0, 1e-3, (2, harmonics, 40)), random.uniform(-4.0, 4.0, (2, harmonics, 40))
+    size /= np.arange(1, harmonics + 1)[:, np.newaxis] ** 2  # so that all count in the acceleration
+    along, normal = (list(zip(*part, strict=True)) for part in zip(size, phase, strict=True))
+    scene = Scene(along_harmonics=along, normal_harmonics=normal, **REST)
+    n = np.arange(1, harmonics + 1)[:, np.newaxis, np.newaxis]
+    waves = np.sin(n * np.linspace(0.0, 2.0 * np.pi, 20_001)[:, np.newaxis] + phase[:, :, np.newaxis])
+    for power, got in ((0, scene.reach), (2, scene.load * 9.81 / (2.0 * np.pi * 10.0) ** 2)):
+        x, y = (n**power * size[:, :, np.newaxis] * waves).sum(axis=1)
+        farthest = np.hypot(x, y).max(axis=0)
+        assert (got >= farthest * (1.0 - 1e-14)).all()
+        np.testing.assert_allclose(got, farthest, rtol=1e-5)
+
+
+def test_a_trough_that_stands_still_has_no_load() -> None:
+    scene = Scene(along_harmonics=[(0.0, 0.0), (0.0, 1.0)], **REST)
+    assert [float(scene.load), float(scene.reach), float(scene.scale)] == [0.0, 0.0, 1.0]
+    assert solve(scene).pattern == "_"
+
+
+def test_hopping_is_told_and_not_followed() -> None:
+    cycle = solve(Scene(normal_harmonics=[(1e-3, 0.0), (3e-3, 0.0)], **REST))
+    assert cycle.status == Status.FLIGHT_NOT_MODELLED
+    assert cycle.throw_number > 1.0
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        vibro.critical_loads,
+        vibro.transitions,
+        lambda scene: vibro.simulate(scene, cycles=1),
+        lambda scene: vibro.arrival_time(scene, 0.1),
+    ],
+    ids=["critical loads", "transitions", "simulate", "arrival time"],
+)
+def test_what_is_not_known_is_refused_with_what_there_is(ask: Any) -> None:
+    with pytest.raises(VibroError, match=r"a drive with harmonics: .* steady cycle in contact alone"):
+        ask(Scene(along_harmonics=SLIP_STICK, **REST))
