@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from vibro.quantities import IN_GRAVITIES, MASS, QUANTITIES, SPEED, TIME
+from vibro.quantities import HARMONIC, IN_GRAVITIES, MASS, QUANTITIES, SPEED, SWEPT, TIME
 from vibro.results.designs import DESIGN_COLUMNS
 from vibro.results.steady import (
     ACCELERATION,
@@ -29,6 +29,11 @@ UNITS = """\
 In options, axes of scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro
 sign. Frictions and the restitution are pure numbers."""
 PAGE = Path(__file__).parents[1] / "docs" / "nomenclature.md"
+FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
+"""Fields of a scene that hold several quantities, by the one beside which they are listed."""
+SCENE = {*Scene.__dataclass_fields__, *FIELDS}
+HIGHER = [name for name in HARMONIC if name not in SWEPT and name != "along_phase"]
+"""Harmonics beyond the second, which have its quantities with another number."""
 ELSEWHERE = (
     ARRIVAL_TIME,
     STROKES,
@@ -73,7 +78,7 @@ def _row(symbol: str, name: str, unit: str, column: str, meaning: str) -> str:
 
 def _units() -> list[str]:
     """Make a row a kind of unit: what takes it, the unit outside, and all that a number may carry."""
-    takers = [(q.kind, q.label) for q in QUANTITIES.values() if q.kind.sizes]
+    takers = [(q.kind, q.label) for q in QUANTITIES.values() if q.kind.sizes and q.name not in HARMONIC]
     takers += [(SPEED, "speeds"), (MASS.kind, "mass"), (TIME, "durations")]
     takers += [(IN_GRAVITIES, "acceleration of a drive, over gravity")]
     kinds = {kind.unit: kind for kind, _ in takers}
@@ -97,12 +102,13 @@ def tables() -> str:
     inputs = [
         _row(
             q.symbol,
-            f"Scene.{q.name}" if q.name in Scene.__dataclass_fields__ else "",
+            f"Scene.{FIELDS.get(q.name, q.name)}" if q.name in SCENE else "",
             q.kind.si_unit.replace("^2", "²"),
             q.column,
             q.meaning,
         )
         for q in QUANTITIES.values()
+        if q.name not in HIGHER
     ]
     results = []
     for result in RESULTS:

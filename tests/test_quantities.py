@@ -14,7 +14,11 @@ from hypothesis import strategies as st
 
 from vibro.errors import InputError
 from vibro.quantities import (
+    DRIVES,
     DURATION,
+    ELLIPTICAL,
+    HARMONIC,
+    LINEAR,
     MASS,
     QUANTITIES,
     STANDS_FOR,
@@ -124,11 +128,12 @@ def test_si_values() -> None:
 def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
     parameters = inspect.signature(Scene).parameters
     assert tuple(parameters) == tuple(f.name for f in dataclasses.fields(Scene))
-    assert set(parameters) | set(STANDS_FOR) | {"trough_length"} == set(QUANTITIES)
-    drives = set(LinearFields._fields) ^ set(EllipticalFields._fields)
-    assert set(LinearFields._fields) | set(EllipticalFields._fields) == set(parameters)
+    lists = {"along_harmonics", "normal_harmonics"}
+    assert set(parameters) - lists | {*STANDS_FOR, "trough_length", *HARMONIC} == set(QUANTITIES)
+    drives = {*LINEAR, *ELLIPTICAL, *lists}
+    assert {*LinearFields._fields, *EllipticalFields._fields, *lists} == set(parameters)
     for name, parameter in parameters.items():
-        default = QUANTITIES[name].default
+        default = QUANTITIES[name].default if name in QUANTITIES else None
         if name in drives:
             assert parameter.default is None
         elif default is None:
@@ -137,7 +142,9 @@ def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
             assert parameter.default == QUANTITIES[name].to_si(default)
 
 
-@pytest.mark.parametrize("name", [name for name in Scene.__dataclass_fields__ if name != "static_friction"])
+@pytest.mark.parametrize(
+    "name", [name for name in DRIVES + LinearFields._fields if name != "static_friction"]
+)
 def test_a_range_ends_where_it_says(name: str) -> None:
     quantity = QUANTITIES[name]
     for end, belongs, outward in (

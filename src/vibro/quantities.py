@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
 __all__ = [
-    "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DURATION", "ELLIPTICAL", "IN_GRAVITIES", "LEAST_SPEED", "LENGTH",
-    "LINEAR", "MASS", "MASS_FLOW", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SPEED",
-    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME", "Kind",
-    "Quantity", "drive_of", "exact_number", "find_quantity", "kinetic_friction", "nearest_double",
-    "scene_fields",
+    "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC", "IN_GRAVITIES",
+    "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS", "PERCENT", "PER_MINUTE",
+    "PITCH", "PURE", "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE",
+    "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "drive_of", "exact_number", "find_quantity",
+    "kinetic_friction", "nearest_double", "scene_fields",
 ]  # fmt: skip
 
 
@@ -134,10 +134,33 @@ class Quantity:
 
 _POSITIVE: Final = Range(0.0, with_low=False)
 _ZERO_OR_MORE: Final = Range(0.0)
+_ANY: Final = Range(-math.inf, with_low=False)
 
 STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
+MOST_HARMONICS: Final = 8  # of a drive
+
+
 # fmt: off
+def _harmonic(n: int) -> tuple[Quantity, ...]:
+    """Describe the n-th harmonic of a drive, n > 1; the second alone has options."""
+    parts = (
+        ("along", "X", "xi", r"\xi", "along the trough"),
+        ("normal", "Y", "eta", r"\eta", "normal to the trough"),
+    )
+    return tuple(
+        quantity
+        for way, size, letter, symbol, where in parts
+        for quantity in (
+            Quantity(f"{way}_amplitude_{n}", LENGTH, f"{size}{n}", f"{size}_{n}",
+                     (f"--{way}-{n}",) if n == 2 else (), _ZERO_OR_MORE,
+                     f"amplitude of harmonic {n} of the motion {where}"),
+            Quantity(f"{way}_phase_{n}", ANGLE, f"{letter}{n}", rf"{symbol}_{n}",
+                     (f"--{way}-phase-{n}",) if n == 2 else (), _ANY, f"phase of that harmonic {where}"),
+        )
+    )
+
+
 _ALL: Final = (
     Quantity("amplitude", LENGTH, "A", "A", ("-A", "--amplitude"), _POSITIVE,
              "amplitude of the trough's motion, half of its stroke"),
@@ -150,8 +173,11 @@ _ALL: Final = (
     Quantity("frequency", FREQUENCY, "f", "f", ("-f", "--frequency"), _POSITIVE, "frequency of the drive"),
     Quantity("drive_angle", ANGLE, "alpha", r"\alpha", ("-a", "--drive-angle", "--alpha"),
              Range(0.0, 90.0), "angle of the drive's line above the trough's surface"),
-    Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("--phase",), Range(-math.inf, with_low=False),
+    Quantity("normal_phase", ANGLE, "phi", r"\varphi", ("--phase",), _ANY,
              "phase by which the normal motion leads the motion along the trough"),
+    Quantity("along_phase", ANGLE, "xi", r"\xi", (), _ANY,
+             "phase of the first harmonic along the trough, where arrays give it; else 0"),
+    *(quantity for n in range(2, MOST_HARMONICS + 1) for quantity in _harmonic(n)),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
              "coefficient of friction at rest"),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
@@ -169,19 +195,24 @@ _ALL: Final = (
 # fmt: on
 #: Every quantity of a scene by its name, in the order of a table's columns.
 QUANTITIES: Final[Mapping[str, Quantity]] = {q.name: q for q in _ALL}
-#: The same by their names with units, the keys of scene files and of ``vibro.sweep``.
-BY_COLUMN: Final[Mapping[str, Quantity]] = {q.column: q for q in _ALL}
+#: Those with options by their names with units, the keys of scene files and of ``vibro.sweep``.
+BY_COLUMN: Final[Mapping[str, Quantity]] = {q.column: q for q in _ALL if q.options}
 
 #: The quantities that can be axes of a sweep, in the same order.
 SWEPT: Final = (
     "amplitude", "along_amplitude", "normal_amplitude", "frequency", "drive_angle", "normal_phase",
-    "static_friction", "friction_ratio", "kinetic_friction", "trough_angle", "restitution",
+    "along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2", "static_friction",
+    "friction_ratio", "kinetic_friction", "trough_angle", "restitution",
 )  # fmt: skip
 #: What tells a drive along a line, and one along an ellipse, whose phase is 0 where it is not given.
 LINEAR: Final = ("amplitude", "drive_angle")
 ELLIPTICAL: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
+#: What beside an ellipse tells a drive with harmonics.
+HARMONIC: Final = ("along_phase", *(q.name for n in range(2, MOST_HARMONICS + 1) for q in _harmonic(n)))
+#: All that tell drives.
+DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC)
 #: The amplitudes of a drive, with all of which its load grows.
-AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude")
+AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
 #: What is taken where nothing is given, in the units outside.
@@ -218,7 +249,7 @@ def find_quantity(text: str) -> Quantity | None:
 
 def drive_of(names: Collection[str]) -> tuple[str, ...]:
     """Return those of some quantities that tell the drive, in the order of a table's columns."""
-    return tuple(name for name in SWEPT if name in names and name in (*LINEAR, *ELLIPTICAL))
+    return tuple(name for name in QUANTITIES if name in names and name in DRIVES)
 
 
 def kinetic_friction(ratio: Any, static_friction: Any) -> Any:
@@ -261,7 +292,22 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
         ratio = given.pop("friction_ratio")
         if "kinetic_friction" not in given:
             given["kinetic_friction"] = kinetic_friction(ratio, given["static_friction"])
-    return {name: QUANTITIES[name].to_si(value) for name, value in given.items()}
+    fields = {name: QUANTITIES[name].to_si(value) for name, value in given.items()}
+    if fields.keys() & set(HARMONIC):
+        ways = {"along": ("along_amplitude", "along_phase"), "normal": ("normal_amplitude", "normal_phase")}
+        for way, names in ways.items():
+            pairs = [
+                tuple(fields.pop(name if n == 1 else f"{name}_{n}", 0.0) for name in names)
+                for n in range(1, MOST_HARMONICS + 1)
+            ]
+            last = max((n for n, (size, _) in enumerate(pairs, 1) if not _is_zero(size)), default=1)
+            fields[f"{way}_harmonics"] = pairs[:last]
+    return fields
+
+
+def _is_zero(value: Any) -> bool:
+    """Whether a value is none, and no array of such."""
+    return isinstance(value, float) and not value
 
 
 def exact_number(text: str, quantity: Quantity) -> Fraction:

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from vibro.cli.app import app
 from vibro.plots.history import PANELS
-from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES, SWEPT
+from vibro.quantities import DRIVES, QUANTITIES, SWEPT
 from vibro.sweeps.columns import chosen, column_names, columns_of
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def test_every_name_is_there() -> None:
     assert completed("map", "--x", "") == [*(QUANTITIES[name].letter for name in SWEPT), *SWEPT]
     assert completed("simulate", "--panels", "") == list(PANELS)
     assert completed("map", "--columns", "") == column_names()
-    every = columns_of(drive=(*LINEAR, *ELLIPTICAL))
+    every = columns_of(drive=[name for name in DRIVES if name in SWEPT])
     assert [column.name for column in chosen(column_names(), every)] == column_names()
 
 

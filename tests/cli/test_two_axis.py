@@ -70,7 +70,7 @@ def test_the_report_of_one_scene(run: Run) -> None:
     assert "normal phase -60 deg (stroke 2.02394 mm peak to peak" in lines["scene"]
     assert lines["mean speed"] == f"mean speed {1e3 * cycle.mean_velocity:.6g} mm/s"
     assert lines["throw number"].startswith("throw number 0.754557")
-    assert "at most along the ellipse" in lines["acceleration"]
+    assert "at most along the path" in lines["acceleration"]
     assert "+10 % both amplitudes" in lines["sensitivity"]
     assert "ln amplitude" not in lines["sensitivity"]
     assert lines["begins"] == "begins load now / then both amplitudes frequency [Hz]"

@@ -119,14 +119,13 @@ def map_command(
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
     from vibro.cli.request import checked_number, question_length, request_of
-    from vibro.limits import critical_loads
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
     from vibro.quantities import LEAST_SPEED
     from vibro.results.sweep import at_rest, where_motion_begins
     from vibro.sweeps.columns import columns_of
-    from vibro.sweeps.grid import scene_of
     from vibro.sweeps.request import RANGES
+    from vibro.sweeps.run import limits_of
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -177,8 +176,7 @@ def map_command(
     if window:
         console.echo(window.text())
     if not moves:
-        limits = critical_loads(scene_of(grid.values()))
-        console.echo(where_motion_begins(grid.axes, grid.fixed, limits))
+        console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
     return code
 
 

@@ -166,11 +166,11 @@ def shares_options(run: Callable[..., int], *, of_scene: bool = True) -> Callabl
         Whose signature has a parameter for every shared option, as typer needs it.
     """
     annotations = get_type_hints(Options, include_extras=True)
-    quantities = QUANTITIES if of_scene else {}
+    quantities = [name for name, quantity in QUANTITIES.items() if of_scene and quantity.options]
     shared = []
     for f in fields(Options):
         if f.name == "given":
-            shared += [_quantity_parameter(quantity) for quantity in quantities.values()]
+            shared += [_quantity_parameter(QUANTITIES[name]) for name in quantities]
         elif f.name != "scene" or of_scene:
             shared.append(_parameter(f.name, f.default, annotations[f.name]))
     context, _, *own = inspect.signature(run, eval_str=True).parameters.values()

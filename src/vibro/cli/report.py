@@ -12,7 +12,7 @@ from vibro.core.codes import Regime, Status
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, scene_fields
-from vibro.scene import Scene
+from vibro.scene import HarmonicFields, Scene
 from vibro.sweeps.derived import WITH_STROKE
 
 if TYPE_CHECKING:
@@ -108,8 +108,9 @@ class OneScene:
             stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
             given["amplitude"] += f" (stroke {stroke} peak to peak)"
         else:
-            stroke = number(self.value(WITH_STROKE), LENGTH.unit)
-            given["normal_phase"] += f" (stroke {stroke} peak to peak, the longest way across the ellipse)"
+            length = self.value(WITH_STROKE)
+            told = f"stroke {number(length, LENGTH.unit)} peak to peak, the longest way across the ellipse"
+            given["normal_phase"] += "" if math.isnan(length) else f" ({told})"
         pattern = str(self._cycle.pattern)
         facts = [
             ("scene", ", ".join(given.values())),
@@ -136,8 +137,8 @@ class OneScene:
     def _other_motions(self) -> str:
         """Say what else a body does that is disturbed; nothing where that was not looked at, or is usual."""
         if self._cycle.coexists > 0:
-            loads = self.scene.arrays().loads()
-            if abs(loads.tangential) > loads.kinetic_friction * loads.normal:
+            loads = () if self.has_harmonics else self.scene.arrays().loads()
+            if loads and abs(loads.tangential) > loads.kinetic_friction * loads.normal:
                 return "a body pushed downhill runs away: gravity along the trough exceeds kinetic friction"
             return "a disturbed body can settle into another steady motion than one from rest"
         if self._cycle.coexists == 0 and self.hops:
@@ -174,17 +175,24 @@ class OneScene:
             return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
         if self.regime is not Regime.NO_SLIP:
             return "never: the body slides to and fro without being conveyed"
+        if self.has_harmonics:
+            return "never: the body rests"
         begins = next((t for t in self.transitions() if t.name in ("forward slip", "hopping")), None)
         if begins is None:  # beyond the range of doubles
             return "never: the body rests"
         frequency = begins.frequency
         by_amplitude = f"{self.amplitudes(begins.ratio)} ({1.0 / begins.ratio:.4g} x)"
         by_frequency = f"above {number(frequency, 'Hz')} ({frequency / self.given['frequency']:.4g} x)"
-        which = "both amplitudes" if len(self.driven) > 1 else "the amplitude"
+        which = self.all_amplitudes or "the amplitude"
         return (
             f"never: the body rests; {begins.name} begins with {which} above {by_amplitude}"
             f" or with the frequency {by_frequency}"
         )
+
+    @property
+    def all_amplitudes(self) -> str:
+        """What to call the amplitudes of the drive together; empty of a drive along a line, which has one."""
+        return {1: "", 2: "both amplitudes"}.get(len(self.driven), "all amplitudes")
 
     @property
     def driven(self) -> dict[str, float]:
@@ -195,13 +203,18 @@ class OneScene:
         """Write the amplitudes at which the load is the scene's over ``ratio``, which scales all of them."""
         return " and ".join(number(value / ratio, LENGTH.unit) for value in self.driven.values())
 
+    @property
+    def has_harmonics(self) -> bool:
+        """Whether the drive has harmonics, of which neither transitions nor phases are known."""
+        return isinstance(self.scene.arrays(), HarmonicFields)
+
     def transitions(self) -> tuple[Transition, ...]:
-        """Return where each kind of motion begins."""
-        return transitions(self.scene)
+        """Return where each kind of motion begins; none where that is not known."""
+        return () if self.has_harmonics else transitions(self.scene)
 
     def phases(self) -> tuple[CyclePhase, ...]:
         """Return the cycle's phases; none where they are not modelled, or too many."""
-        if self.hops and not self._cycle.flight_fraction > 0.0:
+        if self.has_harmonics or (self.hops and not self._cycle.flight_fraction > 0.0):
             return ()
         phases = cycle_phases(self.scene)
         return phases if len(phases) <= _MOST_PHASES else ()

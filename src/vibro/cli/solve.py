@@ -206,8 +206,7 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
         told += f", {raised.regime.label}"
     exponent = one.value(WITH_EXPONENT)
     power = "" if math.isnan(exponent) else f" (d ln speed / d ln amplitude = {number(exponent)})"
-    which = "both amplitudes" if len(one.driven) > 1 else "amplitude"
-    return [("sensitivity", f"+10 % {which}: {told}{power}")]
+    return [("sensitivity", f"+10 % {one.all_amplitudes or 'amplitude'}: {told}{power}")]
 
 
 def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
@@ -222,7 +221,7 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
         *one.numbers(),
         (
             "acceleration",
-            f"{number(one.value(WITH_ACCELERATION))} g {'at most along the ellipse' if two else along}",
+            f"{number(one.value(WITH_ACCELERATION))} g {'at most along the path' if two else along}",
         ),
         ("throw number", f"{number(one.throw_number)} (above 1 the body hops)"),
         *_sensitivity(one, grid),
@@ -241,7 +240,7 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
         )
         for t in one.transitions()
     ]
-    parts = [aligned(facts, right=False), aligned([*heads, *begins])]
+    parts = [aligned(facts, right=False), *([] if one.has_harmonics else [aligned([*heads, *begins])])]
     phases = [
         (
             PHASE_NAMES[p.kind],

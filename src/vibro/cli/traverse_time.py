@@ -51,13 +51,17 @@ def traverse_time_command(
     if sweep and not request.varying:
         option = QUANTITIES[request.drive[0]].options[0]
         raise InputError("nothing varies", hint=f"give an axis, for example {option} 0.1:3:200")
-    follows = exact or not request.varying
+    if exact and request.has_harmonics:
+        raise InputError(
+            "--exact: bodies of a drive with harmonics are not followed from rest", hint="leave it out"
+        )
+    follows = exact or not (request.varying or request.has_harmonics)
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     usual = columns_of(request.varying, *extra, drive=request.drive)
     table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
     if not request.varying:
         refuse_without_table(options, columns, digits)
-        grid = make_grid(request, flight=flight, arrivals=True)
+        grid = make_grid(request, flight=flight, arrivals=follows)
         return answer_one(grid, table, options, context.obj, name, _report)
     console = Console(quiet=options.quiet)
     grid = make_grid(request, console, flight=flight, arrivals=follows)
@@ -106,6 +110,8 @@ def _exactly(scene: OneScene, steady: float | None) -> list[tuple[str, str]]:
 
 def _why_not(scene: OneScene) -> str:
     """Say why nobody knows when a body arrives whose mean speed is known."""
+    if scene.has_harmonics:
+        return "bodies of a drive with harmonics are not followed from rest"
     if scene.hops:
         bodies = "; a body may differ from the mean by more than its error" if scene.relative_error else ""
         return f"flights amplify rounding, which grows past 1e-9 rad before the body arrives{bodies}"

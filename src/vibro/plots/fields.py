@@ -101,7 +101,12 @@ class Fields:
 
     @cached_property
     def log_ratio(self) -> dict[str, Floats]:
-        """ln(G / G_critical) of each critical curve: positive beyond it."""
+        """ln(G / G_critical) of each critical curve: positive beyond it.
+
+        Of drives with harmonics the cycles tell it, of back slip whether it has begun alone.
+        """
+        if not self.panel.critical:
+            return self._ratios_of_cycles
         load = self._load
         ratios = {}
         for name, critical in self.panel.critical.items():
@@ -112,6 +117,16 @@ class Fields:
                 ratio = np.clip(load / filled, _LEAST_RATIO, 1.0 / _LEAST_RATIO)
             ratios[name] = np.log(ratio)
         return ratios
+
+    @property
+    def _ratios_of_cycles(self) -> dict[str, Floats]:
+        cycle = self.panel.cycle
+        ratios = [
+            fill_unknown(cycle[name], ~np.isnan(cycle[name])) for name in ("forward_ratio", "throw_number")
+        ]
+        onset, hop = np.log(np.clip(ratios, _LEAST_RATIO, 1.0 / _LEAST_RATIO))
+        back = np.where(cycle["regime"] == Regime.BACK_SLIP, 0.5, -0.5)
+        return {"forward_onset": onset, "back_slip": back, "rest_vanishes": self._zeros - 0.5, "hop": hop}
 
     @cached_property
     def infeasible(self) -> Floats:

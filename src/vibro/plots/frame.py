@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.plots.style import INK, axis_label, figure_text, values_text
+from vibro.quantities import DRIVES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -47,7 +48,7 @@ _SHORT: Final = 2.0  # a logarithmic scale that does not end above this multiple
 _FEW_TICKS: Final = 4  # on a scale that is long enough for these, numbers have the digits to tell them apart
 _MOST_TICKS: Final = 9
 _TICK_STEPS: Final = (1, 2, 2.5, 5, 10)
-_PHASES: Final = ("normal_phase",)
+_PHASES: Final = tuple(name for name in DRIVES if "phase" in name)
 _PHASE_STEPS: Final = (1, 1.5, 3, 4.5, 9, 10)  # to divide turns
 _DIGIT_WIDTH: Final = 0.115  # [in] of a digit on an axis, with its share of the gap between numbers
 _HANDLE_WIDTH: Final = 0.62  # [in] of a handle in a legend, with the gap between columns

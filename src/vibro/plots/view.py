@@ -34,6 +34,7 @@ MAX_FACETS: Final = 12
 _LEAST, _MOST = 1e-100, 1e100  # of what is drawn, in its unit
 # A value that is typed with another unit, or copied from a picture, differs in its last digits.
 _SAME: Final = 5e-5  # relative difference
+_CURVES: Final = ("hop", "forward_onset", "back_slip", "rest_vanishes")
 _Span = tuple[float, float]
 
 
@@ -99,7 +100,8 @@ class Panel:
     cycle : mapping of str to array
         The attributes of ``SteadyCycle``.
     critical : mapping of str to array
-        Critical loads G, by the field of ``CriticalLoads``; of length 1 where they do not vary.
+        Critical loads G, by the field of ``CriticalLoads``; of length 1 where they do not vary, and none of
+        drives with harmonics.
     load : array, optional
         Load G; without it that of the scenes that the values and axes make.
     """
@@ -314,8 +316,5 @@ def _panel(result: SweepResult, view: View, facet_index: int, curve_index: int) 
         values,
         view.facet.name if view.facet else None,
         {name: cut(field) for name, field in vars(result.cycle).items()},
-        {
-            name: cut(getattr(result.limits, name))
-            for name in ("hop", "forward_onset", "back_slip", "rest_vanishes")
-        },
+        {name: cut(getattr(result.limits, name)) for name in _CURVES} if result.limits else {},
     )

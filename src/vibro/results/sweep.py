@@ -93,9 +93,10 @@ class SweepResult:
         kinetic_friction or, where that was given instead, friction_ratio.
     cycle : SteadyCycle
         Arrays of the grid's shape.
-    limits : CriticalLoads
+    limits : CriticalLoads or None
         Critical loads G of the grid's angles and frictions, and of the shapes of its ellipses: arrays of the
-        grid's shape, but of length 1 along amplitude, frequency and restitution.
+        grid's shape, but of length 1 along amplitude, frequency and restitution. None where drives have
+        harmonics.
     length : float or None
         Length of the trough [mm].
     operating_point : mapping of str to float, or None
@@ -107,7 +108,7 @@ class SweepResult:
     axes: Mapping[str, Axis]
     fixed: Mapping[str, float]
     cycle: SteadyCycle
-    limits: CriticalLoads
+    limits: CriticalLoads | None
     length: float | None
     operating_point: Mapping[str, float] | None
     title: str
@@ -129,7 +130,9 @@ def at_rest(cycle: SteadyCycle) -> NDArray[np.bool_]:
     return np.asarray((cycle.regime == Regime.NO_SLIP) | (cycle.status == Status.INFEASIBLE))
 
 
-def where_motion_begins(axes: Mapping[str, Axis], fixed: Mapping[str, float], limits: CriticalLoads) -> str:
+def where_motion_begins(
+    axes: Mapping[str, Axis], fixed: Mapping[str, float], limits: CriticalLoads | None
+) -> str:
     """Say at which amplitude and frequency the first body of a sweep begins to move.
 
     Parameters
@@ -141,8 +144,11 @@ def where_motion_begins(axes: Mapping[str, Axis], fixed: Mapping[str, float], li
     -------
     str
         The amplitude at the frequency of the body that is nearest to moving, and the frequency at its
-        amplitude; of an ellipse the factor of both amplitudes, which grow together.
+        amplitude; of an ellipse the factor of both amplitudes, which grow together; of a drive with harmonics
+        neither.
     """
+    if limits is None:
+        return "at rest everywhere"
     values = {name: np.full((1,) * len(axes), value) for name, value in fixed.items()}
     for i, axis in enumerate(axes.values()):
         values[axis.name] = axis.values.reshape([-1 if j == i else 1 for j in range(len(axes))])

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.errors import InputError, shown
 from vibro.files.tables import rounded_cells
-from vibro.quantities import BY_COLUMN, ELLIPTICAL, LINEAR, QUANTITIES, SWEPT
+from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, QUANTITIES, SWEPT
 from vibro.results.steady import RESULTS, Result
 from vibro.results.sweep import Block, Column
 from vibro.sweeps.derived import TRAVERSE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, WITH_STROKES
@@ -78,8 +78,8 @@ def columns_of(
     drive : collection of str
         The quantities that tell the drive.
     """
-    left_out = {*LINEAR, *ELLIPTICAL, *_WHERE_SWEPT}.difference(axes, drive)
-    given = [_given(name) for name in SWEPT if name not in left_out]
+    left_out = {*DRIVES, *_WHERE_SWEPT}.difference(axes, drive)
+    given = [_given(name) for name in QUANTITIES if name in {*SWEPT, *drive} - left_out]
     columns: list[Column] = []
     for result in RESULTS:
         columns += extra if result.name == "model_code" else ()
@@ -90,7 +90,8 @@ def columns_of(
 
 def column_names() -> list[str]:
     """Return the names of the columns that tables can have, whatever their drive."""
-    return [column.name for column in (*columns_of(drive=(*LINEAR, *ELLIPTICAL)), *_ON_REQUEST)]
+    drive = [name for name in DRIVES if name in SWEPT]
+    return [column.name for column in (*columns_of(drive=drive), *_ON_REQUEST)]
 
 
 def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...]:

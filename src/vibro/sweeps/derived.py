@@ -24,6 +24,7 @@ from vibro.results.steady import (
     Result,
 )
 from vibro.results.sweep import Block, Column
+from vibro.scene import HarmonicFields
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -75,7 +76,10 @@ def _stroke(block: Block) -> Floats:
     """From one end of the trough's path to the other, the farther way."""
     if "amplitude" in block.values:
         return 2.0 * block.values["amplitude"]
-    return np.asarray(LENGTH.from_si(2.0 * scene_of(block.values).arrays().reach))
+    scene = scene_of(block.values)
+    if isinstance(scene.arrays(), HarmonicFields):  # whose path need not be symmetric
+        return _unknown(block)
+    return np.asarray(LENGTH.from_si(2.0 * scene.reach))
 
 
 def _speed_exponent(block: Block) -> Floats:

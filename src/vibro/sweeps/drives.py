@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
-from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES
+from vibro.quantities import DRIVES, ELLIPTICAL, HARMONIC, LINEAR, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -12,7 +12,10 @@ if TYPE_CHECKING:
     from vibro.axes import AxisSpec
     from vibro.sweeps.request import Caller
 
-__all__ = ["drive_given"]
+__all__ = ["TWO_AXIS", "drive_given"]
+
+#: What tells drives along an ellipse, with harmonics or without.
+TWO_AXIS: Final = (*ELLIPTICAL, *HARMONIC)
 
 
 def drive_given(
@@ -32,18 +35,18 @@ def drive_given(
     Returns
     -------
     tuple of str
-        ``LINEAR``, also where nothing is given, or ``ELLIPTICAL``.
+        ``LINEAR``, also where nothing is given, or ``TWO_AXIS``.
     pair of str, or None
         What is wrong, and a hint, where two drives are given and neither of them whole above the other.
     """
     given: dict[str, str] = {}
     for source, specs in layers:
-        both = given | {slot: source for slot in specs if slot in (*LINEAR, *ELLIPTICAL)}
-        line, ellipse = ([slot for slot in both if slot in drive] for drive in (LINEAR, ELLIPTICAL))
+        both = given | {slot: source for slot in specs if slot in DRIVES}
+        line, ellipse = ([slot for slot in both if slot in drive] for drive in (LINEAR, TWO_AXIS))
         if not (line and ellipse):
             given = both
             continue
-        for drive, whole in ((LINEAR, LINEAR), (ELLIPTICAL, ELLIPTICAL[:2])):
+        for drive, whole in ((LINEAR, LINEAR), (TWO_AXIS, ELLIPTICAL[:2])):
             if given.keys() <= set(drive) and set(whole) <= {*given, *known}:
                 for slot in both.keys() - set(drive):
                     del specs[slot]
@@ -51,7 +54,7 @@ def drive_given(
         else:
             return LINEAR, _two_drives(both, caller)
     named = {*given} or {*known}
-    return (ELLIPTICAL if named & set(ELLIPTICAL) else LINEAR), None
+    return (TWO_AXIS if named & set(TWO_AXIS) else LINEAR), None
 
 
 def _two_drives(both: Mapping[str, str], caller: Caller) -> tuple[str, str]:
@@ -61,7 +64,7 @@ def _two_drives(both: Mapping[str, str], caller: Caller) -> tuple[str, str]:
         for source in dict.fromkeys(both.values())
     ]
     why = "a drive moves either along a line or along an ellipse"
-    if not both.keys() & set(ELLIPTICAL[:2]):
+    if both.keys() <= {*LINEAR, "normal_phase"}:
         why = "a drive along a line has no phase"
     a, alpha, x, y, phi = (caller.name(QUANTITIES[name]) for name in (*LINEAR, *ELLIPTICAL))
     return (

@@ -14,8 +14,8 @@ from vibro.errors import InputError, SceneError
 from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
     DEFAULTS,
-    ELLIPTICAL,
-    LINEAR,
+    DRIVES,
+    HARMONIC,
     QUANTITIES,
     STANDS_FOR,
     SWEPT,
@@ -23,11 +23,11 @@ from vibro.quantities import (
     scene_fields,
 )
 from vibro.scene import Scene
-from vibro.sweeps.drives import drive_given
+from vibro.sweeps.drives import TWO_AXIS, drive_given
 from vibro.sweeps.grid import Grid
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from vibro.axes import Axis
     from vibro.core.codes import Level
@@ -43,6 +43,8 @@ _EXAMPLES: Final = {
     "amplitude": ("amplitude", "1"),
     "along_amplitude": ("along_amplitude", "1"),
     "normal_amplitude": ("normal_amplitude", "0.3"),
+    "along_amplitude_2": ("along_amplitude_2", "0.2"),
+    "normal_amplitude_2": ("normal_amplitude_2", "0.1"),
     "frequency": ("frequency", "15"),
     "drive_angle": ("drive_angle", "20"),
     "static_friction": ("static_friction", "0.74"),
@@ -114,6 +116,11 @@ class Request:
     def drive(self) -> tuple[str, ...]:
         """Names of the quantities that tell the drive."""
         return drive_of(self.specs)
+
+    @property
+    def has_harmonics(self) -> bool:
+        """Whether the drive has harmonics."""
+        return any(name in HARMONIC for name in self.drive)
 
     @property
     def fixed(self) -> dict[str, float]:
@@ -248,17 +255,16 @@ def gather(
     drive, mixed = drive_given(layers, caller, {*problems.slots, asked_for or ""})
     if mixed is not None:
         problems.add("", *mixed)
-        problems.slots |= {*LINEAR, *ELLIPTICAL}
-    if line_alone is not None and drive is ELLIPTICAL:
+        problems.slots |= {*DRIVES}
+    if line_alone is not None and drive is TWO_AXIS:
         problems.add("", *line_alone)
-    other = {*LINEAR, *ELLIPTICAL}.difference(drive)
+    other = {*DRIVES}.difference(drive)
     ranges = {slot: text for slot, text in ranges.items() if slot not in other}
     merged = own | swept | typed
     if not any(spec.varies for spec in merged.values()):
         for slot in ranges.keys() & own.keys() - swept.keys() - typed.keys():
             del merged[slot]
-    in_phase = {"normal_phase": 0.0} if drive is ELLIPTICAL else {}
-    usual: Mapping[str, float | str] = {**DEFAULTS, **in_phase, **ranges}
+    usual: Mapping[str, float | str] = {**DEFAULTS, **_phases_of(drive, merged), **ranges}
     merged = {slot: axis_of(value, QUANTITIES[slot]) for slot, value in usual.items()} | merged
     for slot in problems.slots:
         merged.pop(slot, None)
@@ -269,7 +275,8 @@ def gather(
     _check_combinations(merged, problems)
     if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
         problems.add("", "nothing varies", f"give an axis, for example {caller.axis(QUANTITIES[drive[0]])}")
-    given_up = {*ranges, asked_for, *other, *(() if needs_length else ("trough_length",))}
+    given_up = {*ranges, asked_for, *other, *_harmonics_left_out(merged)}
+    given_up |= set() if needs_length else {"trough_length"}
     required = [slot for slot in _EXAMPLES if slot not in given_up]
     _check_missing(required, merged, caller, problems)
     problems.settle()
@@ -303,6 +310,19 @@ def _amplitude_for_stroke(spec: AxisSpec) -> AxisSpec:
     if spec.quantity.name != "stroke":
         return spec
     return spec.halved(QUANTITIES["amplitude"])
+
+
+def _phases_of(drive: tuple[str, ...], given: Collection[str]) -> dict[str, float]:
+    """Return the phases, 0, of motions that are given without one."""
+    sizes = {name for name in given if name in HARMONIC and "amplitude" in name}
+    phases = {name.replace("amplitude", "phase") for name in sizes}
+    return dict.fromkeys({"normal_phase", *phases} if drive is TWO_AXIS else (), 0.0)
+
+
+def _harmonics_left_out(given: Collection[str]) -> list[str]:
+    """Name the amplitudes of harmonics that need not be given, as nobody gives their phases."""
+    sizes = [name for name in HARMONIC if "amplitude" in name]
+    return [name for name in sizes if name.replace("amplitude", "phase") not in given]
 
 
 def _text(spec: AxisSpec, value: Fraction | float) -> str:

@@ -15,6 +15,7 @@ from vibro.parallel import BLOCK, cores, grid_blocks, within
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import SteadyCycle
 from vibro.results.sweep import Block, SweepResult
+from vibro.scene import HarmonicFields
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -22,11 +23,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vibro.core.contact.limits import CriticalLoads
     from vibro.sweeps.grid import Grid
 
     Floats = NDArray[np.float64]
 
-__all__ = ["sweep_blocks", "sweep_picture"]
+__all__ = ["limits_of", "sweep_blocks", "sweep_picture"]
 
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK // 2
@@ -106,8 +108,14 @@ def sweep_picture(
     }
     part = replace(grid, axes=axes, fixed=fixed)
     values = part.values()
-    limits, point = critical_loads(scene_of(values)), grid.operating_point(operating_point)
+    limits, point = limits_of(values), grid.operating_point(operating_point)
     return SweepResult(axes, fixed, part.solve(values), limits, grid.length, point, title)
+
+
+def limits_of(values: Mapping[str, Floats]) -> CriticalLoads | None:
+    """Find the critical loads of cells; nothing where their drives have harmonics."""
+    scene = scene_of(values)
+    return None if isinstance(scene.arrays(), HarmonicFields) else critical_loads(scene)
 
 
 def _resolution(ranges: int, kept: int, *, bounces: bool) -> int:

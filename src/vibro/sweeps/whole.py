@@ -14,14 +14,13 @@ from vibro.axes import axis_of
 from vibro.core.codes import Level
 from vibro.errors import InputError, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
-from vibro.limits import critical_loads
 from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
 from vibro.results.sweep import Block, SweepResult
 from vibro.scene import Scene
 from vibro.steady import check_switch, level_of
 from vibro.sweeps.columns import chosen, columns_of, to_frame
-from vibro.sweeps.grid import scene_of
 from vibro.sweeps.request import RANGES, gather
+from vibro.sweeps.run import limits_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -180,7 +179,7 @@ class Sweep:
             raise _no_picture(
                 name, "give trough_length_mm" if name == "traverse" and not grid.length else hint
             )
-        limits, point = critical_loads(scene_of(grid.values())), grid.operating_point(self._own)
+        limits, point = limits_of(grid.values()), grid.operating_point(self._own)
         result = SweepResult(grid.axes, grid.fixed, self.cycle, limits, grid.length, point, self._title)
         return map_figures(result, [name], x=across, y=up, at=held)[name]
 

@@ -1,0 +1,169 @@
+"""Drives with harmonics on the command line: options of the second, lists in scene files, maps."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from commands import NUT, Run, rows_of
+
+import vibro
+
+FRICTION = ("--mu-s", "0.4", "--mu-d", "0.3")
+SLIP_STICK = (
+    "--along",
+    "1",
+    "--normal",
+    "0",
+    "--along-2",
+    "0.3",
+    "--along-phase-2",
+    "90",
+    "-f",
+    "10",
+    *FRICTION,
+)
+FILE = """
+[scene]
+along_amplitudes_mm = [1, 0.3]
+along_phases_deg = [0, 90]
+frequency_hz = 10
+static_friction = 0.4
+kinetic_friction = 0.3
+trough_length_mm = 600
+"""
+SCENE = vibro.Scene(
+    along_harmonics=[(1e-3, 0.0), (0.3e-3, math.radians(90.0))],
+    frequency=10,
+    static_friction=0.4,
+    kinetic_friction=0.3,
+)
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "drive.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_options_and_lists_give_the_same_drive(run: Run, tmp_path: Path) -> None:
+    speed = pytest.approx(1e3 * float(vibro.solve(SCENE).mean_velocity), rel=1e-13)
+    for arguments in (SLIP_STICK, (written(tmp_path, FILE),)):
+        answer = json.loads(run("solve", *arguments, "--json").stdout)
+        assert answer["mean_velocity_mm_s"] == speed
+        assert answer["along_amplitude_2_mm"] == 0.3
+        assert answer["along_phase_2_deg"] == 90
+        assert answer["stroke_mm"] is None
+    assert float(vibro.solve(vibro.read_scene(tmp_path / "drive.toml")).mean_velocity) * 1e3 == speed
+
+
+def test_the_report_says_what_is_known(run: Run, tmp_path: Path) -> None:
+    result = run("solve", written(tmp_path, FILE))
+    assert result.exit_code == 0, result.stderr
+    assert "along amplitude 2 0.3 mm, along phase 2 90 deg" in result.stdout
+    assert "pattern F_F_B" in result.stdout
+    assert "+10 % all amplitudes" in result.stdout
+    assert "begins" not in result.stdout
+
+
+def test_an_option_replaces_an_entry_of_a_list(run: Run, tmp_path: Path) -> None:
+    file = written(tmp_path, FILE)
+    forth, back = (
+        json.loads(run("solve", file, f"--along-phase-2={phase}", "--json").stdout)["mean_velocity_mm_s"]
+        for phase in (-90, 90)
+    )
+    assert forth == pytest.approx(-back, rel=1e-13)
+    answer = json.loads(run("solve", file, "--normal", "0.2", "--normal-2", "0.1", "--json").stdout)
+    assert [answer[f"normal_{name}"] for name in ("amplitude_mm", "amplitude_2_mm", "phase_2_deg")] == [
+        0.2,
+        0.1,
+        0,
+    ]
+    assert json.loads(run("solve", file, "-A", "1", "-a", "20", "--json").stdout)["amplitude_mm"] == 1
+
+
+def test_higher_harmonics_and_a_first_phase_come_from_lists(run: Run, tmp_path: Path) -> None:
+    lists = "along_amplitudes_mm = [1, 0, 0.2]\nalong_phases_deg = [30, 0, 45]\n"
+    text = FILE.replace(FILE[FILE.index("along_amp") : FILE.index("frequency")], lists)
+    answer = json.loads(run("solve", written(tmp_path, text), "--json").stdout)
+    expected = vibro.solve(
+        vibro.Scene(
+            along_harmonics=[(1e-3, math.radians(30)), (0, 0), (0.2e-3, math.radians(45))],
+            frequency=10,
+            static_friction=0.4,
+            kinetic_friction=0.3,
+        )
+    )
+    assert answer["peak_velocity_mm_s"] == pytest.approx(1e3 * float(expected.peak_velocity), rel=1e-13)
+    # odd harmonics alone convey nothing on a level trough
+    assert abs(answer["mean_velocity_mm_s"]) < 1e-12
+
+
+def test_the_second_harmonic_is_an_axis_and_has_columns(run: Run, tmp_path: Path) -> None:
+    result = run("map", written(tmp_path, FILE), "--along-2", "0:.3:4", "--along-phase-2=-90:90:3", "-o", "x")
+    assert result.exit_code == 0, result.stderr
+    rows = rows_of((tmp_path / "x.csv").read_text(encoding="utf-8"))
+    assert list(rows[0])[:8] == [
+        "along_amplitude_mm", "normal_amplitude_mm", "frequency_hz", "normal_phase_deg", "along_phase_deg",
+        "along_amplitude_2_mm", "along_phase_2_deg", "static_friction",
+    ]  # fmt: skip
+    assert len(rows) == 12
+    assert {"x-regime.png", "x-speed.png"} <= {file.name for file in tmp_path.iterdir()}
+    assert "normal_phase_2_deg" not in rows[0]
+
+
+def test_regions_of_a_map_are_those_of_its_cells() -> None:
+    swept = vibro.sweep(
+        along_amplitude_mm=1, along_amplitude_2_mm=0.3, along_phase_2_deg=90, normal_amplitude_mm="0:3:31",
+        frequency_hz="5:20:31", static_friction=0.4, kinetic_friction=0.3,
+    )  # fmt: skip
+    words = {text.get_text().replace("\n", "") for text in swept.draw("regime").axes[0].texts}
+    assert {"no-slip", "back-slip", "hopping"} <= words
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (("solve", *NUT, "--along-2", "0.3"), "a drive moves either along a line or along an ellipse"),
+        (("solve", "--along", "1", "--normal", "0", "--along-phase-2", "9", "-f", "10", *FRICTION),
+         "missing: along amplitude 2 (--along-2)"),
+        (("simulate", *SLIP_STICK), "a drive with harmonics: of its bodies"),
+        (("traverse-time", *SLIP_STICK, "--along-2", ".1:.3:3", "-L", "6", "--exact"), "--exact: bodies of"),
+        (("solve", *SLIP_STICK, "--stand-ratio", "0.3"), "a drive with harmonics"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused(run: Run, given: tuple[str, ...], said: str) -> None:
+    result = run(*given)
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert "hint: " in result.stderr
+
+
+def test_a_traverse_time_at_the_mean_speed_alone(run: Run) -> None:
+    result = run("traverse-time", *SLIP_STICK, "--along-phase-2=-90", "-L", "600")
+    assert result.exit_code == 0, result.stderr
+    assert "bodies of a drive with harmonics are not followed from rest" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("along_amplitudes_mm = 1", "along_amplitudes_mm = 1: must be a list of numbers"),
+        ("along_amplitudes_mm = []", "must be a list of numbers"),
+        ("along_amplitudes_mm = [1, true]", "must be a list of numbers"),
+        (f"along_amplitudes_mm = {[1] * 9}", "must be a list of numbers"),
+        ("along_amplitudes_mm = [1, 2, 3]", "along_amplitudes_mm has 3, along_phases_deg has 2"),
+        (
+            "along_amplitudes_mm = [1, 2]\nalong_amplitude_2_mm = 1",
+            "along_amplitude_2_mm beside lists of harmonics",
+        ),
+        ("along_amplitudes_m = [1, 2]", "did you mean 'along_amplitudes_mm'?"),
+    ],
+)
+def test_wrong_lists_are_named(run: Run, tmp_path: Path, line: str, said: str) -> None:
+    text = FILE.replace("along_amplitudes_mm = [1, 0.3]", line)
+    result = run("solve", written(tmp_path, text))
+    assert result.exit_code == 2
+    assert said in result.stderr
