@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scenes import line_of
 
 from vibro import Scene, SceneError, Status, VibroError, solve
 from vibro.scene import EllipticalFields, LinearFields
@@ -161,14 +162,14 @@ def test_a_scene_keeps_its_values_when_the_caller_s_array_changes() -> None:
 def test_a_scene_s_fields_are_doubles_and_its_shape_is_their_common_one() -> None:
     scene = Scene(**(VALID | {"amplitude": [[1], [2]], "frequency": np.array([15, 20, 25], np.float32)}))
     assert scene.shape == (2, 3)
-    assert {x.dtype for x in scene.arrays()} == {np.dtype(np.float64)}
+    assert {x.dtype for x in line_of(scene)} == {np.dtype(np.float64)}
     assert Scene(**VALID).shape == ()
 
 
 def test_a_scene_survives_pickling() -> None:
     scene = Scene(**(VALID | {"amplitude": [1e-3, 2e-3]}))
     copy = pickle.loads(pickle.dumps(scene))
-    for mine, theirs in zip(scene.arrays(), copy.arrays(), strict=True):
+    for mine, theirs in zip(line_of(scene), line_of(copy), strict=True):
         assert np.array_equal(mine, theirs)
     assert np.array_equal(solve(copy).mean_velocity, solve(scene).mean_velocity)
 
@@ -280,7 +281,7 @@ def test_the_fields_of_an_ellipse_broadcast() -> None:
     values = {"along_amplitude": [[0.0], [1e-3]], "normal_phase": [-1.0, 0.0, 1.0]}
     scene = Scene(**(ELLIPSE | values))
     assert scene.shape == scene.load.shape == solve(scene).regime.shape == (2, 3)
-    assert {x.shape for x in scene.flat()} == {(6,)}
+    assert scene.flat().scale.shape == (6,)
     one = solve(Scene(**(ELLIPSE | {"normal_phase": -1.0})))
     assert one.displacement_per_cycle == solve(scene).displacement_per_cycle[1, 0]
 

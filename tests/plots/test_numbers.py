@@ -136,6 +136,7 @@ def test_contours_carry_their_values(pictures: dict[str, Figure]) -> None:
 def test_rest_is_not_a_speed(pictures: dict[str, Figure], nut: SweepResult) -> None:
     axes = only_map(pictures["speed"])
     frequency = np.linspace(12, 38, 100)
+    assert nut.limits is not None
     onset = 1e3 * nut.limits.forward_onset.item() * GRAVITY / (2 * math.pi * frequency) ** 2
     cover = path_of(axes, "no-slip")
     assert cover.contains_points(np.column_stack([frequency, 0.999 * onset])).all()
@@ -188,6 +189,7 @@ def test_contours_end_before_the_crest_over_the_load(pictures: dict[str, Figure]
     axes = only_map(pictures["speed"])
     for name in contours(axes):
         frequency, amplitude = curve(axes, name).T
+        assert nut.limits is not None
         hops = amplitude > 1.01e3 * nut.limits.hop.item() * GRAVITY / (2 * math.pi * frequency) ** 2
         steps = np.diff(np.log(amplitude)) / np.diff(np.log(frequency))
         assert np.all(steps[hops[1:] & hops[:-1]] < -0.5), name
@@ -332,6 +334,7 @@ def test_no_line_of_zero_speed_where_no_speed_is_known() -> None:
     result = sweep(points=121, flight=False, amplitude="0.02:0.6", trough_angle="-5:20", **drive)
     axes = only_map(map_figures(result, ["regime"])["regime"])
     amplitude, angle = curve(axes, "zero speed").T
+    assert result.limits is not None
     hop = np.interp(angle, result.axes["trough_angle"].values, result.limits.hop.ravel())
     load = 1e-3 * amplitude * (2.0 * math.pi * 50.0) ** 2 / GRAVITY
     assert load.size > 10

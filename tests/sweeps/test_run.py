@@ -75,6 +75,7 @@ def test_a_picture_shows_the_chosen_slice_of_the_same_numbers() -> None:
     np.testing.assert_array_equal(
         result.cycle.mean_velocity[corners], block.cycle.mean_velocity[:, :, ::2, 1][corners]
     )
+    assert result.limits is not None
     assert result.limits.hop.shape == (1, 1, 2)
     assert result.operating_point is None
 

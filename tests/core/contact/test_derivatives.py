@@ -126,7 +126,7 @@ def test_it_is_exact_just_above_an_onset() -> None:
     onset = np.minimum(limits.forward_onset, limits.back_onset)
     above = np.array([[1e-2], [1e-4], [1e-6], [1e-8], [1e-10]])
     near = at_load(onset * (1.0 + above), mu_s=0.5, mu_d=0.4, **angles)
-    flat = Scene(**dict(zip(near.arrays()._fields, near.flat(), strict=True)))
+    flat = Scene(**near.flat()._asdict())
     found = solved(flat)
     assert {PATTERNS[code] for code in found.pattern} == {"F_", "B_"}
     assert_exact(found, np.arange(above.size * 3))
