@@ -86,20 +86,20 @@ def units(groups: Groups) -> tuple[float, float]:
     return groups.load * GRAVITY / w**2, w
 
 
-@pytest.mark.parametrize(("phase", "velocity"), [(0.0, 0.0), (0.0, 0.6), (4.0, -0.8), (-8.0, 0.0)])
+@pytest.mark.parametrize(("phase", "velocity"), [(0.0, 0.0), (4.0, -0.8), (-8.0, 0.5)])
 @pytest.mark.parametrize("name", SCENES)
 def test_motion_and_forces_are_those_of_the_integrated_body(name: str, phase: float, velocity: float) -> None:
     groups, degrees, restitution = SCENES[name]
     lead = math.radians(degrees)
     a, w = units(groups)
     scene = ellipse(groups, lead, restitution)
-    history = vibro.simulate(scene, cycles=6, start_phase=phase, start_velocity=velocity * a * w)
+    history = vibro.simulate(scene, cycles=4, start_phase=phase, start_velocity=velocity * a * w)
     body = Body(groups, restitution, phase=phase, velocity=velocity, lead=lead)
     if body.normal(phase) < 0.0:
         body.aloft = True
     # the integration leaves out the smallest bounces, whose flights would shift everything after them
     tolerance = 1e-9 if restitution == 0.0 else 100.0 * LEAST_BOUNCE
-    for since in np.arange(0.37, 6.0 * TURN, 0.81):
+    for since in np.arange(0.37, 4.0 * TURN, 0.81):
         p = phase + since
         body.until(p)
         at = history.sample(since / w)
