@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,10 +20,15 @@ if TYPE_CHECKING:
 
 def solved(loads: HarmonicLoads, count: int, *, classes_alone: bool = False) -> SteadyState:
     """Solve scenes."""
-    codes = [np.empty(count, dtype) for dtype in (np.int8, np.int8, np.int64, np.int8)]
-    out = SteadyState(*codes, *np.empty((5, count)), np.empty(count, np.int8))
+    out = unsolved(count)
     harmonic_state(loads, out, classes_alone=classes_alone)
     return out
+
+
+def unsolved(count: int) -> SteadyState:
+    """Make arrays to be filled."""
+    codes = [np.empty(count, dtype) for dtype in (np.int8, np.int8, np.int64, np.int8)]
+    return SteadyState._make((*codes, *np.empty((5, count)), np.empty(count, np.int8)))
 
 
 def drawn(
@@ -37,7 +43,7 @@ def drawn(
 ) -> HarmonicLoads:
     """Draw scenes: ratios of the frictions, and the steepest trough over the angle of static friction."""
     rng = np.random.default_rng(seed)
-    size = np.exp(rng.uniform(*np.log(load), count))
+    size = np.exp(rng.uniform(math.log(load[0]), math.log(load[1]), count))
     along = [
         size * rng.uniform(0.1, 1.0, count) / n ** rng.uniform(0.5, 2.0, count)
         for n in range(1, harmonics + 1)
@@ -45,7 +51,7 @@ def drawn(
     across = [x * rng.uniform(0.0, 0.5, count) * (not along_only) / n for n, x in enumerate(along, 1)]
     phases = [tuple(rng.uniform(-np.pi, np.pi, (harmonics, count))) for _ in range(2)]
     static = rng.uniform(0.1, 1.0, count)
-    kinetic = static * np.exp(rng.uniform(*np.log(ratio), count))
+    kinetic = static * np.exp(rng.uniform(math.log(ratio[0]), math.log(ratio[1]), count))
     beta = np.arctan(static) * steep * rng.uniform(-1.0, 1.0, count) * (rng.uniform(size=count) < 0.6)
     w = np.full(count, 1.0 / (2.0 * np.pi))
     return harmonic_loads(

@@ -136,8 +136,8 @@ PHASE_NAMES: Final = {
 #: Legs of a pattern that an int64 has room for, as digits to base 5; longer ones are cut.
 MOST_LETTERS: Final = 27
 
-#: [code] The patterns of contact cycles that a drive without harmonics has are those of ``Pattern``; from
-#: here on up, and below 0, a code spells its legs, as those of hopping cycles all do.
+#: [code] The patterns of contact cycles that drives of one harmonic have are those of ``Pattern``; from here
+#: on up, and below 0, a code spells its legs, as those of hopping cycles all do.
 SPELT_PATTERNS: Final = 8
 
 

@@ -31,16 +31,25 @@ def column(rows: list[dict[str, str]], name: str) -> NDArray[np.float64]:
 
 
 def test_rows_have_their_patterns_and_numbers(rows: list[dict[str, str]]) -> None:
-    groups = [
-        tuple(column(rows, f"{axis}{n}_{what}") for n in (1, 2))
-        for axis in "xy"
-        for what in ("amplitude_m", "phase_rad")
-    ]
+    def pair(axis: str, what: str) -> tuple[NDArray[np.float64], ...]:
+        return tuple(column(rows, f"{axis}{n}_{what}") for n in (1, 2))
+
+    along, across = (pair(axis, "amplitude_m") for axis in "xy")
+    phases = [pair(axis, "phase_rad") for axis in "xy"]
     frequency = column(rows, "frequency_hz")
     friction = column(rows, "static_friction"), column(rows, "kinetic_friction")
-    loads = harmonic_loads(*groups, frequency, *friction, column(rows, "trough_angle_rad"), np.array(9.81))
+    loads = harmonic_loads(
+        along,
+        phases[0],
+        across,
+        phases[1],
+        frequency,
+        *friction,
+        column(rows, "trough_angle_rad"),
+        np.array(9.81),
+    )
     out = solved(loads, len(rows))
-    scale = harmonic_scale(groups[0], groups[2])
+    scale = harmonic_scale(along, across)
     texts = pattern_texts(out.pattern).tolist()
     runs = np.array([row["regime"].startswith("runaway") for row in rows])
     assert len(rows) == 60

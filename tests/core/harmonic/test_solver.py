@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from harmonics import drawn, drive_of, solved
+from harmonics import drawn, drive_of, solved, unsolved
 
 from vibro.core.codes import Model, Pattern, Regime, Status, pattern_texts
-from vibro.core.contact.solver import SteadyState, steady_state
+from vibro.core.contact.solver import steady_state
 from vibro.core.groups import loads as linear_loads
 from vibro.core.groups import take
 from vibro.core.harmonic.legs import harmonic_legs
 from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads, harmonic_scale
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 SWAPPED = str.maketrans("FB", "BF")
 
@@ -27,7 +35,7 @@ def scene(
 ) -> HarmonicLoads:
     """Make one scene of amplitudes in g/w^2."""
 
-    def arrays(numbers: tuple[float, ...]) -> tuple[np.ndarray, ...]:
+    def arrays(numbers: tuple[float, ...]) -> tuple[Floats, ...]:
         return tuple(np.array([x]) for x in numbers)
 
     none = arrays((0.0,) * len(across))
@@ -50,8 +58,7 @@ def test_one_harmonic_is_the_linear_drive(harmonics: int) -> None:
     size = np.exp(rng.uniform(np.log(0.1), np.log(8.0), count))
     f = np.full(count, 1.0 / (2.0 * np.pi))
     linear = linear_loads(size, f, alpha, static, kinetic, beta, np.ones(()))
-    codes = [np.empty(count, dtype) for dtype in (np.int8, np.int8, np.int64, np.int8)]
-    wanted = SteadyState(*codes, *np.empty((5, count)), np.empty(count, np.int8))
+    wanted = unsolved(count)
     steady_state(linear, wanted)
     none = (np.zeros(()),) * (harmonics - 1)
     along, across = (size * np.cos(alpha), *none), (size * np.sin(alpha), *none)
@@ -71,13 +78,15 @@ def test_one_harmonic_is_the_linear_drive(harmonics: int) -> None:
         got, true = getattr(out, name), getattr(wanted, name)
         finite = np.isfinite(true)
         assert np.array_equal(finite, np.isfinite(got)), name
+        if name == "back_ratio":  # 0 for a linear drive that presses down more than it pushes
+            finite &= np.cos(alpha) > static * np.sin(alpha)
         assert np.max(np.abs(got - true)[finite] / (1.0 + true[finite])) < 1e-14
 
 
 @pytest.mark.parametrize("harmonics", [2, 3])
 def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
     # the push is turned round, the load off the trough stays
-    count = 2000
+    count = 600
     loads = drawn(count, 6, harmonics)
     turned = loads._replace(
         along_sine=tuple(-x for x in loads.along_sine),
@@ -88,7 +97,7 @@ def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
     assert np.array_equal(here.status, there.status)
     assert np.array_equal(here.coexists, there.coexists)
     known = here.status == Status.OK
-    assert known.sum() > 1000
+    assert known.sum() > 300
     assert np.max(np.abs(here.displacement + there.displacement)[known]) < 1e-12
     assert np.array_equal(here.forward_ratio, there.back_ratio)
 
@@ -97,15 +106,8 @@ def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
         order = str.maketrans("FB_", "123")
         return min((swapped[i:] + swapped[:i] for i in range(len(swapped))), key=lambda t: t.translate(order))
 
-    different = {
-        (a, b)
-        for a, b in zip(
-            pattern_texts(here.pattern[known]).tolist(),
-            pattern_texts(there.pattern[known]).tolist(),
-            strict=True,
-        )
-    }
-    assert all(turned_text(a) == b for a, b in different)
+    ours, theirs = (pattern_texts(x.pattern[known]).tolist() for x in (here, there))
+    assert all(turned_text(a) == b for a, b in set(zip(ours, theirs, strict=True)))
 
 
 def test_odd_harmonics_along_a_level_trough_convey_nothing() -> None:
@@ -119,7 +121,10 @@ def test_odd_harmonics_along_a_level_trough_convey_nothing() -> None:
     out = solved(loads, count)
     slips = out.pattern > Pattern.R
     assert slips.sum() > 200
-    assert np.max(np.abs(out.displacement[slips])) < 1e-13
+    # but for cycles that are no mirror image of themselves: the mirrored one is another
+    alone = slips & (out.coexists == 0)
+    assert alone.sum() > 200
+    assert np.max(np.abs(out.displacement[alone])) < 1e-13
 
 
 def test_statuses() -> None:
@@ -144,23 +149,27 @@ def test_statuses() -> None:
 
 
 def test_onsets_just_below_at_and_just_above() -> None:
-    # cos(2 p) + sin(p) is largest, 9/8, where sin(p) = 1/4, twice in a cycle
+    # the second harmonic alone opens two windows each way at once
     for size, status, pattern in (
         (1.0 - 1e-9, Status.OK, "_"),
         (1.0, Status.BOUNDARY, "_"),
-        (1.0 + 1e-9, Status.OK, "F_F_"),
+        (1.0 + 1e-9, Status.OK, "F_B_F_B_"),
     ):
-        amplitudes = (size * 0.4 / 1.125, 0.25 * size * 0.4 / 1.125)
-        # the largest load back, 2, is held by gravity
-        loads = scene(amplitudes, phases=(0.0, 0.5 * math.pi))
-        beta = loads._replace(tangential=loads.normal * 0.0)
-        out = solved(beta._replace(static_friction=np.array([0.4])), 1)
-        if out.back_ratio[0] > 1.0:
-            lean = 0.5 * (out.back_ratio[0] - out.forward_ratio[0]) * 0.4 * loads.normal
-            rise = beta._replace(tangential=-lean, static_friction=(0.4 * loads.normal + lean) / loads.normal)
-            out = solved(rise, 1)
+        out = solved(scene(along=(0.0, size * 0.1)), 1)
         assert Status(out.status[0]) is status
         assert pattern_texts(out.pattern).tolist() == [pattern]
+        assert abs(out.forward_ratio[0] - size) < 1e-15
+
+
+def test_hopping_just_below_at_and_just_above() -> None:
+    for size, status in (
+        (1.0 - 1e-9, Status.OK),
+        (1.0, Status.BOUNDARY),
+        (1.0 + 1e-9, Status.FLIGHT_NOT_MODELLED),
+    ):
+        out = solved(scene(across=(0.0, 0.25 * size)), 1)
+        assert Status(out.status[0]) is status
+        assert abs(out.throw_number[0] - size) < 1e-15
 
 
 def test_rest_at_phase_0_inside_a_window_slides_at_once() -> None:
@@ -191,12 +200,13 @@ def test_cells_do_not_depend_on_their_neighbours() -> None:
     whole = solved(loads, count)
     for i in range(0, count, 7):
         alone = solved(take(loads, np.array([i])), 1)
-        for one, many in zip(alone, whole, strict=True):
-            assert np.array_equal(one[0], many[i], equal_nan=True)
+        for name in alone._fields:
+            one, many = getattr(alone, name), getattr(whole, name)
+            assert np.array_equal(one[0], many[i], equal_nan=True), name
 
 
 def test_legs_follow_each_other_for_a_turn() -> None:
-    count = 200
+    count = 60
     loads = drawn(count, 10)
     out = solved(loads, count)
     texts = pattern_texts(out.pattern).tolist()
@@ -207,29 +217,28 @@ def test_legs_follow_each_other_for_a_turn() -> None:
             continue
         assert 0.0 <= legs[0].start < 2.0 * math.pi
         assert abs(legs[-1].end - legs[0].start - 2.0 * math.pi) < 1e-12
-        for leg, following in zip(legs, legs[1:], strict=False):
+        for leg, following in itertools.pairwise(legs):
             assert leg.end == following.start
             assert leg.end > leg.start
         assert abs(sum(leg.displacement for leg in legs) - out.displacement[i]) < 1e-14 * len(legs)
 
 
-def test_other_cycles_are_found_where_bodies_start_from_them() -> None:
-    # every onset is a start: what bodies reach from there must be the answer wherever none coexists
-    count = 150
+def test_other_cycles_are_told_where_bodies_reach_them() -> None:
+    count = 400
     loads = drawn(count, 11, ratio=(0.05, 0.3), along_only=True, steep=0.0)
     out = solved(loads, count)
-    answered = np.flatnonzero((out.status == Status.OK) & (out.pattern > Pattern.R))
-    seen = 0
-    for i in answered[:30]:
-        drive, weight = drive_of(loads, int(i))
-        ends = set()
-        for phase, way in drive.onsets():
-            try:
-                cycle = drive.settle(phase=phase, way=way)
-            except ArithmeticError:
-                continue
-            ends.add((cycle.pattern, round(cycle.displacement * weight, 6)))
-        if len(ends) > 1:
-            seen += 1
-            assert out.coexists[i] == 1
-    assert seen > 0
+    slips = (out.status == Status.OK) & (out.pattern > Pattern.R)
+    for told in (0, 1):
+        several = 0
+        cells = np.flatnonzero(slips & (out.coexists == told))[:6]
+        for i in cells:
+            drive, weight = drive_of(loads, int(i))
+            ends = {round(float(out.displacement[i]), 6)}
+            for phase, way in itertools.product(np.linspace(0.0, 2.0 * math.pi, 9)[:-1], (1, -1)):
+                if drive.speed(way, float(phase), float(phase) + 1e-3) <= 0.0:
+                    continue
+                with contextlib.suppress(ArithmeticError):  # a walk that settles too slowly decides nothing
+                    ends.add(round(drive.settle(400, float(phase), way).displacement * weight, 6))
+            several += len(ends) > 1
+        assert cells.size == 6
+        assert several == 0 if told == 0 else several >= 4

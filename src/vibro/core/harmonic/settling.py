@@ -147,7 +147,7 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
     orbit = track.cut(some.number, k - near[pick], near[pick])
     side = _side(at, orbit, some)
     resting = _with_rest(at, some.cell)
-    # Where gravity exceeds friction no cycle goes without rest: the mean force along the trough would not be 0.
+    # Where gravity exceeds friction no cycle goes without rest: the mean force along it would not be 0.
     loose = np.array([at.kinetic[0, some.cell] >= 0.0, at.kinetic[0, some.cell + n] >= 0.0])
     held = ~loose.any(axis=0)
     pull = np.where(side > 0, at.kinetic[0, some.cell], at.kinetic[0, some.cell + n])
@@ -164,7 +164,7 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
         for i, cycles in enumerate(candidates):
             own = (chosen == i).nonzero()[0]
             cells = left[own]
-            sure: Bools = np.logical_or(restless_beside[own], ~held[cells])
+            sure = np.array(restless_beside[own] | ~held[cells], np.bool_)
             if i < 2 * h and not sure.all():
                 open_ = (~sure).nonzero()[0]
                 args = read(orbit, cells[open_]), read(cycles, own[open_]), side[cells[open_]]
