@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Settled", "settle"]
 
 # Slides a harmonic after which the nearest cycle is looked for elsewhere; after the last a body is given up.
-_LOOKS: Final = (4, 7, 11, 17, 26, 40, 60, 90)
+_LOOKS: Final = (4, 7, 11, 17, 26, 40, 60)
 # [1] Shares of the way to a cycle that is none, at which one is looked for.
 _LEAPS: Final = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05)
 

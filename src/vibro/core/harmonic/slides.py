@@ -172,7 +172,7 @@ def lanes(
     weight = np.concatenate([normal, normal])
     excess, last_excess = (np.maximum(gap * (weight - values(off, p)), 0.0) for p in (onset, closing))
     turning = turning_points(kinetic)
-    opening, top = crossings(kinetic, turning, values(kinetic, turning))
+    opening, top = crossings(kinetic, turning, values(kinetic, turning), rough=True)
     jump = np.concatenate([opening, np.where(last_excess > noise, closing, np.nan)])
     jump[:, gap == 0.0] = np.nan
     jump_excess = np.concatenate([0.0 * opening, last_excess])

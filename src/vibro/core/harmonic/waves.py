@@ -35,6 +35,9 @@ _MOST_STEPS: Final = 80  # halvings from a turn down to an ulp, and a few more
 # [1] A Newton step below this share of the unit leaves rounding errors: its error is the step's square over
 # the distance from the next turning point, and its conditioning is one over that distance.
 _SETTLED: Final = 3e-9
+# [1] Where waves or speeds turn need not be known so well: their values there change with the square of an error,
+# and that is what is left of the square of the last step.
+_ROUGH: Final = 1e-5 / _SETTLED
 
 
 def harmonics(p: Floats, count: int) -> list[tuple[Floats, Floats]]:
@@ -222,7 +225,7 @@ def _chain(polynomials: Floats, reach: float) -> Floats:
         points = edges[1:].copy()
         pick = (row, column), (row + 1, column)
         points[row, column], _ = zeros(
-            _horner, f[:, column], edges[pick[0]], edges[pick[1]], at[pick[0]], at[pick[1]]
+            _horner, f[:, column], edges[pick[0]], edges[pick[1]], at[pick[0]], at[pick[1]], _ROUGH
         )
     return points
 
@@ -264,8 +267,17 @@ def turning_points(waves: Floats) -> Floats:
     return np.asarray(2.0 * np.arctan(points) + (tables.phases[best] + np.pi))
 
 
-def crossings(waves: Floats, points: Floats, at: Floats) -> tuple[Floats, Floats]:
-    """Zeros of waves, by their turning points and the values there.
+def crossings(waves: Floats, points: Floats, at: Floats, *, rough: bool = False) -> tuple[Floats, Floats]:
+    """Find the zeros of waves, by their turning points and the values there.
+
+    Parameters
+    ----------
+    waves : array
+        One a column.
+    points, at : array
+        From ``turning_points``, and the waves' values there.
+    rough : bool, optional
+        Whether about 1e-9 will do.
 
     Returns
     -------
@@ -281,7 +293,8 @@ def crossings(waves: Floats, points: Floats, at: Floats) -> tuple[Floats, Floats
     row, column = np.nonzero(changes)
     low, high = (row, column), (row + 1, column)
     found = np.full(points.shape, np.nan)
-    found[low], _ = zeros(_value_and_slope, waves[:, column], edges[low], edges[high], at[low], at[high])
+    ends = edges[low], edges[high], at[low], at[high]
+    found[low], _ = zeros(_value_and_slope, waves[:, column], *ends, _ROUGH if rough else 1.0)
     found = np.mod(found, TURN)
     rises = positive[1:]
     up, down = (np.sort(np.where(which, found, np.nan), axis=0)[:h] for which in (rises, ~rises))
