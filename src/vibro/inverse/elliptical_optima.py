@@ -66,10 +66,10 @@ class EllipticalOptimiser(Exchange):
             return slower
         box = self._question.boxes(optimum.setting, scale)
         ratio, shares = extreme_ratio(box, critical("back_slip"), largest=True)
-        known = self._bodies.shares.shape[1]
+        known = self.bodies.shares.shape[1]
         if ratio > 1.0:
-            self._bodies = self._bodies.joined(box, shares)
-        return bool(slower or self._bodies.shares.shape[1] > known)
+            self.bodies = self.bodies.joined(box, shares)
+        return bool(slower or self.bodies.shares.shape[1] > known)
 
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
         """Return the fastest setting for the bodies looked at."""

@@ -14,8 +14,10 @@ from vibro.inverse.ellipses import critical, extreme_ratio
 from vibro.inverse.elliptical_optima import EllipticalOptimiser
 from vibro.inverse.elliptical_questions import EllipticalQuestion, EllipticalSetting
 from vibro.inverse.exchange import MOST_MARGIN, Optimum
+from vibro.inverse.extremes import least_of
 from vibro.inverse.rounding import within
 from vibro.inverse.rows import AT, NEARLY, Rows
+from vibro.inverse.specs import Goal
 from vibro.quantities import QUANTITIES
 from vibro.results.designs import Interval
 
@@ -44,6 +46,7 @@ _JUMP: Final = 1e-4  # of the speed, that is a jump over a relative distance of 
 class EllipticalRows(Rows):
     """The designs of an elliptical drive within one regime; the parameters are those of ``Rows``."""
 
+    _surpluses = (0.0, 1e-4, 1e-2)  # each asks for a search
     _gentlest_above = "limit"
     _columns = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", "frequency_hz")
     _question: EllipticalQuestion
@@ -105,7 +108,9 @@ class EllipticalRows(Rows):
         if not question.flies and normal >= float(question.most_throw(frequency, scale)) * (1.0 - AT):
             return "hop"
         here, beyond = self._speeds(setting, np.array([1.0, 1.0 + AT]), scale)
-        if math.isinf(beyond) or beyond < here * (1.0 - _JUMP):
+        if math.isinf(beyond):
+            return self._forbids(_scaled(setting, 1.0 + AT), scale)
+        if beyond < here * (1.0 - _JUMP):
             return "back slip"
         at_most = (
             setting.along_amplitude >= drive.along_amplitude[1] * (1.0 - AT),
@@ -176,9 +181,25 @@ class EllipticalRows(Rows):
             reaches = self._speeds(setting, np.array([middle]), 1.0)[0] >= self._target
             inside, outside = (middle, outside) if reaches else (inside, middle)
         here, there = self._speeds(setting, np.array([inside, outside]), 1.0)
-        if math.isinf(there) or there < here * (1.0 - _JUMP):
+        if math.isinf(there):
+            return inside, self._forbids(_scaled(setting, outside), 1.0)
+        if there < here * (1.0 - _JUMP):
             return inside, "onset" if there == 0.0 else "back slip"
         return inside, "speed"
+
+    def _forbids(self, setting: EllipticalSetting, scale: float) -> str:
+        """Tell what keeps a setting from being allowed: what it may do without."""
+        spec = self._question.spec
+        anywhere = replace(spec, stand_ratio=math.inf)
+        for name, question in {
+            "tip": replace(self._question, spec=anywhere),
+            "limit": replace(self._question, spec=replace(anywhere, goal=Goal(spec.goal.speed))),
+            "back slip": replace(self._question, spec=anywhere, highest=Regime.BACK_SLIP),
+        }.items():
+            one = EllipticalSetting(*(np.array([x]) for x in setting))
+            if np.isfinite(least_of(question.speeds(one, self._optimiser.bodies, scale))[0]):
+                return name
+        return "hop"
 
     def _speeds(self, setting: EllipticalSetting, factors: Floats, scale: float) -> Floats:
         """Least speeds of the bodies looked at, where both amplitudes are multiplied."""

@@ -85,7 +85,9 @@ class Exchange(ABC):
     _checked = Regime.HOPPING
 
     def __init__(self, question: Any, effort: Effort, bodies: Bodies | EllipticalBodies) -> None:
-        self._question, self._effort, self._bodies = question, effort, bodies
+        self._question, self._effort = question, effort
+        #: The bodies looked at.
+        self.bodies: Any = bodies
 
     @abstractmethod
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
@@ -177,7 +179,7 @@ class Exchange(ABC):
 
     def least(self, setting: Any, scale: Floats | float) -> Floats:
         """Least speeds of the bodies looked at, at settings [m/s]."""
-        return least_of(self._question.speeds(setting, self._bodies, scale))
+        return least_of(self._question.speeds(setting, self.bodies, scale))
 
     def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
         """Find an optimum again until no body is slower there than those looked at."""
@@ -197,6 +199,6 @@ class Exchange(ABC):
             shares = np.repeat(slowest.shares, _DRIFTS.size if box.varies[0] else 1, axis=1)
             shares[0, 1:] = _DRIFTS[1:] if box.varies[0] else 0.0
             new = np.hstack([new, slowest.shares, shares])
-        known = int(self._bodies.shares.shape[1])
-        self._bodies = self._bodies.joined(box, new)
-        return int(self._bodies.shares.shape[1]) > known
+        known = int(self.bodies.shares.shape[1])
+        self.bodies = self.bodies.joined(box, new)
+        return int(self.bodies.shares.shape[1]) > known

@@ -30,6 +30,7 @@ _ROUNDING: Final = 1e-12  # relative, of conversions between units
 class LineRows(Rows):
     """The designs of a drive along a line within one regime; the parameters are those of ``Rows``."""
 
+    _surpluses = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
     _gentlest_above = "onset"
     _columns = ("amplitude_mm", "frequency_hz", "drive_angle_deg")
     _question: Question

@@ -237,7 +237,7 @@ class Optimiser(Exchange):
     def _entries(self, angles: Floats) -> Floats:
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""
         boxes = self._question.boxes(Setting(1.0, 1.0, angles[:, None]))
-        points = boxes.points(self._bodies.at(boxes))
+        points = boxes.points(self.bodies.at(boxes))
         known = critical_loads(
             points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
         )

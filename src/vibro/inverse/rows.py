@@ -27,7 +27,6 @@ __all__ = ["AT", "KINDS", "NEARLY", "Found", "Rows", "nominal_scene"]
 
 KINDS: Final = ("gentlest", "fastest", "safest")
 DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
-_SURPLUSES: Final = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)  # of the goal, for a setting that can be rounded
 _SPARE: Final = 1e-8  # of the frequency of the nearest drive, for what is lost by rounding its amplitude
 NEARLY: Final = 0.98  # of a limit on landings: a setting there is at it
 _OF_PARTS: Final = ("trough_angle", "static_friction", "kinetic_friction")
@@ -58,6 +57,8 @@ class Rows(ABC):
         The designs within a lower regime, which are designs here too.
     """
 
+    #: Of the goal, for a gentlest setting that can be rounded.
+    _surpluses: tuple[float, ...]
     #: What the gentlest design is set by that is faster than it need be.
     _gentlest_above: str
     #: Columns of a printed setting, the first of which is the amplitude that windows are of.
@@ -109,7 +110,7 @@ class Rows(ABC):
         It may stand where the speed just reaches the goal and back slip just enters: no rounding holds there,
         but one beside a setting for a little more speed does.
         """
-        for surplus in _SURPLUSES:
+        for surplus in self._surpluses:
             optimum = self._optimiser.gentlest(self._target * (1.0 + surplus))
             if found := self._settled(optimum, self._target, up=True):
                 return found
