@@ -1,0 +1,272 @@
+"""Designs of elliptical drives: the best phase, settings that no grid beats, and what is told of them."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vibro
+from vibro import InputError, Regime
+from vibro.inverse.elliptical_optima import EllipticalOptimiser
+from vibro.inverse.elliptical_questions import EllipticalQuestion, EllipticalSetting, question_of
+from vibro.inverse.elliptical_rows import EllipticalRows
+from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.reading import read_spec
+from vibro.inverse.rows import nominal_scene
+from vibro.results.designs import Design
+
+FREQUENCY, FRICTION, GRAVITY = 25.0, 0.3, 9.81
+UNIT = GRAVITY / (2.0 * math.pi * FREQUENCY) ** 2
+BOWL = Path(__file__).parents[2] / "examples" / "design_bowl.toml"
+
+# Phase [deg] and gain over none by X w^2 / (mu_d g), at K = 0.2, 0.5, 0.8 and 1; mu_s = mu_d, level.
+BEST = {
+    1.5: [(0.0, 1.00), (0.0, 1.00), (0.0, 1.00), (0.0, 1.00)],
+    2.0: [(-6.8, 1.01), (-5.7, 1.00), (-1.7, 1.00), (0.0, 1.00)],
+    3.0: [(-42.3, 1.36), (-31.7, 1.22), (-17.1, 1.09), (-12.6, 1.03)],
+    5.0: [(-62.9, 2.23), (-57.0, 1.98), (-47.1, 1.71), (-39.7, 1.56)],
+    8.0: [(-73.3, 3.54), (-69.8, 3.16), (-63.4, 2.72), (-58.0, 2.46)],
+    20.0: [(-83.4, 8.83), (-82.0, 7.89), (-79.4, 6.78), (-77.0, 6.11)],
+}
+THROWS = (0.2, 0.5, 0.8, 1.0)
+
+
+def asked(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> EllipticalQuestion:
+    spec = read_spec(question)
+    found = question_of(spec, spec.drives[0], highest)
+    assert isinstance(found, EllipticalQuestion)
+    return found
+
+
+def one_drive(
+    scene: dict[str, Any], drive: dict[str, Any], speed: float = 1.0, **more: Any
+) -> dict[str, Any]:
+    return {"scene": scene, "drive": [drive], "goal": {"speed_mm_s": speed}, **more}
+
+
+def best_phase(load: float, throw: float) -> tuple[float, float, float]:
+    """Return the best phase [deg] of a pair of amplitudes, its gain over none, and its range within 95 %."""
+    amplitudes = 1e3 * load * FRICTION * UNIT, 1e3 * throw * (1.0 - 1e-12) * UNIT
+    drive = {
+        "along_amplitude_mm": amplitudes[0],
+        "normal_amplitude_mm": amplitudes[1],
+        "normal_phase_deg": "-180:180",
+        "frequency_hz": FREQUENCY,
+    }
+    question = asked(one_drive({"static_friction": FRICTION, "friction_ratio": 1}, drive))
+    best = EllipticalOptimiser(question).fastest()
+    assert best is not None
+    phases = np.radians(np.linspace(-180.0, 180.0, 3601))
+    around = EllipticalSetting(best.setting.along_amplitude, best.setting.normal_amplitude, phases, FREQUENCY)
+    speed = vibro.solve(nominal_scene(question, around), flight=False).mean_velocity
+    assert best.speed >= speed.max() * (1 - 1e-12)
+    return (
+        math.degrees(best.setting.normal_phase),
+        best.speed / speed[1800],
+        0.1 * np.sum(speed > 0.95 * best.speed),
+    )
+
+
+@pytest.mark.parametrize("load", list(BEST))
+def test_the_table_of_best_phases(load: float) -> None:
+    for throw, (phase, gain) in zip(THROWS, BEST[load], strict=True):
+        found, gained, width = best_phase(load, throw)
+        assert found == pytest.approx(phase, abs=0.05 + 1e-3)
+        assert gained == pytest.approx(gain, abs=5e-3 + 1e-4)
+        if load >= 5.0:
+            assert 36.0 <= width <= 50.0
+
+
+@pytest.mark.parametrize("load", [4.0, 6.0, 10.0, 20.0, 40.0])
+def test_the_best_phase_of_small_throws_in_closed_form(load: float) -> None:
+    found, _, _ = best_phase(load, 1e-4)
+    ahead = math.asin(0.5 * math.pi / load) + math.atan(
+        2.0 / (math.pi * math.sqrt(load**2 - 0.25 * math.pi**2))
+    )
+    assert found == pytest.approx(-90.0 + math.degrees(ahead), abs=0.01)
+
+
+LOOSE = one_drive(
+    {"static_friction": "0.35:0.45", "friction_ratio": "0.85:0.95"},
+    {
+        "along_amplitude_mm": "0.1:1",
+        "normal_amplitude_mm": "0.05:0.5",
+        "normal_phase_deg": "-180:180",
+        "frequency_hz": 25,
+        "acceleration_g": 1.5,
+    },
+    speed=20.0,
+    drift={"amplitude_percent": 2, "normal_phase_deg": 3},
+)
+
+
+@pytest.mark.parametrize("highest", [Regime.FORWARD_SLIP, Regime.BACK_SLIP])
+def test_no_setting_is_faster_or_gentler(highest: Regime) -> None:
+    question = asked(LOOSE, highest)
+    optimiser = EllipticalOptimiser(question)
+    fastest = optimiser.fastest()
+    assert fastest is not None
+    setting = fastest.setting
+    assert question.load(setting) <= 1.5
+    guarantee = guarantee_of(question.boxes(setting))
+    assert max(guarantee.regimes) <= highest
+    assert guarantee.speed_min == pytest.approx(fastest.speed, rel=1e-6)
+    target = 0.7 * fastest.speed
+    gentlest = optimiser.gentlest(target)
+    assert gentlest is not None
+    assert gentlest.speed >= target
+    rng = np.random.default_rng(1)
+    drive = question.drive
+    spans = (drive.along_amplitude, drive.normal_amplitude, drive.normal_phase)
+    drawn = EllipticalSetting(*(rng.uniform(*span, 20000) for span in spans), np.full(20000, 25.0))
+    allowed = question.load(drawn) <= 1.5
+    drawn = EllipticalSetting(*(x[allowed] for x in drawn))
+    speed = optimiser.least(drawn, 1.0)
+    assert speed.max() <= fastest.speed * (1 + 1e-6)
+    assert speed.max() >= 0.85 * fastest.speed  # the sample comes close
+    load = question.load(drawn)[speed >= target]
+    assert load.size > 5
+    assert load.min() >= float(question.load(gentlest.setting)) * (1 - 1e-6)
+
+
+@cache
+def fixed_amplitudes() -> dict[tuple[str, str], Design]:
+    drive = {
+        "along_amplitude_mm": 0.6,
+        "normal_amplitude_mm": "0.1:0.25",
+        "normal_phase_deg": -50,
+        "frequency_hz": 25,
+    }
+    result = vibro.design(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 30.0))
+    assert result.met
+    assert [c.name for c in result.columns if "along" in c.name or "angle" in c.name] == [
+        "along_amplitude_mm"
+    ]
+    return {(d.highest_regime, d.design): d for d in result.designs}
+
+
+def test_designs_hold_as_they_are_printed() -> None:
+    found = fixed_amplitudes()
+    for (regime, _), design in found.items():
+        if design.along_amplitude_mm is None or design.normal_amplitude_mm is None:
+            assert regime == "forward-slip"
+            continue
+        assert (design.along_amplitude_mm, design.normal_phase_deg, design.frequency_hz) == (0.6, -50.0, 25.0)
+        scene = vibro.Scene(
+            along_amplitude=0.6e-3,
+            normal_amplitude=1e-3 * design.normal_amplitude_mm,
+            normal_phase=math.radians(-50.0),
+            frequency=25.0,
+            static_friction=0.4,
+            kinetic_friction=0.3,
+        )
+        holds = vibro.guarantee(scene, static_friction=(0.35, 0.45), friction_ratio=(0.9, 0.9))
+        assert 1e3 * holds.speed_min == pytest.approx(design.speed_min_mm_s, rel=1e-9)
+        assert 1e3 * holds.speed_min >= 30.0
+        assert design.throw_number_max == pytest.approx(1e-3 * design.normal_amplitude_mm / UNIT, rel=1e-9)
+        assert design.proof == "searched"
+        assert design.margin is not None
+        assert design.margin >= 1.0
+
+
+def test_designs_within_a_regime_are_designs_within_the_next() -> None:
+    found = fixed_amplitudes()
+    for kind, merit in (("fastest", "speed_min_mm_s"), ("safest", "margin")):
+        assert getattr(found["hopping", kind], merit) >= getattr(found["back-slip", kind], merit)
+    # it cannot hop, even if all is ten times as uncertain
+    assert (
+        found["hopping", "gentlest"].normal_amplitude_mm == found["back-slip", "gentlest"].normal_amplitude_mm
+    )
+
+
+def test_a_window_is_of_both_amplitudes() -> None:
+    drive = {"along_amplitude_mm": "0.3:1", "normal_amplitude_mm": "0.1:0.3", "frequency_hz": 25}
+    drive |= {"normal_phase_deg": -50}
+    spec = read_spec(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 30.0))
+    question = question_of(spec, spec.drives[0], Regime.BACK_SLIP)
+    assert isinstance(question, EllipticalQuestion)
+    row = EllipticalRows(question, {}).row("fastest")
+    assert (row.high_set_by, row.low_set_by, row.set_by) == ("limit", "speed", "limit")
+    assert row.amplitude_high_mm == pytest.approx(row.along_amplitude_mm, rel=1e-9)
+    assert row.amplitude_low_mm is not None
+    for factor, holds in ((1 + 1e-7, True), (1 - 1e-7, False)):
+        share = factor * row.amplitude_low_mm / row.along_amplitude_mm
+        setting = EllipticalSetting(
+            share * row.along_amplitude_mm / 1e3,
+            share * row.normal_amplitude_mm / 1e3,
+            math.radians(-50.0),
+            25.0,
+        )
+        assert (guarantee_of(question.boxes(setting)).speed_min >= 0.03) is holds
+
+
+def test_the_nearest_drive_meets_the_goal() -> None:
+    drive = {
+        "along_amplitude_mm": 0.2,
+        "normal_amplitude_mm": 0.08,
+        "normal_phase_deg": -60,
+        "frequency_hz": 50,
+    }
+    question = asked(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 80.0))
+    row = EllipticalRows(question, {}).row("fastest")
+    assert row.frequency_needed_hz is not None
+    assert row.amplitude_needed_mm is not None
+    x, y = row.amplitude_needed_mm / 1e3, 0.4 * row.amplitude_needed_mm / 1e3
+    setting = EllipticalSetting(x, y, math.radians(-60.0), row.frequency_needed_hz)
+    assert guarantee_of(question.boxes(setting)).speed_min == pytest.approx(0.08, rel=1e-6)
+
+
+def test_largest_amplitudes_keep_to_the_acceleration() -> None:
+    question = asked(LOOSE)
+    phase = np.radians(np.linspace(-180.0, 180.0, 181))
+    frequency = np.full(phase.shape, 25.0)
+    for share in (0.0, 0.3, 0.9, 0.999):
+        y = np.full(phase.shape, share * 1.5 * UNIT)
+        x = question.most_along(frequency, y, phase)
+        load = question.load(EllipticalSetting(x, y, phase, frequency))
+        assert np.all(load <= 1.5 * (1 + 1e-15))
+        np.testing.assert_allclose(load, 1.5, rtol=1e-11)
+    assert np.all(question.most_along(frequency, np.full(phase.shape, 1.6 * UNIT), phase) == 0.0)
+
+
+def test_the_numbers_of_the_documentation_about_the_bowl() -> None:
+    spec = read_spec(BOWL)
+    found = []
+    for drive in spec.drives:
+        question = question_of(spec, drive, Regime.BACK_SLIP)
+        assert isinstance(question, EllipticalQuestion)
+        best = EllipticalOptimiser(question).fastest()
+        assert best is not None
+        nominal = vibro.solve(nominal_scene(question, best.setting)).mean_velocity
+        found.append((1e3 * best.speed, 1e3 * float(nominal), math.degrees(best.setting.normal_phase)))
+    assert found[0] == pytest.approx((0.553467, 9.26439, 0.0), rel=1e-5, abs=1e-9)
+    assert found[1] == pytest.approx((28.1914, 30.8711, -64.21), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("drive", "texts"),
+    [
+        ({"amplitude_mm": 1, "along_amplitude_mm": 1, "normal_amplitude_mm": 1},
+         ("amplitude_mm = 1: not beside along_amplitude_mm and normal_amplitude_mm", "give either")),
+        ({"drive_angle_deg": 20, "normal_phase_deg": 5},
+         ("drive_angle_deg = 20: not beside normal_phase_deg", "along_amplitude_mm is missing")),
+        ({"stroke_mm": 1, "along_amplitude_mm": "1:2"},
+         ("stroke_mm = 1: not beside along_amplitude_mm", "normal_amplitude_mm is missing")),
+        ({"along_amplitude_mm": -1, "normal_amplitude_mm": "2:1"},
+         ("along_amplitude_mm = -1: must be", "normal_amplitude_mm = '2:1': must be")),
+        ({"along_amplitude_mm": 1, "normal_amplitude_mm": [1, 2]}, ("normal_amplitude_mm = [1, 2]: must",)),
+        ({"along_amplitude_mm": 1, "normal_amplitude_mm": 1, "acceleration_g": 0.1},
+         ("acceleration_g = 0.1: amplitude and frequency are such that it is at least 2.515",)),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_told(drive: dict[str, Any], texts: tuple[str, ...]) -> None:
+    with pytest.raises(InputError) as told:
+        read_spec(one_drive({"static_friction": 0.4, "friction_ratio": 0.9}, {"frequency_hz": 25, **drive}))
+    said = f"{told.value} {told.value.hint}"
+    for text in texts:
+        assert text in said
