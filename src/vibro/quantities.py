@@ -97,7 +97,8 @@ class Quantity:
     @property
     def label(self) -> str:
         """Name in words, for messages and pictures."""
-        return self.name.replace("_", " ")
+        words = self.name.replace("_", " ")
+        return f"second {words[:-2]}" if words.endswith(" 2") else words  # of the harmonic
 
     @property
     def unit(self) -> str:

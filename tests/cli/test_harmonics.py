@@ -62,7 +62,7 @@ def test_options_and_lists_give_the_same_drive(run: Run, tmp_path: Path) -> None
 def test_the_report_says_what_is_known(run: Run, tmp_path: Path) -> None:
     result = run("solve", written(tmp_path, FILE))
     assert result.exit_code == 0, result.stderr
-    assert "along amplitude 2 0.3 mm, along phase 2 90 deg" in result.stdout
+    assert "second along amplitude 0.3 mm, second along phase 90 deg" in result.stdout
     assert "pattern F_F_B" in result.stdout
     assert "+10 % all amplitudes" in result.stdout
     assert "begins" not in result.stdout
@@ -128,7 +128,7 @@ def test_regions_of_a_map_are_those_of_its_cells() -> None:
     [
         (("solve", *NUT, "--along-2", "0.3"), "a drive moves either along a line or along an ellipse"),
         (("solve", "--along", "1", "--normal", "0", "--along-phase-2", "9", "-f", "10", *FRICTION),
-         "missing: along amplitude 2 (--along-2)"),
+         "missing: second along amplitude (--along-2)"),
         (("simulate", *SLIP_STICK), "a drive with harmonics: of its bodies"),
         (("traverse-time", *SLIP_STICK, "--along-2", ".1:.3:3", "-L", "6", "--exact"), "--exact: bodies of"),
         (("solve", *SLIP_STICK, "--stand-ratio", "0.3"), "a drive with harmonics"),

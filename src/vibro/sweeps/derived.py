@@ -85,6 +85,8 @@ def _stroke(block: Block) -> Floats:
 def _speed_exponent(block: Block) -> Floats:
     """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where none is conveyed."""
     cycle, scene = block.cycle, scene_of(block.values)
+    if isinstance(scene.arrays(), HarmonicFields):
+        return _unknown(block)
     pattern = cycle.pattern_code.reshape(-1)
     displacement = (cycle.displacement_per_cycle / scene.scale).reshape(-1)
     one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
