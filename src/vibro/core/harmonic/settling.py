@@ -149,7 +149,7 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
     resting = _with_rest(at, some.cell)
     # Where gravity exceeds friction no cycle goes without rest: the mean force along it would not be 0.
     loose = np.array([at.kinetic[0, some.cell] >= 0.0, at.kinetic[0, some.cell + n] >= 0.0])
-    held = ~loose.any(axis=0)
+    held = np.asarray(~loose.any(axis=0))
     pull = np.where(side > 0, at.kinetic[0, some.cell], at.kinetic[0, some.cell + n])
     runaway = pull > 0.0
     restless = no_cycles(pick.size, h)
@@ -164,7 +164,8 @@ def _nearest(at: Lanes, bodies: Bodies, track: Track, out: Cycles, k: int) -> Bo
         for i, cycles in enumerate(candidates):
             own = (chosen == i).nonzero()[0]
             cells = left[own]
-            sure = np.array(restless_beside[own] | ~held[cells], np.bool_)
+            sure = np.ones(own.size, np.bool_)
+            sure[held[cells]] = restless_beside[own[held[cells]]]
             if i < 2 * h and not sure.all():
                 open_ = (~sure).nonzero()[0]
                 args = read(orbit, cells[open_]), read(cycles, own[open_]), side[cells[open_]]
