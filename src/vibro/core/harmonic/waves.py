@@ -35,8 +35,8 @@ _MOST_STEPS: Final = 80  # halvings from a turn down to an ulp, and a few more
 # [1] A Newton step below this share of the unit leaves rounding errors: its error is the step's square over
 # the distance from the next turning point, and its conditioning is one over that distance.
 _SETTLED: Final = 3e-9
-# [1] Where waves or speeds turn need not be known so well: their values there change with the square of an error,
-# and that is what is left of the square of the last step.
+# [1] Where waves or speeds turn need not be known so well: their values there change with the square of an
+# error, and that is what is left of the square of the last step.
 _ROUGH: Final = 1e-5 / _SETTLED
 
 
