@@ -47,6 +47,8 @@ GOOD: dict[str, Any] = {
 PLACES = [
     *((table, key) for table, given in tomllib.loads(FEEDER).items() if table != "drive" for key in given),
     *(("drive", key) for key in {**tomllib.loads(FEEDER)["drive"][0], "stroke_mm": 1}),
+    *(("drive", key) for key in ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg")),
+    ("drift", "normal_phase_deg"),
     *(("scene", key) for key in ("kinetic_friction", "gravity_m_s2", "restitution")),
     ("goal", "traverse_time_s"),
 ]

@@ -186,6 +186,51 @@ def test_the_report_of_a_goal_that_no_drive_meets(ask: Callable[..., Any]) -> No
     assert "margin none: the goal is not met" in lines
 
 
+def test_the_report_of_an_ellipse(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    drive = """
+along_amplitude_mm = "0.2:1"
+normal_amplitude_mm = 0.3
+normal_phase_deg = "-180:180"
+frequency_hz = 25
+"""
+    text = (
+        QUESTION[: QUESTION.index("amplitude_mm = 3")]
+        + drive.lstrip()
+        + QUESTION[QUESTION.index("[drift]") :]
+    )
+    Path("bowl.toml").write_text(
+        text.replace("percent = 5", "percent = 5\nnormal_phase_deg = 2"), encoding="utf-8"
+    )
+    design = replace(
+        SAFEST, amplitude_mm=None, drive_angle_deg=None, along_amplitude_mm=0.9, normal_amplitude_mm=0.3,
+        normal_phase_deg=-58.5, frequency_hz=25.0, amplitude_low_mm=0.7, amplitude_high_mm=1.0,
+    )  # fmt: skip
+    found(
+        monkeypatch, DesignResult(True, tuple(rows("motor", "forward-slip", safest=design, gentlest=design)))
+    )
+    result = run("design", "bowl.toml", "-o", "bowl")
+    assert (result.exit_code, "met by motor" in squeezed(result.stdout)) == (0, True)
+    lines = squeezed(result.stdout)
+    assert lines[4] == "drift amplitude +- 5 %, phase +- 2 deg"
+    limits = "along amplitude 0.2 ... 1 mm, normal amplitude 0.3 mm, normal phase -180 ... 180 deg"
+    assert f"motor: {limits}, frequency 25 Hz" in lines
+    head = next(i for i, line in enumerate(lines) if line.startswith("along normal phase frequency accel."))
+    assert lines[head + 3].startswith("gentlest 0.9 0.3 -58.5 25 1.12989 45.2939")
+    setting = "0.9 mm along, 0.3 mm normal, -58.5 deg, 25 Hz"
+    assert f"chosen motor, safest with forward-slip at most: {setting}" in lines
+    ends = "0.7 ... 1 mm along, the normal one in proportion, keep the goal"
+    assert f"amplitude {ends}; below, the slowest part gets too slow; above, the drive ends" in lines
+    assert any(line.startswith("normal phase, 1 deg more ") for line in lines)
+    table = rows_of(Path("bowl.csv").read_text(encoding="utf-8"))
+    assert [name for name in table[0] if "amplitude" in name or "angle" in name or "phase" in name] == [
+        "along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", "amplitude_low_mm",
+        "amplitude_high_mm", "amplitude_needed_mm",
+    ]  # fmt: skip
+    assert {path.name for path in Path().glob("bowl-*.png")} == {
+        f"bowl-{n}.png" for n in ("regime", "speed", "band")
+    }
+
+
 def test_json_is_the_answer_alone(ask: Callable[..., Any]) -> None:
     for met, code in ((True, 0), (False, 4)):
         result = ask("--json", met=met)

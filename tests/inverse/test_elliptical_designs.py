@@ -270,3 +270,18 @@ def test_what_cannot_be_is_told(drive: dict[str, Any], texts: tuple[str, ...]) -
     said = f"{told.value} {told.value.hint}"
     for text in texts:
         assert text in said
+
+
+@pytest.mark.parametrize(
+    ("key", "drive"),
+    [
+        ("normal_phase_deg", {"amplitude_mm": 1, "drive_angle_deg": 20}),
+        ("drive_angle_deg", {"along_amplitude_mm": 1, "normal_amplitude_mm": 0.3}),
+    ],
+)
+def test_a_drift_of_what_no_drive_has_is_refused(key: str, drive: dict[str, Any]) -> None:
+    question = one_drive(
+        {"static_friction": 0.4, "friction_ratio": 0.9}, {"frequency_hz": 25, **drive}, drift={key: 1}
+    )
+    with pytest.raises(InputError, match=rf"\[drift\] {key} = 1: no drive has {key}"):
+        read_spec(question)

@@ -96,6 +96,7 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
         name=name,
     )
     _check_names(spec.drives, problems)
+    _check_drift(spec, drift)
     _check_angles(spec, drives, problems)
     _check_accelerations(spec, drives)
     problems.settle()
@@ -201,6 +202,14 @@ def _check_names(drives: Sequence[AnyDrive], problems: Problems) -> None:
         if count > 1:
             what = f"[[drive]] name = {shown(name)}: {count} drives have it"
             problems.add(what, "give each drive its own name")
+
+
+def _check_drift(spec: Spec, drift: Table) -> None:
+    """Refuse drifts of what no drive has."""
+    elliptical = [isinstance(drive, EllipticalDrive) for drive in spec.drives]
+    for key, known in (("normal_phase_deg", any(elliptical)), ("drive_angle_deg", not all(elliptical))):
+        if elliptical and not known and key in drift.given:
+            drift.refuse(key, f"no drive has {key}")
 
 
 def _check_angles(spec: Spec, drives: Sequence[Table], problems: Problems) -> None:
