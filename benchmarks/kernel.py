@@ -3,7 +3,8 @@
 Usage: python benchmarks/kernel.py [--scenes 1000000] [--linearity 10000000]
 
 All inputs are random: drive angle 2-45 deg, mu_s 0.1-1, mu_d/mu_s 0.4-1, G log-uniform from 0.1 to 6 or to
-hopping if that comes first; of elliptical drives that is the load of the larger axis at phase 0. Times are the best of several repeats; ratios are of the same run.
+hopping if that comes first; elliptical drives have the same amplitudes. Times are the best of several repeats;
+ratios are of the same run.
 """
 
 from __future__ import annotations

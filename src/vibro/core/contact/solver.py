@@ -109,7 +109,7 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
     ):
         cells = slipping.nonzero()[0]
         if cells.size:
-            with np.errstate(divide="ignore", invalid="ignore"):  # of drives that do not push along the trough
+            with np.errstate(divide="ignore", invalid="ignore"):  # of drives that do not push along it
                 _write(out, cells, solver(take(scene, cells), take(at.margins, cells)))
     for codes, table in ((out.regime, _REGIME_OF_PATTERN), (out.model, _MODEL_OF_PATTERN)):
         table.take(out.pattern, out=codes, mode="clip")  # unlike the default, without a buffer
