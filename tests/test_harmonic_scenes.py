@@ -50,8 +50,8 @@ def test_one_harmonic_is_an_ellipse() -> None:
 
 def test_every_coefficient_broadcasts() -> None:
     second = np.radians([-90.0, 0.0, 90.0])
-    first: Any = [[1e-3], [2e-3]]
-    scene = Scene(along_harmonics=[(first, 0.0), (0.3e-3, second)], **REST)
+    harmonics: Any = [([[1e-3], [2e-3]], 0.0), (0.3e-3, second)]
+    scene = Scene(along_harmonics=harmonics, **REST)
     cycle = solve(scene)
     assert scene.shape == scene.load.shape == cycle.regime.shape == (2, 3)
     assert (cycle.status == Status.OK).all()
