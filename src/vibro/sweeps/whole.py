@@ -229,8 +229,10 @@ def sweep(
     accuracy, flight, coexistence : optional
         As for ``vibro.solve``.
     **quantities
-        Keys and values as in a scene file, which they override: ``amplitude_mm``, ``stroke_mm``,
-        ``frequency_hz``, ``drive_angle_deg``, ``static_friction``, ``kinetic_friction`` or
+        Keys and values as in a scene file, which they override: ``amplitude_mm`` or ``stroke_mm``, and
+        ``drive_angle_deg``, or for an ellipse ``along_amplitude_mm``, ``normal_amplitude_mm`` and
+        ``normal_phase_deg``, with ``_2`` before the unit for its second harmonic (``along_phase_2_deg``);
+        ``frequency_hz``, ``static_friction``, ``kinetic_friction`` or
         ``friction_ratio``, ``trough_angle_deg``, ``trough_length_mm``, ``gravity_m_s2``, ``restitution``. A
         value is a number, an ascending sequence of numbers, or an axis such as ``"0.1:3:100"`` or
         ``"10,20"``; numbers may carry units as texts, ``"800um"``. Without amplitude and frequency they
