@@ -12,13 +12,15 @@ import pytest
 
 import vibro
 from vibro import InputError, Regime
+from vibro.inverse.designs import chosen_of
 from vibro.inverse.elliptical_optima import EllipticalOptimiser
 from vibro.inverse.elliptical_questions import EllipticalQuestion, EllipticalSetting, question_of
 from vibro.inverse.elliptical_rows import EllipticalRows
+from vibro.inverse.fields import setting_fields, speed_band
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.reading import read_spec
 from vibro.inverse.rows import nominal_scene
-from vibro.results.designs import Design
+from vibro.results.designs import Design, DesignResult
 
 FREQUENCY, FRICTION, GRAVITY = 25.0, 0.3, 9.81
 UNIT = GRAVITY / (2.0 * math.pi * FREQUENCY) ** 2
@@ -203,6 +205,65 @@ def test_a_window_is_of_both_amplitudes() -> None:
             25.0,
         )
         assert (guarantee_of(question.boxes(setting)).speed_min >= 0.03) is holds
+
+
+def test_a_trough_that_moves_along_its_normal_alone_has_a_window_and_pictures() -> None:
+    drive = {"along_amplitude_mm": 0, "normal_amplitude_mm": "0.1:0.35", "frequency_hz": 25}
+    scene = {"static_friction": "0.2:0.25", "friction_ratio": 0.9, "trough_angle_deg": -8}
+    spec = read_spec(one_drive(scene, drive, 2.0))
+    row = EllipticalRows(asked(one_drive(scene, drive, 2.0)), {}).row("fastest")
+    assert row.amplitude_low_mm is not None
+    assert row.amplitude_high_mm is not None
+    assert 0.1 <= row.amplitude_low_mm < row.amplitude_high_mm == pytest.approx(0.35, rel=1e-9)
+    chosen = chosen_of(spec, DesignResult(False, (row,)))
+    assert chosen is not None
+    fields = setting_fields(spec, chosen)
+    assert (fields.amplitude, fields.limits_mm) == ("normal_amplitude", pytest.approx((0.1, 0.35)))
+
+
+def test_pictures_show_what_bodies_do() -> None:
+    known = {**LOOSE, "drift": {}}
+    spec = read_spec(known)
+    design = Design(
+        drive="drive 1", highest_regime="back-slip", design="fastest", along_amplitude_mm=0.5,
+        normal_amplitude_mm=0.2, normal_phase_deg=-50.0, frequency_hz=25.0,
+    )  # fmt: skip
+    chosen = chosen_of(spec, DesignResult(False, (design,)))
+    assert chosen is not None
+    fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)
+    assert fields.amplitude == "along_amplitude"
+    assert fields.limits_mm == pytest.approx((0.125, 1.0))
+    static, ratio = (x.ravel() for x in np.meshgrid([0.35, 0.4, 0.45], [0.85, 0.9, 0.95]))
+    shown = set()
+    for share in (0.1, 0.2, 0.3, 0.6, 1.0, 1.6):
+        x = share * 0.5e-3
+        scene = vibro.Scene(
+            along_amplitude=x,
+            normal_amplitude=0.4 * x,
+            normal_phase=math.radians(-50.0),
+            frequency=25.0,
+            static_friction=static,
+            kinetic_friction=ratio * static,
+        )
+        cycle = vibro.solve(scene, flight=False)
+        load = x / UNIT  # of the motion along the trough
+        for which, regime in ((0, cycle.regime.max()), (1, cycle.regime.min())):
+            begun = [r for r, pair in fields.begins.items() if pair[which] <= load]
+            assert max(begun, default=Regime.NO_SLIP) == regime
+            shown.add((which, regime))
+        slow, fast = 1e3 * cycle.mean_velocity.min(), 1e3 * cycle.mean_velocity.max()
+        assert np.interp(load, fields.load, fields.speed_min) / 25.0 == pytest.approx(
+            slow, rel=2e-3, abs=1e-2
+        )
+        if share >= 0.6:  # within the picture
+            lowest = np.interp(1e3 * x, band.amplitude_mm, band.speed_min)
+            highest = np.interp(1e3 * x, band.amplitude_mm, band.speed_max)
+            assert (lowest, highest) == pytest.approx((slow, fast), rel=2e-3)
+    assert len(shown) >= 4
+    # the largest acceleration, which is more than that along the trough
+    limit = fields.most_load * UNIT
+    edge = EllipticalSetting(limit, 0.4 * limit, math.radians(-50.0), 25.0)
+    assert float(asked(known).load(edge)) == pytest.approx(1.5, rel=1e-12)
 
 
 def test_the_nearest_drive_meets_the_goal() -> None:

@@ -302,7 +302,7 @@ def _window(design: Design) -> str:
     own = design.nominal_mm or low
     first = _exact(own) if float(bound(low, upper=True)) > own else bound(low, upper=True)
     last = _exact(own) if float(bound(high, upper=False)) < own else bound(high, upper=False)
-    along = "" if design.amplitude_mm else " along, the normal one in proportion,"
+    along = " along, the normal one in proportion," if design.along_amplitude_mm else ""
     ends = f"{first} ... {last} mm{along}"
     return f"{ends} keep the goal; below, {below}; above, {above}"
 

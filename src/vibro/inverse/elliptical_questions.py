@@ -39,6 +39,11 @@ class EllipticalSetting(NamedTuple):
     normal_phase: Any
     frequency: Any
 
+    @property
+    def leading(self) -> str:
+        """The amplitude that windows and pictures are of, the other one in proportion."""
+        return "along_amplitude" if self.along_amplitude > 0.0 else "normal_amplitude"
+
 
 @dataclass(frozen=True)
 class EllipticalQuestion(Asked):

@@ -140,7 +140,7 @@ class EllipticalRows(Rows):
         if found.guarantee.speed_min < self._target:
             return None
         setting = found.setting
-        x = setting.along_amplitude
+        x = getattr(setting, setting.leading)
         low, high, by_low, by_high = 1.0, 1.0, "speed", "speed"
         for _ in range(_EXCHANGES):
             low, high, by_low, by_high = self._factors(setting)

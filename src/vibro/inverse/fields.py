@@ -58,7 +58,7 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
     """
     question, setting = question_of(spec, chosen.drive, Regime.HOPPING), chosen.setting
     limits = _limits(chosen)
-    amplitudes = min(_LEAST * limits[1], _BELOW * setting[0]), _BEYOND * limits[1]
+    amplitudes = min(_LEAST * limits[1], _BELOW * _amplitude(setting)), _BEYOND * limits[1]
     ends = [end for span in chosen.drive.frequency for end in span]
     frequencies = min(ends) / _BEYOND, max(ends) * _BEYOND
     unit = spec.gravity / (2.0 * math.pi) ** 2  # [m] of load 1 at 1 Hz
@@ -71,9 +71,9 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
     slow, fast = (solve(boxes.scene(points, fast=which)) for which in (False, True))
     goal = spec.goal
     # the load of an ellipse is more than that of its motion along the trough
-    share = setting[0] * float(setting.frequency) ** 2 / unit / float(question.load(setting))
+    share = _amplitude(setting) * float(setting.frequency) ** 2 / unit / float(question.load(setting))
     return SettingFields(
-        amplitude=setting._fields[0],
+        amplitude="amplitude" if isinstance(setting, Setting) else setting.leading,
         limits_mm=(LENGTH.from_si(limits[0]), LENGTH.from_si(limits[1])),
         most_load=chosen.drive.acceleration * share,
         amplitude_mm=(LENGTH.from_si(amplitudes[0]), LENGTH.from_si(amplitudes[1])),
@@ -93,7 +93,7 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     Of the bodies that ``setting_fields`` looks at too.
     """
     question, setting = question_of(spec, chosen.drive, Regime.HOPPING), chosen.setting
-    amplitude, frequency = setting[0], setting.frequency
+    amplitude, frequency = _amplitude(setting), setting.frequency
     box = question.boxes(setting)
     begins = {regime: (first * amplitude, last * amplitude) for regime, (first, last) in _begins(box).items()}
     low = min(_BELOW * amplitude, 0.8 * begins[Regime.FORWARD_SLIP][0])
@@ -121,19 +121,24 @@ def _at(setting: Any, amplitude: Any, frequency: Any) -> Any:
     """Change the amplitude of a setting, or both in proportion, and its frequency."""
     if isinstance(setting, Setting):
         return Setting(amplitude, frequency, setting.drive_angle)
-    normal = amplitude * (setting.normal_amplitude / setting.along_amplitude)
-    return EllipticalSetting(amplitude, normal, setting.normal_phase, frequency)
+    factor = amplitude / _amplitude(setting)
+    x, y, phase, _ = setting
+    return EllipticalSetting(factor * x, factor * y, phase, frequency)
+
+
+def _amplitude(setting: Any) -> float:
+    """Return the amplitude that pictures are over."""
+    return float(setting.amplitude if isinstance(setting, Setting) else getattr(setting, setting.leading))
 
 
 def _limits(chosen: Chosen) -> tuple[float, float]:
     """Smallest and largest amplitude that the drive is capable of; of an ellipse of the chosen shape."""
     if isinstance(chosen.drive, Drive):
         return chosen.drive.amplitude
-    x, y = chosen.setting[:2]
-    low, high = chosen.drive.along_amplitude
-    if y > 0.0:
-        low = max(low, chosen.drive.normal_amplitude[0] * x / y)
-        high = min(high, chosen.drive.normal_amplitude[1] * x / y)
+    drive, lead = chosen.drive, _amplitude(chosen.setting)
+    spans = ((drive.along_amplitude, chosen.setting[0]), (drive.normal_amplitude, chosen.setting[1]))
+    shares = [(low / size, high / size) for (low, high), size in spans if size > 0.0]
+    low, high = max(low for low, _ in shares) * lead, min(high for _, high in shares) * lead
     return low, high
 
 

@@ -61,7 +61,7 @@ class Rows(ABC):
     _surpluses: tuple[float, ...]
     #: What the gentlest design is set by that is faster than it need be.
     _gentlest_above: str
-    #: Columns of a printed setting, the first of which is the amplitude that windows are of.
+    #: Columns of a printed setting.
     _columns: tuple[str, ...]
 
     def __init__(self, question: Any, optimiser: Exchange, calmer: Mapping[str, Found]) -> None:
@@ -182,7 +182,8 @@ class Rows(ABC):
             return row
         g = found.guarantee
         settings: dict[str, Any] = dict(zip(self._columns, found.printed, strict=True))
-        amplitude, frequency = found.printed[0], settings["frequency_hz"]
+        row = replace(row, **settings)
+        amplitude, frequency = row.nominal_mm or 0.0, settings["frequency_hz"]
         window = self._window(found)
         length, speed = question.spec.length, g.speed_min
         met = speed >= goal.speed
@@ -191,7 +192,7 @@ class Rows(ABC):
         stroke = rounded(amplitude * (frequency / needed) ** 2, DIGITS[0], down=True)
         box = question.boxes(found.setting)
         return replace(
-            replace(row, **settings),
+            row,
             acceleration_g=float(question.load(found.setting)),
             speed_min_mm_s=_mm(speed),
             speed_nominal_mm_s=_mm(float(solve(nominal_scene(question, found.setting)).mean_velocity)),

@@ -231,7 +231,7 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
 def _ratio(design: Design) -> str:
     """Say how an ellipse's amplitudes go along with each other."""
     if not design.along_amplitude_mm:
-        return ""
+        return "" if design.along_amplitude_mm is None else ", $X$ = 0"
     return f", $Y/X$ = {number_text((design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm)}"
 
 

@@ -139,8 +139,8 @@ class Design:
 
     @property
     def nominal_mm(self) -> float | None:
-        """The amplitude that windows and pictures are of: of an ellipse that along the trough."""
-        return self.along_amplitude_mm if self.amplitude_mm is None else self.amplitude_mm
+        """The amplitude that windows and pictures are of: of an ellipse that along the trough, if any."""
+        return self.amplitude_mm or self.along_amplitude_mm or self.normal_amplitude_mm
 
 
 #: The columns of a table of designs, in order, of all kinds of drives.
