@@ -67,3 +67,13 @@ def test_speeds_that_cannot_be_asked_for(run: Run, wrong: tuple[str, ...]) -> No
     result = run(*NUT_MAP, "--speed", *wrong)
     assert (result.exit_code, list(Path().rglob("*"))) == (2, [])
     assert "speed" in result.stderr
+
+
+def test_frictions_that_keep_a_speed_on_an_elliptical_drive(run: Run) -> None:
+    drive = ("--along", "0.2", "--normal", "0.08", "--phase=-60", "-f", "50", "--trough-angle", "2")
+    frictions = ("--mu-s", "0.2:0.8:13", "--mu-ratio", "0.7:0.9:3")
+    result = run("map", *drive, *frictions, "--speed", "30", "-o", "-")
+    assert result.exit_code == 0
+    fast = [row for row in rows_of(result.stdout) if float(row["mean_velocity_mm_s"]) >= 30.0]
+    assert 5 < len(fast) < 34
+    assert f"at least 30 mm/s: {len(fast)} of 39 possible cells" in result.stderr

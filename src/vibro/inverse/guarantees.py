@@ -77,8 +77,9 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     -----
     Where the drive moves along a line and nothing slips back or hops the speed is monotone, so that corners
     of the box have both ends (``corners``; theory.md, section 14). Else bodies in contact are searched by
-    differential evolution from several seeds (``searched``), and hopping ones sampled (``sampled``). A body
-    whose motion has no short period counts with three standard errors to its disadvantage.
+    differential evolution from several seeds (``searched``), and hopping ones sampled (``sampled``). Regimes
+    are those of all bodies that were looked at. A body whose motion has no short period counts with three
+    standard errors to its disadvantage.
 
     Examples
     --------
