@@ -177,3 +177,15 @@ def test_costs_are_what_small_changes_change() -> None:
     assert set(costs) >= {"along_amplitude", "normal_amplitude", "normal_phase_deg", "trough_angle_deg"}
     at_rest = speed_costs(scene(along_amplitude=1e-5, normal_amplitude=1e-5))
     assert all(math.isnan(cost) for cost in at_rest.values())
+
+
+def test_harmonics_are_refused() -> None:
+    two = vibro.Scene(
+        along_harmonics=[(1e-3, 0.0), (3e-4, 1.0)], frequency=25, static_friction=0.4, kinetic_friction=0.3
+    )
+    for call in (
+        lambda: vibro.guarantee(two, static_friction=(0.3, 0.5)),
+        lambda: vibro.feasible_amplitudes(two, 0.01),
+    ):
+        with pytest.raises(SceneError, match="drive = harmonics: must be along a line or an ellipse"):
+            call()
