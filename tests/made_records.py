@@ -11,6 +11,7 @@ import numpy as np
 from event_walk import Body
 from numpy.typing import NDArray
 from scenes import Groups, line_of
+from two_axis_walk import Body as BodyOnEllipse
 
 import vibro
 from vibro.records.alignment import Observation
@@ -39,36 +40,45 @@ def nut(amplitude_mm: float = 1.0, **others: Any) -> vibro.Scene:
     return vibro.Scene(**(values | others))
 
 
+def bowl(phase_deg: float = -60.0, **others: Any) -> vibro.Scene:
+    """Make a scene of an elliptical drive."""
+    values: dict[str, Any] = {
+        "along_amplitude": 1e-3,
+        "normal_amplitude": 5e-4,
+        "normal_phase": math.radians(phase_deg),
+        "frequency": FREQUENCY,
+        "static_friction": 0.4,
+        "kinetic_friction": 0.3,
+    }
+    return vibro.Scene(**(values | others))
+
+
 class Walked:
-    """The settled motion of a scene by the walk from slide to slide, over trough time."""
+    """The settled motion of a scene by a walk from slide to slide, over trough time."""
 
     def __init__(self, scene: vibro.Scene) -> None:
-        amplitude, gravity = float(scene.scale), float(scene.gravity)
-        alpha, beta = float(line_of(scene).drive_angle), float(scene.trough_angle)
-        mu_s, mu_d = float(scene.static_friction), float(scene.kinetic_friction)
+        gravity, beta, mu_d = (
+            float(x) for x in (scene.gravity, scene.trough_angle, scene.kinetic_friction)
+        )
         self.rate = 2.0 * math.pi * float(scene.frequency)
         self.period = 1.0 / float(scene.frequency)
-        drive = amplitude * self.rate**2
-        body = Body(Groups(drive / gravity, math.degrees(alpha), mu_s, mu_d, math.degrees(beta)))
-        self.pattern, advance = body.settle()
+        walk = _on_a_line if scene.amplitude is not None else _on_an_ellipse
+        self.pattern, advance, slides, (along, normal) = walk(scene)
         self.advance = advance * gravity / self.rate**2
-        self.slides = []
-        count = self.pattern.count("F") + self.pattern.count("B")
-        walk = body.walk(0.0)
-        settled = [next(walk) for _ in range(400)][-count:] if count else []
-        for slide in settled:
-            self.slides.append((slide.way, slide.start / self.rate, slide.length / self.rate))
-        # relative acceleration of a slide: pull sin(w t) - drag
-        self.pull = {way: (math.cos(alpha) + way * mu_d * math.sin(alpha)) * drive for way in (1, -1)}
+        self.slides = [(way, start / self.rate, length / self.rate) for way, start, length in slides]
+        # relative acceleration of a slide: pull sin(w t + lead) - drag
+        pull = {way: (along + way * mu_d * normal) * self.rate**2 for way in (1, -1)}
+        self.pull = {way: abs(value) for way, value in pull.items()}
+        self.lead = {way: float(np.angle(value)) for way, value in pull.items()}
         self.drag = {way: gravity * (way * mu_d * math.cos(beta) + math.sin(beta)) for way in (1, -1)}
-        self.inertia, self.weight = drive * math.cos(alpha), gravity * math.sin(beta)
+        self.inertia, self.weight = along * self.rate**2, gravity * math.sin(beta)
 
     def acceleration(self, time: Floats) -> Floats:
         """Relative acceleration [m/s^2]."""
         result = np.zeros_like(time)
         for way, start, length in self.slides:
             slides = (time - start) % self.period < length
-            result[slides] = (self.pull[way] * np.sin(self.rate * time) - self.drag[way])[slides]
+            result[slides] = (self.pull[way] * np.sin(self.rate * time + self.lead[way]) - self.drag[way])[slides]
         return result
 
     def friction(self, time: Floats) -> Floats:
@@ -81,7 +91,8 @@ class Walked:
         for way, start, length in self.slides:
             since = (time - start) % self.period
             slides = since < length
-            turned = np.cos(self.rate * start) - np.cos(self.rate * (start + since))
+            first = self.rate * start + self.lead[way]
+            turned = np.cos(first) - np.cos(first + self.rate * since)
             result[slides] = (self.pull[way] / self.rate * turned - self.drag[way] * since)[slides]
         return result
 
@@ -96,8 +107,8 @@ class Walked:
 
     def _path(self, way: int, start: float, since: Any) -> Any:
         """Displacement since the start of a slide [m]."""
-        turned = np.sin(self.rate * (start + since)) - math.sin(self.rate * start)
-        swing = since * math.cos(self.rate * start) - turned / self.rate
+        first = self.rate * start + self.lead[way]
+        swing = since * math.cos(first) - (np.sin(first + self.rate * since) - math.sin(first)) / self.rate
         return self.pull[way] / self.rate * swing - 0.5 * self.drag[way] * since**2
 
     def observe(
@@ -112,6 +123,34 @@ class Walked:
             exact = getattr(self, name)(trough)
             values[name] = exact + noise * NOISE[name] * random.standard_normal(time.size)
         return Observation(time, values, FREQUENCY)
+
+
+# Pattern, displacement per cycle [g/w^2], way, start and length of each slide [rad], and the amplitudes of the
+# trough's motion along itself and normal to it, the phase of the latter as that of a complex number [m].
+Walk = tuple[str, float, list[tuple[int, float, float]], tuple[float, complex]]
+
+
+def _on_a_line(scene: vibro.Scene) -> Walk:
+    amplitude, line = float(scene.scale), line_of(scene)
+    alpha, rate = float(line.drive_angle), 2.0 * math.pi * float(scene.frequency)
+    mu_s, mu_d = float(scene.static_friction), float(scene.kinetic_friction)
+    load = amplitude * rate**2 / float(scene.gravity)
+    body = Body(Groups(load, math.degrees(alpha), mu_s, mu_d, math.degrees(float(scene.trough_angle))))
+    pattern, advance = body.settle()
+    count = pattern.count("F") + pattern.count("B")
+    walk = body.walk(0.0)
+    settled = [next(walk) for _ in range(400)][-count:] if count else []
+    slides = [(slide.way, slide.start, slide.length) for slide in settled]
+    return pattern, advance, slides, (amplitude * math.cos(alpha), amplitude * math.sin(alpha))
+
+
+def _on_an_ellipse(scene: vibro.Scene) -> Walk:
+    along, normal, lead, *others = (float(x) for x in scene.arrays()[:8])
+    frequency, mu_s, mu_d, trough, gravity = others
+    cycle = BodyOnEllipse(along, normal, lead, frequency, mu_s, mu_d, trough, gravity).settle()
+    ways = {"F": 1, "B": -1}
+    slides = [(ways[leg.kind], leg.start, leg.length) for leg in cycle.legs if leg.kind in ways]
+    return cycle.pattern, cycle.displacement, slides, (along, normal * np.exp(1j * lead))
 
 
 def trough_record(

@@ -121,7 +121,7 @@ def compare_command(
     from vibro.cli.request import request_of
     from vibro.cli.series import SeriesOutput, scene_record
     from vibro.quantities import MASS, exact_number
-    from vibro.records.alignment import Observation, check_size
+    from vibro.records.alignment import Observation, check_scene
     from vibro.records.comparison import compare
     from vibro.records.reading import read_record
     from vibro.records.sensitivities import read_sensitivities
@@ -160,7 +160,7 @@ def compare_command(
     else:
         drive, request = _with_measured(trough, options, context.obj, console)
     scene = request.scene()
-    check_size(scene)
+    check_scene(scene)
     observation = Observation.of(
         record,
         float(scene.frequency),

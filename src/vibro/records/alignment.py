@@ -11,7 +11,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from vibro.errors import InputError
-from vibro.quantities import QUANTITIES
+from vibro.harmonics import HarmonicFields
+from vibro.quantities import AMPLITUDES, QUANTITIES
 from vibro.records.folding import Folded, fold, independent_samples
 from vibro.records.signals import MOST
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Alignment", "Observation", "align", "check_size", "computed"]
+__all__ = ["Alignment", "Observation", "align", "check_scene", "computed"]
 
 _GRID: Final = 512  # shifts that the search starts from
 # A signal that fits exactly would outweigh all others: its misfit counts as at least this fraction of the
@@ -54,7 +55,7 @@ class Alignment(NamedTuple):
     ----------
     shift : float
         Trough time at the clock's zero, in [0, period): the trough passes its middle upwards at trough
-        time 0 [s]. NaN where the computed motion is the same at any time.
+        time 0, on an ellipse forwards [s]. NaN where the computed motion is the same at any time.
     error : float
         Its standard error, for noise [s].
     rivals : tuple of float
@@ -222,16 +223,25 @@ class Observation:
         return float(grid[np.argmin(loss)]), loss
 
 
-def check_size(scene: Scene) -> None:
-    """Refuse a scene so small or large that its squares could not be summed with those of a record.
+def check_scene(scene: Scene) -> None:
+    """Refuse a scene that cannot be compared with a record.
 
     Raises
     ------
     InputError
-        If its amplitude, frequency or gravity is beyond 1e-20 to 1e20 in SI units.
+        If its drive has harmonics; or if it is so small or large that its squares could not be summed with
+        those of a record: its amplitude, the larger one of an ellipse, its frequency or gravity is beyond
+        1e-20 to 1e20 in SI units.
     """
+    fields = scene.arrays()
+    if isinstance(fields, HarmonicFields):
+        raise InputError(
+            "a drive with harmonics cannot be compared with a record",
+            hint="give its fundamental alone: -A and -a, or --along, --normal and --phase",
+        )
+    largest = max((name for name in AMPLITUDES if name in fields._fields), key=lambda n: getattr(fields, n))
     problems = []
-    for name in ("amplitude", "frequency", "gravity"):
+    for name in (largest, "frequency", "gravity"):
         value, unit = float(getattr(scene, name)), QUANTITIES[name].kind.si_unit
         if not 1.0 / MOST <= value <= MOST:
             limits = f"must be in [{1.0 / MOST:g}, {MOST:g}] {unit} beside a record"

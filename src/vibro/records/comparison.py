@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.motion.settled import SettledMotion, settled_motion
-from vibro.records.alignment import Alignment, Observation, align, check_size, computed
+from vibro.records.alignment import Alignment, Observation, align, check_scene, computed
 from vibro.records.folding import Estimate, fold
 from vibro.records.frequencies import foreign_frequency
 from vibro.records.signals import FAR_OFF, doubt, rounded
@@ -127,7 +127,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     cycles are not needed. Peaks, starts and ends of slides come from its velocity. Errors are one
     standard error of the noise, correlation allowed for.
     """
-    check_size(scene)
+    check_scene(scene)
     _ = observation.folded  # first of all, because it refuses a record that is too short
     motion = settled_motion(scene)
     alignment = align(observation, motion)

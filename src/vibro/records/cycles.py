@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import PATTERNS, Pattern, Regime, is_answered
+from vibro.core.contact.cycle_legs import middle_of, zero_of
 from vibro.core.contact.never_at_rest import never_at_rest
 from vibro.core.contact.onset import thresholds
 from vibro.core.contact.slide import slide, start_inside
@@ -50,15 +51,21 @@ class Cycles:
         Pattern of each, or ``HOPS``; empty where there is no steady cycle.
     values : mapping of str to array
         The fields of the scenes, each of shape (M,).
-    starts, lengths, loads, resistances : array, shape (2, M)
-        Of the forward and the back slide: phase of the start, counted from a zero of the load, and length
-        [rad]; amplitude of the load and its resistance, as in ``Onset``. The length is 0 without a slide.
+    scales, inertias : array, shape (M,)
+        Length that the loads are counted in [m]; amplitude of the trough's acceleration along itself [m/s^2].
+    zeros, starts, lengths, loads, resistances : array, shape (2, M)
+        Of the forward and the back slide: drive phase at which the load is zero and rises; phase of the
+        start, counted from there, and length [rad]; amplitude of the load and its resistance, as in
+        ``Onset``. The length is 0 without a slide.
     hopping : mapping of int to SettledMotion
         Scenes that hop.
     """
 
     labels: Labels
     values: Mapping[str, Floats]
+    scales: Floats
+    inertias: Floats
+    zeros: Floats
     starts: Floats
     lengths: Floats
     loads: Floats
@@ -97,9 +104,8 @@ class Cycles:
             result["acceleration"] = (
                 self._velocities(phase + half) - self._velocities(phase - half)
             ) / window
-            drive = self.values["amplitude"] * rate[:, 0] ** 2 * np.cos(self.values["drive_angle"])
             weight = self.values["gravity"] * np.sin(self.values["trough_angle"])
-            inertial = drive[:, None] * np.sin(phase) - weight[:, None]
+            inertial = self.inertias[:, None] * np.sin(phase) - weight[:, None]
             result["friction"] = result["acceleration"] - inertial
         for scene, motion in self.hopping.items():
             for name, values in computed(motion, names, time + shift[scene], window).items():
@@ -107,13 +113,13 @@ class Cycles:
         return {name: result[name] for name in names}
 
     def _velocities(self, phase: Floats) -> Floats:
-        speed = self.values["amplitude"] * _TURN * self.values["frequency"]
+        speed = self.scales * _TURN * self.values["frequency"]
         total = np.zeros_like(phase)
         for row, way in enumerate(_WAYS):
             if not self.lengths[row].any():
                 continue
-            start, length, load, k = self._slide(row)
-            since = np.minimum((phase - start - 0.5 * math.pi * (1 - way)) % _TURN, length)
+            zero, start, length, load, k = self._slide(row)
+            since = np.minimum((phase - start - zero) % _TURN, length)
             swing = np.cos(start) - np.cos(start + since) - k * since
             total += np.where(since < length, way * speed[:, None] * load * swing, 0.0)
         return total
@@ -123,21 +129,21 @@ class Cycles:
         for row, way in enumerate(_WAYS):
             if not self.lengths[row].any():
                 continue
-            start, length, load, k = self._slide(row)
-            turns, since = np.divmod(phase - start - 0.5 * math.pi * (1 - way), _TURN)
+            zero, start, length, load, k = self._slide(row)
+            turns, since = np.divmod(phase - start - zero, _TURN)
 
             def path(since: Floats, start: Floats = start, k: Floats = k) -> Floats:
                 turned = np.sin(start + since) - np.sin(start)
                 return np.asarray(since * np.cos(start) - turned - 0.5 * k * since * since)
 
-            size = way * self.values["amplitude"][:, None] * load
+            size = way * self.scales[:, None] * load
             total += size * (path(np.minimum(since, length)) + turns * path(length))
         return total
 
-    def _slide(self, row: int) -> tuple[Floats, Floats, Floats, Floats]:
-        columns = (self.starts, self.lengths, self.loads, self.resistances)
-        start, length, load, k = (column[row][:, None] for column in columns)
-        return start, length, load, k
+    def _slide(self, row: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        columns = (self.zeros, self.starts, self.lengths, self.loads, self.resistances)
+        zero, start, length, load, k = (column[row][:, None] for column in columns)
+        return zero, start, length, load, k
 
 
 def labels_of(values: Mapping[str, Floats]) -> Labels:
@@ -158,9 +164,9 @@ def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
         Whether scenes that hop are solved; else they have their label, and the signals of a body at rest.
     """
     labels = labels_of(values)
-    slides = np.zeros((4, 2, labels.size))
-    groups = Scene.allowing_infeasible(**values).flat().loads()
-    scenes = each(groups, lambda member: np.broadcast_to(member, labels.shape))
+    slides = np.zeros((5, 2, labels.size))
+    fields = Scene.allowing_infeasible(**values).flat()
+    scenes: Loads = each(fields.loads(), lambda member: np.broadcast_to(member, labels.shape))
     for label in set(labels.tolist()) - {"", "_", HOPS}:
         cells = np.flatnonzero(labels == label)
         for row, columns in _slides(take(scenes, cells), label).items():
@@ -171,7 +177,8 @@ def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
             hopping[cell] = settled_motion(Scene(**{name: float(v[cell]) for name, v in values.items()}))
         except VibroError:  # it repeats its motion only every few cycles, or never
             labels[cell] = ""
-    return Cycles(labels, values, slides[0], slides[1], slides[2], slides[3], hopping)
+    inertias = fields.scale * (_TURN * fields.frequency) ** 2 * scenes.along
+    return Cycles(labels, values, fields.scale, inertias, *slides, hopping)
 
 
 def _slides(scene: Loads, pattern: str) -> dict[int, tuple[Floats, ...]]:
@@ -179,19 +186,24 @@ def _slides(scene: Loads, pattern: str) -> dict[int, tuple[Floats, ...]]:
     margins = thresholds(scene).margins
     rows = [row for row, kind in enumerate("FB") if kind in pattern]
     resting = {row: resting_start(scene, margins, _WAYS[row]) for row in rows}
+    zeros = {row: np.broadcast_to(zero_of(scene, _WAYS[row]), scene.along.shape) for row in rows}
     onsets: dict[int, Onset] = {row: start.onset for row, start in resting.items()}
+
+    def started_at(row: int, phase: Floats) -> Onset:
+        """Onset of a slide that starts at a drive phase, at once after another one."""
+        c = 0.5 * math.pi - (phase - zeros[row])
+        return start_inside(c - _TURN * np.round(c / _TURN), onsets[row].k)
+
     if pattern == Pattern.FB.name:
         cycle, _ = never_at_rest(scene, resting[0], resting[1])
-        m, x = math.pi - np.arcsin(cycle.sin_m), 0.5 * math.pi + cycle.y
-        onsets = {
-            0: start_inside(0.5 * math.pi - (m - x), onsets[0].k),
-            1: start_inside(1.5 * math.pi - (m + x), onsets[1].k),
-        }
+        m, x = middle_of(scene, cycle), 0.5 * math.pi + cycle.y
+        m = m - scene.lead.angle if scene.lead else m
+        onsets = {0: started_at(0, m - x), 1: started_at(1, m + x)}
     elif pattern in (Pattern.FB_.name, Pattern.F_B.name):
         first, second = (0, 1) if pattern == Pattern.FB_.name else (1, 0)
-        end = 0.5 * math.pi - onsets[first].c + 2.0 * slide(onsets[first]).x
-        onsets[second] = start_inside(1.5 * math.pi - end, onsets[second].k)
+        end = zeros[first] + 0.5 * math.pi - onsets[first].c + 2.0 * slide(onsets[first]).x
+        onsets[second] = started_at(second, end)
     return {
-        row: (0.5 * math.pi - onset.c, 2.0 * slide(onset).x, resting[row].load, onset.k)
+        row: (zeros[row], 0.5 * math.pi - onset.c, 2.0 * slide(onset).x, resting[row].load, onset.k)
         for row, onset in onsets.items()
     }

@@ -1,4 +1,4 @@
-"""Estimates of a scene's friction, amplitude and drive angle from a record, and what cannot be estimated."""
+"""Estimates of a scene's friction and drive from a record, and what cannot be estimated."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ import numpy as np
 from scipy.special import stdtrit
 
 from vibro.errors import InputError, cut, shown
+from vibro.quantities import AMPLITUDES, QUANTITIES
+from vibro.records.alignment import check_scene
 from vibro.records.cycles import HOPS
 from vibro.records.descent import Minimum, descend, to_edge
 from vibro.records.intervals import ENOUGH, profile, spread_of
-from vibro.records.misfits import FITTABLE, Problem
+from vibro.records.misfits import FITTABLE, Problem, fittable
 from vibro.records.starts import starts
 from vibro.records.statements import statements
 from vibro.scene import Scene
@@ -121,12 +123,14 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     -------
     Fit
         By least squares over all signals, each weighted by the inverse of its own misfit; the unknown trigger
-        time and the sensors' offsets and drifts are fitted too. Of long records the middle is used.
+        time and the sensors' offsets and drifts are fitted too. Of long records the middle is used. A phase
+        is the one next to the scene's of those that differ by whole turns.
 
     Raises
     ------
     InputError
-        If a name is none of ``FITTABLE``, or is given twice, or no value tried gives a steady motion.
+        If a name is none of ``FITTABLE``, or none of the scene's drive, or is given twice; if an amplitude to
+        be estimated is 0; or if no value tried gives a steady motion.
 
     Notes
     -----
@@ -134,19 +138,15 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     and the patterns are compared. An interval holds every value with which the record can be fitted, in any
     pattern, the other quantities refitted: the profile of the misfit.
     """
-    for name in names:
-        if name not in FITTABLE or list(names).count(name) > 1:
-            raise InputError(
-                f"--fit {cut(','.join(names))}: {shown(name)} cannot be estimated, or is named twice",
-                hint="choose from mu_s, mu_d, A and alpha",
-            )
+    check_scene(scene)
+    _check_names(scene, names)
     problem = Problem(scene, observation.middle, names)
     minima = _first_minima(problem)
     rest = next((m for m in minima if m.label == "_" and m.squares <= minima[0].squares + _STANDS_OUT), None)
     if rest is not None:
         return _told(problem, [rest], [()] * len(names), 0.0)
     for _ in range(_RESTARTS):
-        minima = _weighed_minima(problem, minima)
+        minima = _in_one_turn(problem, _weighed_minima(problem, minima))
         threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * _CONFIDENCE)) ** 2
         fitting = [m for m in minima if m.squares <= minima[0].squares + _EXCLUDED]
         profiles = [profile(problem, fitting, threshold, column) for column in range(len(names))]
@@ -155,6 +155,33 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
             break
         minima = _least([better, *minima])
     return _told(problem, fitting, [p.intervals for p in profiles], threshold)
+
+
+def _check_names(scene: Scene, names: Sequence[str]) -> None:
+    """Refuse what the scene has not, and what a search cannot begin from."""
+    own = fittable(scene)
+    choice = f"choose from {', '.join(QUANTITIES[name].letter for name in own)}"
+    for name in names:
+        said = f"--fit {cut(','.join(names))}: "
+        if name not in FITTABLE or list(names).count(name) > 1:
+            raise InputError(f"{said}{shown(name)} cannot be estimated, or is named twice", hint=choice)
+        quantity = QUANTITIES[name]
+        if name not in own:
+            path = "a line" if scene.amplitude is not None else "an ellipse"
+            raise InputError(
+                f"{said}the trough moves along {path}, which has no {quantity.label}", hint=choice
+            )
+        if name in AMPLITUDES and not float(getattr(scene, name)):
+            raise InputError(
+                f"{said}the search for the {quantity.label} begins at the scene's, which is 0",
+                hint=f"give what it may be, for example {quantity.options[0]} 0.3",
+            )
+
+
+def _in_one_turn(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
+    """Move phases by whole turns: of the least misfit next to the scene's, of the others next to that."""
+    near = problem.unwound(minima[0].point, problem.own)[:-1]
+    return [m._replace(point=problem.unwound(m.point, near)) for m in minima]
 
 
 def _all(problem: Problem) -> list[int]:
@@ -171,6 +198,7 @@ def _told(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], 
     order = np.argsort(costs)
     fitting, spreads = [fitting[i] for i in order], [spreads[i] for i in order]
     best, least = fitting[0], min(m.squares for m in fitting)
+    sizes = problem.scale(best.point)
     parameters = []
     for column, (name, found) in enumerate(zip(problem.names, intervals, strict=True)):
         value = float(best.point[column])
@@ -180,7 +208,7 @@ def _told(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], 
             for minimum, spread in zip(fitting, spreads, strict=True)
             if minimum.squares <= least + threshold
         )
-        if acts and 0.5 * (parameter.high - parameter.low) <= _WIDE * abs(value):
+        if acts and 0.5 * (parameter.high - parameter.low) <= _WIDE * sizes[column]:
             parameter = replace(parameter, identified=True)
         parameters.append(parameter)
     estimates = {p.name: p.value for p in parameters}
@@ -192,8 +220,8 @@ def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
     """Drop intervals that reach what is tried: they have no end."""
     if (
         intervals
-        and intervals[0][0] > least * (1.0 + _AT_BOUND)
-        and intervals[-1][1] < most * (1.0 - _AT_BOUND)
+        and intervals[0][0] > least + _AT_BOUND * abs(least)
+        and intervals[-1][1] < most - _AT_BOUND * abs(most)
     ):
         return intervals
     return ()

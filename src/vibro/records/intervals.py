@@ -112,9 +112,10 @@ def _end(
     origin, variance = float(minimum.point[column]), float(spread[column, column])
     path = spread[:, column] / variance if variance else np.zeros(minimum.point.size)
     aim = math.sqrt(threshold)
-    step = _FIRST * abs(origin)
+    size = float(problem.scale(minimum.point)[column])
+    step = _FIRST * size
     if variance:
-        step = min(max(math.sqrt(variance) * aim, _LEAST * abs(origin)), _MOST * abs(origin))
+        step = min(max(math.sqrt(variance) * aim, _LEAST * size), _MOST * size)
     inside, best = _Tried(origin, 0.0, minimum.point), minimum
     outside: _Tried | None = None
     for _ in range(_TRIES):

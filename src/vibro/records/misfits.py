@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
+from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR
 from vibro.records.cycles import HOPS, labels_of, steady_cycles
 from vibro.records.folding import fold, independent_samples
 
@@ -17,21 +18,27 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.records.alignment import Observation
+    from vibro.records.cycles import Cycles
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
     Labels = NDArray[np.str_]
 
-__all__ = ["FITTABLE", "Misfits", "Problem", "bounds_of"]
+__all__ = ["FITTABLE", "Misfits", "Problem", "fittable"]
 
-FITTABLE: Final = ("static_friction", "kinetic_friction", "amplitude", "drive_angle")
+#: Quantities that can be estimated, of a drive along a line or along an ellipse.
+FITTABLE: Final = ("static_friction", "kinetic_friction", *LINEAR, *ELLIPTICAL)
 
-# Allowed ranges in SI units; that of the amplitude is relative to the scene's.
+_TURN: Final = 2.0 * math.pi
+# Allowed ranges in SI units; those of amplitudes are relative to the scene's, that of the phase to its phase.
 _BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
     "static_friction": (1e-3, 3.0),
     "kinetic_friction": (1e-3, 3.0),
-    "amplitude": (0.2, 5.0),
+    **dict.fromkeys(AMPLITUDES, (0.2, 5.0)),
     "drive_angle": (math.radians(0.5), math.radians(80.0)),
+    # A phase has no least value: one turn more to each side than it needs, so that a search and an interval
+    # may pass the phase opposite to the scene's.
+    "normal_phase": (-1.5 * _TURN, 1.5 * _TURN),
 }
 # What a sensor adds by itself, as the number of powers of the time: an offset, and for all but a displacement
 # a slow drift. The slope of a displacement is the conveying speed, which no sensor of displacement invents.
@@ -48,12 +55,19 @@ _RANDOM: Final = 0.1  # share of a misfit that must differ from cycle to cycle f
 _ROUNDS: Final = 3  # of weighting the squares that the variances are regressed on
 
 
-def bounds_of(scene: Scene, names: Sequence[str]) -> Floats:
+def fittable(scene: Scene) -> tuple[str, ...]:
+    """Quantities of a scene that can be estimated, those of its own drive among them."""
+    return tuple(name for name in FITTABLE if name in scene.arrays()._fields)
+
+
+def _bounds_of(scene: Scene, names: Sequence[str]) -> Floats:
     """Least and greatest value of each free quantity that is tried, shape (2, P) [SI]."""
     bounds = np.array([_BOUNDS[name] for name in names]).T
     for column, name in enumerate(names):
-        if name == "amplitude":
-            bounds[:, column] *= float(scene.scale)
+        if name in AMPLITUDES:
+            bounds[:, column] *= float(getattr(scene, name))
+        elif name == "normal_phase":
+            bounds[:, column] += float(getattr(scene, name))
         elif name == "drive_angle":
             upright = 0.5 * math.pi - float(scene.trough_angle)
             bounds[1, column] = min(bounds[1, column], upright - _BOUNDS["drive_angle"][0])
@@ -82,8 +96,11 @@ class Problem:
     def __init__(self, scene: Scene, observation: Observation, names: Sequence[str]) -> None:
         self.observation = observation
         self.names = tuple(names)
+        self.fittable = fittable(scene)
         self.fixed = {name: float(value) for name, value in scene.arrays()._asdict().items()}
-        self.bounds = bounds_of(scene, names)
+        self.bounds = _bounds_of(scene, names)
+        self._size = float(scene.scale)
+        self._phases = np.array([name == "normal_phase" for name in names])
         self.count = 0.0
         self._weights: dict[str, Floats] = {}
         self._sensors: dict[str, Floats] = {}
@@ -100,9 +117,18 @@ class Problem:
         return np.clip([self.fixed[name] for name in self.names], *self.bounds)
 
     def scale(self, point: Floats) -> Floats:
-        """Size of each coordinate of a point, (P + 1,): its own, unless that is far below what is tried."""
+        """Size of each coordinate of a point, (P + 1,): its own, unless that is far below what is tried.
+
+        That of a phase is 1 rad, wherever its zero is.
+        """
         sizes = np.maximum(np.abs(point[:-1]), _LEAST_SCALE * self.bounds[1])
-        return np.append(sizes, 1.0)
+        return np.append(np.where(self._phases, 1.0, sizes), 1.0)
+
+    def unwound(self, point: Floats, near: Floats) -> Floats:
+        """Move phases of a point, (P + 1,), by whole turns to where they are closest to others, (P,)."""
+        moved = point.copy()
+        moved[:-1] -= np.where(self._phases, _TURN * np.round((point[:-1] - near) / _TURN), 0.0)
+        return moved
 
     def values(self, points: Floats) -> dict[str, Floats]:
         """Fields of the scenes at points of shape (M, P) or (M, P + 1)."""
@@ -149,7 +175,7 @@ class Problem:
             now, after, before = (model[name][0] for model in around)
             used, delays = np.ones(measured.size), np.zeros(measured.size)
             if name in _JUMPING:
-                used[_beside_a_jump(cycles.starts, cycles.lengths, observation, float(shift[0]))] = 0.0
+                used[_beside_a_jump(cycles, observation, float(shift[0]))] = 0.0
             else:
                 delays = ((after - before) / step) ** 2
             basis = used[:, None] * self._basis(name)
@@ -174,7 +200,7 @@ class Problem:
         """Amplitude of what the drive does: the size that a signal of this kind has."""
         rate = 2.0 * math.pi * self.fixed["frequency"]
         power = {"displacement": 0, "velocity": 1}.get(name, 2)
-        return self.fixed["amplitude"] * rate**power
+        return self._size * rate**power
 
     def _basis(self, name: str) -> Floats:
         """Powers of the time that a sensor may add, shape (N, powers)."""
@@ -207,15 +233,13 @@ def _variances(observation: Observation, residual: Floats, delays: Floats) -> Fl
     return variances if gain > 6.0 else flat
 
 
-def _beside_a_jump(
-    starts: Floats, lengths: Floats, observation: Observation, shift: float
-) -> NDArray[np.bool_]:
-    """Return which samples lie next to a jump, where it is unknown what a sensor shows."""
+def _beside_a_jump(cycles: Cycles, observation: Observation, shift: float) -> NDArray[np.bool_]:
+    """Return which samples lie next to a jump of one scene, where it is unknown what a sensor shows."""
     beside = np.zeros(observation.time.size, np.bool_)
-    for row, zero in enumerate((0.0, 0.5)):
-        if lengths[row, 0] > 0.0:
-            for phase in (starts[row, 0], starts[row, 0] + lengths[row, 0]):
-                turns = (observation.time + shift) * observation.frequency - phase / (2.0 * math.pi) - zero
+    for zero, start, length in zip(*(x[:, 0] for x in (cycles.zeros, cycles.starts, cycles.lengths)), strict=True):
+        if length > 0.0:
+            for phase in (zero + start, zero + start + length):
+                turns = (observation.time + shift) * observation.frequency - phase / (2.0 * math.pi)
                 off = np.abs(turns - np.round(turns)) * observation.period
                 beside |= off <= observation.sample_time
     return beside

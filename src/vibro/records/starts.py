@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from vibro.quantities import AMPLITUDES
 from vibro.records.cycles import HOPS, steady_cycles
-from vibro.records.misfits import FITTABLE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,14 +22,16 @@ if TYPE_CHECKING:
 
 __all__ = ["starts"]
 
-# Values at which the search starts, in addition to the scene's own; kinetic friction relative to static, the
-# amplitude relative to the scene's.
+# Values at which the search starts, in addition to the scene's own; kinetic friction relative to static, an
+# amplitude relative to the scene's, a phase added to the scene's.
 _GRID: Final[Mapping[str, tuple[float, ...]]] = {
     "static_friction": tuple(np.geomspace(0.05, 1.5, 24).tolist()),
     "kinetic_friction": (0.1, 0.25, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 0.99),
-    "amplitude": (0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 2.0),
+    **dict.fromkeys(AMPLITUDES, (0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 2.0)),
     "drive_angle": tuple(math.radians(a) for a in (6.0, 10.0, 15.0, 20.0, 27.0, 35.0, 45.0)),
+    "normal_phase": tuple(math.radians(a) for a in range(-150, 181, 30)),
 }
+_MOST_TRIED: Final = 20_000  # scenes of the grid; of more a random part
 _MOST_HOPPING: Final = 40  # scenes with flights, each of which takes as long as a hundred others
 _PHASES: Final = 128  # shifts that are compared
 _TRIED: Final = 3  # starts in each pattern
@@ -69,17 +71,22 @@ def starts(problem: Problem, *, hops: bool) -> list[tuple[str, Floats]]:
 def _candidates(problem: Problem) -> dict[str, Floats]:
     own = problem.fixed | dict(zip(problem.names, problem.own.tolist(), strict=True))
     grids = []
-    for name in FITTABLE:
+    for name in problem.fittable:
         grid = _GRID[name] if name in problem.names else (own[name],)
-        if name == "amplitude" and name in problem.names:
+        if name in AMPLITUDES and name in problem.names:
             grid = tuple(own[name] * factor for factor in grid)
+        elif name == "normal_phase" and name in problem.names:
+            grid = tuple(own[name] + turn for turn in grid)
         elif name == "kinetic_friction" and name in problem.names:
             grid = tuple(-share for share in grid)  # of static friction
         grids.append(grid)
-    points = np.array([[own[name] for name in FITTABLE], *product(*grids)])
+    points = np.array([[own[name] for name in problem.fittable], *product(*grids)])
+    if points.shape[0] > _MOST_TRIED:
+        kept = np.random.default_rng(1).choice(points.shape[0] - 1, _MOST_TRIED, replace=False)
+        points = points[np.append(0, 1 + np.sort(kept))]
     share = points[:, 1] < 0.0
     points[share, 1] *= -points[share, 0]
-    return dict(zip(FITTABLE, points.T, strict=True))
+    return dict(zip(problem.fittable, points.T, strict=True))
 
 
 def _rough_squares(problem: Problem, points: Floats) -> tuple[Floats, Floats]:

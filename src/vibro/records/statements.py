@@ -112,7 +112,7 @@ def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
     power = float((clock**2).sum())
     if power > 0.0:
         free = free - clock @ (clock.T @ free) / power
-    _, singular, directions = np.linalg.svd(free * np.abs(best.point[:-1]), full_matrices=False)
+    _, singular, directions = np.linalg.svd(free * problem.scale(best.point)[:-1], full_matrices=False)
     return [
         tuple(name for name, share in zip(problem.names, direction, strict=True) if abs(share) > _SHARE)
         for direction in directions[singular * _UNKNOWN < 1.0]

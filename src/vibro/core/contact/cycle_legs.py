@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vibro.core.contact.slide import Floats, Onset
     from vibro.core.groups import Loads
 
-__all__ = ["CycleLeg", "cycle_legs", "middle_of"]
+__all__ = ["CycleLeg", "cycle_legs", "middle_of", "zero_of"]
 
 _TURN = 2.0 * math.pi
 _WAYS = {"F": 1, "B": -1}
@@ -93,7 +93,7 @@ def _slides(scene: Loads, pattern: str) -> list[CycleLeg]:
     """Solve the slides of a cycle, without its rests, in the order of the pattern."""
     margins = thresholds(scene).margins
     resting = {kind: resting_start(scene, margins, _WAYS[kind]) for kind in pattern if kind in _WAYS}
-    ways = {kind: _Way(kind, _zero(scene, kind), start.onset, start.load) for kind, start in resting.items()}
+    ways = {kind: _Way(kind, zero_of(scene, _WAYS[kind]).item(), start.onset, start.load) for kind, start in resting.items()}
     if pattern == "FB":
         cycle, _ = never_at_rest(scene, resting["F"], resting["B"])
         lead = scene.lead.angle.item() if scene.lead else 0.0
@@ -110,11 +110,11 @@ def _slides(scene: Loads, pattern: str) -> list[CycleLeg]:
     return [slides[0], *(_later(leg, slides[0].end) for leg in slides[1:])]
 
 
-def _zero(scene: Loads, kind: str) -> float:
-    """Drive phase at which the load of slides is zero and rises."""
+def zero_of(scene: Loads, way: int) -> Floats:
+    """Drive phase at which the load of slides, forward (+1) or back (-1), is zero and rises."""
     if scene.lead:
-        return -(own_phase(scene, _WAYS[kind]) + scene.lead.angle).item()
-    return math.pi if kind == "B" else 0.0
+        return np.asarray(-(own_phase(scene, way) + scene.lead.angle))
+    return np.asarray(math.pi if way < 0 else 0.0)
 
 
 def _slide_leg(way: _Way, onset: Onset) -> CycleLeg:
