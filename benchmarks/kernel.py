@@ -3,7 +3,7 @@
 Usage: python benchmarks/kernel.py [--scenes 1000000] [--linearity 10000000]
 
 All inputs are random: drive angle 2-45 deg, mu_s 0.1-1, mu_d/mu_s 0.4-1, G log-uniform from 0.1 to 6 or to
-hopping if that comes first; elliptical drives have the same amplitudes. Times are the best of several repeats;
+hopping if that comes first; elliptical drives have the same amplitudes. Times are the best of a few;
 ratios are of the same run.
 """
 

@@ -57,9 +57,7 @@ class Walked:
     """The settled motion of a scene by a walk from slide to slide, over trough time."""
 
     def __init__(self, scene: vibro.Scene) -> None:
-        gravity, beta, mu_d = (
-            float(x) for x in (scene.gravity, scene.trough_angle, scene.kinetic_friction)
-        )
+        gravity, beta, mu_d = (float(x) for x in (scene.gravity, scene.trough_angle, scene.kinetic_friction))
         self.rate = 2.0 * math.pi * float(scene.frequency)
         self.period = 1.0 / float(scene.frequency)
         walk = _on_a_line if scene.amplitude is not None else _on_an_ellipse
@@ -78,7 +76,9 @@ class Walked:
         result = np.zeros_like(time)
         for way, start, length in self.slides:
             slides = (time - start) % self.period < length
-            result[slides] = (self.pull[way] * np.sin(self.rate * time + self.lead[way]) - self.drag[way])[slides]
+            result[slides] = (self.pull[way] * np.sin(self.rate * time + self.lead[way]) - self.drag[way])[
+                slides
+            ]
         return result
 
     def friction(self, time: Floats) -> Floats:

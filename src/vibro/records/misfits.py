@@ -236,7 +236,9 @@ def _variances(observation: Observation, residual: Floats, delays: Floats) -> Fl
 def _beside_a_jump(cycles: Cycles, observation: Observation, shift: float) -> NDArray[np.bool_]:
     """Return which samples lie next to a jump of one scene, where it is unknown what a sensor shows."""
     beside = np.zeros(observation.time.size, np.bool_)
-    for zero, start, length in zip(*(x[:, 0] for x in (cycles.zeros, cycles.starts, cycles.lengths)), strict=True):
+    for zero, start, length in zip(
+        *(x[:, 0] for x in (cycles.zeros, cycles.starts, cycles.lengths)), strict=True
+    ):
         if length > 0.0:
             for phase in (zero + start, zero + start + length):
                 turns = (observation.time + shift) * observation.frequency - phase / (2.0 * math.pi)

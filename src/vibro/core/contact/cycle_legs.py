@@ -93,7 +93,10 @@ def _slides(scene: Loads, pattern: str) -> list[CycleLeg]:
     """Solve the slides of a cycle, without its rests, in the order of the pattern."""
     margins = thresholds(scene).margins
     resting = {kind: resting_start(scene, margins, _WAYS[kind]) for kind in pattern if kind in _WAYS}
-    ways = {kind: _Way(kind, zero_of(scene, _WAYS[kind]).item(), start.onset, start.load) for kind, start in resting.items()}
+    ways = {
+        kind: _Way(kind, zero_of(scene, _WAYS[kind]).item(), start.onset, start.load)
+        for kind, start in resting.items()
+    }
     if pattern == "FB":
         cycle, _ = never_at_rest(scene, resting["F"], resting["B"])
         lead = scene.lead.angle.item() if scene.lead else 0.0
