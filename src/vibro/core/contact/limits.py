@@ -139,7 +139,7 @@ def tipping_load_of(unit: Loads, stand_ratio: Floats) -> Floats:
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # of ratios that no friction reaches
         first = np.minimum(*_onsets(standing))
     tips = np.where(unit.static_friction > stand_ratio, first, np.inf)
-    return np.where(standing.infeasible, np.nan, tips)[()]
+    return (tips if unit.lead else np.where(unit.contrast > 0.0, tips, np.nan))[()]
 
 
 def _critical(unit: Loads) -> CriticalLoads:
