@@ -66,7 +66,7 @@ _SMOOTH_AROUND: Final = 5
 # which closes gaps and makes lonely points large enough to be made out: what is not hatched is exact.
 _SEEN: Final = 0.01  # of the side of the map
 
-_LIFTING: Final = ("amplitude", "normal_amplitude", "frequency")  # with them a body hops farther
+_LOADING: Final = ("amplitude", "frequency")  # the load grows with them, and nothing else of the drive
 
 _ROUNDING: Final = 1e-9  # of the largest speed: less is none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
@@ -184,12 +184,12 @@ class Fields:
         drives = {
             axis.name: i
             for i, axis in enumerate((self.panel.y, self.panel.x))
-            if axis is not None and axis.name in _LIFTING
+            if axis is not None and axis.name in _LOADING
         }
         advance = self.panel.cycle.get("displacement_per_cycle")
         if not drives or advance is None:
             return np.zeros((len(self.y), len(self.x)), np.bool_)
-        if drives.keys() - {"frequency"}:
+        if "amplitude" in drives:
             advance = advance / self._scene.scale
         rise = np.gradient(advance, axis=min(drives.values()))
         return np.asarray((self.log_ratio["hop"] > 0.0) & (advance > 0.0) & (rise < 0.0))
