@@ -82,15 +82,15 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> Start:
     """Slide from rest, forward (+1) or back (-1), Eqs. (3)-(6) and (56), without cancellation."""
     margin, static_load = (at.forward, at.forward_load) if direction > 0 else (at.back, at.back_load)
     mu_s, mu_d = scene.static_friction, scene.kinetic_friction
-    load = load_amplitude(scene, direction, mu_d)
-    k = (mu_d * scene.normal + direction * scene.tangential) / load
-    window = None
+    window, drag = None, mu_d * scene.normal + direction * scene.tangential
     if scene.lead is None:
-        vers = margin / static_load  # 1 - sin p0
+        load = load_amplitude(scene, direction, mu_d)
+        k, vers = drag / load, margin / static_load  # 1 - sin p0
         excess = (mu_s - mu_d) * scene.contrast / (static_load * load)
         c, sin = 2.0 * np.arcsin(np.sqrt(0.5 * vers)), np.sqrt(vers * (2.0 - vers))
     else:
-        window, sin, excess = _elliptical_start(scene, direction, margin, static_load, load)
+        load, window, sin, excess = _elliptical_start(scene, direction, margin, static_load)
+        k = drag / load
         half = sin / (1.0 + (excess + k))
         c, vers = 2.0 * np.arctan(half), sin * half
     if np.count_nonzero(scene.tangential):
@@ -103,29 +103,32 @@ def resting_start(scene: Loads, at: Margins, direction: int) -> Start:
 
 
 def _elliptical_start(
-    scene: Loads, direction: int, margin: Floats, static_load: Floats, load: Floats
-) -> tuple[Window, Floats, Floats]:
-    """Return the static window of an elliptical drive, and sin c and the excess of the slide from it."""
+    scene: Loads, direction: int, margin: Floats, static_load: Floats
+) -> tuple[Floats, Window, Floats, Floats]:
+    """Return the load and the static window of an elliptical drive, and sin c and the excess of a slide."""
     assert scene.lead is not None
-    mu_s, mu_d, a, b = scene.static_friction, scene.kinetic_friction, scene.along, scene.across
-    way = direction * a
+    mu_s, mu_d, b, way = scene.static_friction, scene.kinetic_friction, scene.across, direction * scene.along
     level, steep = way * scene.lead.cosine + mu_s * b, way * scene.lead.sine
+    less = mu_s - mu_d
+    loss = less * b
+    kinetic_level = level - loss
+    load = np.sqrt(kinetic_level * kinetic_level + steep * steep)  # C of Eq. (54) again
     hold = mu_s * scene.normal + direction * scene.tangential
     rate = np.sqrt(margin * (2.0 * static_load - margin))  # of the load at the window's edges
     scale = 1.0 / (static_load * static_load)
-    # sine and cosine of the normal motion's phase at both edges
-    near, far = rate * level, hold * steep
-    opens, closes = (near - far) * scale, -(near + far) * scale
-    crest = (hold * level + rate * steep) * scale
+    level, steep = level * scale, steep * scale
+    # sine of the normal motion's phase at the window's start, its cosine there and, turned, at its end
+    crest, near, far = hold * level + rate * steep, rate * level, hold * steep
+    opens = near - far
     normal = scene.normal - b * crest
     cells = np.flatnonzero(normal < _NEARLY_LIFTED * scene.normal)
     if cells.size:  # a sum of what is not negative, in place of a difference
         lifts, n, y, s = take((crest, scene.normal, b, opens), cells)
         normal[cells] = (n - y) + y * s * s / (1.0 + lifts)
-    both, share = (mu_s + mu_d) * b, (mu_s - mu_d) / load
+    both = (mu_s + mu_d) * b
     c = 2.0 * np.arctan(rate / (static_load + hold))
-    window = Window(c, both * opens - rate, both * closes + rate)
-    return window, rate / load - share * b * opens, share * normal
+    window = Window(c, both * opens - rate, rate - both * (near + far))
+    return load, window, (rate - loss * opens) / load, less * normal / load
 
 
 class Pair(NamedTuple):
@@ -160,8 +163,8 @@ class Pair(NamedTuple):
             speed = onset.sin + other.onset.sin - onset.k * (np.pi + onset.c - c)
             return verdict(speed, onset.sin + other.onset.sin + np.abs(onset.k))
         begin, end, drag = start.load * onset.sin, other.window.open_rate, start.load * onset.k
-        loss = drag * (np.pi + start.window.c + skew - other.window.c)
-        return verdict(begin - end - loss, np.abs(begin) + np.abs(end) + np.abs(drag))
+        loss = drag * (start.window.c - other.window.c + (skew + np.pi))
+        return verdict(begin - end - loss, start.load + other.load + np.abs(drag))
 
     def outlasts(self, direction: int) -> Verdict:
         """Whether a slide still moves where the opposite load window closes, Eqs. (17) and (58).
@@ -178,7 +181,7 @@ class Pair(NamedTuple):
             assert start.window is not None
             assert other.window is not None
             end = other.window.close_rate / start.load
-            ahead, size = onset.sin - end, np.abs(onset.sin) + np.abs(end)
+            ahead, size = onset.sin - end, 1.0 + other.load / start.load
             c = other.window.c + skew - (onset.c - start.window.c)
             early = k < 0.0
             if early.any():
