@@ -125,8 +125,8 @@ class Walked:
         return Observation(time, values, FREQUENCY)
 
 
-# Pattern, displacement per cycle [g/w^2], way, start and length of each slide [rad], and the amplitudes of the
-# trough's motion along itself and normal to it, the phase of the latter as that of a complex number [m].
+# Pattern, displacement per cycle [g/w^2], way, start and length of each slide [rad], and the amplitudes of
+# the trough's motion along itself and normal to it, with its phase as that of a complex number [m].
 Walk = tuple[str, float, list[tuple[int, float, float]], tuple[float, complex]]
 
 

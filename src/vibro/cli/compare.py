@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from itertools import zip_longest
 from pathlib import Path
@@ -14,11 +15,12 @@ from vibro.cli.completion import complete_fitted
 from vibro.cli.console import Console
 from vibro.cli.options import FormatOption, Options, picture_formats
 from vibro.errors import InputError, cut, shown
-from vibro.quantities import QUANTITIES, STANDS_FOR, scene_fields
+from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR, QUANTITIES, STANDS_FOR, scene_fields
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from vibro.records.ellipse import MeasuredEllipse
     from vibro.records.folding import Estimate
     from vibro.records.trough import MeasuredDrive, Trough
     from vibro.sweeps.request import Request
@@ -28,7 +30,14 @@ __all__ = ["CompareCommand", "compare_command"]
 # What follows the flag --force without being a header.
 _FILES: Final = (".toml", ".csv", ".txt")
 # In the place of what is measured, while the rest of a scene is read: valid whatever that is [SI].
-_HARMLESS: Final = {"amplitude": 1e-3, "frequency": 1.0, "drive_angle": 0.0}
+_HARMLESS: Final = {
+    "amplitude": 1e-3,
+    "drive_angle": 0.0,
+    "along_amplitude": 1e-3,
+    "normal_amplitude": 1e-3,
+    "normal_phase": 0.0,
+    "frequency": 1.0,
+}
 
 
 class CompareCommand(TyperCommand):
@@ -82,7 +91,9 @@ def compare_command(
     ] = None,
     trough_normal: Annotated[
         str | None,
-        _column("trough-normal", "The same normal to its surface, upwards; both give the drive angle too."),
+        _column(
+            "trough-normal", "The same normal to its surface, upwards; both give drive angle or ellipse too."
+        ),
     ] = None,
     sensitivity: Annotated[
         list[str] | None,
@@ -104,7 +115,7 @@ def compare_command(
         typer.Option(
             "--fit",
             metavar="mu_s,mu_d,A,alpha",
-            help="Estimate any of these from the data.",
+            help="Estimate any of these from the data; of an ellipse mu_s,mu_d,X,Y,phi.",
             show_default=False,
             autocompletion=complete_fitted,
         ),
@@ -154,11 +165,12 @@ def compare_command(
         console.echo(note)
     if "force" in record.signals and body is None:
         console.warn(f"column {record.headers['force']!r} is left out: a force needs --mass")
-    trough = trough_of(record, reverse=reverse)
+    elliptical = _elliptical(options)
+    trough = trough_of(record, reverse=reverse, down=elliptical)
     if trough is None:
         drive, request = None, request_of(options, context.obj)
     else:
-        drive, request = _with_measured(trough, options, context.obj, console)
+        drive, request = _with_measured(trough, elliptical, options, context.obj, console)
     scene = request.scene()
     check_scene(scene)
     observation = Observation.of(
@@ -234,25 +246,44 @@ def _arguments(options: Options, data: Path | None) -> tuple[Options, Path]:
     return options, data
 
 
+def _elliptical(options: Options) -> bool:
+    """Whether the options, or the scene file, give an elliptical drive."""
+    from vibro.files.scene_files import read_scene_file
+
+    own = read_scene_file(options.scene).scene if options.scene else {}
+    return not {*options.given, *own}.isdisjoint(ELLIPTICAL)
+
+
 def _with_measured(
-    trough: Trough, options: Options, argv: Sequence[str], console: Console
-) -> tuple[MeasuredDrive, Request]:
+    trough: Trough, elliptical: bool, options: Options, argv: Sequence[str], console: Console
+) -> tuple[MeasuredDrive | MeasuredEllipse, Request]:
     """Put what was measured of the trough in the place of what the scene file gives, and say so."""
     from dataclasses import replace
 
     from vibro.cli.compare_report import measured
     from vibro.cli.request import request_of
+    from vibro.records.ellipse import ellipse_of
     from vibro.records.folding import Estimate
     from vibro.records.signals import FAR_OFF, doubt, rounded
     from vibro.records.trough import spelled
 
-    found = ["amplitude", "frequency", *(["drive_angle"] if trough.drive_angle else [])]
+    on_an_ellipse = elliptical or trough.on_an_ellipse
+    if on_an_ellipse:
+        found = list(ellipse_of(trough).quantities)
+    else:
+        found = ["amplitude", "frequency", *(["drive_angle"] if trough.drive_angle else [])]
     columns = " and ".join(shown(wave.header) for wave in trough.waves)
     problems = [
         f"{QUANTITIES[name].options[0]} {cut(text)}: the {QUANTITIES[slot].label} is measured already"
         for name, text in options.given.items()
         if (slot := STANDS_FOR.get(name, name)) in found
     ]
+    if on_an_ellipse:
+        problems += [
+            f"{QUANTITIES[name].options[0]} {cut(text)}: the trough moves on an ellipse, which is measured"
+            for name, text in options.given.items()
+            if STANDS_FOR.get(name, name) in LINEAR
+        ]
     if problems:
         raise InputError(*problems, hint="leave it out, or leave out --trough-along and --trough-normal")
 
@@ -262,20 +293,27 @@ def _with_measured(
 
     # One acceleration alone gives the amplitude by the drive angle of the scene, which is read with any.
     given = request_with({name: Estimate(_HARMLESS[name], 0.0) for name in found})
-    drive = trough.drive(scene_fields(given.fixed)["drive_angle"])
+    drive: MeasuredDrive | MeasuredEllipse
+    if on_an_ellipse:
+        own_phase = (
+            given.own.get("normal_phase", 0.0) if "normal_phase" in found else given.fixed["normal_phase"]
+        )
+        drive = ellipse_of(trough, math.radians(own_phase) if elliptical else None)
+    else:
+        drive = trough.drive(scene_fields(given.fixed)["drive_angle"])
     for name, estimate in drive.quantities.items():
         own = given.own.get(name)
         instead = "" if own is None else f"; the scene gives {QUANTITIES[name].text(own)}"
         console.echo(f"{measured(name, estimate)} from column {columns}{instead}")
-        if name == "amplitude" and own:
+        if name in AMPLITUDES and own:
             ratio = QUANTITIES[name].from_si(estimate.value) / own
             if not 1.0 / FAR_OFF <= ratio <= FAR_OFF:
                 texts = dict.fromkeys(wave.sensitivity for wave in trough.waves if wave.sensitivity)
                 console.warn(
-                    f"column {columns}: the amplitude is about {rounded(float(ratio))} times the scene's:"
-                    f" {doubt(' or '.join(texts))}"
+                    f"column {columns}: the {QUANTITIES[name].label} is about"
+                    f" {rounded(float(ratio))} times the scene's: {doubt(' or '.join(texts))}"
                 )
-    for warning in trough.warnings:
+    for warning in drive.warnings:
         console.warn(warning)
     return drive, request_with(drive.quantities)
 

@@ -13,7 +13,8 @@ from vibro.quantities import DEFAULTS, QUANTITIES
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from vibro.records.comparison import Row
+    from vibro.records.comparison import Comparison, Row
+    from vibro.records.ellipse import MeasuredEllipse
     from vibro.records.fitting import Parameter
     from vibro.records.folding import Estimate
     from vibro.records.tables import ComparisonTables
@@ -82,8 +83,8 @@ class _Report:
             facts.append(
                 (
                     "alignment",
-                    f"the data begin {1e3 * begin:.3f} \u00b1 {1e3 * alignment.error:.2g} ms after the trough"
-                    f" passes its middle upwards ({360.0 * begin / observation.period:.1f} deg)",
+                    f"the data begin {1e3 * begin:.3f} \u00b1 {1e3 * alignment.error:.2g} ms after"
+                    f" {_zero_of(self.comparison)} ({360.0 * begin / observation.period:.1f} deg)",
                 )
             )
         return facts
@@ -110,6 +111,12 @@ class _Report:
         return f"{row.label} [{unit}]", text, computed, difference
 
 
+def _zero_of(comparison: Comparison) -> str:
+    """Say what happens at trough time 0."""
+    way = comparison.passing
+    return f"the trough passes its middle {way}" if way else "phase 0 of the drive"
+
+
 def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
     """Write an estimate and its intervals, to two digits of the narrowest interval's half."""
     pieces = [(low / size, high / size) for low, high in parameter.intervals]
@@ -121,7 +128,7 @@ def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
     return f"{parameter.value / size:.{digits}f}" if parameter.identified else "-", interval
 
 
-def _trough(drive: MeasuredDrive) -> list[tuple[str, str]]:
+def _trough(drive: MeasuredDrive | MeasuredEllipse) -> list[tuple[str, str]]:
     """Say what was measured of the trough's motion."""
     facts = [("trough", ", ".join(measured(name, estimate) for name, estimate in drive.quantities.items()))]
     for wave in drive.trough.waves:
@@ -130,7 +137,7 @@ def _trough(drive: MeasuredDrive) -> list[tuple[str, str]]:
         )
         facts.append(("", f"{printable(wave.header)}: {shares}"))
     phase = math.degrees(drive.trough.phase)
-    if not math.isnan(phase):
+    if not math.isnan(phase) and "normal_phase" not in drive.quantities:
         ahead = "ahead of" if phase > 0.0 else "behind"
         facts.append(("", f"its normal motion is {abs(phase):.1f} deg {ahead} that along it"))
     return facts

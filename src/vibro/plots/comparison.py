@@ -93,7 +93,8 @@ def comparison_figure(
         grid[0][0].set_title(f"first {_SHOWN} cycles of the record")
         grid[0][1].set_title("all cycles on one")
         grid[-1][0].set_xlabel("time of the record [ms]")
-        grid[-1][1].set_xlabel("time after the trough's middle, upwards [ms]")
+        zero = f"the trough's middle, {comparison.passing}" if comparison.passing else "phase 0 of the drive"
+        grid[-1][1].set_xlabel(f"time after {zero} [ms]")
         figure.align_ylabels(grid[:, 0])
         set_heading(figure, title, values_text(given))
         kinds = {phase.kind for phase in comparison.motion.phases} - {"_"}

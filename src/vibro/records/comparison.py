@@ -77,7 +77,9 @@ class Comparison:
     rows : tuple of Row
         Measured and computed quantities.
     trough_time : array
-        Trough time of each sample; the trough passes its middle upwards at whole periods [s].
+        Trough time of each sample; the trough passes its middle at whole periods, as ``passing`` says [s].
+    passing : str
+        ``upwards`` along a line, ``forwards`` along an ellipse; empty without a motion along the trough.
     computed : mapping of str to array
         The model's signals at the record's times, by the names of the measured ones; measured and computed
         displacements have the same mean.
@@ -92,6 +94,7 @@ class Comparison:
     alignment: Alignment
     rows: tuple[Row, ...]
     trough_time: Floats
+    passing: str
     computed: Mapping[str, Floats]
     curve_time: Floats
     curves: Mapping[str, Floats]
@@ -153,6 +156,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
         alignment=alignment,
         rows=tuple(rows),
         trough_time=trough_time,
+        passing="upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else "",
         computed=signals,
         curve_time=cycle,
         curves=curves,

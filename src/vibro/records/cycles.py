@@ -178,7 +178,8 @@ def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
         except VibroError:  # it repeats its motion only every few cycles, or never
             labels[cell] = ""
     inertias = fields.scale * (_TURN * fields.frequency) ** 2 * scenes.along
-    return Cycles(labels, values, fields.scale, inertias, *slides, hopping)
+    zeros, starts, lengths, sizes, resistances = slides
+    return Cycles(labels, values, fields.scale, inertias, zeros, starts, lengths, sizes, resistances, hopping)
 
 
 def _slides(scene: Loads, pattern: str) -> dict[int, tuple[Floats, ...]]:

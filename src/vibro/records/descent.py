@@ -24,6 +24,9 @@ __all__ = ["Minimum", "derivatives", "descend", "nearest_inside", "to_edge"]
 _STEP: Final = 1e-6  # relative step of the derivatives: the model's noise is 1e-15, its curvature of order 1
 _IDLE: Final = 1e-6  # of the largest effect of a coordinate: less is rounding, and counts as none
 _DAMPINGS: Final = np.array([1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0])  # of the normalised equations
+_LIGHT: Final = np.geomspace(1e-7, 1e-2, 11)  # the same of steps that bend
+_FAR: Final = 10.0  # decrease of the sum of squares, in variances: a step that promises less does not bend
+_BEGUN: Final = 0.1  # of a step: how far a curvature is taken from
 _MOST_STEPS: Final = 40
 _FAIR: Final = 0.3  # share of the decrease that a whole step promises: with less, edges are looked for
 _PATIENCE: Final = 5.0  # steps as large as the last one that a descent may still need
@@ -115,16 +118,19 @@ def _differences(residuals: Floats, inside: NDArray[np.bool_], sizes: Floats) ->
     return np.asarray(((upper - lower) / widths[:, None]).T)
 
 
-def _steps(residual: Floats, jacobian: Floats) -> Floats:
-    """Damped steps, shape (dampings, columns); 0 in coordinates without an effect."""
+def _steps(residual: Floats, jacobian: Floats, dampings: Floats = _DAMPINGS) -> Floats:
+    """Damped steps, shape (dampings, columns); 0 in coordinates without an effect.
+
+    Residuals are of shape (K,), or (dampings, K).
+    """
     sizes = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
     acting = sizes > 0.0
-    steps = np.zeros((_DAMPINGS.size, sizes.size))
+    steps = np.zeros((dampings.size, sizes.size))
     if acting.any():
         normed = jacobian[:, acting] / sizes[acting]
         values, vectors = np.linalg.eigh(normed.T @ normed)
-        slope = vectors.T @ (normed.T @ residual)
-        damped = -slope / (np.maximum(values, 0.0) + _DAMPINGS[:, None])
+        slope = residual @ normed @ vectors
+        damped = -slope / (np.maximum(values, 0.0) + dampings[:, None])
         steps[:, acting] = (damped @ vectors.T) / sizes[acting]
     return steps
 
@@ -139,7 +145,12 @@ def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) ->
     place = int(np.argmin(squares))
     best = Minimum(at.label, points[place], float(squares[place]))
     hoped = at.squares - float(np.square(residual + jacobian @ steps[0]).sum())
-    if misfits.inside[0] or at.squares - best.squares > _FAIR * hoped:
+    if at.squares - best.squares > _FAIR * hoped:
+        return best
+    if problem.bends and hoped > _FAR:
+        bent = _bent(problem, at, free, residual, jacobian)
+        best = bent if bent.squares < best.squares else best
+    if misfits.inside[0]:
         return best
     for column, coordinate in enumerate(free):
         step = float(steps[0, column])
@@ -149,6 +160,24 @@ def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) ->
         if along is not None and along.squares < best.squares - enough:
             return along
     return best
+
+
+def _bent(problem: Problem, at: Minimum, free: list[int], residual: Floats, jacobian: Floats) -> Minimum:
+    """Best of lightly damped steps with their terms of second order.
+
+    Amplitudes and phase of an ellipse can make up for each other: the valley of the misfit is narrow and
+    bends, so that straight steps leave it soon, and are short.
+    """
+    steps = _steps(residual, jacobian, _LIGHT)
+    moved = np.zeros((steps.shape[0], at.point.size))
+    moved[:, free] = _BEGUN * steps
+    begun = problem.misfits(at.label, at.point + moved)
+    curves = 2.0 * ((begun.residuals - residual) / _BEGUN - steps @ jacobian.T) / _BEGUN
+    curves[~begun.inside] = 0.0
+    moved[:, free] = steps + 0.5 * _steps(curves, jacobian, _LIGHT)
+    squares = problem.misfits(at.label, at.point + moved).squares
+    place = int(np.argmin(squares))
+    return Minimum(at.label, at.point + moved[place], float(squares[place]))
 
 
 def _step_along_edge(

@@ -99,6 +99,7 @@ class Problem:
         self.fittable = fittable(scene)
         self.fixed = {name: float(value) for name, value in scene.arrays()._asdict().items()}
         self.bounds = _bounds_of(scene, names)
+        self.bends = bool(set(names) & set(ELLIPTICAL))  # whether steps of a descent should
         self._size = float(scene.scale)
         self._phases = np.array([name == "normal_phase" for name in names])
         self.count = 0.0
@@ -236,9 +237,8 @@ def _variances(observation: Observation, residual: Floats, delays: Floats) -> Fl
 def _beside_a_jump(cycles: Cycles, observation: Observation, shift: float) -> NDArray[np.bool_]:
     """Return which samples lie next to a jump of one scene, where it is unknown what a sensor shows."""
     beside = np.zeros(observation.time.size, np.bool_)
-    for zero, start, length in zip(
-        *(x[:, 0] for x in (cycles.zeros, cycles.starts, cycles.lengths)), strict=True
-    ):
+    slides = (column[:, 0] for column in (cycles.zeros, cycles.starts, cycles.lengths))
+    for zero, start, length in zip(*slides, strict=True):
         if length > 0.0:
             for phase in (zero + start, zero + start + length):
                 turns = (observation.time + shift) * observation.frequency - phase / (2.0 * math.pi)

@@ -13,6 +13,7 @@ from vibro.quantities import QUANTITIES
 if TYPE_CHECKING:
     from vibro.files.tables import TableColumns
     from vibro.records.comparison import Comparison
+    from vibro.records.ellipse import MeasuredEllipse
     from vibro.records.fitting import Fit, Parameter
     from vibro.records.reading import Record
     from vibro.records.trough import MeasuredDrive
@@ -43,7 +44,7 @@ class ComparisonTables:
         Of the body [kg]; without it friction is per unit mass.
     fit : Fit or None
         Estimates from the record.
-    drive : MeasuredDrive or None
+    drive : MeasuredDrive, MeasuredEllipse or None
         What accelerations of the trough gave for the scene.
     """
 
@@ -51,7 +52,7 @@ class ComparisonTables:
     record: Record
     mass: float | None = None
     fit: Fit | None = None
-    drive: MeasuredDrive | None = None
+    drive: MeasuredDrive | MeasuredEllipse | None = None
 
     @property
     def units(self) -> dict[str, tuple[str, float]]:
@@ -134,7 +135,7 @@ class ComparisonTables:
         return content
 
 
-def _measured(drive: MeasuredDrive) -> dict[str, Any]:
+def _measured(drive: MeasuredDrive | MeasuredEllipse) -> dict[str, Any]:
     """Return what was measured of the trough's motion."""
     trough = drive.trough
     content: dict[str, Any] = {}
@@ -151,7 +152,7 @@ def _measured(drive: MeasuredDrive) -> dict[str, Any]:
                 "harmonics": wave.harmonics,
                 "rest": wave.rest,
             }
-    content["warnings"] = list(trough.warnings)
+    content["warnings"] = list(drive.warnings)
     return content
 
 

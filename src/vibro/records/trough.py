@@ -1,4 +1,4 @@
-"""What accelerometers on the trough tell of the drive: amplitude, frequency, drive angle, and the clock."""
+"""What accelerometers on the trough tell of its motion, and of a drive along a line."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _ALONG, _NORMAL = "trough_along", "trough_normal"
 _TRENDS: Final = 2  # an offset, gravity's part in it, and a slow drift of the sensor
 _FEW: Final = 0.1  # of the fundamental's root mean square: harmonics below it are told, and no more
 _MUCH: Final = 0.3  # of the same: what else may be left
-_ROUND: Final = math.radians(10.0)  # phase between the two axes below which the motion counts as a line
+_ROUND: Final = math.radians(2.0)  # phase between two channels that is theirs, and no ellipse
 _LEAST_SINE: Final = 1e-3  # of the drive's direction: less of the motion cannot be scaled up to all of it
 _DIGITS: Final = 2  # below the first one of the error
 _ROUNDING: Final = 1e-24  # of the power of a signal: a wave counts as at least this
@@ -103,6 +103,18 @@ class Trough:
         return float(np.angle(self.normal.value / self.along.value))
 
     @property
+    def phase_error(self) -> float:
+        """Standard error of the phase [rad]; NaN without one."""
+        if math.isnan(self.phase):
+            return math.nan
+        return math.hypot(*(wave.error / abs(wave.value) for wave in self.waves))
+
+    @property
+    def on_an_ellipse(self) -> bool:
+        """Whether the motion leaves a line by more than noise, and than two channels may differ."""
+        return abs(math.remainder(self.phase, math.pi)) > max(_ROUND, _SIGMAS * self.phase_error)
+
+    @property
     def drive_angle(self) -> Estimate | None:
         """Direction of the motion's longer axis above the trough's surface, with both accelerations [rad]."""
         if self.along is None or self.normal is None:
@@ -162,7 +174,7 @@ class Trough:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Reasons to doubt that the motion is one sinusoid along a line."""
+        """Reasons to doubt that each of the two motions is one sinusoid."""
         found = []
         for wave in self.waves:
             column = f"column {shown(wave.header)}"
@@ -187,25 +199,11 @@ class Trough:
                     f"{column}: {100.0 * wave.rest:.0f} % of the fundamental is neither it nor its harmonics:"
                     " noise, another machine, or a frequency that changes"
                 )
-        if abs(self.phase) > _ROUND:
-            ahead = "ahead of" if self.phase > 0.0 else "behind"
-            found.append(
-                f"the trough moves on an ellipse, not on a line: its normal motion is"
-                f" {abs(math.degrees(self.phase)):.0f} deg {ahead} that along it; the long axis is taken, the"
-                f" short one has {100.0 * self._roundness():.0f} % of it"
-            )
         return tuple(found)
-
-    def _roundness(self) -> float:
-        assert self.along is not None
-        assert self.normal is not None
-        both = np.array([self.along.value, self.normal.value])
-        long, short = np.linalg.svd(np.stack([both.real, both.imag]), compute_uv=False)
-        return float(short / long)
 
 
 class MeasuredDrive(NamedTuple):
-    """What was measured of a drive, for its scene.
+    """What was measured of a drive along a line, for its scene.
 
     Attributes
     ----------
@@ -231,8 +229,13 @@ class MeasuredDrive(NamedTuple):
         found = {"amplitude": self.amplitude, "frequency": self.frequency}
         return found | ({"drive_angle": self.drive_angle} if self.drive_angle else {})
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons to doubt it."""
+        return self.trough.warnings
 
-def trough_of(record: Record, *, reverse: bool = False) -> Trough | None:
+
+def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> Trough | None:
     """Measure the trough's motion from its accelerations; None where a record has none of them.
 
     Parameters
@@ -241,12 +244,15 @@ def trough_of(record: Record, *, reverse: bool = False) -> Trough | None:
         Its accelerations of the trough count; an offset, such as gravity's, does not matter.
     reverse : bool
         Whether the axis along the trough points against the conveying direction.
+    down : bool
+        Whether the trough may move along a line that leads down in the conveying direction, as an ellipse
+        does with a phase of half a turn.
 
     Raises
     ------
     InputError
         If no wave stands out; if the record is too short or too coarse for it; or if the trough moves down
-        while it moves forwards, so that one of the sensors is inverted.
+        along a line while it moves forwards, and may not: then one of the sensors is inverted.
 
     Notes
     -----
@@ -274,7 +280,8 @@ def trough_of(record: Record, *, reverse: bool = False) -> Trough | None:
     frequency = Estimate(float(spelled(*frequency)), frequency.error)
     waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
     trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
-    _check_direction(trough, reverse)
+    if not down:
+        _check_direction(trough, reverse)
     return trough
 
 
@@ -306,8 +313,8 @@ def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
 
 
 def _check_direction(trough: Trough, reverse: bool) -> None:
-    """Refuse a motion that leads down in the conveying direction: no drive angle is below 0."""
-    if abs(trough.phase) > 0.5 * math.pi:
+    """Refuse a line that leads down in the conveying direction: no drive angle is below 0."""
+    if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:
         raise InputError(
             "the trough moves down while it moves forwards: one of its two sensors is inverted",
             hint=f"{'leave out --reverse, unless' if reverse else '--reverse, if'} the axis along the trough"
