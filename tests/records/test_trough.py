@@ -114,24 +114,6 @@ def test_inverted_sensors() -> None:
     assert "leave out --reverse" in caught.value.hint
 
 
-@pytest.mark.parametrize("ahead", [-60.0, -15.0, 12.0, 40.0])
-def test_an_ellipse_is_told_with_its_phase_and_its_long_axis_is_taken(ahead: float) -> None:
-    drive = measured(trough_record(ellipse=math.radians(ahead), noise=0.01))
-    assert math.degrees(drive.trough.phase) == pytest.approx(ahead, abs=0.2)
-    turn = np.linspace(0.0, 2.0 * math.pi, 100_001)
-    x = 1.02 * math.cos(TRUE["drive_angle"]) * np.sin(turn)
-    y = 1.02 * math.sin(TRUE["drive_angle"]) * np.sin(turn + math.radians(ahead))
-    radius = np.hypot(x, y)
-    far = int(np.argmax(radius))
-    assert drive.drive_angle is not None
-    assert 1e3 * drive.amplitude.value == pytest.approx(radius[far], rel=1e-3)
-    assert math.tan(drive.drive_angle.value) == pytest.approx(y[far] / x[far], rel=1e-3)
-    (warning,) = drive.trough.warnings
-    side = "ahead of" if ahead > 0.0 else "behind"
-    assert f"its normal motion is {abs(ahead):.0f} deg {side} that along it" in warning
-    assert f"the short one has {100.0 * float(radius.min() / radius.max()):.0f} % of it" in warning
-
-
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.9, 3.0])
 def test_harmonics_are_told_and_warned_of(share: float) -> None:
     """A third harmonic that is larger than the fundamental does not take its place."""
