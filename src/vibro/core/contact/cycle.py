@@ -179,7 +179,7 @@ def _start_as_they_lie(scene: Loads, pair: Pair, out: Cycles, cells: NDArray[np.
     never = (way == 0).nonzero()[0]
     if never.size:
         scene, pair = take((scene, pair), never)
-        motion, valid = by_half_length(scene, pair)
+        motion, valid = by_half_length(scene, pair.forward, pair.back)
         displacement, peak = never_at_rest_motion(scene, _slides_of(pair), motion)
         flags = np.ones(never.size, np.bool_), valid.edge, valid.positive
         put(out, cells[never], Cycles(np.full(never.size, Pattern.FB, np.int8), displacement, peak, *flags))
@@ -245,7 +245,7 @@ def _look_again(
     cells = ((late | beside) & ~is_sure(scene, motion)).nonzero()[0]
     if not cells.size:
         return
-    motion, valid = by_half_length(*take((scene, pair), cells))
+    motion, valid = by_half_length(*take((scene, pair.forward, pair.back), cells))
     out.coexists[cells] |= valid.positive & beside[cells]
     here = (valid.positive & late[cells]).nonzero()[0]
     if here.size:

@@ -61,7 +61,7 @@ def first_from_rest(scene: Loads, pair: Pair) -> NDArray[np.int8]:
     out[cells] = 0
     # Where there is a cycle without rest, starts draw near it from one side, and each slide ends between that
     # of the cycle and the one before it: after two slides without a rest there is none.
-    never = by_half_length(*take((scene, pair), cells))[1].positive
+    never = by_half_length(*take((scene, pair.forward, pair.back), cells))[1].positive
     going = OpenCells(cells, (*take((pair, swing, *start), cells), never), _MOST_SLIDES)
     for count, (open_, (both, turned, now, c, draws)) in enumerate(going):
         rests, after = np.zeros(open_.size, np.int8), np.empty(open_.size)

@@ -112,5 +112,5 @@ def _never_at_rest(scene: Loads, at: Margins) -> Floats:
     motion, _ = never_at_rest(scene, pair.forward, pair.back)
     doubtful = np.flatnonzero(~is_sure(scene, motion))
     if doubtful.size:
-        put(motion, doubtful, by_half_length(*take((scene, pair), doubtful))[0])
+        put(motion, doubtful, by_half_length(*take((scene, pair.forward, pair.back), doubtful))[0])
     return never_at_rest_slope(scene, motion)

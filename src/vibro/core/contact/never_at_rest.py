@@ -13,14 +13,14 @@ import numpy as np
 from vibro.core.contact.slide import slide, start_inside
 from vibro.core.contact.starts import Verdict, verdict
 from vibro.core.contact.windows import own_phase, skew_of
-from vibro.core.groups import take
+from vibro.core.groups import put, take
 from vibro.core.roots import OpenCells
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.contact.slide import Floats
-    from vibro.core.contact.starts import Pair, Start
+    from vibro.core.contact.starts import Start
     from vibro.core.groups import Loads
 
     Bools = NDArray[np.bool_]
@@ -40,6 +40,9 @@ _SETTLED: Final = 1e-8  # [1] a last step below this share of 1 - cot m leaves r
 
 
 Slides = tuple[tuple["Floats", "Floats"], tuple["Floats", "Floats"]]
+
+
+_STEEP: Final = 0.8  # [1] tan(beta) / mu_d above which Eq. (61) is solved: y = x - pi/2 is its unknown
 
 
 class NeverAtRest(NamedTuple):
@@ -66,7 +69,16 @@ def never_at_rest(scene: Loads, forward: Start, back: Start) -> tuple[NeverAtRes
         return _of_a_line(scene, forward, back)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         cycle = _from_middle(scene, _lower_root(scene))
+        steep = _is_steep(scene).nonzero()[0]
+        if steep.size:
+            put(cycle, steep, by_half_length(*take((scene, forward, back), steep))[0])
         return cycle, _starts_beyond(scene, cycle)
+
+
+def _is_steep(scene: Loads) -> Bools:
+    """Whether the trough is about as steep as kinetic friction holds: y follows cot m too closely there."""
+    steep = np.abs(scene.tangential) > _STEEP * scene.kinetic_friction * scene.normal
+    return np.broadcast_to(steep, np.broadcast_shapes(steep.shape, scene.along.shape))
 
 
 def _of_a_line(scene: Loads, forward: Start, back: Start) -> tuple[NeverAtRest, Verdict]:
@@ -241,50 +253,66 @@ def is_sure(scene: Loads, cycle: NeverAtRest) -> Bools:
     """Whether the lower root of Eq. (60), or its absence, is sure to be that of Eq. (61), which has but one.
 
     It is where the middle of each slide comes after the crest of its load, and on a level trough, where the
-    left side of Eq. (60) is concave, where there is no root.
+    left side of Eq. (60) is concave, where there is no root. On steep troughs it is that of Eq. (61).
     """
     assert scene.lead is not None
     lift = scene.kinetic_friction * scene.across
     after = np.abs(lift * _turned(scene, cycle)[1]) < scene.along * cycle.cos_m
-    return np.asarray(np.where(np.isnan(cycle.y), scene.tangential == 0.0, after))
+    return np.where(np.isnan(cycle.y), scene.tangential == 0.0, after) | _is_steep(scene)
 
 
-def by_half_length(scene: Loads, pair: Pair) -> tuple[NeverAtRest, Verdict]:
+def by_half_length(scene: Loads, forward: Start, back: Start) -> tuple[NeverAtRest, Verdict]:
     """Cycle of elliptical drives by Eq. (61), whose root is the only one: where the lower root is not sure.
 
-    It is looked for between the lengths at which one of the slides would start with the load that resists it.
+    It is looked for between the lengths at which one of the slides would start with the load that resists it,
+    as half the length of the slide that is the shorter one where the other hardly ends.
     """
     assert scene.lead is not None
     from scipy.optimize import elementwise  # late: few scenes need its import time
 
-    k_f, k_b = pair.forward.onset.k, pair.back.onset.k
+    def middles(x: Floats, k: Floats, k_other: Floats) -> tuple[Floats, Floats]:
+        """Phases from the middle of each slide to half a turn after its own zero."""
+        return _arc(k * x, np.sin(x)), _arc(k_other * (np.pi - x), np.sin(x))
 
-    def apart(x: Floats, k_f: Floats, k_b: Floats, swing: Floats) -> Floats:
+    def apart(x: Floats, k: Floats, k_other: Floats, swing: Floats) -> Floats:
         """Phase between the middles of both slides: monotone."""
-        gap = np.sin(x)
-        ahead = np.arcsin(np.minimum(k_f * x / gap, 1.0))
-        return np.asarray(ahead - np.arcsin(np.minimum(k_b * (np.pi - x) / gap, 1.0)) + swing)
+        own, other = middles(x, k, k_other)
+        return np.asarray(own - other + swing)
 
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        possible = (k_f > 0.0) & (k_b > 0.0) & (k_f < 1.0) & (k_b < 1.0)
-        swing = skew_of(scene, scene.kinetic_friction)
-        high, low = (_longest(np.where(possible, k, 0.5)) for k in (k_f, k_b))
-        low = np.pi - low
-        ends = apart(low, k_f, k_b, swing), apart(high, k_f, k_b, swing)
+        k_f, k_b, swing = forward.onset.k, back.onset.k, skew_of(scene, scene.kinetic_friction)
+        ahead = k_b <= k_f  # the forward slide is the shorter one
+        k, k_other, swing = np.where(ahead, (k_f, k_b, swing + 0.0 * k_f), (k_b, k_f, -swing + 0.0 * k_f))
+        possible = (k_other > 0.0) & (k < 1.0)
+        low = np.pi - _longest(np.where(possible, k_other, 0.5))
+        high = _longest(np.where(possible, k, 0.5))
+        ends = apart(low, k, k_other, swing), apart(high, k, k_other, swing)
         cells = np.flatnonzero(possible & (low < high) & (ends[0] <= 0.0) & (ends[1] >= 0.0))
-        z = np.full(k_f.shape, np.nan)
+        x, before, after = np.full((3, k.size), np.nan)
         if cells.size:
-            k_f, k_b, swing, zero = take((k_f, k_b, swing, own_phase(scene, 1) + scene.lead.angle), cells)
-            x = elementwise.find_root(
+            members = take((k, k_other, swing), cells)
+            x[cells] = elementwise.find_root(
                 apart,
                 (low[cells], high[cells]),
-                args=(k_f, k_b, swing),
+                args=members,
                 tolerances={"xatol": 0.0, "xrtol": 4 * 2.0**-52, "fatol": 0.0, "frtol": 0.0},
             ).x
-            middle = np.pi - np.arcsin(np.minimum(k_f * x / np.sin(x), 1.0)) - zero
-            z[cells] = np.where(np.sin(middle) > 0.0, np.cos(middle) / np.sin(middle), np.nan)
-        cycle = _from_middle(scene, z)
+            before[cells], after[cells] = middles(x[cells], *members[:2])
+        # from the slide whose load is farther from its crest there; m is a phase of the motion along
+        own = before <= after
+        zero = own_phase(scene, np.where(own == ahead, 1, -1)) + scene.lead.angle
+        middle = np.pi - np.where(own, before, after) - zero
+        middle = np.where(own == ahead, middle, middle - np.pi)  # that of the back slide is half a turn later
+        y, sin_y = x - 0.5 * np.pi, -np.cos(x)
+        cycle = NeverAtRest(
+            np.where(ahead, y, -y), np.where(ahead, sin_y, -sin_y), np.sin(x), np.sin(middle), -np.cos(middle)
+        )
         return cycle, _starts_beyond(scene, cycle)
+
+
+def _arc(sine: Floats, over: Floats) -> Floats:
+    """Arc sine of a quotient that rounding may bring above 1."""
+    return np.asarray(np.arcsin(np.minimum(sine / over, 1.0)))
 
 
 def _longest(k: Floats) -> Floats:
@@ -327,7 +355,10 @@ def never_at_rest_motion(scene: Loads, slides: Slides, cycle: NeverAtRest) -> tu
 def never_at_rest_slope(scene: Loads, cycle: NeverAtRest) -> Floats:
     """Differentiate the displacement of elliptical drives with respect to ln G, Eq. (64)."""
     z = -cycle.cos_m / cycle.sin_m
-    y_rate = _equation(scene).half_length(z)[1]
+    steep, share = scene.tangential / (scene.kinetic_friction * scene.normal), 2.0 / np.pi * cycle.y
+    y_rate = (
+        0.5 * np.pi * _equation(scene).rho_1 * (1.0 + steep * share) ** 2 / ((1.0 - steep) * (1.0 + steep))
+    )
     lift, lean = scene.kinetic_friction * scene.across, scene.tangential / scene.along
     root = np.sqrt(1.0 + z * z)
     drag = cycle.cos_y / root  # over a, by Eq. (60)

@@ -89,5 +89,5 @@ def _never_rests(scene: Loads, pair: Pair) -> Bools:
     meets = _slips_back(scene, pair) & pair.reaches(1).positive
     cells = (meets & ~never & ~is_sure(scene, motion)).nonzero()[0]
     if cells.size:
-        never[cells] = by_half_length(*take((scene, pair), cells))[1].positive
+        never[cells] = by_half_length(*take((scene, pair.forward, pair.back), cells))[1].positive
     return np.asarray(meets & never)
