@@ -16,6 +16,7 @@ from two_axis_walk import Body as BodyOnEllipse
 import vibro
 from vibro.records.alignment import Observation
 from vibro.records.reading import Record
+from vibro.scene import EllipticalFields
 
 Floats = NDArray[np.float64]
 
@@ -145,7 +146,9 @@ def _on_a_line(scene: vibro.Scene) -> Walk:
 
 
 def _on_an_ellipse(scene: vibro.Scene) -> Walk:
-    along, normal, lead, *others = (float(x) for x in scene.arrays()[:8])
+    fields = scene.arrays()
+    assert isinstance(fields, EllipticalFields)
+    along, normal, lead, *others = (float(x) for x in fields[:8])
     frequency, mu_s, mu_d, trough, gravity = others
     cycle = BodyOnEllipse(along, normal, lead, frequency, mu_s, mu_d, trough, gravity).settle()
     ways = {"F": 1, "B": -1}

@@ -146,7 +146,7 @@ def test_a_phase_is_told_in_the_turn_of_the_scenes(given: float) -> None:
     (p,) = fit(begun(true, normal_phase=math.radians(given)), observed, ["normal_phase"]).parameters
     assert p.identified
     assert abs(p.value - math.radians(given)) <= 0.5 * TURN
-    off = math.remainder(p.value - float(true.normal_phase), TURN)
+    off = math.remainder(p.value - math.radians(-60.0), TURN)
     assert abs(off) < 4.0 / 1.96 * 0.5 * (p.high - p.low) < 0.02
     assert p.low < p.value < p.high
 

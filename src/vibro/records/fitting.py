@@ -18,7 +18,7 @@ from vibro.records.descent import Minimum, descend, to_edge
 from vibro.records.intervals import ENOUGH, profile, spread_of
 from vibro.records.misfits import FITTABLE, Problem, fittable
 from vibro.records.starts import starts
-from vibro.records.statements import statements
+from vibro.records.statements import groups, statements
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
         better = min((found.best for found in profiles), key=lambda m: m.squares)
         if better.squares > minima[0].squares - _BETTER * threshold:
             break
-        minima = _least([better, *minima])
+        minima = _least(problem, [better, *minima])
     return _told(problem, fitting, [p.intervals for p in profiles], threshold)
 
 
@@ -199,16 +199,20 @@ def _told(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], 
     fitting, spreads = [fitting[i] for i in order], [spreads[i] for i in order]
     best, least = fitting[0], min(m.squares for m in fitting)
     sizes = problem.scale(best.point)
+    # A valley that bends cannot be followed to where the misfit ends it: no interval of what lies along it.
+    mixed = [group for group in groups(problem, best) if len(group) > 1] if problem.bends else []
     parameters = []
     for column, (name, found) in enumerate(zip(problem.names, intervals, strict=True)):
         value = float(best.point[column])
-        parameter = Parameter(name, value, _bounded(found, *problem.bounds[:, column]), False)
+        bounded = _bounded(found, *problem.bounds[:, column])
+        known = not any(name in group for group in mixed)
+        parameter = Parameter(name, value, bounded if known else (), False)
         acts = all(
             spread[column, column] > 0.0
             for minimum, spread in zip(fitting, spreads, strict=True)
             if minimum.squares <= least + threshold
         )
-        if acts and 0.5 * (parameter.high - parameter.low) <= _WIDE * sizes[column]:
+        if acts and parameter.intervals and 0.5 * (parameter.high - parameter.low) <= _WIDE * sizes[column]:
             parameter = replace(parameter, identified=True)
         parameters.append(parameter)
     estimates = {p.name: p.value for p in parameters}
@@ -245,14 +249,14 @@ def _first_minima(problem: Problem) -> list[Minimum]:
             "--fit: no value that was tried gives a steady motion to compare with",
             hint="check the other quantities of the scene",
         )
-    return _least(minima)
+    return _least(problem, minima)
 
 
-def _least(minima: Iterable[Minimum]) -> list[Minimum]:
-    """Keep the least of each pattern, in the order of their misfits."""
-    kept: dict[str, Minimum] = {}
+def _least(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]:
+    """Keep the least of each pattern, and of each side of its phases, in the order of their misfits."""
+    kept: dict[tuple[str, tuple[bool, ...]], Minimum] = {}
     for minimum in sorted(minima, key=lambda m: m.squares):
-        kept.setdefault(minimum.label, minimum)
+        kept.setdefault((minimum.label, problem.sides(minimum.point)), minimum)
     return list(kept.values())
 
 
@@ -263,11 +267,11 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
         best = descend(problem, minima[0].label, minima[0].point, _all(problem), ENOUGH)
         others = [descend(problem, m.label, m.point, [], ENOUGH) for m in minima[1:]]  # their misfits alone
         found = [best]
-        for other in _least([*others, *_neighbours(problem, best)]):
+        for other in _least(problem, [*others, *_neighbours(problem, best)]):
             found.append(
                 descend(problem, other.label, other.point, _all(problem), ENOUGH, best.squares + _EXCLUDED)
             )
-        minima = _least(found)
+        minima = _least(problem, found)
         if minima[0].squares >= best.squares - ENOUGH:
             break
     return minima

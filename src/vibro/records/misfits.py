@@ -125,6 +125,14 @@ class Problem:
         sizes = np.maximum(np.abs(point[:-1]), _LEAST_SCALE * self.bounds[1])
         return np.append(np.where(self._phases, 1.0, sizes), 1.0)
 
+    def sides(self, point: Floats) -> tuple[bool, ...]:
+        """Tell on which side of a motion along a line each phase of a point lies.
+
+        The load of a slide is the same for a phase and its opposite, so that a record of one slide a cycle
+        may fit with both: their misfits have two minima in one pattern.
+        """
+        return tuple((np.sin(point[: self._phases.size][self._phases]) > 0.0).tolist())
+
     def unwound(self, point: Floats, near: Floats) -> Floats:
         """Move phases of a point, (P + 1,), by whole turns to where they are closest to others, (P,)."""
         moved = point.copy()

@@ -59,11 +59,13 @@ def starts(problem: Problem, *, hops: bool) -> list[tuple[str, Floats]]:
     for first in range(0, kept.size, _AT_ONCE):
         part = slice(first, first + _AT_ONCE)
         squares[part], shifts[part] = _rough_squares(problem, points[part])
+    groups: dict[tuple[str, tuple[bool, ...]], list[int]] = {}
+    for cell in np.argsort(squares).tolist():
+        if np.isfinite(squares[cell]):
+            groups.setdefault((str(labels[cell]), problem.sides(points[cell])), []).append(cell)
     found = []
-    for label in dict.fromkeys(labels.tolist()):
-        cells = np.flatnonzero(labels == label)
-        cells = cells[np.isfinite(squares[cells])]
-        for cell in cells[np.argsort(squares[cells])][:_TRIED]:
+    for (label, _), cells in groups.items():
+        for cell in cells[:_TRIED]:
             found.append((float(squares[cell]), label, np.append(points[cell], shifts[cell])))
     return [(label, point) for _, label, point in sorted(found, key=lambda start: start[0])]
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["statements"]
+__all__ = ["groups", "statements"]
 
 # A combination whose relative standard error exceeds this counts as unknown.
 _UNKNOWN: Final = 0.3
@@ -62,8 +62,11 @@ def statements(problem: Problem, minima: Sequence[Minimum], parameters: Sequence
     if best.label == HOPS:
         found.append("the body hops: intervals are those of small changes, and end at no other pattern")
     if any(len(p.intervals) > 1 for p in parameters):
-        labels = " and ".join(m.label for m in minima)
-        found.append(f"patterns {labels} fit: an interval in pieces holds the values of each")
+        labels = dict.fromkeys(m.label for m in minima)
+        several = (
+            f"patterns {' and '.join(labels)} fit" if len(labels) > 1 else "phases to both sides of 0 fit"
+        )
+        found.append(f"{several}: an interval in pieces holds the values of each")
     found += _unidentified(problem, best, pattern, {p.name: p for p in parameters if p.name in lost})
     return found + _limits(problem, pattern, parameters, values)
 
@@ -72,7 +75,7 @@ def _unidentified(problem: Problem, best: Minimum, pattern: str, lost: dict[str,
     """Say of each quantity without an estimate why it has none."""
     found = []
     left = set(lost)
-    for group in _groups(problem, best):
+    for group in groups(problem, best):
         if not left & set(group):
             continue
         left -= set(group)
@@ -102,7 +105,7 @@ def _unidentified(problem: Problem, best: Minimum, pattern: str, lost: dict[str,
     return found
 
 
-def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
+def groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
     """Find combinations of quantities that the data do not determine.
 
     They are singular directions of the relative sensitivities, without the effect of the trigger time.
