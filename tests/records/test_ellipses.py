@@ -265,3 +265,14 @@ def test_the_troughs_clock_places_the_record() -> None:
     comparison = compare(bowl(), replace(observed, clock=drive.clock))
     assert comparison.alignment.shift == pytest.approx(0.02, abs=1e-6)
     assert comparison.warnings == ()
+
+
+def test_one_slide_a_cycle_leaves_phases_to_both_sides() -> None:
+    """Its load is the same for a phase and its opposite, and the start of a slide tells little."""
+    true = SCENES["F_"]
+    wrong = begun(true, static_friction=0.42, normal_phase=1.1)
+    found = fit(wrong, Walked(true).observe("velocity", cycles=6), ("static_friction", "normal_phase"))
+    assert all(held(found, true))
+    phase = found.parameters[1]
+    assert [low > 0.0 for low, _ in phase.intervals] == [False, True]
+    assert not phase.identified
