@@ -9,7 +9,7 @@ import numpy as np
 from vibro.core.harmonic.cycle import Bodies, Cycles, Start, Track, follow, no_cycles, read, signs
 from vibro.core.harmonic.jumps import direction_after_turn, jumps_of, leads
 from vibro.core.harmonic.slides import slides
-from vibro.core.harmonic.waves import TURN
+from vibro.core.harmonic.waves import wrapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -88,7 +88,7 @@ def _outermost(at: Lanes, lane: Indices) -> Start:
         more = (~np.isnan(at.opening[i, lane])).nonzero()[0]
         other = at.opening[i, lane[more]]
         slid = slides(at, lane[more], phase[more], zero[more])
-        passed = np.mod(other - phase[more], TURN) < slid.length
+        passed = wrapped(other - phase[more]) < slid.length
         phase[more] = np.where(passed, phase[more], other)
     no = np.zeros(lane.size, np.bool_)
     return Start(lane, phase, zero, np.full(lane.size, -1), zero, no)

@@ -9,7 +9,7 @@ import numpy as np
 from vibro.core.contact.legs import until
 from vibro.core.harmonic.restless import restless_cycles
 from vibro.core.harmonic.slides import slides
-from vibro.core.harmonic.waves import TURN, values
+from vibro.core.harmonic.waves import TURN, values, wrapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -272,7 +272,7 @@ def follow(at: Lanes, bodies: Bodies, track: Track, out: Cycles, numbers: range)
             number, cell, now, travelled, chained = bodies.some(going)
         length = slid.length[going]
         lane = now.lane
-        now = stopped(at, cell, np.mod(now.phase + length, TURN), (np.where(lane < n, lane + n, lane - n),))
+        now = stopped(at, cell, wrapped(now.phase + length), (np.where(lane < n, lane + n, lane - n),))
         travelled = travelled + length + now.waited
         rests = now.row >= 0
         track.slides.rests[slot, number] = rests
@@ -329,7 +329,7 @@ def signs(cycles: Cycles, lanes: int, phases: Floats) -> Signs:
     filler = np.where(cycles.at_rest, 0, np.where(cycles.lane[0] < lanes // 2, 1, -1)).astype(np.int8)
     out = np.broadcast_to(filler, phases.shape).copy()
     for j in range(cycles.start.shape[0] - 1, -1, -1):
-        after = np.mod(phases - cycles.start[j], TURN)
+        after = wrapped(phases - cycles.start[j])
         covered = (after > 0.0) & (after < cycles.length[j]) & (j < cycles.size)
         np.copyto(out, np.where(cycles.lane[j] < lanes // 2, np.int8(1), np.int8(-1)), where=covered)
     return out

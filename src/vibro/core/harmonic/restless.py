@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.harmonic.slides import distance, rates, slides
-from vibro.core.harmonic.waves import TURN, harmonics, values
+from vibro.core.harmonic.waves import TURN, harmonics, values, wrapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -74,9 +74,7 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
     ahead, behind = at.kinetic[:, lane[0] % scenes], at.kinetic[:, lane[0] % scenes + scenes]
     drive, drag = 0.5 * (ahead - behind), 0.5 * (ahead + behind)
     ways = np.where(lane < scenes, 1.0, -1.0)
-    phase = start[0] + np.concatenate(
-        [np.zeros((1, n)), np.cumsum(np.mod(np.diff(start, axis=0), TURN), axis=0)]
-    )
+    phase = start[0] + np.concatenate([np.zeros((1, n)), np.cumsum(wrapped(np.diff(start, axis=0)), axis=0)])
     step = np.full(n, np.inf)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for _ in range(_MOST_STEPS):
@@ -102,7 +100,7 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
             if np.count_nonzero(step > _SETTLED) == 0:
                 break
             phase = phase + np.where(np.isfinite(moves) & (step > _SETTLED), moves, 0.0)
-        found = np.mod(phase + moves, TURN)
+        found = wrapped(phase + moves)
         flat = lane.reshape(-1)
         load = values(at.static[:, flat], found.reshape(-1)).reshape(m, n)
         noise = at.noise[flat].reshape(m, n)
@@ -114,7 +112,7 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
         flat, begun = lane[:, own].reshape(-1), found[:, own].reshape(-1)
         slid = slides(at, flat, begun, np.full(flat.size, np.nan))
         ends = slid.length.reshape(m, own.size)
-        miss = np.mod(found[:, own] + ends - _next(found[:, own]) + np.pi, TURN) - np.pi
+        miss = wrapped(found[:, own] + ends - _next(found[:, own]) + np.pi) - np.pi
         length, left, pull, moves = (x[:, own] for x in (length, left, pull, moves))
         path = distance(length.reshape(-1), rates(at.kinetic[:, flat], phase[:, own].reshape(-1)))
         out.length[:, own], out.peak[:, own] = ends, slid.peak.reshape(m, own.size)

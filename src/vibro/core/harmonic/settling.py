@@ -23,7 +23,7 @@ from vibro.core.harmonic.cycle import (
     write,
 )
 from vibro.core.harmonic.jumps import direction_after_turn, jumps_of, leads
-from vibro.core.harmonic.waves import TURN, values
+from vibro.core.harmonic.waves import values, wrapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -100,7 +100,7 @@ def _side(at: Lanes, orbit: Cycles, bodies: Bodies) -> NDArray[np.int8]:
     A forward slide that starts later than a cycle before is slower.
     """
     forward = np.where(orbit.lane[0] < at.noise.size // 2, 1.0, -1.0)
-    later = np.mod(bodies.now.phase - orbit.start[0] + np.pi, 2.0 * np.pi) - np.pi
+    later = wrapped(bodies.now.phase - orbit.start[0] + np.pi) - np.pi
     return np.asarray(np.sign(-forward * later), np.int8)
 
 
@@ -132,7 +132,7 @@ def _is_next(at: Lanes, bodies: Bodies, orbit: Cycles, cycle: Cycles) -> Bools:
     same = (signs(orbit, lanes, onsets) == signs(cycle, lanes, onsets)) | np.isnan(onsets)
     side = _side(at, orbit, bodies)
     towards = signs(cycle, lanes, orbit.start[:1])[0]
-    apart = np.abs(np.mod(cycle.start[0] - orbit.start[0] + np.pi, 2.0 * np.pi) - np.pi)
+    apart = np.abs(wrapped(cycle.start[0] - orbit.start[0] + np.pi) - np.pi)
     return np.asarray(same.all(axis=0) & ((side == towards) | (apart < 1e-9)))
 
 
@@ -259,11 +259,11 @@ def _leap(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
     h = at.onset.shape[0]
     out, _, _ = without_rest(at, orbit)
     with np.errstate(invalid="ignore"):
-        way = np.mod(out.start[0] - orbit.start[0] + np.pi, TURN) - np.pi
+        way = wrapped(out.start[0] - orbit.start[0] + np.pi) - np.pi
     out.size[:] = 0
     shares, body = np.meshgrid(np.array(_LEAPS), np.arange(way.size), indexing="ij")
     body = body.reshape(-1)
-    phase = np.mod(orbit.start[0, body] + shares.reshape(-1) * way[body], TURN)
+    phase = wrapped(orbit.start[0, body] + shares.reshape(-1) * way[body])
     lane = orbit.lane[0, body]
     inside = values(at.static[:, lane], phase) > at.noise[lane]
     body, lane, phase = body[inside], lane[inside], phase[inside]

@@ -17,7 +17,7 @@ import numpy as np
 
 from vibro.core.contact.onset import FEW_ULP
 from vibro.core.free import GAP
-from vibro.core.harmonic.waves import TURN, crossings, harmonics, turning_points, values, zeros
+from vibro.core.harmonic.waves import TURN, crossings, harmonics, turning_points, values, wrapped, zeros
 from vibro.core.series import R, polynomial
 
 if TYPE_CHECKING:
@@ -196,9 +196,9 @@ def slides(at: Lanes, lane: Indices, phase: Floats, excess: Floats) -> Slides:
     own = rates(at.kinetic[:, lane], phase)
     np.copyto(own[0], excess, where=~np.isnan(excess))
     h = own.shape[0] // 2
-    tops = np.sort(np.mod(at.top[:, lane] - phase, TURN), axis=0)
+    tops = np.sort(wrapped(at.top[:, lane] - phase), axis=0)
     # a start at an opening may seem to lie before it
-    bottoms = np.mod(at.opening[:, lane] - phase, TURN)
+    bottoms = wrapped(at.opening[:, lane] - phase)
     bottoms = np.sort(np.where(bottoms < tops[0], bottoms + TURN, bottoms), axis=0)
     highest, _ = velocity(tops, own)
     least, _ = velocity(bottoms, own)
