@@ -29,7 +29,7 @@ def test_no_zero_and_no_maximum_is_missed(harmonics: int) -> None:
     assert (at.max(axis=0) - seen.max(axis=0)).min() > -1e-14 * harmonics
     assert np.nanmax(np.abs(values(waves, up))) < 1e-13
     assert (np.diff(points, axis=0) >= 0.0).all()
-    assert (points[-1] - points[0]).max() < TURN
+    assert (points[-1] - points[0]).max() <= TURN
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
@@ -70,7 +70,7 @@ def test_speed_and_path_are_the_integrals_of_the_acceleration() -> None:
 
     for length in lengths:
         end = solve_ivp(motion, (0.0, length), (0.0, 0.0), rtol=1e-11, atol=1e-18).y[:, -1]
-        speed, slope = velocity(np.array([length]), own)
+        speed, slope, _ = velocity(np.array([length]), own)
         assert abs(speed[0] - end[1]) < 1e-9 * abs(end[1]) + 1e-13
         assert abs(slope[0] - values(wave, start + length)[0]) < 1e-13
         # the path is that of a slide that ends at zero speed: take the constant that brings it there

@@ -17,7 +17,8 @@ import numpy as np
 
 from vibro.core.contact.onset import FEW_ULP
 from vibro.core.free import GAP
-from vibro.core.harmonic.waves import TURN, crossings, harmonics, turning_points, values, wrapped, zeros
+from vibro.core.harmonic.waves import TURN, crossings, harmonics, rough_crossings, values, wrapped
+from vibro.core.harmonic.zeros import level_start, zeros
 from vibro.core.series import R, polynomial
 
 if TYPE_CHECKING:
@@ -101,11 +102,11 @@ def rates(waves: Floats, phase: Floats) -> Floats:
     return out
 
 
-def velocity(s: Floats, rates: Floats) -> tuple[Floats, Floats]:
-    """Speed and acceleration a phase s after a start at zero speed; s may have rows."""
+def velocity(s: Floats, rates: Floats) -> tuple[Floats, Floats, Floats]:
+    """Speed, acceleration and its derivative a phase s after a start at zero speed; s may have rows."""
     h = rates.shape[0] // 2
     half = harmonics(0.5 * s, h)
-    speed, slope = rates[0] * s, rates[0] + np.zeros(s.shape)
+    speed, slope, bend = rates[0] * s, rates[0] + np.zeros(s.shape), np.zeros(s.shape)
     for n, (sine, cosine) in enumerate(half, 1):
         rise = 2.0 * sine * cosine
         versine = 2.0 * sine * sine
@@ -119,7 +120,8 @@ def velocity(s: Floats, rates: Floats) -> tuple[Floats, Floats]:
         a, b = rates[n], rates[h + n]
         speed += (b * versine - a * gap) / n
         slope += b * rise - a * versine
-    return speed, slope
+        bend += n * (b * (1.0 - versine) - a * rise)
+    return speed, slope, bend
 
 
 def distance(s: Floats, rates: Floats) -> Floats:
@@ -171,8 +173,7 @@ def lanes(
     gap = np.concatenate([friction_gap, friction_gap])
     weight = np.concatenate([normal, normal])
     excess, last_excess = (np.maximum(gap * (weight - values(off, p)), 0.0) for p in (onset, closing))
-    turning = turning_points(kinetic)
-    opening, top = crossings(kinetic, turning, values(kinetic, turning), rough=True)
+    opening, top = rough_crossings(kinetic)
     jump = np.concatenate([opening, np.where(last_excess > noise, closing, np.nan)])
     jump[:, gap == 0.0] = np.nan
     jump_excess = np.concatenate([0.0 * opening, last_excess])
@@ -200,8 +201,8 @@ def slides(at: Lanes, lane: Indices, phase: Floats, excess: Floats) -> Slides:
     # a start at an opening may seem to lie before it
     bottoms = wrapped(at.opening[:, lane] - phase)
     bottoms = np.sort(np.where(bottoms < tops[0], bottoms + TURN, bottoms), axis=0)
-    highest, _ = velocity(tops, own)
-    least, _ = velocity(bottoms, own)
+    highest, _, _ = velocity(tops, own)
+    least, _, _ = velocity(bottoms, own)
     noise = FEW_ULP * (np.abs(own[0]) * TURN + 2.0 * np.abs(own[1:]).sum(axis=0))
     stops = least <= 0.0
     ends = stops.any(axis=0)
@@ -216,9 +217,10 @@ def slides(at: Lanes, lane: Indices, phase: Floats, excess: Floats) -> Slides:
     solved = (ends & (at_low > 0.0)).nonzero()[0]
     length = np.where(ends, low, np.inf)
     settled = np.ones(lane.size, np.bool_)
-    length[solved], settled[solved] = zeros(
-        velocity, own[:, solved], low[solved], high[solved], at_low[solved], at_high[solved], low[solved]
-    )
+    low, high = low[solved], high[solved]
+    start = level_start(low, high, at_low[solved], at_high[solved])
+    falls = np.ones(solved.size, np.bool_)
+    length[solved], settled[solved] = zeros(velocity, own[:, solved], start, low, high, falls, low)
     edge |= ends & (at_low <= 0.0)
     with np.errstate(invalid="ignore"):
         path = np.where(ends, distance(np.where(ends, length, 0.0), own), np.nan)
