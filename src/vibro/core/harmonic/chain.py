@@ -110,7 +110,7 @@ def _chain(polynomials: Floats, reach: float) -> Floats:
         ends_ = edges[pick[0]], edges[pick[1]]
         start = level_start(*ends_, at[pick[0]], at[pick[1]])
         points[row, column], _ = zeros(
-            _horner, f[:, column], start, *ends_, positive[pick[0]], tolerance=ROUGH
+            _horner, f.take(column, axis=1), start, *ends_, positive[pick[0]], tolerance=ROUGH
         )
     return points
 

@@ -9,7 +9,7 @@ import numpy as np
 from vibro.core.harmonic.cycle import Bodies, Cycles, Start, Track, follow, no_cycles, read, signs
 from vibro.core.harmonic.jumps import direction_after_turn, jumps_of, leads
 from vibro.core.harmonic.slides import slides
-from vibro.core.harmonic.waves import wrapped
+from vibro.core.harmonic.waves import TURN, wrapped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -59,24 +59,29 @@ def _beyond(at: Lanes, cell: Indices, lane: Indices, cycles: Cycles) -> Bools:
     still = np.zeros(cell.size, np.intp)
     bodies = Bodies(np.arange(cell.size), cell, _outermost(at, lane), np.zeros(cell.size), still)
     track, found = Track(cell.size, h), no_cycles(cell.size, h)
+    alone = []
     for k in range(2 * h + 1):  # 2 H in a turn, and one at its end
         bodies = follow(at, bodies, track, found, range(k, k + 1))
-        bodies = bodies.some((~_joins(read(cycles, bodies.cell), bodies)).nonzero()[0])
+        joins, turned = _joins(read(cycles, bodies.cell), bodies), bodies.travelled >= TURN
+        alone.append(bodies.number[turned & ~joins])
+        bodies = bodies.some((~turned & ~joins).nonzero()[0])
     out = (found.size > 0) | (track.endless >= 0)
-    # latest first: slides of the first turn count only where there are none since
-    last = Cycles._make(
-        (np.full(bodies.number.size, 2 * h + 1), *(x[::-1, bodies.number] for x in track.slides[1:]))
-    )
-    way = np.where(lane < lanes // 2, 1, -1)[bodies.number]
-    jumps = jumps_of(at, bodies.cell)
-    outer, inner = (way * signs(x, lanes, jumps) for x in (last, read(cycles, bodies.cell)))
+    turned = np.concatenate([*alone, bodies.number])
+    # latest first: where slides a turn apart overlap, the later one counts
+    order = np.argsort(-track.when[:, turned], axis=0)
+    slid = (np.take_along_axis(x[:, turned], order, axis=0) for x in track.slides[1:])
+    last = Cycles._make((np.full(turned.size, 2 * h + 1), *slid))
+    cell = cell[turned]
+    way = np.where(lane < lanes // 2, 1, -1)[turned]
+    jumps = jumps_of(at, cell)
+    outer, inner = (way * signs(x, lanes, jumps) for x in (last, read(cycles, cell)))
     # a body at rest is on the inner side of a jump towards faster slides outwards, else on the outer one
     outward = leads(at, np.arange(jumps.shape[0]))[:, np.newaxis] == way
     between = np.where(outward, (inner <= 0) & (outer > 0), (inner < 0) & (outer >= 0)) & ~np.isnan(jumps)
     row, column = np.nonzero(between)
     slides_on = outward[row, column]
-    moved = direction_after_turn(at, bodies.cell[column], row, slides_on) * way[column]
-    out[bodies.number[column[np.where(slides_on, moved > 0, moved >= 0)]]] = True
+    moved = direction_after_turn(at, cell[column], row, slides_on) * way[column]
+    out[turned[column[np.where(slides_on, moved > 0, moved >= 0)]]] = True
     return np.asarray(out)
 
 

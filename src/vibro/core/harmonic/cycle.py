@@ -120,7 +120,7 @@ def write(out: Cycles, bodies: Indices, cycles: Cycles) -> None:
 
 def read(cycles: Cycles, bodies: Indices) -> Cycles:
     """Take cycles of some bodies."""
-    return Cycles._make(x[..., bodies] for x in cycles)
+    return Cycles._make(x.take(bodies, axis=-1) for x in cycles)
 
 
 def from_onsets(at: Lanes, cell: Indices, row: Indices, waited: Floats | float = 0.0) -> Start:
@@ -139,7 +139,7 @@ def from_onsets(at: Lanes, cell: Indices, row: Indices, waited: Floats | float =
 
 def onsets_of(at: Lanes, cell: Indices) -> Floats:
     """Phases of all onsets, forward ones first, in rows."""
-    return np.concatenate([at.onset[:, cell], at.onset[:, cell + at.noise.size // 2]])
+    return np.concatenate([at.onset.take(x, axis=1) for x in (cell, cell + at.noise.size // 2)])
 
 
 def stopped(at: Lanes, cell: Indices, phase: Floats, lanes: tuple[Indices, ...]) -> Start:
@@ -161,7 +161,7 @@ def stopped(at: Lanes, cell: Indices, phase: Floats, lanes: tuple[Indices, ...])
     row = np.argmin(waits, axis=0)
     start = from_onsets(at, cell, row, waits[row, np.arange(cell.size)])
     for lane in lanes:
-        load = values(at.static[:, lane], phase)
+        load = values(at.static.take(lane, axis=1), phase)
         noise = at.noise[lane]
         np.logical_or(start.edge, np.abs(load) <= noise, out=start.edge)
         inside = load > noise

@@ -24,7 +24,7 @@ __all__ = ["direction_after_turn", "jumps_of", "leads"]
 
 def jumps_of(at: Lanes, cell: Indices) -> Floats:
     """Phases of all jumps, those to forward slides first, in 4 H rows."""
-    return np.concatenate([at.jump[:, cell], at.jump[:, cell + at.noise.size // 2]])
+    return np.concatenate([at.jump.take(x, axis=1) for x in (cell, cell + at.noise.size // 2)])
 
 
 def leads(at: Lanes, row: Indices) -> Signs:
@@ -52,7 +52,9 @@ def direction_after_turn(at: Lanes, cell: Indices, row: Indices, slides_on: Bool
     put_in(begun, slides_on, lane, phase, at.jump_excess[row % rows, lane])
     track, out = Track(cell.size, h), no_cycles(cell.size, h)
     bodies = Bodies(np.arange(cell.size), cell, begun, begun.waited, np.zeros(cell.size, np.intp))
-    follow(at, bodies, track, out, range(2 * h + 1))  # 2 H in a turn, and one at its end
+    for k in range(2 * h + 1):  # 2 H in a turn, and one at its end
+        bodies = follow(at, bodies, track, out, range(k, k + 1))
+        bodies = bodies.some((bodies.travelled < TURN).nonzero()[0])
     covers = (track.when < TURN) & (track.when + track.slides.length > TURN)
     way = np.where(track.slides.lane < n, 1, -1)
     return np.asarray(np.where(covers, way, 0).sum(axis=0), np.int8)

@@ -71,7 +71,7 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
     """
     m, n = lane.shape
     scenes = at.noise.size // 2
-    ahead, behind = at.kinetic[:, lane[0] % scenes], at.kinetic[:, lane[0] % scenes + scenes]
+    ahead, behind = (at.kinetic.take(lane[0] % scenes + x, axis=1) for x in (0, scenes))
     drive, drag = 0.5 * (ahead - behind), 0.5 * (ahead + behind)
     ways = np.where(lane < scenes, 1.0, -1.0)
     phase = start[0] + np.concatenate([np.zeros((1, n)), np.cumsum(wrapped(np.diff(start, axis=0)), axis=0)])
@@ -81,7 +81,7 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
             nodes = harmonics(phase, ahead.shape[0] // 2)
             load, impulse = _load_and_impulse(drive, nodes)
             brake, slowing = _load_and_impulse(drag, nodes)
-            length = np.roll(phase, -1, axis=0) - phase
+            length = _next(phase) - phase
             length[-1] += TURN
             left = ways * (_next(impulse) - impulse + drive[0] * length) + (
                 _next(slowing) - slowing + drag[0] * length
@@ -102,7 +102,7 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
             phase = phase + np.where(np.isfinite(moves) & (step > _SETTLED), moves, 0.0)
         found = wrapped(phase + moves)
         flat = lane.reshape(-1)
-        load = values(at.static[:, flat], found.reshape(-1)).reshape(m, n)
+        load = values(at.static.take(flat, axis=1), found.reshape(-1)).reshape(m, n)
         noise = at.noise[flat].reshape(m, n)
         right = (step <= _SETTLED) & (load >= -noise).all(axis=0)
         out = Restless._make((found, *np.zeros((3, m, n)), *np.zeros((2, n), np.bool_)))
@@ -113,8 +113,8 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
         slid = slides(at, flat, begun, np.full(flat.size, np.nan))
         ends = slid.length.reshape(m, own.size)
         miss = wrapped(found[:, own] + ends - _next(found[:, own]) + np.pi) - np.pi
-        length, left, pull, moves = (x[:, own] for x in (length, left, pull, moves))
-        path = distance(length.reshape(-1), rates(at.kinetic[:, flat], phase[:, own].reshape(-1)))
+        length, left, pull, moves = (x.take(own, axis=1) for x in (length, left, pull, moves))
+        path = distance(length.reshape(-1), rates(at.kinetic.take(flat, axis=1), phase[:, own].reshape(-1)))
         out.length[:, own], out.peak[:, own] = ends, slid.peak.reshape(m, own.size)
         out.path[:, own] = path.reshape(m, own.size) + length * (0.5 * left - pull * moves)
         valid = slid.settled.reshape(m, own.size).all(axis=0) & (load[:, own] > noise[:, own]).all(axis=0)
@@ -128,7 +128,7 @@ def restless_cycles(at: Lanes, lane: Indices, start: Floats) -> Restless:
 
 def _next(of_slides: Floats) -> Floats:
     """Values at the next starts."""
-    return np.roll(of_slides, -1, axis=0)
+    return np.concatenate([of_slides[1:], of_slides[:1]])
 
 
 def _load_and_impulse(waves: Floats, nodes: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:

@@ -265,7 +265,7 @@ def _leap(at: Lanes, bodies: Bodies, orbit: Cycles) -> Cycles:
     body = body.reshape(-1)
     phase = wrapped(orbit.start[0, body] + shares.reshape(-1) * way[body])
     lane = orbit.lane[0, body]
-    inside = values(at.static[:, lane], phase) > at.noise[lane]
+    inside = values(at.static.take(lane, axis=1), phase) > at.noise[lane]
     body, lane, phase = body[inside], lane[inside], phase[inside]
     if body.size:
         still = np.zeros(body.size, np.intp)

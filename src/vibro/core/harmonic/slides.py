@@ -17,7 +17,7 @@ import numpy as np
 
 from vibro.core.contact.onset import FEW_ULP
 from vibro.core.free import GAP
-from vibro.core.harmonic.waves import TURN, crossings, harmonics, rough_crossings, values, wrapped
+from vibro.core.harmonic.waves import TURN, crossings, harmonics, in_order, rough_crossings, values, wrapped
 from vibro.core.harmonic.zeros import level_start, zeros
 from vibro.core.series import R, polynomial
 
@@ -105,23 +105,27 @@ def rates(waves: Floats, phase: Floats) -> Floats:
 def velocity(s: Floats, rates: Floats) -> tuple[Floats, Floats, Floats]:
     """Speed, acceleration and its derivative a phase s after a start at zero speed; s may have rows."""
     h = rates.shape[0] // 2
-    half = harmonics(0.5 * s, h)
     speed, slope, bend = rates[0] * s, rates[0] + np.zeros(s.shape), np.zeros(s.shape)
-    for n, (sine, cosine) in enumerate(half, 1):
-        rise = 2.0 * sine * cosine
-        versine = 2.0 * sine * sine
+    for n, (sine, cosine) in enumerate(harmonics(0.5 * s, h), 1):
+        twice = 2.0 * sine
+        rise, versine = twice * cosine, twice * sine
         z = n * s
         gap = z - rise
-        short = z < _SHORT
-        if np.count_nonzero(short):
-            y = z[short]
-            square = y * y
-            gap[short] = polynomial(square, GAP) * square * y
+        _in_series(gap, z, GAP)
         a, b = rates[n], rates[h + n]
-        speed += (b * versine - a * gap) / n
+        speed += (b * versine - a * gap) * (1.0 / n)
         slope += b * rise - a * versine
-        bend += n * (b * (1.0 - versine) - a * rise)
+        bend += n * (b - (b * versine + a * rise))
     return speed, slope, bend
+
+
+def _in_series(out: Floats, argument: Floats, series: tuple[float, ...]) -> None:
+    """Put the power series of functions like z - sin z where the argument is short."""
+    short = (argument.reshape(-1) < _SHORT).nonzero()[0]
+    if short.size:
+        z = argument.reshape(-1)[short]
+        square = z * z
+        out.reshape(-1)[short] = polynomial(square, series) * (square * z)
 
 
 def distance(s: Floats, rates: Floats) -> Floats:
@@ -135,10 +139,7 @@ def distance(s: Floats, rates: Floats) -> Floats:
     for n, (sine, cosine) in enumerate(harmonics(0.5 * s, h), 1):
         y = 0.5 * n * s
         bulge = sine - y * cosine
-        short = y < _SHORT
-        if np.count_nonzero(short):
-            square = y[short] * y[short]
-            bulge[short] = polynomial(square, R) * square * y[short]
+        _in_series(bulge, y, R)
         path += (2.0 / (n * n)) * bulge * (rates[n] * sine - rates[h + n] * cosine)
     return path
 
@@ -194,13 +195,13 @@ def slides(at: Lanes, lane: Indices, phase: Floats, excess: Floats) -> Slides:
     excess : array
         Acceleration there where that is known better than from the phase; else NaN.
     """
-    own = rates(at.kinetic[:, lane], phase)
+    own = rates(at.kinetic.take(lane, axis=1), phase)
     np.copyto(own[0], excess, where=~np.isnan(excess))
     h = own.shape[0] // 2
-    tops = np.sort(wrapped(at.top[:, lane] - phase), axis=0)
+    tops = in_order(wrapped(at.top.take(lane, axis=1) - phase))
     # a start at an opening may seem to lie before it
-    bottoms = wrapped(at.opening[:, lane] - phase)
-    bottoms = np.sort(np.where(bottoms < tops[0], bottoms + TURN, bottoms), axis=0)
+    bottoms = wrapped(at.opening.take(lane, axis=1) - phase)
+    bottoms = in_order(np.where(bottoms < tops[0], bottoms + TURN, bottoms))
     highest, _, _ = velocity(tops, own)
     least, _, _ = velocity(bottoms, own)
     noise = FEW_ULP * (np.abs(own[0]) * TURN + 2.0 * np.abs(own[1:]).sum(axis=0))
@@ -220,7 +221,7 @@ def slides(at: Lanes, lane: Indices, phase: Floats, excess: Floats) -> Slides:
     low, high = low[solved], high[solved]
     start = level_start(low, high, at_low[solved], at_high[solved])
     falls = np.ones(solved.size, np.bool_)
-    length[solved], settled[solved] = zeros(velocity, own[:, solved], start, low, high, falls, low)
+    length[solved], settled[solved] = zeros(velocity, own.take(solved, axis=1), start, low, high, falls, low)
     edge |= ends & (at_low <= 0.0)
     with np.errstate(invalid="ignore"):
         path = np.where(ends, distance(np.where(ends, length, 0.0), own), np.nan)

@@ -118,11 +118,11 @@ def scenes_of(loads: HarmonicLoads, n: int) -> Scenes:
 def lanes_of(scenes: Scenes, cells: Indices) -> Lanes:
     """Prepare some scenes for slides."""
     both = np.concatenate([cells, cells + scenes.normal.size])
-    along, across = scenes.along[:, cells], scenes.across[:, cells]
+    along, across = (x.take(cells, axis=1) for x in (scenes.along, scenes.across))
     normal, lean, mu_s, mu_d = (x[cells] for x in scenes[2:6])
     kinetic = np.concatenate([along + mu_d * across, mu_d * across - along], axis=1)
     kinetic[0] = -np.concatenate([mu_d * normal + lean, mu_d * normal - lean])
-    static, points, at, noise = (x[..., both] for x in scenes[6:10])
+    static, points, at, noise = (x.take(both, axis=-1) for x in scenes[6:10])
     return lanes(static, kinetic, points, at, across, normal, noise, mu_s - mu_d)
 
 

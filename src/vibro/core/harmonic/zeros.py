@@ -109,7 +109,7 @@ def zeros(
         settled[open_] = close
         going = (~close).nonzero()[0]
         if going.size < x.size:
-            open_, falls, own = open_[going], falls[going], own[:, going]
+            open_, falls, own = open_[going], falls[going], own.take(going, axis=1)
             x, low, high, unit = x[going], low[going], high[going], unit[going]
     return found, settled
 
