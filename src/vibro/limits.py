@@ -41,7 +41,8 @@ class Transition(NamedTuple):
     ratio : float
         The scene's load over the load at which it begins: above 1 it has begun [1].
     amplitude : float
-        Amplitude at which it begins at the scene's frequency [m].
+        Amplitude at which it begins at the scene's frequency; of an ellipse half of its larger axis, where
+        both amplitudes are the scene's over ``ratio`` [m].
     frequency : float
         Frequency at which it begins at the scene's amplitude [Hz].
     """
@@ -54,6 +55,8 @@ class Transition(NamedTuple):
 
 def critical_loads(scene: Scene) -> CriticalLoads:
     """Critical loads G = A w^2 / g, at which the steady cycle from rest changes its regime.
+
+    Of an ellipse A is half of its larger axis, as in ``Scene.load``: both amplitudes change alike.
 
     Parameters
     ----------

@@ -205,7 +205,7 @@ class OneScene:
 
     @property
     def has_harmonics(self) -> bool:
-        """Whether the drive has harmonics, of which neither transitions nor phases are known."""
+        """Whether the drive has harmonics, of which it is not known what comes next."""
         return isinstance(self.scene.arrays(), HarmonicFields)
 
     def transitions(self) -> tuple[Transition, ...]:
@@ -214,7 +214,7 @@ class OneScene:
 
     def phases(self) -> tuple[CyclePhase, ...]:
         """Return the cycle's phases; none where they are not modelled, or too many."""
-        if self.has_harmonics or (self.hops and not self._cycle.flight_fraction > 0.0):
+        if self.hops and (self.has_harmonics or not self._cycle.flight_fraction > 0.0):
             return ()
         phases = cycle_phases(self.scene)
         return phases if len(phases) <= _MOST_PHASES else ()

@@ -240,6 +240,8 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
         )
         for t in one.transitions()
     ]
+    if one.has_harmonics:
+        facts.append(("comes next", "not known of drives with harmonics"))
     parts = [aligned(facts, right=False), *([] if one.has_harmonics else [aligned([*heads, *begins])])]
     phases = [
         (

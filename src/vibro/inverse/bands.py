@@ -78,6 +78,8 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
         found = _span(name, band)
         if isinstance(found, Problem):
             problems.append(found)
+        elif name == "normal_phase" and found[1] - found[0] > 2.0 * math.pi:
+            problems.append(Problem(name, shown(band), "a band of at most one turn, in radians"))
         else:
             given[name] = found
     if "friction_ratio" in given and "kinetic_friction" in given:

@@ -10,11 +10,13 @@ import numpy as np
 
 from vibro.core.codes import LETTERS, Mode, Regime, Status
 from vibro.core.contact.cycle_legs import CycleLeg, cycle_legs
+from vibro.core.harmonic.legs import harmonic_legs
 from vibro.core.walk.histories import follow
 from vibro.core.walk.steps import course_of
 from vibro.errors import VibroError
 from vibro.motion.arrivals import unfollowed
 from vibro.motion.histories import simulate
+from vibro.scene import HarmonicFields
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -45,7 +47,7 @@ class CyclePhase:
         ``"F"`` forward slide, ``"B"`` back slide, ``"_"`` rest, ``"H"`` flight; ``"h"`` several flights of
         less than 0.01 rad each, one after the other.
     start, end : float
-        Time since the trough passed its middle upwards [s].
+        Time since the trough passed its middle upwards; of an ellipse, forwards [s].
     displacement : float
         Displacement relative to the trough during the phase [m].
     """
@@ -71,13 +73,16 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
         one with flights that does not begin to repeat within 1000 drive cycles.
     """
     fields = scene.flat()
-    groups = fields.loads()
-    if unfollowed(groups).any():
-        return ()
-    cycle = solve(scene, flight=False)
-    legs = cycle_legs(groups, int(cycle.pattern_code))
-    if cycle.regime == Regime.HOPPING:
-        legs = _legs_with_flights(course_of(groups, fields.restitution))
+    if isinstance(fields, HarmonicFields):
+        legs = harmonic_legs(fields.harmonic_loads())
+    else:
+        groups = fields.loads()
+        if unfollowed(groups).any():
+            return ()
+        cycle = solve(scene, flight=False)
+        legs = cycle_legs(groups, int(cycle.pattern_code))
+        if cycle.regime == Regime.HOPPING:
+            legs = _legs_with_flights(course_of(groups, fields.restitution))
     w, scale = 2.0 * math.pi * float(scene.frequency), float(scene.scale)
     return tuple(CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * scale) for leg in legs)
 
@@ -101,7 +106,7 @@ def _legs_with_flights(course: Course) -> list[CycleLeg]:
 
 @dataclass(frozen=True, eq=False)
 class SettledMotion:
-    """A body that has settled; times count from a passage of the trough through its middle, upwards.
+    """A body that has settled; times count as those of ``CyclePhase``.
 
     Attributes
     ----------
