@@ -264,7 +264,7 @@ def gather(
     if not any(spec.varies for spec in merged.values()):
         for slot in ranges.keys() & own.keys() - swept.keys() - typed.keys():
             del merged[slot]
-    usual: Mapping[str, float | str] = {**DEFAULTS, **_phases_of(drive, merged), **ranges}
+    usual: Mapping[str, float | str] = {**DEFAULTS, **_left_out(drive, merged), **ranges}
     merged = {slot: axis_of(value, QUANTITIES[slot]) for slot, value in usual.items()} | merged
     for slot in problems.slots:
         merged.pop(slot, None)
@@ -312,11 +312,12 @@ def _amplitude_for_stroke(spec: AxisSpec) -> AxisSpec:
     return spec.halved(QUANTITIES["amplitude"])
 
 
-def _phases_of(drive: tuple[str, ...], given: Collection[str]) -> dict[str, float]:
-    """Return the phases, 0, of motions that are given without one."""
+def _left_out(drive: tuple[str, ...], given: Collection[str]) -> dict[str, float]:
+    """Return what is 0 where it is not given: phases, and motions of drives with harmonics."""
     sizes = {name for name in given if name in HARMONIC and "amplitude" in name}
     phases = {name.replace("amplitude", "phase") for name in sizes}
-    return dict.fromkeys({"normal_phase", *phases} if drive is TWO_AXIS else (), 0.0)
+    motions = ("along_amplitude", "normal_amplitude") if sizes else ()
+    return dict.fromkeys({"normal_phase", *phases, *motions} if drive is TWO_AXIS else (), 0.0)
 
 
 def _harmonics_left_out(given: Collection[str]) -> list[str]:
