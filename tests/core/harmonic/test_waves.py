@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from vibro.core.harmonic.chain import zeros_by_derivatives
 from vibro.core.harmonic.slides import distance, rates, velocity
-from vibro.core.harmonic.waves import TURN, crossings, turning_points, values
+from vibro.core.harmonic.waves import TURN, crossings, slopes_of, turning_points, values, wrapped
 
 
 @pytest.mark.parametrize("harmonics", [1, 2, 3, 5])
@@ -30,6 +31,23 @@ def test_no_zero_and_no_maximum_is_missed(harmonics: int) -> None:
     assert np.nanmax(np.abs(values(waves, up))) < 1e-13
     assert (np.diff(points, axis=0) >= 0.0).all()
     assert (points[-1] - points[0]).max() <= TURN
+
+
+@pytest.mark.parametrize("harmonics", [1, 2, 3])
+def test_samples_and_derivatives_find_the_same_turning_points(harmonics: int) -> None:
+    rng = np.random.default_rng(harmonics)
+    waves = rng.normal(size=(2 * harmonics + 1, 1000))
+    slopes = slopes_of(waves)
+
+    def turns(points: np.ndarray) -> np.ndarray:
+        level = np.abs(values(slopes, points)) < 1e-7
+        return np.sort(np.where(level, wrapped(points), np.nan), axis=0)
+
+    by_samples, by_derivatives = turns(turning_points(waves)), turns(zeros_by_derivatives(slopes))
+    for here, there in ((by_samples, by_derivatives), (by_derivatives, by_samples)):
+        apart = np.abs(wrapped(here[:, np.newaxis] - there + np.pi) - np.pi)
+        nearest = np.nan_to_num(apart, nan=np.inf).min(axis=1)
+        assert nearest[~np.isnan(here)].max() < 1e-6
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])

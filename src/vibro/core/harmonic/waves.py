@@ -188,34 +188,34 @@ def turning_points(waves: Floats) -> Floats:
     array
         2 H rows: every turning point, to about 1e-9, and where there are fewer, other phases.
     """
-    out = np.empty((waves.shape[0] - 1, waves.shape[1]))
+    slopes = slopes_of(waves)
+    points = np.full((waves.shape[0] - 1, waves.shape[1]), -np.inf)
+    sure = np.empty(waves.shape[1], np.bool_)
     for part in _pieces(waves):
-        slopes = slopes_of(waves[:, part])
-        found = _isolated(slopes)
-        points = np.full((out.shape[0], slopes.shape[1]), -np.inf)
-        points[found.row, found.column] = found.phase
-        points = np.maximum.accumulate(points, axis=0)  # the last one again where there are fewer
-        rest = (~found.sure).nonzero()[0]
-        points[:, rest] = zeros_by_derivatives(slopes.take(rest, axis=1))
-        out[:, part] = points
-    return out
+        found = _isolated(slopes[:, part])
+        sure[part] = found.sure
+        points[found.row, part.start + found.column] = found.phase
+    points = np.maximum.accumulate(points, axis=0)  # the last one again where there are fewer
+    rest = (~sure).nonzero()[0]
+    points[:, rest] = zeros_by_derivatives(slopes.take(rest, axis=1))
+    return points
 
 
 def rough_crossings(waves: Floats) -> tuple[Floats, Floats]:
     """Find the zeros of waves to about 1e-9; see ``crossings``."""
     h, count = waves.shape[0] // 2, waves.shape[1]
-    up, down = np.empty((2, h, count))
+    phases = np.full((2, 2 * h, count), np.nan)  # upwards, downwards
+    sure = np.empty(count, np.bool_)
     for part in _pieces(waves):
-        some = waves[:, part]
-        found = _isolated(some)
-        phases = np.full((2, 2 * h, some.shape[1]), np.nan)
-        phases[found.falls.astype(np.intp), found.row, found.column] = wrapped(found.phase)
-        phases = np.sort(phases, axis=1)[:, :h]
-        rest = (~found.sure).nonzero()[0]
-        some = some.take(rest, axis=1)
-        points = turning_points(some)
-        phases[:, :, rest] = crossings(some, points, values(some, points), ROUGH)
-        up[:, part], down[:, part] = phases
+        found = _isolated(waves[:, part])
+        sure[part] = found.sure
+        falls = found.falls.astype(np.intp)
+        phases[falls, found.row, part.start + found.column] = wrapped(found.phase)
+    up, down = (in_order(x)[:h] for x in phases)
+    rest = (~sure).nonzero()[0]
+    some = waves.take(rest, axis=1)
+    points = turning_points(some)
+    up[:, rest], down[:, rest] = crossings(some, points, values(some, points), ROUGH)
     return up, down
 
 
@@ -254,5 +254,5 @@ def crossings(
     )
     found = wrapped(found)
     rises = positive[1:]
-    up, down = (np.sort(np.where(which, found, np.nan), axis=0)[:h] for which in (rises, ~rises))
+    up, down = (in_order(np.where(which, found, np.nan))[:h] for which in (rises, ~rises))
     return up, down
