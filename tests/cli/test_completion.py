@@ -57,7 +57,10 @@ def completed(*words: str) -> list[str]:
         ),
         (("design", "--format", "png,"), ["png,svg", "png,pdf"]),
         (("simulate", "--panels", "forces,v"), ["forces,velocity"]),
-        (("compare", "--fit", "mu_s,"), ["mu_s,mu_d", "mu_s,A", "mu_s,alpha", "mu_s,X", "mu_s,Y", "mu_s,phi"]),
+        (
+            ("compare", "--fit", "mu_s,"),
+            ["mu_s,mu_d", "mu_s,A", "mu_s,alpha", "mu_s,X", "mu_s,Y", "mu_s,phi"],
+        ),
         (("solve", "--flight", "o"), ["on", "off"]),
         (("traverse-time", "--sw"), ["--sweep"]),
         # Names of files, which the shell itself completes where it is told nothing.
