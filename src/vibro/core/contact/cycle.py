@@ -231,6 +231,7 @@ def _write_never_at_rest(
     out.displacement[cells], out.peak[cells] = never_at_rest_motion(*chosen)
     out.edge[cells] = (seen.outlasts.edge | seen.reaches.edge)[cells]
     out.coexists[cells] = seen.b_outlasts.positive[cells]
+    out.settled[cells] = True
 
 
 def _look_again(
