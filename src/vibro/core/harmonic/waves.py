@@ -147,9 +147,10 @@ def _isolated(waves: Floats) -> _Isolated:
     left, right = flat[base + 1], flat[base + 2]
     bend = 0.25 * (flat[base] - left - right + flat[base + 3])
     share = left / (left - right)
-    share -= bend * share * (share - 1.0) / (right - left + bend * (2.0 * share - 1.0))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        better = share - bend * share * (share - 1.0) / (right - left + bend * (2.0 * share - 1.0))
     low = apart * place
-    start = low + apart * share.clip(0.0, 1.0)
+    start = low + apart * np.where(np.abs(better - 0.5) <= 0.5, better, share)
     falls = left > 0.0
     phase, _ = zeros(
         _with_derivatives, waves.take(column, axis=1), start, low, low + apart, falls, tolerance=ROUGH
