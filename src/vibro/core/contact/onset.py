@@ -83,6 +83,8 @@ def thresholds(scene: Loads) -> Thresholds:
         throw_noise = FEW_ULP * scene.normal
         edge = (np.abs(forward_margin) <= noise) | (np.abs(throw) <= throw_noise)
         edge |= can_slip_back & (np.abs(back_margin) <= noise)
+        if scene.lead and np.count_nonzero(scene.tangential):
+            edge |= np.abs(np.abs(scene.tangential) - hold) <= FEW_ULP * hold
     return Thresholds(
         Margins(forward_margin, back_margin, forward_load, back_load),
         forward=forward_margin > noise,
