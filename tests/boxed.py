@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from vibro import Regime, Scene, SteadyCycle, solve
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import line_box_of
 from vibro.inverse.caps import back_slip_load, hop_load
 from vibro.inverse.questions import Question
 from vibro.inverse.specs import Drive, Goal, Spec
@@ -106,7 +106,7 @@ def boxes(
         kinetic_friction=low * ratio[0],
         trough_angle=trough,
     )
-    box = box_of(scene, bands)
+    box = line_box_of(scene, bands)
     most = float(hop_load(box))
     if forward:
         most = min(most, float(back_slip_load(box)))

@@ -12,6 +12,7 @@ from vibro.core.codes import Regime
 from vibro.inverse.optima import Optimiser
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
+from vibro.inverse.specs import Drive
 from vibro.results.designs import Design
 
 ORDER = ("forward-slip", "back-slip", "hopping")
@@ -24,7 +25,9 @@ def rows(question: dict[str, Any]) -> dict[tuple[str, str], Design]:
 
 def optimiser(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> Optimiser:
     spec = read_spec(question)
-    return Optimiser(Question(spec, spec.drives[0], highest))
+    drive = spec.drives[0]
+    assert isinstance(drive, Drive)
+    return Optimiser(Question(spec, drive, highest))
 
 
 def one_drive(scene: dict[str, Any], drive: dict[str, Any], speed: float, **more: Any) -> dict[str, Any]:

@@ -125,7 +125,8 @@ def test_no_setting_is_faster_or_gentler(highest: Regime) -> None:
     rng = np.random.default_rng(1)
     drive = question.drive
     spans = (drive.along_amplitude, drive.normal_amplitude, drive.normal_phase)
-    drawn = EllipticalSetting(*(rng.uniform(*span, 20000) for span in spans), np.full(20000, 25.0))
+    along, normal, phase = (rng.uniform(*span, 20000) for span in spans)
+    drawn = EllipticalSetting(along, normal, phase, np.full(20000, 25.0))
     allowed = question.load(drawn) <= 1.5
     drawn = EllipticalSetting(*(x[allowed] for x in drawn))
     speed = optimiser.least(drawn, 1.0)
@@ -196,6 +197,8 @@ def test_a_window_is_of_both_amplitudes() -> None:
     assert (row.high_set_by, row.low_set_by, row.set_by) == ("limit", "speed", "limit")
     assert row.amplitude_high_mm == pytest.approx(row.along_amplitude_mm, rel=1e-9)
     assert row.amplitude_low_mm is not None
+    assert row.along_amplitude_mm is not None
+    assert row.normal_amplitude_mm is not None
     for factor, holds in ((1 + 1e-7, True), (1 - 1e-7, False)):
         share = factor * row.amplitude_low_mm / row.along_amplitude_mm
         setting = EllipticalSetting(
@@ -218,7 +221,8 @@ def test_a_trough_that_moves_along_its_normal_alone_has_a_window_and_pictures() 
     chosen = chosen_of(spec, DesignResult(False, (row,)))
     assert chosen is not None
     fields = setting_fields(spec, chosen)
-    assert (fields.amplitude, fields.limits_mm) == ("normal_amplitude", pytest.approx((0.1, 0.35)))
+    assert fields.amplitude == "normal_amplitude"
+    assert fields.limits_mm == pytest.approx((0.1, 0.35))
 
 
 def test_pictures_show_what_bodies_do() -> None:

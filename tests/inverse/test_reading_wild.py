@@ -14,7 +14,7 @@ from wild import KEY, TOML_VALUE, exactly
 
 from vibro.errors import InputError
 from vibro.inverse.reading import read_spec
-from vibro.inverse.specs import Spec
+from vibro.inverse.specs import Drive, Spec
 
 
 def check(spec: Spec) -> None:
@@ -27,6 +27,7 @@ def check(spec: Spec) -> None:
     assert spec.drives
     assert len({drive.name for drive in spec.drives}) == len(spec.drives)
     for drive in spec.drives:
+        assert isinstance(drive, Drive)
         assert 0.0 <= drive.amplitude[0] <= drive.amplitude[1] < math.inf
         assert drive.amplitude[1] > 0.0
         assert drive.acceleration > 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -12,6 +12,8 @@ import vibro
 from vibro import Regime, Status
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -48,13 +50,14 @@ def test_each_limit_is_where_solve_changes_its_mind(
     real = np.isfinite(load) & (load <= limits.hop) & (load > 0.0)
     assert np.count_nonzero(~real) <= most_missing
     below, above = (at(some, load * (1.0 + side * NEAR)) for side in (-1.0, 1.0))
-    holds = {
+    tests: dict[str, Callable[[vibro.SteadyCycle], Any]] = {
         "hop": lambda cycle: cycle.regime == Regime.HOPPING,
         "forward_onset": lambda cycle: cycle.forward_ratio > 1.0,
         "back_onset": lambda cycle: cycle.back_ratio > 1.0,
         "back_slip": lambda cycle: cycle.regime == Regime.BACK_SLIP,
         "rest_vanishes": lambda cycle: cycle.pattern == "FB",
-    }[name]
+    }
+    holds = tests[name]
     if name != "hop":
         real &= load * (1.0 + NEAR) < limits.hop
     assert not np.any(real & holds(below))

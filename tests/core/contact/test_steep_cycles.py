@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ def test_cycles_beside_the_angle_of_kinetic_friction_are_those_of_one_harmonic(w
     mu_d = random.uniform(0.05, 0.8, (300, 1))
     normal, phase = 3e-4 * random.uniform(0.1, 1.0, (300, 1)), random.uniform(-math.pi, math.pi, (300, 1))
     along = mu_d * 4e-4 * 10.0 ** random.uniform(-0.5, 1.0, (300, 1))
-    others = {
+    others: dict[str, Any] = {
         "frequency": 25.0,
         "static_friction": 1.25 * mu_d,
         "kinetic_friction": mu_d,
