@@ -166,3 +166,14 @@ def test_steep_troughs_and_parts_that_never_tip() -> None:
 def test_what_is_no_stand_ratio_is_refused(ratio: object) -> None:
     with pytest.raises(SceneError, match=r"stand_ratio = .*: must be "):
         tipping_load(scene_with(), ratio)  # type: ignore[arg-type]
+
+
+def test_a_forward_onset_after_back_slip_is_told_as_a_load_alone() -> None:
+    scene = vibro.Scene(
+        along_amplitude=1e-3, normal_amplitude=2.9e-3, normal_phase=math.radians(114.0), frequency=9.15,
+        static_friction=0.35, kinetic_friction=0.29,
+    )  # fmt: skip
+    begun = {t.name: t.ratio for t in vibro.transitions(scene)}
+    assert begun["load for forward slip"] > 1.0
+    assert "forward slip" not in begun
+    assert vibro.solve(scene).pattern == "B_"

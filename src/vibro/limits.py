@@ -29,6 +29,7 @@ _BEGINNINGS: Final = {
     "rest_vanishes": "never at rest",
     "hop": "hopping",
 }
+_LATE: Final = "load for forward slip"
 
 
 class Transition(NamedTuple):
@@ -130,7 +131,9 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
         if not 0.0 < ratio < math.inf:  # beyond the range of doubles
             continue
         amplitude, frequency = float(scene.reach) / ratio, float(scene.frequency) / math.sqrt(ratio)
-        found.append(Transition(_BEGINNINGS[name], ratio, amplitude, frequency))
+        # where back slip comes first its slides may outlast the forward window
+        late = name == "forward_onset" and loads["back_onset"] < load
+        found.append(Transition(_LATE if late else _BEGINNINGS[name], ratio, amplitude, frequency))
     return tuple(sorted(found, key=lambda transition: transition.amplitude))
 
 

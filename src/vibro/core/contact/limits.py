@@ -30,9 +30,15 @@ class CriticalLoads(NamedTuple):
         Above, the load of a body at rest exceeds static friction forward, or back.
     back_slip : array
         Above, the steady cycle from rest has a back slide; at least ``back_onset``, and more where the
-        forward slide outlasts the back window.
+        forward slide outlasts the back window. Elliptical drives on troughs steeper than the angle of kinetic
+        friction may lose it again.
     rest_vanishes : array
         Above, the body slides all the time.
+
+    Notes
+    -----
+    A body starts from rest where its load first exceeds static friction. On inclines phase 0 may lie later
+    than that, and where cycles coexist lead to the other one.
     """
 
     hop: Floats
