@@ -89,7 +89,8 @@ def _assert_line(some: Drives) -> None:
     """Compare drives without a lead with the same ones given by amplitude and drive angle."""
     some = some.changed(lead=0.0)
     angle = np.arctan2(some.normal, some.along)
-    some = Drives(*(x[angle + some.trough < 1.57] for x in some))
+    # the cosine of an angle that is rounded near 90 deg is no longer that of the pair
+    some = Drives(*(x[(angle < 1.4) & (angle + some.trough < 1.57)] for x in some))
     ellipse, clear = some.solve(), _clear_of_boundaries(some)
     line = vibro.solve(
         Scene(
