@@ -11,7 +11,12 @@ import numpy as np
 
 from vibro.core.codes import Pattern
 from vibro.core.contact.first_slides import first_from_rest
-from vibro.core.contact.never_at_rest import by_half_length, is_sure, never_at_rest, never_at_rest_motion
+from vibro.core.contact.never_at_rest import (
+    by_half_length,
+    is_sure,
+    likely_never_at_rest,
+    never_at_rest_motion,
+)
 from vibro.core.contact.slide import slide, start_inside
 from vibro.core.contact.starts import pair_of, resting_start
 from vibro.core.contact.windows import skew_of
@@ -188,7 +193,7 @@ def _start_as_they_lie(scene: Loads, pair: Pair, out: Cycles, cells: NDArray[np.
 def _forward_first(scene: Loads, pair: Pair) -> Cycles:
     """Steady cycles of bodies whose first slide goes forward from rest."""
     seen = _Seen(pair.reaches(1), pair.outlasts(1), pair.reaches(-1), pair.outlasts(-1))
-    motion, valid = never_at_rest(scene, pair.forward, pair.back)
+    motion, valid = likely_never_at_rest(scene, pair.forward, pair.back)
 
     # Equality belongs to rest: a slide that stops just where the opposite window closes stays at rest.
     f_only = seen.outlasts.positive | seen.outlasts.edge

@@ -11,12 +11,12 @@ import numpy as np
 
 from vibro.core.codes import Pattern
 from vibro.core.contact.derivatives import displacement_gradient
-from vibro.core.contact.never_at_rest import by_half_length, is_sure, never_at_rest, never_at_rest_slope
+from vibro.core.contact.never_at_rest import never_at_rest, never_at_rest_slope
 from vibro.core.contact.onset import thresholds
 from vibro.core.contact.slide import slide, start_inside
 from vibro.core.contact.starts import pair_of, resting_start
 from vibro.core.contact.windows import skew_of
-from vibro.core.groups import put, take
+from vibro.core.groups import take
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -109,8 +109,4 @@ def _slid(onset: Onset, load: Floats, start_change: Floats) -> _Slid:
 def _never_at_rest(scene: Loads, at: Margins) -> Floats:
     """Differentiate cycles without rest."""
     pair = pair_of(scene, at)
-    motion, _ = never_at_rest(scene, pair.forward, pair.back)
-    doubtful = np.flatnonzero(~is_sure(scene, motion))
-    if doubtful.size:
-        put(motion, doubtful, by_half_length(*take((scene, pair.forward, pair.back), doubtful))[0])
-    return never_at_rest_slope(scene, motion)
+    return never_at_rest_slope(scene, never_at_rest(scene, pair.forward, pair.back)[0])

@@ -29,6 +29,7 @@ __all__ = [
     "NeverAtRest",
     "by_half_length",
     "is_sure",
+    "likely_never_at_rest",
     "never_at_rest",
     "never_at_rest_motion",
     "never_at_rest_slope",
@@ -37,12 +38,10 @@ __all__ = [
 _FEW_STEPS: Final = 3  # of Halley's iteration, which nearly every cell needs
 _MORE_STEPS: Final = 60
 _SETTLED: Final = 1e-8  # [1] a last step below this share of 1 - cot m leaves rounding errors only
-
-
-Slides = tuple[tuple["Floats", "Floats"], tuple["Floats", "Floats"]]
-
-
 _STEEP: Final = 0.8  # [1] tan(beta) / mu_d above which Eq. (61) is solved: y = x - pi/2 is its unknown
+
+#: k and load of the forward slide, and of the back slide.
+Slides = tuple[tuple["Floats", "Floats"], tuple["Floats", "Floats"]]
 
 
 class NeverAtRest(NamedTuple):
@@ -53,7 +52,7 @@ class NeverAtRest(NamedTuple):
     y, sin_y, cos_y : array
         x - pi/2, where x is half the length of the forward slide.
     sin_m, cos_m : array
-        Of pi - m: positive.
+        Of pi - m: positive, along a line both.
     """
 
     y: Floats
@@ -65,6 +64,18 @@ class NeverAtRest(NamedTuple):
 
 def never_at_rest(scene: Loads, forward: Start, back: Start) -> tuple[NeverAtRest, Verdict]:
     """Phases of the never-at-rest cycle, and whether both its slides start beyond static friction."""
+    cycle, valid = likely_never_at_rest(scene, forward, back)
+    if scene.lead:
+        cells = (~is_sure(scene, cycle)).nonzero()[0]
+        if cells.size:
+            better, verdicts = by_half_length(*take((scene, forward, back), cells))
+            put(cycle, cells, better)
+            put(valid, cells, verdicts)
+    return cycle, valid
+
+
+def likely_never_at_rest(scene: Loads, forward: Start, back: Start) -> tuple[NeverAtRest, Verdict]:
+    """Return the same at less cost, of elliptical drives only where ``is_sure``."""
     if scene.lead is None:
         return _of_a_line(scene, forward, back)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -169,11 +180,10 @@ def _equation(scene: Loads) -> _Equation:
 
 
 def _lower_root(scene: Loads) -> Floats:
-    """Z = cot m of the cycle, the lower root of Eq. (60); NaN where there is none.
+    """Find z = cot m of the cycle, the lower root of Eq. (60); NaN where there is none.
 
     On a level trough its left side is concave and not positive at the start, so that the iteration rises
-    to the root, or passes the top of the curve. On an incline it need not be: what does not settle is
-    bisected by Eq. (61).
+    to the root, or passes the top of the curve. On an incline it need not be, and a root may be missed.
     """
     assert scene.lead is not None
     equation = _equation(scene)
@@ -355,11 +365,10 @@ def never_at_rest_motion(scene: Loads, slides: Slides, cycle: NeverAtRest) -> tu
 def never_at_rest_slope(scene: Loads, cycle: NeverAtRest) -> Floats:
     """Differentiate the displacement of elliptical drives with respect to ln G, Eq. (64)."""
     z = -cycle.cos_m / cycle.sin_m
-    steep, share = scene.tangential / (scene.kinetic_friction * scene.normal), 2.0 / np.pi * cycle.y
-    y_rate = (
-        0.5 * np.pi * _equation(scene).rho_1 * (1.0 + steep * share) ** 2 / ((1.0 - steep) * (1.0 + steep))
-    )
-    lift, lean = scene.kinetic_friction * scene.across, scene.tangential / scene.along
+    equation, turns = _equation(scene), 2.0 / np.pi * cycle.y
+    steep = (1.0 - equation.slope) * (1.0 + equation.slope)
+    y_rate = 0.5 * np.pi * equation.rho_1 * (1.0 + equation.slope * turns) ** 2 / steep
+    lift, lean = scene.kinetic_friction * scene.across, equation.lean
     root = np.sqrt(1.0 + z * z)
     drag = cycle.cos_y / root  # over a, by Eq. (60)
     slope = -cycle.sin_y * y_rate - lean * y_rate * root - drag * z / root

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.core.contact.never_at_rest import by_half_length, is_sure, never_at_rest
+from vibro.core.contact.never_at_rest import never_at_rest
 from vibro.core.contact.onset import thresholds
 from vibro.core.contact.starts import pair_of
 from vibro.core.groups import take
@@ -28,9 +28,8 @@ if TYPE_CHECKING:
 
 __all__ = ["phase_limits"]
 
-_MOST: Final = (
-    1e8  # [1] load over that of the onsets up to which drives that never make bodies hop are looked at
-)
+# [1] Load over that of the onsets up to which drives are looked at that never make bodies hop.
+_MOST: Final = 1e8
 
 
 def phase_limits(unit: Loads, hop: Floats, forward: Floats, back: Floats) -> tuple[Floats, Floats]:
@@ -84,10 +83,7 @@ def _slips_back(scene: Loads, pair: Pair) -> Bools:
 
 def _never_rests(scene: Loads, pair: Pair) -> Bools:
     """Whether the cycle is that without rest."""
-    motion, valid = never_at_rest(scene, pair.forward, pair.back)
-    never = valid.positive
     meets = _slips_back(scene, pair) & pair.reaches(1).positive
-    cells = (meets & ~never & ~is_sure(scene, motion)).nonzero()[0]
-    if cells.size:
-        never[cells] = by_half_length(*take((scene, pair.forward, pair.back), cells))[1].positive
-    return np.asarray(meets & never)
+    cells = meets.nonzero()[0]
+    meets[cells] = never_at_rest(*take((scene, pair.forward, pair.back), cells))[1].positive
+    return meets

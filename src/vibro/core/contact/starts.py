@@ -26,8 +26,6 @@ __all__ = ["Pair", "Start", "Verdict", "Window", "pair_of", "resting_start", "ve
 
 # [1] Relative rounding noise of a slide's speed, and of a load, where the next leg is decided.
 _NOISE: Final = 16 * 2.0**-52
-
-
 _NEARLY_LIFTED: Final = 0.25  # [n] normal load below which it is formed without a difference
 
 
