@@ -15,6 +15,7 @@ from two_axis_walk import Body as BodyOnEllipse
 
 import vibro
 from vibro.records.alignment import Observation
+from vibro.records.cycles import HOPS
 from vibro.records.reading import Record
 from vibro.scene import EllipticalFields
 
@@ -52,6 +53,25 @@ def bowl(phase_deg: float = -60.0, **others: Any) -> vibro.Scene:
         "kinetic_friction": 0.3,
     }
     return vibro.Scene(**(values | others))
+
+
+def on_ellipse(x: float, y: float, phase_deg: float, climb_deg: float = 0.0) -> vibro.Scene:
+    """Make a scene by its amplitudes in mm."""
+    climb = math.radians(climb_deg)
+    return bowl(phase_deg, along_amplitude=1e-3 * x, normal_amplitude=1e-3 * y, trough_angle=climb)
+
+
+#: A scene of every pattern.
+ON_ELLIPSES = {
+    "_": on_ellipse(0.2, 0.1, -60.0),
+    "F_": on_ellipse(0.2, 0.8, -60.0),
+    "B_": on_ellipse(0.2, 0.5, -150.0, 6.0),
+    "F_B_": on_ellipse(0.5, 0.3, -60.0),
+    "FB_": on_ellipse(1.0, 0.5, -60.0),
+    "F_B": on_ellipse(0.8, 1.0, 60.0),
+    "FB": on_ellipse(1.5, 1.0, -120.0),
+    HOPS: on_ellipse(1.0, 1.3, -60.0),
+}
 
 
 class Walked:

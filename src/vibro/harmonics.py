@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads, harmonic_scale
+from vibro.core.groups import largest_amplitude
+from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
 from vibro.errors import InputError, Problem, shown
+from vibro.quantities import MOST_HARMONICS
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
@@ -21,10 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = ["HarmonicFields", "harmonic_fields", "read_harmonics"]
 
-_MOST: Final = 8  # harmonics of a drive
 _POINTS: Final = 64  # of the path for each harmonic, between which the farthest one is bracketed
 _STEPS: Final = 6  # of Newton's method from there: it squares an error of 1e-3 until nothing is left
-_ALLOWED: Final = f"up to {_MOST} pairs of an amplitude and a phase"
+_ALLOWED: Final = f"up to {MOST_HARMONICS} pairs of an amplitude and a phase"
 
 
 class HarmonicFields(NamedTuple):
@@ -48,7 +49,7 @@ class HarmonicFields(NamedTuple):
     @property
     def scale(self) -> Floats:
         """Length that the solvers count in, the largest of all amplitudes [m]."""
-        return harmonic_scale(self.along_amplitudes, self.normal_amplitudes)
+        return largest_amplitude(*self.along_amplitudes, *self.normal_amplitudes)
 
     @property
     def reach(self) -> Floats:
@@ -121,7 +122,7 @@ def read_harmonics(name: str, value: Any) -> tuple[Harmonics, list[Problem]]:
         pairs = [] if value is None else [tuple(pair) for pair in value]
     except TypeError:
         return (), [Problem(name, shown(value), _ALLOWED)]
-    if len(pairs) > _MOST or any(len(pair) != 2 for pair in pairs):
+    if len(pairs) > MOST_HARMONICS or any(len(pair) != 2 for pair in pairs):
         return (), [Problem(name, shown(value), _ALLOWED)]
     read, problems = [], []
     for pair in pairs:

@@ -14,7 +14,7 @@ from vibro.core.groups import (
     each,
     elliptical_loads,
     friction_excess,
-    larger_amplitude,
+    largest_amplitude,
     loads,
     unit_loads,
 )
@@ -84,7 +84,7 @@ class EllipticalFields(NamedTuple):
     @property
     def scale(self) -> Floats:
         """Length that the solvers count in, the larger of both amplitudes [m]."""
-        return larger_amplitude(self.along_amplitude, self.normal_amplitude)
+        return largest_amplitude(self.along_amplitude, self.normal_amplitude)
 
     @property
     def reach(self) -> Floats:

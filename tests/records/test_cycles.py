@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, PERIOD, Walked, nut
+from made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, nut
 
 import vibro
 from vibro.motion.settled import settled_motion
@@ -37,13 +37,14 @@ def values_of(*scenes: vibro.Scene) -> dict[str, Any]:
     return {name: np.array([float(getattr(s, name)) for s in scenes]) for name in scenes[0].arrays()._fields}
 
 
-def test_every_pattern_has_the_signals_of_another_solver() -> None:
+@pytest.mark.parametrize("scenes", [SCENES, ON_ELLIPSES], ids=["lines", "ellipses"])
+def test_every_pattern_has_the_signals_of_another_solver(scenes: dict[str, vibro.Scene]) -> None:
     """All at once, so that none may disturb another; each with its own position in the cycle."""
-    cycles = steady_cycles(values_of(*SCENES.values()))
-    assert cycles.labels.tolist() == list(SCENES)
-    shifts = PERIOD * np.linspace(0.0, 0.9, len(SCENES))
+    cycles = steady_cycles(values_of(*scenes.values()))
+    assert cycles.labels.tolist() == list(scenes)
+    shifts = PERIOD * np.linspace(0.0, 0.9, len(scenes))
     signals = cycles.signals(SIGNALS, TIME, shifts, WINDOW)
-    for row, (label, scene) in enumerate(SCENES.items()):
+    for row, (label, scene) in enumerate(scenes.items()):
         trough = TIME + shifts[row]
         if label == HOPS:
             expected = computed(settled_motion(scene), SIGNALS, trough, WINDOW)

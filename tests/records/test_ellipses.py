@@ -8,14 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, PERIOD, Walked, bowl, nut, trough_record
+from made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, bowl, nut, trough_record
 
 import vibro
 from vibro.errors import InputError
-from vibro.motion.settled import settled_motion
-from vibro.records.alignment import computed
 from vibro.records.comparison import compare
-from vibro.records.cycles import HOPS, steady_cycles
 from vibro.records.ellipse import MeasuredEllipse, ellipse_of
 from vibro.records.fitting import FITTABLE, Fit, fit
 from vibro.records.trough import trough_of
@@ -26,52 +23,11 @@ ELLIPSE = ("along_amplitude", "normal_amplitude", "normal_phase")
 TURN = 2.0 * math.pi
 
 
-def scene(x: float, y: float, phase_deg: float, climb_deg: float = 0.0) -> vibro.Scene:
-    return bowl(
-        phase_deg, along_amplitude=1e-3 * x, normal_amplitude=1e-3 * y, trough_angle=math.radians(climb_deg)
-    )
-
-
-SCENES = {
-    "_": scene(0.2, 0.1, -60.0),
-    "F_": scene(0.2, 0.8, -60.0),
-    "B_": scene(0.2, 0.5, -150.0, 6.0),
-    "F_B_": scene(0.5, 0.3, -60.0),
-    "FB_": scene(1.0, 0.5, -60.0),
-    "F_B": scene(0.8, 1.0, 60.0),
-    "FB": scene(1.5, 1.0, -120.0),
-    HOPS: scene(1.0, 1.3, -60.0),
-}
-
-
-def test_every_pattern_has_the_signals_of_another_solver() -> None:
-    """All at once, each with its own position in the cycle."""
-    names = SCENES["_"].arrays()._fields
-    values = {name: np.array([float(getattr(s, name)) for s in SCENES.values()]) for name in names}
-    cycles = steady_cycles(values)
-    assert cycles.labels.tolist() == list(SCENES)
-    time, window = np.linspace(0.0, 3.0 * PERIOD, 1501), 1e-7 * PERIOD
-    shifts = PERIOD * np.linspace(0.0, 0.9, len(SCENES))
-    signals = cycles.signals(SIGNALS, time, shifts, window)
-    for row, (label, one) in enumerate(SCENES.items()):
-        trough = time + shifts[row]
-        if label == HOPS:
-            expected = computed(settled_motion(one), SIGNALS, trough, window)
-        else:
-            expected = {name: getattr(Walked(one), name)(trough) for name in SIGNALS}
-        for name in SIGNALS:
-            found, true = signals[name][row], expected[name]
-            if name == "displacement":
-                found, true = found - found[0], true - true[0]
-            scale = 1.0 if name in ("acceleration", "friction") else 1e-6
-            np.testing.assert_allclose(found, true, atol=1e-5 * scale, err_msg=f"{label} {name}")
-
-
 @pytest.mark.parametrize("label", ["F_", "B_", "F_B_", "FB_", "F_B", "FB"])
 @pytest.mark.parametrize("signals", [("displacement",), ("velocity",), ("acceleration", "friction")])
 def test_a_record_is_aligned_and_compared(label: str, signals: tuple[str, ...]) -> None:
-    walked = Walked(SCENES[label])
-    comparison = compare(SCENES[label], walked.observe(*signals))
+    walked = Walked(ON_ELLIPSES[label])
+    comparison = compare(ON_ELLIPSES[label], walked.observe(*signals))
     assert comparison.passing == "forwards"
     assert comparison.motion.pattern == label
     assert abs(comparison.alignment.shift - 0.0137) < 4.0 * comparison.alignment.error < 0.05 * PERIOD
@@ -113,7 +69,7 @@ def test_intervals_hold_the_unknowns_of_an_ellipse(
     label: str, names: tuple[str, ...], wrong: dict[str, float]
 ) -> None:
     """Three seeds; of the quantities at 95 % at most two lie outside, and none by far."""
-    true = SCENES[label]
+    true = ON_ELLIPSES[label]
     walked = Walked(true)
     inside: list[bool] = []
     for seed in range(3):
@@ -130,7 +86,7 @@ def test_intervals_hold_the_unknowns_of_an_ellipse(
 
 def test_an_ellipse_is_found_from_afar() -> None:
     """The valley of the misfit bends: straight steps would end far from its lowest point."""
-    true = SCENES["FB"]
+    true = ON_ELLIPSES["FB"]
     far = begun(true, along_amplitude=1.95e-3, normal_amplitude=7e-4, normal_phase=0.5)
     found = fit(far, Walked(true).observe("displacement", "velocity", cycles=6), ELLIPSE)
     for p in found.parameters:
@@ -141,7 +97,7 @@ def test_an_ellipse_is_found_from_afar() -> None:
 @pytest.mark.parametrize("given", [-50.0, 300.0, 119.0, -420.0])
 def test_a_phase_is_told_in_the_turn_of_the_scenes(given: float) -> None:
     """Also next to the phase opposite to it, where a search crosses from one turn to the other."""
-    true = SCENES["FB_"]
+    true = ON_ELLIPSES["FB_"]
     observed = Walked(true).observe("velocity", cycles=6)
     (p,) = fit(begun(true, normal_phase=math.radians(given)), observed, ["normal_phase"]).parameters
     assert p.identified
@@ -269,7 +225,7 @@ def test_the_troughs_clock_places_the_record() -> None:
 
 def test_one_slide_a_cycle_leaves_phases_to_both_sides() -> None:
     """Its load is the same for a phase and its opposite, and the start of a slide tells little."""
-    true = SCENES["F_"]
+    true = ON_ELLIPSES["F_"]
     wrong = begun(true, static_friction=0.42, normal_phase=1.1)
     found = fit(wrong, Walked(true).observe("velocity", cycles=6), ("static_friction", "normal_phase"))
     assert all(held(found, true))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Lead", "Loads", "angle_excess", "cosine_of_sum", "each", "elliptical_loads", "friction_excess",
-    "larger_amplitude", "loads", "mirrored", "put", "take", "unit_loads",
+    "largest_amplitude", "loads", "mirrored", "put", "take", "unit_loads", "weight_over_load",
 ]  # fmt: skip
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
@@ -122,7 +122,7 @@ def loads(
 
     1/G rather than G is formed, from factors that stay finite when A, f or G are extreme.
     """
-    weight = _weight(amplitude, frequency, gravity)
+    weight = weight_over_load(amplitude, frequency, gravity)
     along, across = np.cos(drive_angle), np.sin(drive_angle)
     if not np.count_nonzero(trough_angle):
         level = np.zeros(())
@@ -148,9 +148,9 @@ def elliptical_loads(
     trough_angle: Floats,
     gravity: Floats,
 ) -> Loads:
-    """Form the groups of elliptical drives, in SI units and radians; their scale is ``larger_amplitude``."""
-    scale = larger_amplitude(along_amplitude, normal_amplitude)
-    weight = _weight(scale, frequency, gravity)
+    """Form the groups of elliptical drives, in SI units and radians; their scale is ``largest_amplitude``."""
+    scale = largest_amplitude(along_amplitude, normal_amplitude)
+    weight = weight_over_load(scale, frequency, gravity)
     along, across = along_amplitude / scale, normal_amplitude / scale
     tangential = weight * np.sin(trough_angle) if np.count_nonzero(trough_angle) else np.zeros(())
     normal = weight * np.cos(trough_angle)
@@ -169,13 +169,15 @@ def elliptical_loads(
     )
 
 
-def larger_amplitude(along_amplitude: Floats, normal_amplitude: Floats) -> Floats:
-    """Scale of the lengths of elliptical drives; 1 where the trough stands still."""
-    larger = np.maximum(along_amplitude, normal_amplitude)
-    return larger if np.all(larger) else np.where(larger > 0.0, larger, 1.0)
+def largest_amplitude(first: Floats, *others: Floats) -> Floats:
+    """Scale of the lengths of a drive with several amplitudes; 1 where the trough stands still [m]."""
+    largest = first
+    for amplitude in others:
+        largest = np.maximum(largest, amplitude)
+    return largest if np.all(largest) else np.where(largest > 0.0, largest, 1.0)
 
 
-def _weight(amplitude: Floats, frequency: Floats, gravity: Floats) -> Floats:
+def weight_over_load(amplitude: Floats, frequency: Floats, gravity: Floats) -> Floats:
     """1/G, within the range whose products neither overflow nor vanish."""
     with np.errstate(over="ignore", divide="ignore"):
         w = 2.0 * np.pi * frequency

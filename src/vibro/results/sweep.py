@@ -13,7 +13,7 @@ from vibro.quantities import AMPLITUDES, scene_fields
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Block", "Column", "SweepResult", "at_rest", "where_motion_begins"]
+__all__ = ["Block", "Column", "SweepResult", "at_rest", "spread", "where_motion_begins"]
 
 
 @dataclass(frozen=True)
@@ -125,6 +125,17 @@ class SweepResult:
         return where_motion_begins(self.axes, self.fixed, self.limits) if rests else ""
 
 
+def spread(
+    axes: Mapping[str, Axis], fixed: Mapping[str, float], box: Sequence[slice] | None = None
+) -> dict[str, Floats]:
+    """Return every quantity of a box of cells by name, one slice for each axis; of all without a box."""
+    box = (slice(None),) * len(axes) if box is None else box
+    values = {name: np.full((1,) * len(axes), value) for name, value in fixed.items()}
+    for i, (axis, part) in enumerate(zip(axes.values(), box, strict=True)):
+        values[axis.name] = axis.values[part].reshape([-1 if j == i else 1 for j in range(len(axes))])
+    return values
+
+
 def at_rest(cycle: SteadyCycle) -> NDArray[np.bool_]:
     """Whether each body rests, or cannot be."""
     return np.asarray((cycle.regime == Regime.NO_SLIP) | (cycle.status == Status.INFEASIBLE))
@@ -149,9 +160,7 @@ def where_motion_begins(
     """
     if limits is None:
         return "at rest everywhere"
-    values = {name: np.full((1,) * len(axes), value) for name, value in fixed.items()}
-    for i, axis in enumerate(axes.values()):
-        values[axis.name] = axis.values.reshape([-1 if j == i else 1 for j in range(len(axes))])
+    values = spread(axes, fixed)
     load = Scene.allowing_infeasible(**scene_fields(values)).load
     with np.errstate(divide="ignore", invalid="ignore"):  # where nothing is needed, or given
         ratio = np.fmax.reduce(

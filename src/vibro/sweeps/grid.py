@@ -10,6 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Level
 from vibro.quantities import QUANTITIES, drive_of, kinetic_friction, scene_fields
+from vibro.results.sweep import spread
 from vibro.scene import Scene
 from vibro.steady import solve
 
@@ -80,10 +81,7 @@ class Grid:
         dict of str to array
             By name; broadcastable to the box's shape. The kinetic friction is always among them.
         """
-        box = (slice(None),) * len(self.axes) if box is None else box
-        result = {name: np.full((1,) * len(box), value) for name, value in self.fixed.items()}
-        for i, (axis, part) in enumerate(zip(self.axes.values(), box, strict=True)):
-            result[axis.name] = axis.values[part].reshape([-1 if j == i else 1 for j in range(len(box))])
+        result = spread(self.axes, self.fixed, box)
         if "friction_ratio" in result:
             result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
         return result

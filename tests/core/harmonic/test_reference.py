@@ -11,7 +11,8 @@ import pytest
 from harmonics import solved
 
 from vibro.core.codes import Model, Regime, Status, pattern_texts
-from vibro.core.harmonic.loads import harmonic_loads, harmonic_scale
+from vibro.core.groups import largest_amplitude
+from vibro.core.harmonic.loads import harmonic_loads
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,7 +50,7 @@ def test_rows_have_their_patterns_and_numbers(rows: list[dict[str, str]]) -> Non
         np.array(9.81),
     )
     out = solved(loads, len(rows))
-    scale = harmonic_scale(along, across)
+    scale = largest_amplitude(*along, *across)
     texts = pattern_texts(out.pattern).tolist()
     runs = np.array([row["regime"].startswith("runaway") for row in rows])
     assert len(rows) == 60

@@ -13,10 +13,10 @@ from harmonics import drawn, drive_of, solved, unsolved
 
 from vibro.core.codes import Model, Pattern, Regime, Status, pattern_texts
 from vibro.core.contact.solver import steady_state
+from vibro.core.groups import largest_amplitude, take
 from vibro.core.groups import loads as linear_loads
-from vibro.core.groups import take
 from vibro.core.harmonic.legs import harmonic_legs
-from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads, harmonic_scale
+from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -65,7 +65,7 @@ def test_one_harmonic_is_the_linear_drive(harmonics: int) -> None:
     phases = (np.zeros(()),) * harmonics
     loads = harmonic_loads(along, phases, across, phases, f, static, kinetic, beta, np.ones(()))
     out = solved(loads, count)
-    scale = harmonic_scale(along, across) / size
+    scale = largest_amplitude(*along, *across) / size
     for name in ("status", "regime", "pattern", "coexists"):
         assert np.array_equal(getattr(out, name), getattr(wanted, name)), name
     assert len(set(out.pattern)) == len(Pattern)

@@ -109,7 +109,8 @@ def steady_state(scene: Loads, out: SteadyState, *, classes_alone: bool = False)
     ):
         cells = slipping.nonzero()[0]
         if cells.size:
-            with np.errstate(divide="ignore", invalid="ignore"):  # of drives that do not push along it
+            # of drives that do not push along the trough, or have no friction to push against
+            with np.errstate(divide="ignore", invalid="ignore"):
                 _write(out, cells, solver(take(scene, cells), take(at.margins, cells)))
     for codes, table in ((out.regime, _REGIME_OF_PATTERN), (out.model, _MODEL_OF_PATTERN)):
         table.take(out.pattern, out=codes, mode="clip")  # unlike the default, without a buffer

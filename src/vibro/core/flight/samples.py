@@ -150,9 +150,7 @@ def fly(scene: Loads, throw: Floats, restitution: Floats, body: Counts, length: 
     number: Counts = sums().astype(np.intp)
     first = flights.first + np.cumsum(number, axis=0) - number
     trough = take(scene, flights.owner)
-    velocity = trough.along_cosine(
-        flights.phase
-    )  # of the trough, at the start of each part and at the end of the last
+    velocity = trough.along_cosine(flights.phase)  # at the start of each part and at the end of the last
     begin = velocity[np.minimum(first, velocity.size - 1)]
     last = np.minimum(first[-1] + number[-1] - 1, velocity.size - 1)
     stop = scene.along_cosine(np.where(rest[last] > 0.0, lift_off, landing[last]))

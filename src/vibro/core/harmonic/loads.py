@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+from vibro.core.groups import largest_amplitude, weight_over_load
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
-__all__ = ["HarmonicLoads", "harmonic_loads", "harmonic_scale"]
-
-# [1] Range of g / (A w^2) in which no product of it overflows or vanishes; the body rests, or leaves, long
-# before.
-_LEAST_GRAVITY: Final = 1e-307
-_MOST_GRAVITY: Final = 1e307
+__all__ = ["HarmonicLoads", "harmonic_loads"]
 
 
 class HarmonicLoads(NamedTuple):
@@ -47,14 +44,6 @@ class HarmonicLoads(NamedTuple):
     kinetic_friction: Floats
 
 
-def harmonic_scale(along_amplitudes: tuple[Floats, ...], normal_amplitudes: tuple[Floats, ...]) -> Floats:
-    """Largest amplitude of a scene, the unit of its lengths; 1 where all are 0 [m]."""
-    largest = along_amplitudes[0]
-    for amplitude in (*along_amplitudes[1:], *normal_amplitudes):
-        largest = np.maximum(largest, amplitude)
-    return np.where(largest > 0.0, largest, 1.0)
-
-
 def harmonic_loads(
     along_amplitudes: tuple[Floats, ...],
     along_phases: tuple[Floats, ...],
@@ -83,10 +72,8 @@ def harmonic_loads(
     gravity : array
         [m/s^2].
     """
-    scale = harmonic_scale(along_amplitudes, normal_amplitudes)
-    with np.errstate(over="ignore", divide="ignore"):
-        w = 2.0 * np.pi * frequency
-        weight = (gravity / w / scale / w).clip(_LEAST_GRAVITY, _MOST_GRAVITY)  # 1/G
+    scale = largest_amplitude(*along_amplitudes, *normal_amplitudes)
+    weight = weight_over_load(scale, frequency, gravity)
 
     def parts(
         amplitudes: tuple[Floats, ...], phases: tuple[Floats, ...]
