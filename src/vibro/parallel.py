@@ -53,8 +53,8 @@ def within(block: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...
     return tuple(slice(None) if n == 1 else part for part, n in zip(block, shape, strict=True))
 
 
-def in_parallel(run: Callable[[Any], None], parts: Sequence[Any]) -> None:
-    """Run parts on all cores; after an interrupt the other threads end with the part they are at.
+def in_parallel(run: Callable[[Any], None], parts: Sequence[Any], threads: int | None = None) -> None:
+    """Run parts on several threads; after an interrupt the others end with the part they are at.
 
     Parameters
     ----------
@@ -62,6 +62,8 @@ def in_parallel(run: Callable[[Any], None], parts: Sequence[Any]) -> None:
         Called with each part; the calling thread works too.
     parts : sequence
         In the order in which they are begun.
+    threads : int, optional
+        How many share the work; without, one a core.
     """
     if len(parts) < 2:
         for part in parts:
@@ -86,7 +88,8 @@ def in_parallel(run: Callable[[Any], None], parts: Sequence[Any]) -> None:
             failures.append(exc)
             left.clear()
 
-    others = [Thread(target=work_along, daemon=True) for _ in range(min(cores(), len(parts)) - 1)]
+    number = min(cores() if threads is None else threads, len(parts))
+    others = [Thread(target=work_along, daemon=True) for _ in range(number - 1)]
     try:
         for thread in others:
             thread.start()

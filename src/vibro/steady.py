@@ -59,6 +59,7 @@ def solve(
     accuracy: Literal["exact", "regimes"] | Level = "exact",
     flight: bool = True,
     coexistence: bool = False,
+    threads: int | None = None,
 ) -> SteadyCycle:
     """Steady cycle that a body at rest settles into, for every scene.
 
@@ -76,17 +77,25 @@ def solve(
     coexistence : bool, optional
         Whether to look for other motions of hopping scenes, to which a disturbed body could settle
         (``SteadyCycle.coexists``); it takes several ms a cell. In contact they are known without a search.
+    threads : int, optional
+        How many threads share the work, at least 1; without, one a core. The numbers are the same bit for
+        bit, however many there are.
 
     Returns
     -------
     SteadyCycle
         Arrays of the scene's shape; NumPy scalars for a single scene.
 
+    Raises
+    ------
+    InputError
+        If an argument is not one of those above.
+
     Notes
     -----
     Exact up to rounding, see docs/theory.md: on the reference tables the displacement is within
     16 eps (condition * abs(d) + S), where S = A if the body slides both ways and abs(d) otherwise
-    (tests/test_reference.py). Cells are solved in blocks that stay in a core's cache, on all cores.
+    (tests/test_reference.py). Cells are solved in blocks that stay in a core's cache.
 
     Examples
     --------
@@ -99,6 +108,7 @@ def solve(
     classes_alone = level_of(accuracy) is Level.REGIMES
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
+    _check_threads(threads)
     shape = scene.shape
     grid = shape or (1,)
     ones = (1,) * len(grid)
@@ -112,7 +122,7 @@ def solve(
             part = each(inputs, lambda a: a[within(block, a.shape)])
         _solve_block({name: array[block] for name, array in vars(out).items()}, part, classes_alone)
 
-    in_parallel(contact, blocks)
+    in_parallel(contact, blocks, threads)
     if flight and not classes_alone and not isinstance(inputs, HarmonicFields):
         # Beyond the largest throw number the phase of a landing is lost to rounding. NumPy takes 2 us to
         # compare with an enum, a tenth of it with an int.
@@ -124,7 +134,7 @@ def solve(
                 where = np.unravel_index(cells, grid)
                 _solve_hops(out, cells, each(inputs, lambda a: _at(where, a)), model)
 
-            in_parallel(hops, [left[i : i + size] for i in range(0, left.size, size)])
+            in_parallel(hops, [left[i : i + size] for i in range(0, left.size, size)], threads)
             left = left[out.status.reshape(-1)[left] == int(Status.UNRESOLVED)]
         if coexistence:
             answered = ~np.isnan(out.mean_velocity.reshape(-1)[hopping])
@@ -134,7 +144,7 @@ def solve(
                 where = np.unravel_index(cells, grid)
                 _look_for_others(out, cells, each(inputs, lambda a: _at(where, a)))
 
-            in_parallel(look, [known[i : i + _LOOKED_AT] for i in range(0, known.size, _LOOKED_AT)])
+            in_parallel(look, [known[i : i + _LOOKED_AT] for i in range(0, known.size, _LOOKED_AT)], threads)
     return out if shape else SteadyCycle(**{name: array[0] for name, array in vars(out).items()})
 
 
@@ -150,6 +160,12 @@ def check_switch(name: str, value: bool) -> None:
     """Refuse what only looks like a switch: the text "off" would count as on."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{name} = {shown(value)}: must be True or False")
+
+
+def _check_threads(threads: int | None) -> None:
+    whole = isinstance(threads, int | np.integer) and not isinstance(threads, bool)
+    if threads is not None and not (whole and threads >= 1):
+        raise InputError(f"threads = {shown(threads)}: must be a whole number of at least 1, or None")
 
 
 def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:

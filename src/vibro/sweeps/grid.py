@@ -86,10 +86,15 @@ class Grid:
             result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
         return result
 
-    def solve(self, values: Mapping[str, Floats]) -> SteadyCycle:
-        """Solve the cells of a box, given by its ``values``."""
-        scene = scene_of(values)
-        return solve(scene, accuracy=self.level, flight=self.flight, coexistence=self.coexistence)
+    def solve(self, values: Mapping[str, Floats], threads: int | None = None) -> SteadyCycle:
+        """Solve the cells of a box, given by its ``values``, on so many threads; without, one a core."""
+        return solve(
+            scene_of(values),
+            accuracy=self.level,
+            flight=self.flight,
+            coexistence=self.coexistence,
+            threads=threads,
+        )
 
     def operating_point(self, own: Mapping[str, float] | None) -> dict[str, float] | None:
         """Return a scene's own value of every axis; None unless it gives all and differs in nothing else."""
