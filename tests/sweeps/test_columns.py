@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import math
+import pickle
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -18,9 +20,10 @@ from vibro.core.codes import Status
 from vibro.errors import InputError
 from vibro.files import tables
 from vibro.files.tables import CsvFormat
-from vibro.quantities import QUANTITIES
-from vibro.results.sweep import Block
-from vibro.sweeps.columns import Table, chosen, columns_of, records, to_frame
+from vibro.quantities import DRIVES, QUANTITIES, SWEPT
+from vibro.results.sweep import Block, Column
+from vibro.sweeps import derived
+from vibro.sweeps.columns import Table, chosen, column_names, columns_of, records, to_frame
 from vibro.sweeps.derived import WITH_STROKES
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.run import sweep_blocks
@@ -241,6 +244,36 @@ def test_record_frame_and_csv_agree(length: float | None) -> None:
             else:
                 assert frame[name].iloc[i] == value
                 assert (table[name][i] if isinstance(value, str) else float(table[name][i])) == value
+
+
+def test_every_column_pickles() -> None:
+    solved = replace(one_block(amplitude="0.1:6:9", restitution="0,0.3"), arrival=np.array([[0.5], [np.inf]]))
+    inputs = {QUANTITIES[name].column for name in (*SWEPT, *DRIVES)}
+    given = replace(solved, values={name: np.full((1, 1), i) for i, name in enumerate(QUANTITIES, 1)})
+    extra = [column for column in vars(derived).values() if isinstance(column, Column)]
+    extra += [*derived.throughput(25.0, 0.012), *derived.standing(0.8)]
+    columns = columns_of(QUANTITIES, *extra, drive=DRIVES)
+    names = {column.name for column in columns}
+    assert names >= {*column_names(), *inputs, "arrival_time_s", "mass_flow_kg_h", "upright", "pattern"}
+    for column in columns:
+        again = pickle.loads(pickle.dumps(column))
+        assert replace(again, values=column.values) == column
+        block = given if column.name in inputs else solved
+        np.testing.assert_array_equal(again.values(block), column.values(block), strict=True)
+
+
+def test_patterns_are_codes_until_they_are_texts() -> None:
+    block = one_block(amplitude="0.1:9:40", restitution="0,0.4")
+    (column,) = (column for column in COLUMNS if column.name == "pattern")
+    np.testing.assert_array_equal(column.values(block), block.cycle.pattern_code, strict=True)
+    which, texts = column.coded(block)
+    assert len(set(texts)) == len(texts) > 20
+    np.testing.assert_array_equal(texts[which], block.cycle.pattern)
+    # codes of long patterns have more digits than numbers are rounded to
+    assert abs(column.values(block)).max() > 1e9
+    rows = CsvFormat(digits=1).rows([column], block)
+    assert rows.splitlines() == block.cycle.pattern.ravel().tolist()
+    assert [record["pattern"] for record in records(Table([column], 1), block)] == rows.splitlines()
 
 
 def test_every_status_has_its_words() -> None:

@@ -88,18 +88,17 @@ class CsvFormat:
         return text.decode()
 
     def _arrow_cells(self, column: Column, block: Block, arrow: Any) -> Any:
-        values = rounded_cells(column, block, self.digits)
-        if column.texts is not None:
-            codes = values.ravel() % len(column.texts)  # -1 is the last
-            texts = arrow.array(column.texts).take(arrow.array(codes))
-        elif values.dtype.kind == "U":
-            texts = arrow.array(values.ravel())
-        else:
+        which: NDArray[np.integer[Any]]
+        if column.is_number:
+            values = rounded_cells(column, block, self.digits)
             texts = self._arrow_numbers(values.ravel(), arrow)
-        if values.shape == block.shape:
-            return texts
-        which = np.broadcast_to(np.arange(values.size).reshape(values.shape), block.shape)
-        return texts.take(arrow.array(which.ravel()))
+            if values.shape == block.shape:
+                return texts
+            which = np.arange(values.size).reshape(values.shape)
+        else:
+            which, known = column.coded(block)
+            texts = arrow.array(known)
+        return texts.take(arrow.array(np.broadcast_to(which, block.shape).ravel()))
 
     def _arrow_numbers(self, values: NDArray[np.float64], arrow: Any) -> Any:
         texts = arrow.compute.cast(arrow.array(values), arrow.string())
@@ -139,14 +138,13 @@ class CsvFormat:
         return ("\ufeff" if self.excel else "") + stream.getvalue()
 
     def _cells(self, column: Column, block: Block) -> list[str]:
-        values = rounded_cells(column, block, self.digits)
         # Only the values that differ are converted: an axis has few, however many cells there are.
-        if column.texts is not None:
-            texts = np.array(column.texts, dtype=object)[values]
-        elif values.dtype.kind == "U":
-            texts = values.astype(object)
-        else:
+        if column.is_number:
+            values = rounded_cells(column, block, self.digits)
             texts = np.array(self._numbers(values.ravel()), dtype=object).reshape(values.shape)
+        else:
+            which, known = column.coded(block)
+            texts = known[which]
         return np.broadcast_to(texts, block.shape).ravel().tolist()
 
     def _numbers(self, values: NDArray[np.float64]) -> list[str]:
@@ -158,11 +156,10 @@ class CsvFormat:
         return [text.replace(".", ",") for text in texts] if self.decimal_comma else texts
 
 
-def rounded_cells(column: Column, block: Block, digits: int | None) -> NDArray[Any]:
-    """Return the values of a column, as it does, but numbers to so many significant digits."""
+def rounded_cells(column: Column, block: Block, digits: int | None) -> NDArray[np.float64]:
+    """Return the values of a column of numbers, as it does, but to so many significant digits."""
     values = column.values(block)
-    is_number = column.texts is None and values.dtype.kind == "f"
-    return rounded(values, digits) if is_number and digits is not None else values
+    return values if digits is None else rounded(values, digits)
 
 
 @cache

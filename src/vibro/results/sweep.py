@@ -28,7 +28,7 @@ __all__ = ["Block", "Column", "SweepResult", "at_rest", "spread", "where_motion_
 
 @dataclass(frozen=True)
 class Column:
-    """One column of every table.
+    """One column of every table; it pickles, so that other processes can write it.
 
     Attributes
     ----------
@@ -38,11 +38,13 @@ class Column:
         Unit of the numbers; empty for pure numbers, flags and texts.
     values : callable
         From a ``Block`` to an array that broadcasts to its shape: floats, NaN or inf where there is no
-        number; texts; or codes into ``texts``.
+        number; or integer codes.
     texts : tuple of str, optional
-        What the codes mean, the last one standing for -1; None for a column of numbers or texts.
+        What the codes mean, the last one standing for -1; None for a column of numbers, or with ``decode``.
     is_flag : bool
         Whether the codes are 0, 1 and, for unknown, -1: numbers where a format has them.
+    decode : callable, optional
+        From an array of codes to an array of texts, where there are too many to list.
     """
 
     name: str
@@ -50,6 +52,34 @@ class Column:
     values: Callable[[Block], NDArray[Any]]
     texts: tuple[str, ...] | None = None
     is_flag: bool = False
+    decode: Callable[[NDArray[Any]], NDArray[np.str_]] | None = None
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it holds numbers, not codes."""
+        return self.texts is None and self.decode is None
+
+    def coded(self, block: Block) -> tuple[NDArray[np.integer[Any]], NDArray[np.object_]]:
+        """Return a column of codes as texts, each of them once.
+
+        Parameters
+        ----------
+        block : Block
+            Solved cells.
+
+        Returns
+        -------
+        which : int array
+            Broadcastable to the block's shape: which of the texts each cell has, from 0 on.
+        texts : object array
+            Of str: all of ``texts``, or those that ``decode`` finds in this block.
+        """
+        codes = self.values(block)
+        if self.decode is not None:
+            different, which = np.unique(codes, return_inverse=True)
+            return which.reshape(codes.shape), self.decode(different).astype(object)
+        texts = np.array(self.texts, dtype=object)
+        return codes % texts.size, texts  # -1 is the last
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -14,7 +15,14 @@ from vibro.files.tables import rounded_cells
 from vibro.quantities import BY_COLUMN, DRIVES, LINEAR, QUANTITIES, SWEPT
 from vibro.results.steady import RESULTS, Result
 from vibro.results.sweep import Block, Column
-from vibro.sweeps.derived import TRAVERSE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, WITH_STROKES
+from vibro.sweeps.derived import (
+    TRAVERSE,
+    WITH_ACCELERATION,
+    WITH_EXPONENT,
+    WITH_STROKE,
+    WITH_STROKES,
+    column_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -46,17 +54,16 @@ class Table:
 
 def _given(name: str) -> Column:
     quantity = QUANTITIES[name]
-    return Column(quantity.column, quantity.unit, lambda block: block.values[name])
+    return Column(quantity.column, quantity.unit, partial(_quantity, name))
 
 
-def _found(result: Result) -> Column:
-    def values(block: Block) -> NDArray[Any]:
-        found = np.asarray(getattr(block.cycle, result.name))
-        if result.decode is not None:
-            return result.decode(found)
-        return np.asarray(result.kind.from_si(found)) if result.is_number else found
+def _quantity(name: str, block: Block) -> NDArray[Any]:
+    return block.values[name]
 
-    return Column(result.column, result.kind.unit, values, result.texts, result.is_flag)
+
+def _found(result: Result, block: Block) -> NDArray[Any]:
+    found = np.asarray(getattr(block.cycle, result.name))
+    return np.asarray(result.kind.from_si(found)) if result.is_number else found
 
 
 _WHERE_SWEPT: Final = ("friction_ratio", "restitution")
@@ -83,7 +90,7 @@ def columns_of(
     columns: list[Column] = []
     for result in RESULTS:
         columns += extra if result.name == "model_code" else ()
-        columns.append(_found(result))
+        columns.append(column_of(result, partial(_found, result)))
         columns += [TRAVERSE] if result.name == "peak_velocity" else []
     return (*given, *columns)
 
@@ -140,22 +147,21 @@ def records(table: Table, block: Block) -> Iterator[dict[str, float | int | str 
     dict
         One a cell, in their order; None where there is no number.
     """
-    values = [
-        np.broadcast_to(rounded_cells(column, block, table.digits), block.shape).ravel().tolist()
-        for column in table.columns
-    ]
-    for row in zip(*values, strict=True):
-        yield {column.name: _plain(column, value) for column, value in zip(table.columns, row, strict=True)}
+    names = [column.name for column in table.columns]
+    for row in zip(*(_plain(column, block, table.digits) for column in table.columns), strict=True):
+        yield dict(zip(names, row, strict=True))
 
 
-def _plain(column: Column, value: float | int | str) -> float | int | str | None:
-    if isinstance(value, str):
-        return value
+def _plain(column: Column, block: Block, digits: int | None) -> list[float | int | str | None]:
+    if column.is_number:
+        numbers = np.broadcast_to(rounded_cells(column, block, digits), block.shape).ravel()
+        return [value if math.isfinite(value) else None for value in numbers.tolist()]
     if column.is_flag:
-        return None if value < 0 else int(value)
-    if column.texts is not None:
-        return column.texts[int(value)]
-    return float(value) if math.isfinite(value) else None
+        flags = np.broadcast_to(column.values(block), block.shape).ravel()
+        return [value if value >= 0 else None for value in flags.tolist()]
+    which, texts = column.coded(block)
+    known: list[str] = texts.tolist()
+    return [known[i] for i in np.broadcast_to(which, block.shape).ravel().tolist()]
 
 
 def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
@@ -177,13 +183,13 @@ def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
 
     data: dict[str, Any] = {}
     for column in columns:
-        values = np.broadcast_to(column.values(block), block.shape).ravel()
-        if column.is_flag:
-            data[column.name] = pd.arrays.IntegerArray(values, values < 0)
-        elif column.texts is not None:
-            data[column.name] = pd.Categorical(np.array(column.texts, dtype=object)[values])
-        elif values.dtype.kind == "U":
-            data[column.name] = pd.Categorical(values.astype(object))
+        if column.is_number or column.is_flag:
+            values = np.broadcast_to(column.values(block), block.shape).ravel()
+            if column.is_flag:
+                data[column.name] = pd.arrays.IntegerArray(values, values < 0)
+            else:
+                data[column.name] = np.where(np.isfinite(values), values, np.nan)
         else:
-            data[column.name] = np.where(np.isfinite(values), values, np.nan)
+            which, texts = column.coded(block)
+            data[column.name] = pd.Categorical(texts[np.broadcast_to(which, block.shape).ravel()])
     return pd.DataFrame(data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -42,6 +43,7 @@ __all__ = [
     "WITH_EXPONENT",
     "WITH_STROKE",
     "WITH_STROKES",
+    "column_of",
     "standing",
     "throughput",
 ]
@@ -50,8 +52,9 @@ __all__ = [
 LEAST_DIFFERENCE: Final = 2.0**-26
 
 
-def _column(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column:
-    return Column(result.column, result.kind.unit, values, result.texts, result.is_flag)
+def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column:
+    """Return the column of a result; ``values`` must pickle, and gives its numbers in the unit outside."""
+    return Column(result.column, result.kind.unit, values, result.texts, result.is_flag, result.decode)
 
 
 def _unknown(block: Block) -> Floats:
@@ -100,25 +103,40 @@ def _speed_exponent(block: Block) -> Floats:
     return exponent.reshape(block.shape)
 
 
-TRAVERSE: Final = _column(TRAVERSE_TIME, _traverse_time)
-WITH_ACCELERATION: Final = _column(ACCELERATION, lambda block: scene_of(block.values).load)
-WITH_ARRIVAL: Final = _column(ARRIVAL_TIME, _arrival)
-WITH_EXPONENT: Final = _column(SPEED_EXPONENT, _speed_exponent)
+def _acceleration(block: Block) -> Floats:
+    return scene_of(block.values).load
+
+
+def _upright(ratio: float, block: Block) -> NDArray[np.int8]:
+    return stays_upright(scene_of(block.values), ratio)
+
+
+def _tipping_load_ratio(ratio: float, block: Block) -> Floats:
+    scene = scene_of(block.values)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return scene.load / tipping_load(scene, ratio)
+
+
+def _rate(result: Result, pitch: float, of_one: float, block: Block) -> Floats:
+    """Return what of parts in a row passes: nothing where it is not conveyed forward."""
+    with np.errstate(over="ignore"):  # inf beyond the range of doubles
+        passing = np.maximum(block.cycle.mean_velocity, 0.0) / LENGTH.to_si(pitch) * of_one
+    return np.asarray(result.kind.from_si(passing))
+
+
+TRAVERSE: Final = column_of(TRAVERSE_TIME, _traverse_time)
+WITH_ACCELERATION: Final = column_of(ACCELERATION, _acceleration)
+WITH_ARRIVAL: Final = column_of(ARRIVAL_TIME, _arrival)
+WITH_EXPONENT: Final = column_of(SPEED_EXPONENT, _speed_exponent)
 WITH_STROKE: Final = Column(QUANTITIES["stroke"].column, LENGTH.unit, _stroke)
-WITH_STROKES: Final = _column(STROKES, _strokes)
+WITH_STROKES: Final = column_of(STROKES, _strokes)
 
 
 def standing(ratio: float) -> tuple[Column, Column]:
     """Return the columns of a part with a stand ratio: whether it stays upright, and how near it is."""
-
-    def load_ratio(block: Block) -> Floats:
-        scene = scene_of(block.values)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            return scene.load / tipping_load(scene, ratio)
-
     return (
-        _column(UPRIGHT, lambda block: stays_upright(scene_of(block.values), ratio)),
-        _column(TIPPING_LOAD_RATIO, load_ratio),
+        column_of(UPRIGHT, partial(_upright, ratio)),
+        column_of(TIPPING_LOAD_RATIO, partial(_tipping_load_ratio, ratio)),
     )
 
 
@@ -132,14 +150,7 @@ def throughput(pitch: float, mass: float | None = None) -> tuple[Column, ...]:
     mass : float, optional
         Of one part [kg].
     """
-
-    def rate(block: Block, of_one: float) -> Floats:
-        """Return what passes in a second: nothing where it is not conveyed forward."""
-        with np.errstate(over="ignore"):  # inf beyond the range of doubles
-            passing: Floats = np.maximum(block.cycle.mean_velocity, 0.0) / LENGTH.to_si(pitch) * of_one
-        return passing
-
-    parts = _column(PARTS_RATE, lambda block: PARTS_RATE.kind.from_si(rate(block, 1.0)))
+    parts = column_of(PARTS_RATE, partial(_rate, PARTS_RATE, pitch, 1.0))
     if mass is None:
         return (parts,)
-    return (parts, _column(MASS_RATE, lambda block: MASS_RATE.kind.from_si(rate(block, mass))))
+    return (parts, column_of(MASS_RATE, partial(_rate, MASS_RATE, pitch, mass)))
