@@ -15,7 +15,7 @@ from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -86,6 +86,44 @@ class Grid:
             result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
         return result
 
+    def cells(self, start: int, stop: int) -> dict[str, Floats]:
+        """Return every quantity of some cells in a row, in the user's units.
+
+        Parameters
+        ----------
+        start, stop : int
+            The first cell, and the one after the last; the last axis runs fastest.
+
+        Returns
+        -------
+        dict of str to array
+            By name, as from ``values``: of shape (stop - start,), or (1,) where one value serves all of them.
+
+        Raises
+        ------
+        IndexError
+            If there are no such cells, or none at all between them.
+        """
+        if not 0 <= start < stop <= self.size:
+            raise IndexError(f"cells {start} to {stop} of {self.size}")
+        # The values of each quantity, and for how many cells one of them lasts.
+        turns = {name: (np.array([value]), self.size) for name, value in self.fixed.items()}
+        for place, axis in enumerate(self.axes.values(), 1):
+            turns[axis.name] = axis.values, math.prod(self.shape[place:]) if len(axis) > 1 else self.size
+        result = {name: _in_turn(values, held, start, stop) for name, (values, held) in turns.items()}
+        if "friction_ratio" in result:
+            # Worked out for every pair of the two frictions that occurs, not for every cell.
+            pair = [turns[name] for name in ("friction_ratio", "static_friction")]
+            lasts = min(held for _, held in pair)
+            period = max((values.size * held // lasts for values, held in pair if values.size > 1), default=1)
+
+            def of_pairs(first: int, number: int) -> Floats:
+                both = (_in_turn(values, held // lasts, first, first + number) for values, held in pair)
+                return np.asarray(kinetic_friction(*both))
+
+            result["kinetic_friction"] = _repeated(of_pairs, period, lasts, start, stop)
+        return result
+
     def solve(self, values: Mapping[str, Floats], threads: int | None = None) -> SteadyCycle:
         """Solve the cells of a box, given by its ``values``, on so many threads; without, one a core."""
         return solve(
@@ -120,6 +158,46 @@ class Grid:
         if self.length is not None:
             scene[QUANTITIES["trough_length"].column] = self.length
         return {"scene": scene, "axes": axes}
+
+
+def _in_turn(values: Floats, held: int, start: int, stop: int) -> Floats:
+    """Return cells ``start`` to ``stop`` of values that follow each other, each for ``held`` cells."""
+
+    def look_up(first: int, number: int) -> Floats:
+        return values.take(np.arange(number) + first % values.size, mode="wrap")
+
+    return _repeated(look_up, values.size, held, start, stop)
+
+
+def _repeated(look_up: Callable[[int, int], Floats], period: int, held: int, start: int, stop: int) -> Floats:
+    """Return cells of an endless sequence, without a division for each of them.
+
+    Parameters
+    ----------
+    look_up : callable
+        From the first value and a number of values to these values.
+    period : int
+        After how many values they repeat.
+    held : int
+        For how many cells each lasts.
+    start, stop : int
+        The first cell, and the one after the last.
+
+    Returns
+    -------
+    float array
+        Of shape (stop - start,), or (1,) where one value serves all.
+    """
+    first, last = start // held, (stop - 1) // held
+    number = last - first + 1
+    if number == 1:
+        return look_up(first, 1)
+    if number > period + 1:
+        turn = _repeated(look_up, period, held, start, start + period * held)
+        return np.tile(turn, -(-(stop - start) // turn.size))[: stop - start]
+    lasts = np.full(number, held)
+    lasts[0], lasts[-1] = (first + 1) * held - start, stop - last * held
+    return np.repeat(look_up(first, number), lasts)
 
 
 def scene_of(values: Mapping[str, Floats]) -> Scene:

@@ -1,0 +1,146 @@
+"""Grids: the quantities of cells in a row are those of the box, and their solution leaves no seam."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scenes import FIELDS
+
+from vibro.axes import Axis
+from vibro.core.codes import Regime, Status
+from vibro.sweeps.grid import Grid
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+FIXED = {
+    "amplitude": 1.0,
+    "frequency": 15.0,
+    "drive_angle": 20.0,
+    "static_friction": 0.74,
+    "kinetic_friction": 0.57,
+    "trough_angle": 0.0,
+    "gravity": 9.81,
+    "restitution": 0.0,
+}
+# as far apart as the axes of a grid can be, and in another order than theirs
+NAMES = ("amplitude", "static_friction", "frequency", "friction_ratio", "trough_angle")
+
+
+def grid_of(**values: list[float] | NDArray[np.float64]) -> Grid:
+    axes = {name: Axis(name, np.asarray(x, float), "list") for name, x in values.items()}
+    fixed = {name: value for name, value in FIXED.items() if name not in axes}
+    return Grid(axes, fixed, None)
+
+
+def with_ratio(grid: Grid) -> Grid:
+    """Give the kinetic friction by its ratio, as an axis or as one value."""
+    fixed = {name: value for name, value in grid.fixed.items() if name != "kinetic_friction"}
+    if "friction_ratio" not in grid.axes:
+        fixed["friction_ratio"] = 0.77
+    return Grid(grid.axes, fixed, None)
+
+
+def check_cells(grid: Grid, start: int, stop: int) -> None:
+    """Compare cells with those of the whole box, bit by bit."""
+    cells = grid.cells(start, stop)
+    whole = grid.values()
+    assert list(cells) == list(whole)
+    for name, x in whole.items():
+        expected = np.broadcast_to(x, grid.shape).ravel()[start:stop]
+        constant = name in grid.fixed or len(np.unique(expected)) == 1
+        assert cells[name].shape == ((1,) if constant else expected.shape), name
+        np.testing.assert_array_equal(np.broadcast_to(cells[name], expected.shape), expected, err_msg=name)
+
+
+def shaped(shape: tuple[int, ...]) -> Grid:
+    """Make a grid of a shape, whose axes are of any quantities."""
+    first = {"amplitude": 0.5, "static_friction": 0.2, "frequency": 10.0, "friction_ratio": 0.1}
+    axes = {
+        name: first.get(name, 0.0) + np.arange(length) / 8.0
+        for name, length in zip(NAMES, shape, strict=False)
+    }
+    return with_ratio(grid_of(**axes))
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        *[(), (1,), (7,), (1, 1), (3, 1, 4), (2, 3, 2)],
+        *[(1, 5, 1, 3), (1, 2, 3, 1), (2, 1, 2, 3), (3, 2, 1, 2, 1), (2, 1, 1, 3, 2), (1, 3, 2, 1, 2)],
+    ],
+)
+def test_every_range_of_cells_is_that_of_the_box(shape: tuple[int, ...]) -> None:
+    grid = shaped(shape)
+    for start, stop in itertools.combinations(range(grid.size + 1), 2):
+        check_cells(grid, start, stop)
+
+
+@given(st.lists(st.integers(1, 12), max_size=5), st.data())
+def test_ranges_of_larger_grids_are_those_of_the_box(shape: list[int], data: st.DataObject) -> None:
+    grid = shaped(tuple(shape))
+    start = data.draw(st.integers(0, grid.size - 1))
+    check_cells(grid, start, data.draw(st.integers(start + 1, grid.size)))
+
+
+def test_a_grid_without_a_ratio_has_none() -> None:
+    assert "friction_ratio" not in grid_of(frequency=[10.0, 15.0]).cells(0, 2)
+    check_cells(grid_of(kinetic_friction=[0.3, 0.5, 0.6], amplitude=[1.0, 2.0]), 1, 5)
+
+
+def test_cells_of_a_grid_that_nobody_could_hold() -> None:
+    long = np.arange(1.0, 10_000_001.0)
+    grid = grid_of(amplitude=long, frequency=long, static_friction=[0.5, 0.7])
+    cells = grid.cells(grid.size - 5, grid.size)
+    assert cells["amplitude"].tolist() == [1e7]
+    assert cells["frequency"].tolist() == [9_999_998.0, 9_999_999.0, 9_999_999.0, 1e7, 1e7]
+    assert cells["static_friction"].tolist() == [0.7, 0.5, 0.7, 0.5, 0.7]
+
+
+@pytest.mark.parametrize(("start", "stop"), [(-1, 2), (2, 2), (3, 2), (0, 7), (6, 7)])
+def test_cells_that_there_are_not_are_refused(start: int, stop: int) -> None:
+    with pytest.raises(IndexError, match=f"cells {start} to {stop} of 6"):
+        shaped((2, 3)).cells(start, stop)
+
+
+@pytest.mark.parametrize("step", [1, 7, 50])
+def test_cells_solved_in_ranges_leave_no_seam(step: int) -> None:
+    lines = with_ratio(
+        grid_of(
+            amplitude=np.linspace(0.3, 9.0, 6),
+            drive_angle=[20.0, 40.0],
+            friction_ratio=[0.6, 0.8, 1.2],
+            trough_angle=[-3.0, 5.0],
+            restitution=[0.0, 0.3],
+        )
+    )
+    ellipse = Grid(
+        {name: axis for name, axis in lines.axes.items() if name not in ("amplitude", "drive_angle")}
+        | {"normal_amplitude": Axis("normal_amplitude", np.array([0.1, 1.0, 3.0]), "list")},
+        {**lines.fixed, "along_amplitude": 1.0, "normal_phase": 40.0},
+        None,
+    )
+    harmonics = Grid(
+        {name: axis for name, axis in ellipse.axes.items() if name != "restitution"}
+        | {"along_amplitude_2": Axis("along_amplitude_2", np.array([0.0, 0.2]), "list")},
+        {**ellipse.fixed, "restitution": 0.0},
+        None,
+    )
+    seen: set[tuple[int, int]] = set()
+    for grid in (lines, ellipse, harmonics):
+        whole = grid.solve(grid.values())
+        for start in range(0, grid.size, step):
+            stop = min(start + step, grid.size)
+            part = grid.solve(grid.cells(start, stop), threads=1)
+            for name in FIELDS:
+                expected = getattr(whole, name).ravel()[start:stop]
+                found = np.broadcast_to(getattr(part, name), expected.shape)
+                np.testing.assert_array_equal(found, expected, err_msg=name, strict=True)
+        seen |= set(zip(whole.regime.ravel().tolist(), whole.status.ravel().tolist(), strict=True))
+    assert {regime for regime, _ in seen} == set(Regime)
+    assert {status for _, status in seen} >= {Status.OK, Status.AVERAGED, Status.INFEASIBLE}
