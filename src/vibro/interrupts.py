@@ -24,7 +24,7 @@ EXIT_CODE = 130
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 _SIGNALS = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
 
-_unfinished: list[Callable[[], None]] = []
+_unfinished: list[Callable[[], str | None]] = []
 
 
 def end_on_signals() -> None:
@@ -42,21 +42,26 @@ def ignore_signals() -> None:
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:
     ignore_signals()
+    said = ["error: interrupted"]
     for undo in reversed(_unfinished):
-        try:  # noqa: SIM105 - contextlib takes time to import
-            undo()
+        try:
+            hint = undo()
+            said += [f"hint: {hint}"] if hint else []
         except Exception:
             pass
     try:
-        os.write(2, b"error: interrupted\n")
+        os.write(2, "".join(f"{line}\n" for line in said).encode(errors="backslashreplace"))
     finally:
         os._exit(EXIT_CODE)
 
 
 class Undone:
-    """Context in which a signal that ends the process first calls ``undo``, all signals being ignored."""
+    """Context in which a signal that ends the process first calls ``undo``, all signals being ignored.
 
-    def __init__(self, undo: Callable[[], None]) -> None:
+    What that returns is a hint for the user.
+    """
+
+    def __init__(self, undo: Callable[[], str | None]) -> None:
         self._undo = undo
 
     def __enter__(self) -> None:

@@ -38,6 +38,8 @@ class Claim:
     ----------
     stem : Path
         Whose folder exists.
+    what : str, optional
+        What is written, for messages.
 
     Attributes
     ----------
@@ -45,9 +47,10 @@ class Claim:
         The place, once it is taken.
     """
 
-    def __init__(self, stem: Path) -> None:
+    def __init__(self, stem: Path, what: str = "") -> None:
         name = os.path.normcase(stem.name).encode(errors="surrogateescape")
         self.stem = stem
+        self._what = what or f"{stem}.*"
         self.folder = stem.with_name(f".vibro-{hashlib.sha256(name).hexdigest()[:16]}")
         self._lock: int | None = None
         self._paths: list[Path] = []
@@ -83,7 +86,7 @@ class Claim:
                 return
             time.sleep(_PAUSE)
         raise FileError(
-            f"another run is writing {self.stem}.* at this moment",
+            f"another run is writing {self._what} at this moment",
             hint=f"wait until it has ended; if there is none, remove the folder {self.folder}",
         )
 
