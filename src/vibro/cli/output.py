@@ -20,8 +20,9 @@ from vibro.files.tables import CsvFormat
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import records
-from vibro.sweeps.csv_sink import Tally, provenance, write_rows
+from vibro.sweeps.csv_sink import provenance, write_rows
 from vibro.sweeps.run import sweep_blocks
+from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -36,7 +37,17 @@ if TYPE_CHECKING:
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
-__all__ = ["Pictures", "answer_one", "answer_sweep", "count", "make_grid", "table_stream", "write_sweep"]
+__all__ = [
+    "Pictures",
+    "answer_one",
+    "answer_sweep",
+    "byte_count",
+    "conclude",
+    "count",
+    "make_grid",
+    "table_stream",
+    "write_sweep",
+]
 
 _ROWS_OF_A_SHEET: Final = 1_048_576
 # [B] What cells with their separator come to, rounded up: exact numbers that vary; texts, numbers that do not
@@ -142,7 +153,7 @@ def write_sweep(
         stream = table_stream(json=options.json)
         with console.progress("solving", grid.size) as report:
             tally = write_rows(grid, table.columns, form, stream, report, look)
-        return _conclude(tally, grid.size, console)
+        return conclude(tally, grid.size, console)
 
     names = pictures.names if pictures else ()
     formats = pictures.formats if pictures else ()
@@ -162,7 +173,7 @@ def write_sweep(
         content = files.finish(provenance(grid, table, tally), pictures.saver() if pictures else None)
     if options.json:
         print(json_text(content))
-    return _conclude(tally, grid.size, console)
+    return conclude(tally, grid.size, console)
 
 
 def answer_sweep(
@@ -189,7 +200,7 @@ def answer_sweep(
             print(between, json.dumps(cell, allow_nan=False), sep="", end="")
             between = ",\n"
     print("\n]")
-    return _conclude(tally, grid.size, console)
+    return conclude(tally, grid.size, console)
 
 
 def answer_one(
@@ -263,7 +274,7 @@ def _row_bytes(grid: Grid, table: Table) -> int:
 def _check_size(grid: Grid, row_bytes: int, files: Publication) -> None:
     free, needed = files.free_space(), grid.size * row_bytes
     if needed > free:
-        sizes = f"about {_bytes(needed)}, but only {_bytes(free)} are free"
+        sizes = f"about {byte_count(needed)}, but only {byte_count(free)} are free"
         product = f"{' x '.join(map(str, grid.shape))} = " if len(grid.shape) > 1 else ""
         cells = f"{product}{count(grid.size)} cells are" if grid.size > 1 else "one cell is"
         raise FileError(
@@ -286,7 +297,8 @@ def _fewer(counts: Sequence[int], room: int) -> str:
     return f"ask for at most {count(room)} cells{f', such as {example}' if len(counts) > 1 else ''}"
 
 
-def _bytes(number: float) -> str:
+def byte_count(number: float) -> str:
+    """Write a number of bytes for people."""
     for unit in ("B", "kB", "MB", "GB", "TB"):
         if number < 1000:
             return f"{number:.3g} {unit}"
@@ -294,7 +306,7 @@ def _bytes(number: float) -> str:
     return f"{number:.3g} PB"
 
 
-def _conclude(tally: Tally, size: int, console: Console) -> int:
+def conclude(tally: Tally, size: int, console: Console) -> int:
     """Tell how it went, and return the exit code."""
     for status in Status:
         if status is not Status.OK and tally.status[status]:

@@ -2,47 +2,21 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from vibro.core.codes import Regime, Status
 from vibro.sweeps.run import sweep_blocks
+from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from typing import TextIO
-
-    from numpy.typing import NDArray
 
     from vibro.files.tables import CsvFormat
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
     from vibro.sweeps.grid import Grid
 
-__all__ = ["Tally", "provenance", "write_rows"]
-
-_Code = TypeVar("_Code", Status, Regime)
-
-
-@dataclass
-class Tally:
-    """Cells by status and by regime."""
-
-    status: Counter[Status] = field(default_factory=Counter)
-    regime: Counter[Regime] = field(default_factory=Counter)
-
-    def add(self, block: Block) -> None:
-        """Count the cells of a block."""
-        self.status.update(_counted(block.cycle.status, Status))
-        self.regime.update(_counted(block.cycle.regime, Regime))
-
-
-def _counted(codes: NDArray[np.int8], kind: Callable[[int], _Code]) -> dict[_Code, int]:
-    values, numbers = np.unique(codes, return_counts=True)
-    return {kind(code): number for code, number in zip(values.tolist(), numbers.tolist(), strict=True)}
+__all__ = ["provenance", "write_rows"]
 
 
 def write_rows(
@@ -92,8 +66,7 @@ def provenance(grid: Grid, table: Table, tally: Tally) -> dict[str, Any]:
         "flight": grid.flight,
         "coexistence": grid.coexistence,
         "cells": grid.size,
-        "status": {status.label: tally.status[status] for status in Status if tally.status[status]},
-        "regime": {regime.label or "none": tally.regime[regime] for regime in Regime if tally.regime[regime]},
+        **tally.told(),
         "columns": {column.name: column.unit for column in table.columns},
         "digits": table.digits,
     }

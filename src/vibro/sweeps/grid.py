@@ -124,6 +124,15 @@ class Grid:
             result["kinetic_friction"] = _repeated(of_pairs, period, lasts, start, stop)
         return result
 
+    def picked(self, cells: NDArray[np.intp]) -> dict[str, Floats]:
+        """Return every quantity of cells by their numbers, as ``cells`` does."""
+        result = {name: np.array([value]) for name, value in self.fixed.items()}
+        where = np.unravel_index(cells, self.shape) if self.axes else ()
+        result |= {axis.name: axis.values[i] for axis, i in zip(self.axes.values(), where, strict=True)}
+        if "friction_ratio" in result:
+            result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
+        return result
+
     def solve(self, values: Mapping[str, Floats], threads: int | None = None) -> SteadyCycle:
         """Solve the cells of a box, given by its ``values``, on so many threads; without, one a core."""
         return solve(

@@ -1,0 +1,120 @@
+"""A solved block as a Parquet row group: exact numbers, nulls where there is none, texts by dictionaries."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
+
+import numpy as np
+
+from vibro.files.tables import rounded_cells
+from vibro.quantities import BY_COLUMN
+from vibro.sweeps.plan import ROW_GROUP
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from vibro.results.sweep import Block, Column
+    from vibro.sweeps.columns import Table
+
+__all__ = ["HashedFile", "open_writer", "row_group"]
+
+# Of zstd: higher levels take longer and save nothing, as numbers are noise to it (benchmarks/sweeps.py).
+_LEVEL: Final = 1
+# [B] One page a column: more would each begin anew with compressing.
+_PAGE: Final = 16 * ROW_GROUP
+
+
+class HashedFile:
+    """A file that is written once, and knows the SHA-256 and the size of what was written.
+
+    Parameters
+    ----------
+    file : binary file
+        Where to.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._digest = hashlib.sha256()
+        self.size = 0
+        self.closed = False
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 in hexadecimal."""
+        return self._digest.hexdigest()
+
+    def write(self, data: Any) -> int:
+        """Write bytes, or whatever has a buffer."""
+        self._digest.update(data)
+        self.size += len(data)
+        return self._file.write(data)
+
+    def tell(self) -> int:
+        """Return how much has been written."""
+        return self.size
+
+    def writable(self) -> bool:
+        """Whether it can be written: yes."""
+        return True
+
+    def flush(self) -> None:
+        """Hand on what is buffered."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """End; the file itself stays open."""
+        self.closed = True
+
+
+def open_writer(sink: Any, columns: Sequence[Column]) -> Any:
+    """Return pyarrow's writer of a table with these columns; one file, whose bytes follow from its cells."""
+    import pyarrow as arrow
+    from pyarrow import parquet
+
+    schema = arrow.schema([(column.name, _type(column, arrow)) for column in columns])
+    numbers = [field.name for field in schema if arrow.types.is_floating(field.type)]
+    return parquet.ParquetWriter(
+        sink,
+        schema,
+        compression="zstd",
+        compression_level=_LEVEL,
+        use_dictionary=[field.name for field in schema if field.name not in numbers] or False,
+        use_byte_stream_split=numbers or False,
+        # Which row groups a filter needs: of the axes alone, as results follow no order.
+        write_statistics=[name for name in schema.names if name in BY_COLUMN] or False,
+        write_page_checksum=True,
+        data_page_size=_PAGE,
+    )
+
+
+def row_group(table: Table, block: Block) -> Any:
+    """Make a block one row group: pyarrow's table of its cells."""
+    import pyarrow as arrow
+
+    arrays = [_array(column, block, table.digits, arrow) for column in table.columns]
+    return arrow.table(arrays, names=[column.name for column in table.columns])
+
+
+def _type(column: Column, arrow: Any) -> Any:
+    if column.is_number:
+        return arrow.float64()
+    return arrow.int8() if column.is_flag else arrow.dictionary(arrow.int16(), arrow.string())
+
+
+def _array(column: Column, block: Block, digits: int | None, arrow: Any) -> Any:
+    if column.is_number:
+        numbers = rounded_cells(column, block, digits)
+        unknown = np.broadcast_to(~np.isfinite(numbers), block.shape)
+        return arrow.array(np.broadcast_to(numbers, block.shape), mask=unknown)
+    if column.is_flag:
+        codes = np.broadcast_to(column.values(block), block.shape)
+        return arrow.array(codes.astype(np.int8), mask=codes < 0)
+    if column.decode is not None:
+        found = arrow.array(column.values(block)).dictionary_encode()  # it hashes where NumPy sorts
+        which, texts = found.indices.to_numpy(), column.decode(found.dictionary.to_numpy()).astype(object)
+    else:
+        which, texts = column.coded(block)
+    indices = np.broadcast_to(which, block.shape).astype(np.int16)
+    return arrow.DictionaryArray.from_arrays(indices, arrow.array(texts, arrow.string()))

@@ -1,0 +1,337 @@
+"""Sweeps in parts: who makes which, what of it is there already, and what the whole comes to."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import time
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, wait
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Final
+
+from vibro.errors import FileError
+from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, part_name
+from vibro.sweeps.parts import Job, Piece, Slow, Written, check_part, solve_piece, write_part
+from vibro.sweeps.plan import Plan, check_manifest, read_plan
+from vibro.sweeps.tally import Tally
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from concurrent.futures import Future
+
+    from vibro.sweeps.executors import Workers
+
+__all__ = ["Progress", "Summary", "begin", "make_parts"]
+
+# [s] A worker that takes longer for a part hands it back to be cut into pieces of half of that.
+_PATIENCE: Final = 20.0
+_WINDOW: Final = 2  # tasks for each worker: one at work, one that waits
+_LOSSES: Final = 3  # in a row, without a part in between, that end the run
+_NOTICED: Final = 0.1  # [s] in which an interrupt is noticed where a wait without an end ignores it
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run has come.
+
+    Attributes
+    ----------
+    solved : int
+        Cells that this run has solved.
+    cells, all_cells : int
+        Cells that are there, and that there will be.
+    parts, all_parts : int
+        Parts, likewise.
+    size : int
+        Of the parts [B].
+    seconds : float
+        Since the run began.
+    """
+
+    solved: int
+    cells: int
+    all_cells: int
+    parts: int
+    all_parts: int
+    size: int
+    seconds: float
+
+
+@dataclass
+class Summary:
+    """What a sweep in parts comes to: size [B] and SHA-256 of each part by number, and what was counted."""
+
+    sizes: dict[int, int] = field(default_factory=dict)
+    digests: dict[int, str] = field(default_factory=dict)
+    tally: Tally = field(default_factory=Tally)
+
+    @property
+    def size(self) -> int:
+        """All of it [B]."""
+        return sum(self.sizes.values())
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of what ``sha256sum part-*.parquet`` prints."""
+        lines = (f"{self.digests[part]}  {part_name(part)}\n" for part in sorted(self.digests))
+        return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+    def text(self) -> str:
+        """Return what the last file says."""
+        content = {
+            "cells": self.tally.status.total(),
+            "parts": len(self.sizes),
+            "bytes": self.size,
+            "digest": self.digest,
+            **self.tally.told(),
+        }
+        return json.dumps(content, indent=1) + "\n"
+
+
+def begin(
+    files: PartSet, plan: Plan, argv: Sequence[str], *, resume: bool, force: bool, own_size: bool
+) -> Plan:
+    """Begin or go on with a sweep in a folder.
+
+    Parameters
+    ----------
+    files : PartSet
+        The folder, entered.
+    plan : Plan
+        What is asked for.
+    argv : sequence of str
+        How, for the manifest.
+    resume, force : bool
+        Whether to go on with what is there, or to remove it; neither where there must be nothing.
+    own_size : bool
+        Whether the size of parts is asked for; else it is that of the parts that are there.
+
+    Returns
+    -------
+    Plan
+        What is to be made.
+
+    Raises
+    ------
+    FileError
+        If the folder holds something else; of another sweep it names the differences.
+    """
+    plan.check()
+    text = files.read(MANIFEST)
+    files.check_free()
+    if text is not None:
+        path = files.shown / MANIFEST
+        check_manifest(text, path)
+        if resume:
+            there = read_plan(text, path)
+            return _going_on(files, plan if own_size else replace(plan, part_cells=there.part_cells), there)
+        if not force:
+            raise _exists(files)
+        files.clear()
+    files.write(MANIFEST, plan.manifest(argv))
+    return plan
+
+
+def _exists(files: PartSet) -> FileError:
+    if files.read(SUCCESS) is not None:
+        return FileError(
+            f"{files.shown} holds a sweep already", hint="--force starts anew; or choose another name"
+        )
+    hint = "--resume goes on with it, --force starts anew"
+    return FileError(f"{files.shown} holds a sweep that is not finished", hint=hint)
+
+
+def _going_on(files: PartSet, plan: Plan, there: Plan) -> Plan:
+    differences = plan.differences(there)
+    if differences:
+        raise FileError(
+            f"{files.shown} holds another sweep: {'; '.join(differences)}",
+            hint="ask for the same, choose another name with -o, or start anew with --force",
+        )
+    others = files.parts() - {part_name(part) for part in range(plan.parts)}
+    if others:
+        raise FileError(f"{files.shown} holds parts that are none of this sweep: {min(others)}")
+    return plan
+
+
+def make_parts(
+    plan: Plan,
+    files: PartSet,
+    workers: Workers,
+    report: Callable[[Progress], None] = lambda progress: None,
+    patience: float = _PATIENCE,
+) -> Summary:
+    """Make the parts that are missing, and check those that are there.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is made.
+    files : PartSet
+        Where to, entered.
+    workers : Workers
+        By whom, entered.
+    report : callable
+        Told about the progress several times a second.
+    patience : float
+        A part that would take a worker longer is shared [s].
+
+    Returns
+    -------
+    Summary
+        Of all parts.
+
+    Raises
+    ------
+    FileError, VibroError, OSError
+        If a part cannot be made; what is there remains.
+    """
+    run = _Run(plan, files, workers, report, patience)
+    try:
+        return run.finish()
+    except BaseException:
+        files.stop()
+        raise
+
+
+@dataclass(frozen=True)
+class _Task:
+    """Something to be done by a worker, and the cells that are done with it."""
+
+    work: Callable[..., Any]
+    part: int
+    more: tuple[Any, ...] = ()
+
+
+class _Run:
+    """The parts of a sweep on their way."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        files: PartSet,
+        workers: Workers,
+        report: Callable[[Progress], None],
+        patience: float,
+    ) -> None:
+        self._plan, self._files, self._workers, self._report = plan, files, workers, report
+        self._patience = patience
+        shared = patience if workers.number > 1 else math.inf
+        self._job = Job(plan, files.folder, files.run, files.wanted, workers.threads, shared)
+        self._there = files.parts()
+        self._rest = iter(range(plan.parts))
+        self._first: deque[_Task] = deque()  # before the rest
+        self._running: dict[Future[Any], _Task] = {}
+        self._pieces: dict[int, list[Piece]] = {}
+        self._summary = Summary()
+        self._solved = self._checked = 0  # cells, and those that were there
+        self._began = time.monotonic()
+        self._losses = 0
+
+    def finish(self) -> Summary:
+        """Work until all is there."""
+        while True:
+            while len(self._running) < _WINDOW * self._workers.number and (task := self._next()) is not None:
+                self._submit(task)
+            if not self._running:
+                return self._summary
+            done, _ = wait(self._running, _NOTICED, FIRST_COMPLETED)
+            lost = [task for future in done if (task := self._take(future)) is not None]
+            if lost:
+                self._renew(lost)
+            self._tell()
+
+    def _next(self) -> _Task | None:
+        if self._first:
+            return self._first.popleft()
+        part = next(self._rest, None)
+        if part is None:
+            return None
+        return _Task(check_part if part_name(part) in self._there else write_part, part)
+
+    def _submit(self, task: _Task) -> None:
+        self._running[self._workers.submit(task.work, self._job, task.part, *task.more)] = task
+
+    def _take(self, future: Future[Any]) -> _Task | None:
+        """Take what a worker returns; return the task if the worker was lost."""
+        task = self._running.pop(future)
+        try:
+            found = future.result()
+        except self._workers.lost:
+            return task
+        if isinstance(found, Written):
+            self._publish(found, made=task.work is write_part)
+        elif isinstance(found, Slow):
+            self._share(found.part, *self._plan.range_of(found.part), found.seconds)
+        elif isinstance(found, Piece):
+            self._collect(found, stop=task.more[1])
+        else:  # a part that was there is not whole
+            self._first.append(_Task(write_part, task.part))
+        return None
+
+    def _publish(self, found: Written, *, made: bool) -> None:
+        first, end = self._plan.range_of(found.part)
+        if made:
+            self._files.remove(SUCCESS)
+            self._files.publish(found.temporary, part_name(found.part))
+            pieces = self._pieces.pop(found.part, [])
+            self._solved += 0 if pieces else end - first
+            for piece in pieces:
+                self._files.remove(piece.temporary)
+            self._losses = 0
+        else:
+            self._checked += end - first
+        self._summary.sizes[found.part] = found.size
+        self._summary.digests[found.part] = found.digest
+        self._summary.tally.include([found.tally])
+
+    def _share(self, part: int, start: int, stop: int, seconds: float) -> None:
+        """Cut cells that take so long into pieces, the next to be worked on."""
+        number = min(stop - start, max(2, math.ceil(seconds / (0.5 * self._patience))))
+        ends = [start + (stop - start) * i // number for i in range(number + 1)]
+        self._pieces.setdefault(part, [])
+        self._first.extend(_Task(solve_piece, part, ends_of) for ends_of in pairwise(ends))
+
+    def _collect(self, piece: Piece, stop: int) -> None:
+        """Take a piece; have what is left of it shared, or the part written where nothing is."""
+        pieces = self._pieces[piece.part]
+        pieces.append(piece)
+        solved = piece.stop - piece.start
+        self._solved += solved
+        first, end = self._plan.range_of(piece.part)
+        if piece.stop < stop:
+            self._share(piece.part, piece.stop, stop, piece.seconds * (stop - piece.stop) / solved)
+        elif sum(p.stop - p.start for p in pieces) == end - first:
+            pieces.sort(key=lambda p: p.start)
+            self._first.append(_Task(write_part, piece.part, (tuple(pieces),)))
+
+    def _renew(self, lost: list[_Task]) -> None:
+        """Give what lost workers had begun to others."""
+        self._losses += 1
+        if self._losses > _LOSSES:
+            raise FileError(
+                "workers end again and again: were they killed, or is there not enough memory?",
+                hint="ask for fewer workers or smaller parts, and go on with --resume",
+            )
+        lost += self._running.values()
+        self._running.clear()
+        self._workers.__exit__()
+        self._workers.__enter__()
+        self._first.extendleft(reversed(lost))
+
+    def _tell(self) -> None:
+        self._report(
+            Progress(
+                self._solved,
+                self._solved + self._checked,
+                self._plan.grid.size,
+                len(self._summary.sizes),
+                self._plan.parts,
+                self._summary.size,
+                time.monotonic() - self._began,
+            )
+        )
