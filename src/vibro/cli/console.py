@@ -99,7 +99,7 @@ class Console:
         self.echo(f"warning: {text}")
 
     @contextlib.contextmanager
-    def progress(self, label: str, total: int) -> Iterator[Callable[[int], None]]:
+    def progress(self, label: str, total: int) -> Iterator[Callable[..., None]]:
         """Show a progress bar on a terminal.
 
         Parameters
@@ -112,15 +112,21 @@ class Console:
         Yields
         ------
         callable
-            To be called with the amount that has been done so far.
+            To be called with the amount that has been done so far, and a text to stand beside it, if any.
         """
         if not self.is_terminal:
-            yield lambda done: None
+            yield lambda done, note="": None
             return
         from rich.console import Console as RichConsole
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[note]}"),
+            TimeRemainingColumn(),
+        )
         console = RichConsole(stderr=True)
 
         def show_cursor() -> None:
@@ -129,5 +135,5 @@ class Console:
                 os.write(2, b"\r\x1b[K\x1b[?25h")
 
         with Undone(show_cursor), Progress(*columns, console=console, transient=True) as bar:
-            task = bar.add_task(label, total=total)
-            yield lambda done: bar.update(task, completed=done)
+            task = bar.add_task(label, total=total, note="")
+            yield lambda done, note="": bar.update(task, completed=done, note=note)

@@ -18,6 +18,16 @@ from vibro.cli.options import (
     picture_formats,
     refuse_without_flight,
 )
+from vibro.cli.parts import (
+    Form,
+    PartCellsOption,
+    ResumeOption,
+    SchedulerOption,
+    TableOption,
+    WorkersOption,
+    parts_of,
+    write_parted,
+)
 from vibro.cli.tables import (
     NEEDS_PART,
     ColumnsOption,
@@ -107,14 +117,19 @@ def map_command(
     digits: DigitsOption = None,
     pitch: PitchOption = None,
     mass: MassOption = None,
+    table: TableOption = Form.CSV,
+    part_cells: PartCellsOption = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    resume: ResumeOption = False,
 ) -> int:
     """Map the regimes, speeds and traverse times of a scene over any of its quantities.
 
     An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log;
     without a count a range has 200 values, 100 beside another axis and 20 beside more. Numbers may carry
     units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm and 5:60 Hz. The
-    results go to STEM.csv, STEM.json and pictures. A list of at most 12 values is drawn as curves beside one
-    range, and as a map each beside two.
+    results go to STEM.csv, STEM.json and pictures, or with --table parquet to a folder. A list of at most 12
+    values is drawn as curves beside one range, and as a map each beside two.
     """
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
@@ -140,11 +155,16 @@ def map_command(
             "--speed: no speeds are computed with --accuracy regimes", hint="leave one of them out"
         )
     part = part_of(pitch, mass)
+    parts = parts_of(
+        table, options, part_cells=part_cells, workers=workers, scheduler=scheduler, resume=resume
+    )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question_length(request, options)
     grid = make_grid(request, console, level=accuracy, flight=flight, coexistence=coexist)
     usual = columns_of(grid.axes, *throughput_of(part), drive=grid.drive)
-    table = table_of(usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part)
+    written = table_of(
+        usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part
+    )
     held = _held(at or [], request)
     view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), held, grid.fixed)
     name = request.name or "vibro-map"
@@ -163,6 +183,13 @@ def map_command(
     if pictures:
         check_drawable(view)
         _tell_choices(view, grid.axes, held, console)
+    if parts is not None:
+        code, tally = write_parted(
+            grid, written, options, parts, context.obj, console, name, request.own, pictures
+        )
+        if tally.at_rest:
+            console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
+        return code
     window = None if level is None else friction_window(grid, level)
     moves = False
 
@@ -172,7 +199,7 @@ def map_command(
         if window:
             window.add(block)
 
-    code = write_sweep(grid, table, options, context.obj, console, name, pictures, look)
+    code = write_sweep(grid, written, options, context.obj, console, name, pictures, look)
     if window:
         console.echo(window.text())
     if not moves:

@@ -1,0 +1,293 @@
+"""Tables in parts: the options of ``vibro map --table parquet``, and how such a run is told about."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import shutil
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import product
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from vibro import __version__
+from vibro.errors import InputError, cut
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from vibro.cli.console import Console
+    from vibro.cli.options import Options
+    from vibro.cli.output import Pictures
+    from vibro.files.part_sets import PartSet
+    from vibro.sweeps.columns import Table
+    from vibro.sweeps.executors import Workers
+    from vibro.sweeps.grid import Grid
+    from vibro.sweeps.parted import Progress, Summary
+    from vibro.sweeps.tally import Tally
+
+__all__ = [
+    "Form",
+    "PartCellsOption",
+    "Parts",
+    "ResumeOption",
+    "SchedulerOption",
+    "TableOption",
+    "WorkersOption",
+    "parts_of",
+    "write_parted",
+]
+
+
+class Form(StrEnum):
+    """What a table is written as."""
+
+    CSV = "csv"
+    PARQUET = "parquet"
+
+
+TableOption = Annotated[
+    Form,
+    typer.Option(
+        "--table",
+        help="One CSV, or a folder of Parquet files, named by -o, for more cells than a spreadsheet holds.",
+    ),
+]
+PartCellsOption = Annotated[
+    str | None,
+    typer.Option(
+        "--part-cells",
+        metavar="NUMBER",
+        help="Cells of each Parquet file. [default: 1e6]",
+        show_default=False,
+    ),
+]
+WorkersOption = Annotated[
+    str | None,
+    typer.Option(
+        "--workers",
+        metavar="NUMBER",
+        help="Processes that make Parquet files; without, threads of this one.",
+        show_default=False,
+    ),
+]
+SchedulerOption = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="A Dask cluster that makes Parquet files, such as tcp://host:8786; its workers need the same"
+        " vibro and the same folder.",
+        show_default=False,
+    ),
+]
+ResumeOption = Annotated[
+    bool, typer.Option("--resume", help="Go on with a folder of Parquet files that was cut short.")
+]
+
+_MOST_WORKERS: Final = 1024
+_TENTHS: Final = 10  # lines of progress where nobody watches
+
+
+@dataclass(frozen=True)
+class Parts:
+    """How a table in parts is made.
+
+    Attributes
+    ----------
+    cells : int or None
+        Of each part, if given.
+    workers : int or None
+        Processes; None for threads.
+    scheduler : str or None
+        Address of a cluster.
+    resume : bool
+        Whether to go on with what is there.
+    """
+
+    cells: int | None
+    workers: int | None
+    scheduler: str | None
+    resume: bool
+
+
+def parts_of(
+    form: Form,
+    options: Options,
+    *,
+    part_cells: str | None,
+    workers: str | None,
+    scheduler: str | None,
+    resume: bool,
+) -> Parts | None:
+    """Check the options about tables in parts; return nothing where the table is one CSV.
+
+    Raises
+    ------
+    InputError
+        If options exclude each other, or a number is none.
+    """
+    from vibro.cli.request import whole_number
+
+    given = {"--part-cells": part_cells, "--workers": workers, "--scheduler": scheduler, "--resume": resume}
+    if form is Form.CSV:
+        for option, value in given.items():
+            if value:
+                raise InputError(f"{option}: a CSV is one file", hint="add --table parquet")
+        return None
+    for option, is_given in (("--excel", options.excel), ("--decimal-comma", options.decimal_comma)):
+        if is_given:
+            raise InputError(f"{option} is about CSV", hint="leave it out, or --table parquet")
+    if workers is not None and scheduler is not None:
+        raise InputError("--workers and --scheduler: either makes all parts", hint="leave one of them out")
+    if resume and options.force:
+        raise InputError("--resume goes on, --force starts anew", hint="leave one of them out")
+    cells = None if part_cells is None else whole_number("--part-cells", part_cells)
+    if cells is not None and cells < 1:
+        raise InputError(f"--part-cells {cells}: must be at least 1", hint="1e6 is usual")
+    number = None if workers is None else whole_number("--workers", workers)
+    if number is not None and not 1 <= number <= _MOST_WORKERS:
+        raise InputError(f"--workers {number}: must be from 1 to {_MOST_WORKERS}", hint="one a core is usual")
+    if scheduler is not None and "://" not in scheduler:
+        raise InputError(f"--scheduler {cut(scheduler)}: is no address", hint="write it like tcp://host:8786")
+    return Parts(cells, number, scheduler, resume)
+
+
+def write_parted(
+    grid: Grid,
+    table: Table,
+    options: Options,
+    parts: Parts,
+    argv: Sequence[str],
+    console: Console,
+    name: str,
+    own: Mapping[str, float],
+    pictures: Pictures | None = None,
+) -> tuple[int, Tally]:
+    """Solve a grid and write its table in parts, and its pictures.
+
+    Parameters
+    ----------
+    grid, table, options, argv, console, name, pictures
+        As for ``write_sweep``; ``-o`` names the folder.
+    parts : Parts
+        How.
+    own : mapping of str to float
+        The scene's own values, for the manifest.
+
+    Returns
+    -------
+    tuple of int and Tally
+        The exit code, and what was counted.
+
+    Raises
+    ------
+    InputError, FileError, VibroError
+        If the files cannot be written, or the folder holds something else.
+    """
+    from vibro.cli.output import conclude
+    from vibro.files.part_sets import PartSet, part_folder
+    from vibro.files.publication import json_text
+    from vibro.sweeps.csv_sink import provenance
+    from vibro.sweeps.parted import begin, make_parts
+    from vibro.sweeps.plan import PART_CELLS, Plan, check_arrow, versions
+
+    check_arrow()
+    folder = part_folder(options.output, name)
+    asked = Plan(grid, table, parts.cells or PART_CELLS, name, own, versions())
+    with PartSet(folder, "the same command with --resume goes on") as files:
+        plan = begin(
+            files,
+            asked,
+            ["vibro", *argv],
+            resume=parts.resume,
+            force=options.force,
+            own_size=parts.cells is not None,
+        )
+        with _workers(parts, plan.parts) as workers, _progress(console, folder, grid.size) as report:
+            summary = make_parts(plan, files, workers, report)
+        content = {**provenance(grid, table, summary.tally), "digest": summary.digest}
+        drawn = _draw(files, pictures, content)
+        files.finish(summary.text())
+    _tell(console, folder, summary, grid.size, drawn)
+    if options.json:
+        print(json_text({"folder": str(folder), "parts": plan.parts, "bytes": summary.size, **content}))
+    return conclude(summary.tally, grid.size, console), summary.tally
+
+
+def _workers(parts: Parts, number: int) -> Workers:
+    """Return who makes so many parts."""
+    from vibro.sweeps.executors import Cluster, Processes, Threads
+
+    if parts.scheduler is not None:
+        return Cluster(parts.scheduler)
+    return Threads(number) if parts.workers is None else Processes(parts.workers)
+
+
+def _draw(files: PartSet, pictures: Pictures | None, content: Mapping[str, Any]) -> list[str]:
+    """Draw pictures into the folder; return their names."""
+    if pictures is None:
+        return []
+    metadata = {"Software": f"vibro {__version__}", "Description": json.dumps(content, allow_nan=False)}
+    save = pictures.saver()
+    drawn = []
+    for name, form in product(pictures.names, pictures.formats):
+        drawn.append(f"{name}.{form}")
+        with files.new(drawn[-1]) as path:
+            save(name, path, form, metadata)
+    return drawn
+
+
+@contextlib.contextmanager
+def _progress(console: Console, folder: Path, cells: int) -> Iterator[Callable[[Progress], None]]:
+    """Tell how far a run has come: a bar where somebody watches, else a line for every tenth."""
+    from vibro.cli.output import byte_count, count
+
+    said = 0
+    warned = False
+
+    def look_at_disk(progress: Progress) -> None:
+        nonlocal warned
+        if progress.parts and not warned:
+            warned = True
+            needed = progress.size * (progress.all_parts / progress.parts - 1.0)
+            free = shutil.disk_usage(folder).free
+            if needed > free:
+                console.warn(f"about {byte_count(needed)} more are needed, and {byte_count(free)} are free")
+
+    with console.progress("solving", cells) as bar:
+
+        def report(progress: Progress) -> None:
+            nonlocal said
+            look_at_disk(progress)
+            speed = progress.solved / progress.seconds if progress.seconds else 0.0
+            note = f"{progress.parts} of {progress.all_parts} parts, {speed:.3g} cells/s"
+            bar(progress.cells, note)
+            tenths = _TENTHS * progress.cells // progress.all_cells
+            if said < tenths < _TENTHS and not console.is_terminal:
+                said = tenths
+                left = (progress.all_cells - progress.cells) / speed if speed else math.inf
+                time_left = f", about {left:.0f} s left" if math.isfinite(left) else ""
+                console.echo(
+                    f"{100 * tenths // _TENTHS} % of {count(progress.all_cells)} cells: {note}{time_left}"
+                )
+
+        yield report
+
+
+def _tell(console: Console, folder: Path, summary: Summary, cells: int, drawn: Sequence[str]) -> None:
+    """Tell what was written."""
+    from vibro.cli.output import byte_count
+    from vibro.files.part_sets import MANIFEST, SUCCESS
+
+    number = len(summary.sizes)
+    each = f"{byte_count(summary.size)}, {summary.size / cells:.1f} bytes a cell"
+    console.echo(
+        f"wrote {folder}: {number} part{'' if number == 1 else 's'}, {each}; digest {summary.digest}"
+    )
+    for name in (*drawn, MANIFEST, SUCCESS):
+        console.echo(f"wrote {folder / name}")
