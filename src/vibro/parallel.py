@@ -13,7 +13,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-__all__ = ["BLOCK", "cores", "grid_blocks", "in_parallel", "within"]
+__all__ = ["BLOCK", "cores", "grid_blocks", "in_parallel", "retain_freed_memory", "within"]
 
 # [cells] Few enough that temporaries stay near a core, many enough that threads seldom wait for each other
 # between two NumPy calls (benchmarks/kernel.py).
@@ -69,7 +69,7 @@ def in_parallel(run: Callable[[Any], None], parts: Sequence[Any], threads: int |
         for part in parts:
             run(part)
         return
-    _retain_freed_memory()
+    retain_freed_memory()
     left = deque(parts)
     failures: list[BaseException] = []
 
@@ -104,7 +104,7 @@ def in_parallel(run: Callable[[Any], None], parts: Sequence[Any], threads: int |
 
 
 @cache
-def _retain_freed_memory() -> None:
+def retain_freed_memory() -> None:
     """Free one large buffer, once.
 
     From then on glibc's malloc keeps freed temporaries for reuse instead of handing them back to the

@@ -100,7 +100,7 @@ def row_group(table: Table, block: Block) -> Any:
 def _type(column: Column, arrow: Any) -> Any:
     if column.is_number:
         return arrow.float64()
-    return arrow.int8() if column.is_flag else arrow.dictionary(arrow.int16(), arrow.string())
+    return arrow.int8() if column.is_flag else arrow.dictionary(arrow.int32(), arrow.string())
 
 
 def _array(column: Column, block: Block, digits: int | None, arrow: Any) -> Any:
@@ -116,5 +116,5 @@ def _array(column: Column, block: Block, digits: int | None, arrow: Any) -> Any:
         which, texts = found.indices.to_numpy(), column.decode(found.dictionary.to_numpy()).astype(object)
     else:
         which, texts = column.coded(block)
-    indices = np.broadcast_to(which, block.shape).astype(np.int16)
+    indices = np.broadcast_to(which, block.shape).astype(np.int32)
     return arrow.DictionaryArray.from_arrays(indices, arrow.array(texts, arrow.string()))
