@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from vibro.cli.output import Pictures
     from vibro.files.part_sets import PartSet
     from vibro.sweeps.columns import Table
-    from vibro.sweeps.executors import Workers
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.parted import Progress, Summary
     from vibro.sweeps.tally import Tally
@@ -193,23 +192,21 @@ def write_parted(
     from vibro.files.part_sets import PartSet, part_folder
     from vibro.files.publication import json_text
     from vibro.sweeps.csv_sink import provenance
-    from vibro.sweeps.parted import begin, make_parts
+    from vibro.sweeps.executors import workers_of
+    from vibro.sweeps.parted import agree, make_parts
     from vibro.sweeps.plan import PART_CELLS, Plan, check_arrow, versions
 
     check_arrow()
     folder = part_folder(options.output, name)
     asked = Plan(grid, table, parts.cells or PART_CELLS, name, own, versions())
     with PartSet(folder, "the same command with --resume goes on") as files:
-        plan = begin(
-            files,
-            asked,
-            ["vibro", *argv],
-            resume=parts.resume,
-            force=options.force,
-            own_size=parts.cells is not None,
-        )
-        with _workers(parts, plan.parts) as workers, _progress(console, folder, grid.size) as report:
-            summary = make_parts(plan, files, workers, report)
+        resume = parts.resume
+        plan = agree(files, asked, resume=resume, force=options.force, own_size=parts.cells is not None)
+        with (
+            workers_of(plan.parts, parts.workers, parts.scheduler) as workers,
+            _progress(console, folder, grid.size) as report,
+        ):
+            summary = make_parts(plan, files, workers, ["vibro", *argv], resume=resume, report=report)
         content = {**provenance(grid, table, summary.tally), "digest": summary.digest}
         drawn = _draw(files, pictures, content)
         files.finish(summary.text())
@@ -217,15 +214,6 @@ def write_parted(
     if options.json:
         print(json_text({"folder": str(folder), "parts": plan.parts, "bytes": summary.size, **content}))
     return conclude(summary.tally, grid.size, console), summary.tally
-
-
-def _workers(parts: Parts, number: int) -> Workers:
-    """Return who makes so many parts."""
-    from vibro.sweeps.executors import Cluster, Processes, Threads
-
-    if parts.scheduler is not None:
-        return Cluster(parts.scheduler)
-    return Threads(number) if parts.workers is None else Processes(parts.workers)
 
 
 def _draw(files: PartSet, pictures: Pictures | None, content: Mapping[str, Any]) -> list[str]:
@@ -265,7 +253,8 @@ def _progress(console: Console, folder: Path, cells: int) -> Iterator[Callable[[
             nonlocal said
             look_at_disk(progress)
             speed = progress.solved / progress.seconds if progress.seconds else 0.0
-            note = f"{progress.parts} of {progress.all_parts} parts, {speed:.3g} cells/s"
+            rate = f", {speed:.3g} cells/s" if speed else ""
+            note = f"{progress.parts} of {progress.all_parts} parts{rate}"
             bar(progress.cells, note)
             tenths = _TENTHS * progress.cells // progress.all_cells
             if said < tenths < _TENTHS and not console.is_terminal:

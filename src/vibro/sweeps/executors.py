@@ -20,7 +20,7 @@ from vibro.parallel import cores
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["Cluster", "Processes", "Threads", "Workers"]
+__all__ = ["Cluster", "Processes", "Threads", "Workers", "workers_of"]
 
 _GRACE: Final = 2.0  # [s] in which a worker whose client has gone may remove what it was writing
 _KNOWN: Final = 5.0  # [s] for which the number of workers is taken for unchanged
@@ -178,6 +178,13 @@ class Cluster(Workers):
         """Have something done."""
         future: Future[Any] = self._pool.submit(work, *args)
         return future
+
+
+def workers_of(parts: int, processes: int | None, scheduler: str | None) -> Workers:
+    """Return who makes so many parts: threads, where neither processes nor a scheduler are asked for."""
+    if scheduler is not None:
+        return Cluster(scheduler)
+    return Threads(parts) if processes is None else Processes(processes)
 
 
 @contextlib.contextmanager

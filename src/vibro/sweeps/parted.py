@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import FileError
 from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, part_name
-from vibro.sweeps.parts import Job, Piece, Slow, Written, check_part, solve_piece, write_part
+from vibro.sweeps.parts import Job, Piece, Slow, Written, check_job, check_part, solve_piece, write_part
 from vibro.sweeps.plan import Plan, check_manifest, read_plan
 from vibro.sweeps.tally import Tally
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from vibro.sweeps.executors import Workers
 
-__all__ = ["Progress", "Summary", "begin", "make_parts"]
+__all__ = ["Progress", "Summary", "agree", "make_parts"]
 
 # [s] A worker that takes longer for a part hands it back to be cut into pieces of half of that.
 _PATIENCE: Final = 20.0
@@ -92,10 +92,8 @@ class Summary:
         return json.dumps(content, indent=1) + "\n"
 
 
-def begin(
-    files: PartSet, plan: Plan, argv: Sequence[str], *, resume: bool, force: bool, own_size: bool
-) -> Plan:
-    """Begin or go on with a sweep in a folder.
+def agree(files: PartSet, plan: Plan, *, resume: bool, force: bool, own_size: bool) -> Plan:
+    """Check what is to be done with a folder, and change nothing.
 
     Parameters
     ----------
@@ -103,10 +101,8 @@ def begin(
         The folder, entered.
     plan : Plan
         What is asked for.
-    argv : sequence of str
-        How, for the manifest.
     resume, force : bool
-        Whether to go on with what is there, or to remove it; neither where there must be nothing.
+        Whether to go on with what is there, or to replace it; neither where there must be nothing.
     own_size : bool
         Whether the size of parts is asked for; else it is that of the parts that are there.
 
@@ -123,16 +119,15 @@ def begin(
     plan.check()
     text = files.read(MANIFEST)
     files.check_free()
-    if text is not None:
-        path = files.shown / MANIFEST
-        check_manifest(text, path)
-        if resume:
-            there = read_plan(text, path)
-            return _going_on(files, plan if own_size else replace(plan, part_cells=there.part_cells), there)
-        if not force:
-            raise _exists(files)
-        files.clear()
-    files.write(MANIFEST, plan.manifest(argv))
+    if text is None:
+        return plan
+    path = files.shown / MANIFEST
+    check_manifest(text, path)
+    if resume:
+        there = read_plan(text, path)
+        return _going_on(files, plan if own_size else replace(plan, part_cells=there.part_cells), there)
+    if not force:
+        raise _exists(files)
     return plan
 
 
@@ -162,19 +157,26 @@ def make_parts(
     plan: Plan,
     files: PartSet,
     workers: Workers,
+    argv: Sequence[str],
+    *,
+    resume: bool,
     report: Callable[[Progress], None] = lambda progress: None,
     patience: float = _PATIENCE,
 ) -> Summary:
-    """Make the parts that are missing, and check those that are there.
+    """Make the parts that are missing.
 
     Parameters
     ----------
     plan : Plan
-        What is made.
+        What is made, as ``agree`` returns it.
     files : PartSet
         Where to, entered.
     workers : Workers
         By whom, entered.
+    argv : sequence of str
+        How the sweep is asked for, for the manifest.
+    resume : bool
+        Whether parts that are there are checked and kept; else they are removed.
     report : callable
         Told about the progress several times a second.
     patience : float
@@ -192,6 +194,11 @@ def make_parts(
     """
     run = _Run(plan, files, workers, report, patience)
     try:
+        run.check_workers()
+        if not resume:
+            files.clear()
+        if files.read(MANIFEST) is None:
+            files.write(MANIFEST, plan.manifest(argv))
         return run.finish()
     except BaseException:
         files.stop()
@@ -222,7 +229,7 @@ class _Run:
         self._patience = patience
         shared = patience if workers.number > 1 else math.inf
         self._job = Job(plan, files.folder, files.run, files.wanted, workers.threads, shared)
-        self._there = files.parts()
+        self._there: set[str] = set()
         self._rest = iter(range(plan.parts))
         self._first: deque[_Task] = deque()  # before the rest
         self._running: dict[Future[Any], _Task] = {}
@@ -232,8 +239,16 @@ class _Run:
         self._began = time.monotonic()
         self._losses = 0
 
+    def check_workers(self) -> None:
+        """Have one of the workers look whether it can do what it is to do, before anything is touched."""
+        try:
+            self._workers.submit(check_job, self._job).result()
+        except self._workers.lost as exc:
+            raise _cannot_work() from exc
+
     def finish(self) -> Summary:
         """Work until all is there."""
+        self._there = self._files.parts()
         while True:
             while len(self._running) < _WINDOW * self._workers.number and (task := self._next()) is not None:
                 self._submit(task)
@@ -313,10 +328,7 @@ class _Run:
         """Give what lost workers had begun to others."""
         self._losses += 1
         if self._losses > _LOSSES:
-            raise FileError(
-                "workers end again and again: were they killed, or is there not enough memory?",
-                hint="ask for fewer workers or smaller parts, and go on with --resume",
-            )
+            raise _cannot_work()
         lost += self._running.values()
         self._running.clear()
         self._workers.__exit__()
@@ -335,3 +347,11 @@ class _Run:
                 time.monotonic() - self._began,
             )
         )
+
+
+def _cannot_work() -> FileError:
+    return FileError(
+        "workers end as soon as they begin, or again and again: are they killed, or short of memory?",
+        hint="ask for fewer workers or smaller parts, and go on with --resume; a script that asks for workers"
+        ' needs the line if __name__ == "__main__":',
+    )

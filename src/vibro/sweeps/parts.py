@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.errors import FileError, VibroError
+from vibro.errors import FileError
 from vibro.files.part_sets import new_part, part_name, sync_file
 from vibro.parallel import retain_freed_memory
 from vibro.results.steady import RESULTS, SteadyCycle
@@ -31,7 +31,17 @@ if TYPE_CHECKING:
 
     from vibro.sweeps.plan import Plan
 
-__all__ = ["Job", "Piece", "Slow", "Written", "check_part", "read_footer", "solve_piece", "write_part"]
+__all__ = [
+    "Job",
+    "Piece",
+    "Slow",
+    "Written",
+    "check_job",
+    "check_part",
+    "read_footer",
+    "solve_piece",
+    "write_part",
+]
 
 _FOOTER: Final = b"vibro"  # the key of what a footer says
 
@@ -74,18 +84,6 @@ class Job:
     threads: int
     patience: float
 
-    def check(self) -> None:
-        """Refuse to work with other versions than the plan's, or elsewhere than on its files."""
-        here = versions()
-        if here != self.plan.versions:
-            said = [", ".join(f"{k} {v}" for k, v in which.items()) for which in (here, self.plan.versions)]
-            raise VibroError(f"a worker has {said[0]}; this sweep is made with {said[1]}")
-        if not self.folder.is_dir():
-            raise FileError(
-                f"a worker finds no folder {self.folder}",
-                hint="workers and whoever starts them need the same files under the same path",
-            )
-
     def solve(self, start: int, stop: int) -> Block:
         """Solve cells in a row."""
         values = self.plan.grid.cells(start, stop)
@@ -122,6 +120,27 @@ class Piece:
     seconds: float
 
 
+def check_job(job: Job) -> None:
+    """Refuse to work with other versions than the plan's, or elsewhere than on its files.
+
+    Raises
+    ------
+    FileError
+        It names the versions, or the folder.
+    """
+    here = versions()
+    if here != job.plan.versions:
+        said = [", ".join(f"{k} {v}" for k, v in which.items()) for which in (here, job.plan.versions)]
+        raise FileError(
+            f"a worker has {said[0]}; this sweep is made with {said[1]}", hint="install the same everywhere"
+        )
+    if not job.folder.is_dir():
+        raise FileError(
+            f"a worker finds no folder {job.folder}",
+            hint="workers and whoever starts them need the same files under the same path",
+        )
+
+
 def write_part(job: Job, part: int, pieces: Sequence[Piece] = ()) -> Written | Slow | None:
     """Solve a part and write it.
 
@@ -144,7 +163,7 @@ def write_part(job: Job, part: int, pieces: Sequence[Piece] = ()) -> Written | S
     VibroError, OSError
         If it cannot be made here.
     """
-    job.check()
+    check_job(job)
     retain_freed_memory()
     first, end = job.plan.range_of(part)
     if not pieces and job.plan.grid.flight:
@@ -182,7 +201,7 @@ def check_part(job: Job, part: int) -> Written | None:
     """Read a part that is there from end to end; None if it is not whole, or no part of this plan."""
     from pyarrow import ArrowException, parquet
 
-    job.check()
+    check_job(job)
     path = job.folder / part_name(part)
     first, end = job.plan.range_of(part)
     try:
@@ -203,7 +222,7 @@ def check_part(job: Job, part: int) -> Written | None:
 
 def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
     """Solve the first of some cells, as many as patience allows; None if nobody wants them any more."""
-    job.check()
+    check_job(job)
     retain_freed_memory()
     began = time.monotonic()
     solved: list[NDArray[Any]] = []
