@@ -15,16 +15,23 @@ from vibro.plots.style import house_style, visible
 from vibro.plots.view import View, choose_view, is_discrete, panels
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
 
     from matplotlib.figure import Figure
 
     from vibro.results.sweep import SweepResult
 
-__all__ = ["View", "choose_view", "map_figures", "picture_names", "save"]
+__all__ = ["View", "choose_view", "map_figures", "picture_names", "results_drawn", "save"]
 
 
+# Results that every picture shows or is hatched by, and what some pictures show beside.
+_DRAWN: Final = (
+    "regime", "mean_velocity", "displacement_per_cycle", "period_cycles", "mean_velocity_error", "coexists",
+    "status",
+)  # fmt: skip
+_DRAWN_BY: Final[Mapping[str, str]] = {"impact": "impact_velocity", "flight": "flight_fraction"}
+_IN_PLACE_OF_LIMITS: Final = ("throw_number", "forward_ratio")
 _COMPRESSION: Final = 3  # of PNG: against the usual 6, files 10 % larger in half the time
 
 
@@ -36,6 +43,20 @@ def picture_names(view: View, *, has_length: bool, on_request: bool = True) -> l
     names = ["regime"] if view.y or view.curves else []
     names += ["speed", *(["traverse"] if has_length else [])]
     return [*names, "impact", "flight"] if on_request else names
+
+
+def results_drawn(names: Iterable[str], *, has_limits: bool) -> tuple[str, ...]:
+    """Name the results, attributes of ``SteadyCycle``, that pictures need; all others may be unknown.
+
+    Parameters
+    ----------
+    names : iterable of str
+        The pictures.
+    has_limits : bool
+        Whether there are critical loads; without, the results tell where regimes meet.
+    """
+    own = [_DRAWN_BY[name] for name in names if name in _DRAWN_BY]
+    return (*_DRAWN, *own, *(() if has_limits else _IN_PLACE_OF_LIMITS))
 
 
 def map_figures(

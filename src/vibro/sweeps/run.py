@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -13,13 +13,13 @@ from vibro.limits import critical_loads
 from vibro.motion.arrivals import arrival_time
 from vibro.parallel import BLOCK, cores, grid_blocks, within
 from vibro.quantities import QUANTITIES
-from vibro.results.steady import SteadyCycle
+from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.results.sweep import Block, SweepResult
 from vibro.scene import HarmonicFields
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["limits_of", "sweep_blocks", "sweep_picture"]
+__all__ = ["limits_of", "solved_picture", "sweep_blocks", "sweep_picture"]
 
 # [cells] Handed on at once: enough that a block's fixed costs vanish, few enough that its texts stay small.
 _BLOCK: Final = BLOCK // 2
@@ -95,21 +95,77 @@ def sweep_picture(
     SweepResult
         Of at most three axes.
     """
-    held = {name: indices[0] for name, indices in drawn.items() if len(indices) == 1}
-    fixed = {**grid.fixed, **{name: float(grid.axes[name].values[i]) for name, i in held.items()}}
-    varying = [axis for name, axis in grid.axes.items() if name not in held]
-    kept = sum(axis.name in drawn for axis in varying)
-    count = _resolution(len(varying) - kept, kept, bounces=fixed.get("restitution", 1.0) > 0.0)
-    axes = {
-        axis.name: replace(axis, values=axis.values[list(drawn[axis.name])])
-        if axis.name in drawn
-        else _resolved(axis, count)
-        for axis in varying
-    }
-    part = replace(grid, axes=axes, fixed=fixed)
+    part = _grid_at(grid, drawn)
+    ranges = [name for name in part.axes if name not in drawn]
+    bounces = part.fixed.get("restitution", 1.0) > 0.0
+    count = _resolution(len(ranges), len(part.axes) - len(ranges), bounces=bounces)
+    axes = {name: _resolved(axis, count) if name in ranges else axis for name, axis in part.axes.items()}
+    part = replace(part, axes=axes)
+    point = grid.operating_point(operating_point)
     values = part.values()
-    limits, point = limits_of(values), grid.operating_point(operating_point)
-    return SweepResult(axes, fixed, part.solve(values), limits, grid.length, point, title)
+    return SweepResult(axes, part.fixed, part.solve(values), limits_of(values), grid.length, point, title)
+
+
+def solved_picture(
+    grid: Grid,
+    drawn: Mapping[str, tuple[int, ...]],
+    operating_point: Mapping[str, float] | None,
+    title: str,
+    pictures: Iterable[str],
+    cells: Callable[[Collection[str], Sequence[NDArray[np.intp]]], Mapping[str, NDArray[Any]]],
+) -> SweepResult:
+    """Take what pictures show of a grid from cells that are solved already.
+
+    Parameters
+    ----------
+    grid, drawn, operating_point, title
+        As for ``sweep_picture``. But of every range that is drawn some of its own values are shown: all of
+        them, or, where they are at least twice as many as a picture resolves, every second, third, ...
+    pictures : iterable of str
+        Names of the pictures.
+    cells : callable
+        From names of results and indices along every axis to these results, by name: arrays of the shape
+        that the indices span.
+
+    Returns
+    -------
+    SweepResult
+        Of at most three axes; results that are not drawn are unknown.
+    """
+    from vibro.plots import results_drawn  # late: a table needs no pictures
+
+    indices = _solved_indices(grid, drawn)
+    part = _grid_at(grid, indices)
+    limits, point = limits_of(part.values()), grid.operating_point(operating_point)
+    found = cells(results_drawn(pictures, has_limits=limits is not None), list(indices.values()))
+    results = {r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS}
+    results |= {name: values.reshape(part.shape) for name, values in found.items()}
+    return SweepResult(part.axes, part.fixed, SteadyCycle(**results), limits, grid.length, point, title)
+
+
+def _grid_at(grid: Grid, indices: Mapping[str, Sequence[int] | NDArray[np.intp]]) -> Grid:
+    """Keep some values of axes, by their names; those with a single one left are fixed quantities."""
+    fixed, axes = dict(grid.fixed), {}
+    for name, axis in grid.axes.items():
+        kept = axis.values[list(indices[name])] if name in indices else axis.values
+        if len(kept) == 1:
+            fixed[name] = float(kept[0])
+        else:
+            axes[name] = replace(axis, values=kept)
+    return replace(grid, axes=axes, fixed=fixed)
+
+
+def _solved_indices(grid: Grid, drawn: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[np.intp]]:
+    """Choose the values of every axis that a picture shows, of ranges at least as many as it resolves."""
+    kept = sum(len(indices) > 1 for indices in drawn.values())
+    ranges = len(grid.axes) - len(drawn)
+    resolved = _RESOLVED[ranges + kept if ranges > 1 else 1]
+    indices = {}
+    for name, axis in grid.axes.items():
+        last = len(axis) - 1
+        steps = last // max(1, last // (resolved - 1))
+        indices[name] = np.array(drawn.get(name, np.round(np.linspace(0, last, steps + 1))), np.intp)
+    return indices
 
 
 def limits_of(values: Mapping[str, Floats]) -> CriticalLoads | None:

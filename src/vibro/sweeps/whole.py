@@ -14,26 +14,24 @@ from vibro.axes import axis_of
 from vibro.core.codes import Level
 from vibro.errors import InputError, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
-from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
-from vibro.results.sweep import Block, SweepResult
+from vibro.quantities import BY_COLUMN, QUANTITIES
+from vibro.results.sweep import Block
 from vibro.scene import Scene
 from vibro.steady import check_switch, level_of
 from vibro.sweeps.columns import chosen, columns_of, to_frame
 from vibro.sweeps.request import RANGES, gather
-from vibro.sweeps.run import limits_of
+from vibro.sweeps.solved import SolvedGrid, check_memory
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
     from os import PathLike
 
     import pandas as pd
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from vibro.axes import AxisSpec
     from vibro.quantities import Quantity
     from vibro.results.steady import SteadyCycle
-    from vibro.sweeps.grid import Grid
     from vibro.sweeps.request import Request
 
 __all__ = ["Sweep", "read_scene", "sweep"]
@@ -67,7 +65,7 @@ class _File(_Call):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep:
+class Sweep(SolvedGrid):
     """A solved sweep; made by ``vibro.sweep``.
 
     Attributes
@@ -83,30 +81,6 @@ class Sweep:
     """
 
     cycle: SteadyCycle
-    _grid: Grid
-    _own: Mapping[str, float]
-    _title: str
-
-    def __repr__(self) -> str:
-        """Say what was swept: ``<Sweep of amplitude_mm (3 values) x frequency_hz (4 values)>``."""
-        axes = [f"{axis.column} ({len(axis)} values)" for axis in self._grid.axes.values()]
-        return f"<Sweep of {' x '.join(axes) or 'one operating point'}>"
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Number of values of each axis."""
-        return self._grid.shape
-
-    @property
-    def axes(self) -> dict[str, NDArray[np.float64]]:
-        """Values of what varies, by key."""
-        return {axis.column: axis.values.copy() for axis in self._grid.axes.values()}
-
-    @property
-    def fixed(self) -> dict[str, float]:
-        """Every other quantity, by key."""
-        fixed = {QUANTITIES[name].column: value for name, value in self._grid.fixed.items()}
-        return fixed if self._grid.length is None else {**fixed, "trough_length_mm": self._grid.length}
 
     def to_frame(self, columns: Sequence[str] | None = None) -> pd.DataFrame:
         """Return the cells as a data frame.
@@ -132,84 +106,11 @@ class Sweep:
         block = Block(self._grid.values(), self.cycle, self._grid.length)
         return to_frame(usual if columns is None else chosen(columns, usual), block)
 
-    def draw(
-        self,
-        name: Literal["regime", "speed", "traverse", "impact", "flight"],
-        *,
-        x: str | None = None,
-        y: str | None = None,
-        at: Mapping[str, float] | None = None,
-    ) -> Figure:
-        """Draw a picture of the cells held; ``vibro map`` solves its own, finer ones.
-
-        Parameters
-        ----------
-        name : {"regime", "speed", "traverse", "impact", "flight"}
-            What is drawn: a map of two ranges, a line of one over bands of its regimes. An axis of at most
-            12 values that were given one by one is no range: it makes curves beside one range, maps beside
-            two, and points where there is none. A third range makes up to 12 maps. Any more axes are held
-            in the middle of their feasible values.
-        x, y : str, optional
-            The ranges drawn across and up, by key, name or letter (``"amplitude_mm"``, ``"A"``).
-        at : mapping of str to float or str, optional
-            Where other axes are held, by the same names; each at one of its values.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Without a window; ``figure.savefig(path)`` writes it.
-
-        Raises
-        ------
-        InputError
-            If there is no such picture of this sweep, or an axis or a value is not one of its own.
-        """
-        from vibro.plots import choose_view, map_figures, picture_names
-
-        grid = self._grid
-        if not self.shape:
-            raise _no_picture(name, "there are none")
-        across, up, held = _axis_name(x), _axis_name(y), _held({} if at is None else at)
-        view = choose_view(grid.axes, across, up, held, grid.fixed)
-        known = picture_names(view, has_length=grid.length is not None)
-        if grid.level is Level.REGIMES:
-            known = [picture for picture in known if picture == "regime"]
-        if name not in known:
-            hint = f"there are {', '.join(known) or 'none'}"
-            raise _no_picture(
-                name, "give trough_length_mm" if name == "traverse" and not grid.length else hint
-            )
-        limits, point = limits_of(grid.values()), grid.operating_point(self._own)
-        result = SweepResult(grid.axes, grid.fixed, self.cycle, limits, grid.length, point, self._title)
-        return map_figures(result, [name], x=across, y=up, at=held)[name]
-
-
-def _no_picture(name: str, hint: str) -> InputError:
-    return InputError(f"draw({shown(name)}): no such picture of this sweep", hint=hint)
-
-
-def _axis_name(called: str | None) -> str | None:
-    quantity = find_quantity(called) if called is not None else None
-    return quantity.name if quantity is not None else called
-
-
-def _held(at: Mapping[str, Any]) -> dict[str, float]:
-    held: dict[str, float] = {}
-    for called, value in at.items():
-        quantity = find_quantity(str(called))
-        if quantity is None or quantity.name == "stroke":
-            raise InputError(
-                f"at: {shown(called)} is no axis", hint="give it by its key, such as amplitude_mm"
-            )
-        if quantity.name in held:
-            raise InputError(f"at: {quantity.label} is given twice", hint="give it once")
-        spec = axis_of(value, quantity)
-        if spec.varies:
-            raise InputError(
-                f"at: {quantity.label} = {shown(value)}: must be one value", hint="give one number"
-            )
-        held[quantity.name] = spec.value
-    return held
+    def _cells(
+        self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
+    ) -> dict[str, NDArray[Any]]:
+        box = np.ix_(*indices)
+        return {name: getattr(self.cycle, name)[box] for name in results}
 
 
 def sweep(
@@ -265,21 +166,8 @@ def sweep(
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
     grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
-    _check_memory(grid)
-    return Sweep(grid.solve(grid.values()), grid, request.own, request.name or "")
-
-
-def _check_memory(grid: Grid) -> None:
-    """Refuse what cannot be held, where the system tells how much that is."""
-    if not hasattr(os, "sysconf"):  # Windows
-        return
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    if grid.size * _BYTES_PER_CELL > memory:
-        cells = f"{' x '.join(map(str, grid.shape))} = {grid.size} cells"
-        raise InputError(
-            f"{cells} take about {grid.size * _BYTES_PER_CELL / 1e9:.3g} GB, of {memory / 1e9:.3g} GB in all",
-            hint="ask for fewer values, or write them to a file with vibro map",
-        )
+    check_memory(grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to a file with vibro map")
+    return Sweep(grid, request.own, request.name or "", grid.solve(grid.values()))
 
 
 def _request(scene_file: str | PathLike[str] | None, quantities: Mapping[str, Any]) -> Request:

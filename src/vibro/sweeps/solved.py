@@ -1,0 +1,167 @@
+"""What sweeps that are held and sweeps that are stored share: what they cover, and their pictures."""
+
+from __future__ import annotations
+
+import math
+import os
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from vibro.axes import axis_of
+from vibro.core.codes import Level
+from vibro.errors import InputError, shown
+from vibro.quantities import QUANTITIES, find_quantity
+from vibro.sweeps.run import solved_picture
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+
+    import numpy as np
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from vibro.quantities import Quantity
+    from vibro.sweeps.grid import Grid
+
+__all__ = ["SolvedGrid", "axis_called", "check_memory", "one_value"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SolvedGrid(ABC):
+    """A grid whose cells are solved, wherever they are."""
+
+    _grid: Grid
+    _own: Mapping[str, float]
+    _title: str
+
+    def __repr__(self) -> str:
+        """Say what was swept: ``<Sweep of amplitude_mm (3 values) x frequency_hz (4 values)>``."""
+        axes = [f"{axis.column} ({len(axis)} values)" for axis in self._grid.axes.values()]
+        return f"<{type(self).__name__} of {' x '.join(axes) or 'one operating point'}>"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return self._grid.shape
+
+    @property
+    def axes(self) -> dict[str, NDArray[np.float64]]:
+        """Values of what varies, by key."""
+        return {axis.column: axis.values.copy() for axis in self._grid.axes.values()}
+
+    @property
+    def fixed(self) -> dict[str, float]:
+        """Every other quantity, by key."""
+        fixed = {QUANTITIES[name].column: value for name, value in self._grid.fixed.items()}
+        return fixed if self._grid.length is None else {**fixed, "trough_length_mm": self._grid.length}
+
+    def draw(
+        self,
+        name: Literal["regime", "speed", "traverse", "impact", "flight"],
+        *,
+        x: str | None = None,
+        y: str | None = None,
+        at: Mapping[str, float] | None = None,
+    ) -> Figure:
+        """Draw a picture of these cells, of which nothing is solved again; ``vibro map`` solves finer ones.
+
+        Parameters
+        ----------
+        name : {"regime", "speed", "traverse", "impact", "flight"}
+            What is drawn: a map of two ranges, a line of one over bands of its regimes. An axis of at most
+            12 values that were given one by one is no range: it makes curves beside one range, maps beside
+            two, and points where there is none. A third range makes up to 12 maps. Any more axes are held
+            in the middle of their feasible values.
+        x, y : str, optional
+            The ranges drawn across and up, by key, name or letter (``"amplitude_mm"``, ``"A"``).
+        at : mapping of str to float or str, optional
+            Where other axes are held, by the same names; each at one of its values.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Without a window; ``figure.savefig(path)`` writes it. Of a range with at least twice as many
+            values as a picture resolves (301 beside another range, 161 where there are several maps, 4001
+            on its own) it shows every second, third ... value.
+
+        Raises
+        ------
+        InputError
+            If there is no such picture of this sweep, or an axis or a value is not one of its own.
+        """
+        from vibro.plots import choose_view, map_figures, picture_names
+
+        grid = self._grid
+        if not self.shape:
+            raise _no_picture(name, "there are none")
+        held = _held({} if at is None else at)
+        view = choose_view(grid.axes, _axis_name(x), _axis_name(y), held, grid.fixed)
+        known = picture_names(view, has_length=grid.length is not None)
+        if grid.level is Level.REGIMES:
+            known = [picture for picture in known if picture == "regime"]
+        if name not in known:
+            hint = f"there are {', '.join(known) or 'none'}"
+            raise _no_picture(
+                name, "give trough_length_mm" if name == "traverse" and not grid.length else hint
+            )
+        result = solved_picture(grid, view.drawn, self._own, self._title, [name], self._cells)
+        return map_figures(result, [name], x=view.x.name, y=view.y.name if view.y else None)[name]
+
+    @abstractmethod
+    def _cells(
+        self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
+    ) -> dict[str, NDArray[Any]]:
+        """Return results by name, of the cells at some values of every axis: arrays of their shape."""
+
+
+def _no_picture(name: str, hint: str) -> InputError:
+    return InputError(f"draw({shown(name)}): no such picture of this sweep", hint=hint)
+
+
+def _axis_name(called: str | None) -> str | None:
+    quantity = find_quantity(called) if called is not None else None
+    return quantity.name if quantity is not None else called
+
+
+def _held(at: Mapping[str, Any]) -> dict[str, float]:
+    held: dict[str, float] = {}
+    for called, value in at.items():
+        quantity = axis_called(called, "at")
+        if quantity.name in held:
+            raise InputError(f"at: {quantity.label} is given twice", hint="give it once")
+        held[quantity.name] = one_value(value, quantity, "at")
+    return held
+
+
+def axis_called(called: object, argument: str) -> Quantity:
+    """Find the quantity that an argument names by key, name or letter."""
+    quantity = find_quantity(str(called))
+    if quantity is None or quantity.name == "stroke":
+        raise InputError(
+            f"{argument}: {shown(called)} is no axis", hint="give it by its key, such as amplitude_mm"
+        )
+    return quantity
+
+
+def one_value(value: object, quantity: Quantity, argument: str) -> float:
+    """Read one value of a quantity, which may be a text with a unit."""
+    spec = axis_of(value, quantity)
+    if spec.varies:
+        raise InputError(
+            f"{argument}: {quantity.label} = {shown(value)}: must be one value", hint="give one number"
+        )
+    return spec.value
+
+
+def check_memory(shape: Sequence[int], bytes_per_cell: int, hint: str) -> None:
+    """Refuse cells that cannot be held, where the system tells how much memory there is."""
+    if not hasattr(os, "sysconf"):  # Windows
+        return
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    needed = math.prod(shape) * bytes_per_cell
+    if needed > memory:
+        cells = f"{' x '.join(map(str, shape))} = {math.prod(shape)} cells"
+        raise InputError(
+            f"{cells} take about {needed / 1e9:.3g} GB, of {memory / 1e9:.3g} GB in all", hint=hint
+        )

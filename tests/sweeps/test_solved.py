@@ -1,0 +1,66 @@
+"""Pictures of cells that are solved already: they show all that matters of them, and no more than is seen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from pixels import pixels
+
+import vibro
+from vibro.plots import choose_view, map_figures, results_drawn
+from vibro.results.steady import RESULTS
+from vibro.results.sweep import SweepResult
+from vibro.sweeps import run
+
+if TYPE_CHECKING:
+    from vibro.sweeps.whole import Sweep
+
+FRICTION: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57}
+LINE: dict[str, Any] = {"drive_angle_deg": 20, **FRICTION}
+ELLIPSE: dict[str, Any] = {"normal_amplitude_mm": 0.4, "normal_phase_deg": 40, **FRICTION}
+
+
+def whole(t: Sweep) -> SweepResult:
+    """Return a sweep with all its results, of which a picture may show whatever it likes."""
+    grid = t._grid
+    limits = run.limits_of(grid.values())
+    return SweepResult(grid.axes, grid.fixed, t.cycle, limits, grid.length, None, "")
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        ({"amplitude_mm": "0.1:8:25", "frequency_hz": "5:30:25", **LINE}, ("regime", "speed", "traverse")),
+        ({"amplitude_mm": "0.1:8:25", "frequency_hz": [10, 20], **LINE}, ("regime", "speed", "flight")),
+        ({"amplitude_mm": "0.1:8:41", "frequency_hz": 15, **LINE, "restitution": 0.2}, ("speed", "impact")),
+        (
+            {"along_amplitude_mm": "0.1:3:15", "frequency_hz": "5:40:15", **ELLIPSE, "normal_phase_2_deg": 9,
+             "normal_amplitude_2_mm": 0.2},
+            ("regime", "speed", "impact", "flight"),
+        ),
+    ],
+)  # fmt: skip
+def test_pictures_need_no_other_results(given: dict[str, Any], names: tuple[Any, ...]) -> None:
+    t = vibro.sweep(**given, trough_length_mm=600)
+    result = whole(t)
+    for name in names:
+        assert len(results_drawn([name], has_limits=result.limits is not None)) < len(RESULTS)
+        np.testing.assert_array_equal(
+            pixels(t.draw(name)), pixels(map_figures(result, [name])[name]), err_msg=name
+        )
+
+
+def test_long_ranges_show_some_of_their_values_and_their_ends() -> None:
+    t = vibro.sweep(amplitude_mm="0.1:3:701", frequency_hz="5:60:601", accuracy="regimes", **LINE)
+    view = choose_view(t._grid.axes)
+    (image,) = t.draw("regime").axes
+    assert (image.get_xlim(), image.get_ylim()) == ((5.0, 60.0), (0.1, 3.0))
+    seen = run._solved_indices(t._grid, view.drawn)
+    assert seen["frequency"].tolist() == list(range(0, 601, 2))
+    amplitudes = seen["amplitude"]
+    assert (len(amplitudes), amplitudes[0], amplitudes[-1]) == (351, 0, 700)
+    few = vibro.sweep(amplitude_mm="0.1:3:11", frequency_hz="5:60:600", accuracy="regimes", **LINE)
+    seen = run._solved_indices(few._grid, choose_view(few._grid.axes).drawn)
+    assert [len(indices) for indices in seen.values()] == [11, 600]
