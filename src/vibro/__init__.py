@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
     from vibro.steady import solve
+    from vibro.sweeps.stored import open_sweep
     from vibro.sweeps.whole import read_scene, sweep
 
 __all__ = [
@@ -43,6 +44,7 @@ __all__ = [
     "design",
     "feasible_amplitudes",
     "guarantee",
+    "open_sweep",
     "read_scene",
     "simulate",
     "solve",
@@ -70,6 +72,7 @@ _HOMES = {
     "design": "vibro.inverse.designs",
     "feasible_amplitudes": "vibro.inverse.amplitudes",
     "guarantee": "vibro.inverse.guarantees",
+    "open_sweep": "vibro.sweeps.stored",
     "read_scene": "vibro.sweeps.whole",
     "simulate": "vibro.motion.histories",
     "solve": "vibro.steady",

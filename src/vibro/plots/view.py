@@ -25,6 +25,7 @@ __all__ = [
     "View",
     "check_drawable",
     "choose_view",
+    "index_of",
     "is_discrete",
     "panels",
     "value_of",
@@ -172,7 +173,7 @@ def choose_view(
     curves = axes[lists.pop(0)] if y is None and lists else None
     others = [*lists, *ranges]
     facet = axes[others.pop(0)] if others else None
-    held = {name: _index(axes[name], value) for name, value in at.items()}
+    held = {name: index_of(axes[name], value) for name, value in at.items()}
     held |= _middles(axes, [name for name in axes if name in others], held, fixed or {})
     return View(axes[x], axes[y] if y else None, curves, facet, _facet_indices(facet), held)
 
@@ -220,7 +221,14 @@ def _check_map(
         raise InputError(f"there is no range beside {axes[y].label} to draw across", hint="leave y out")
 
 
-def _index(axis: Axis, value: float) -> int:
+def index_of(axis: Axis, value: float) -> int:
+    """Find a value of an axis by its number, in the user's units.
+
+    Raises
+    ------
+    InputError
+        If it is none of its values; it names the nearest.
+    """
     nearest = int(np.argmin(np.abs(axis.values - value)))
     if np.isclose(axis.values[nearest], value, rtol=_SAME, atol=0.0):
         return nearest

@@ -1,0 +1,106 @@
+"""Columns that are gathered from row groups: numbers, flags and texts, for arrays and for data frames."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+__all__ = ["GATHERED", "Flags", "Numbers", "Texts", "kind_of"]
+
+
+class Numbers:
+    """A column of numbers, NaN where there is none."""
+
+    bytes_per_cell: Final = 8
+
+    def __init__(self, size: int) -> None:
+        self.values: NDArray[np.float64] = np.empty(size)
+
+    def put(self, place: int, found: Any) -> None:
+        """Take over an Arrow array."""
+        self.values[place : place + len(found)] = found.to_numpy()
+
+    def of_frame(self) -> Any:
+        """Return what a data frame holds."""
+        return self.values
+
+
+class Flags:
+    """A column of flags: 1, 0, or -1 where it is unknown."""
+
+    bytes_per_cell: Final = 2
+
+    def __init__(self, size: int) -> None:
+        self.values: NDArray[np.int8] = np.empty(size, np.int8)
+
+    def put(self, place: int, found: Any) -> None:
+        """Take over an Arrow array."""
+        self.values[place : place + len(found)] = found.fill_null(-1).to_numpy()
+
+    def of_frame(self) -> Any:
+        """Return what a data frame holds."""
+        import pandas as pd
+
+        return pd.arrays.IntegerArray(self.values, self.values < 0)
+
+
+class Texts:
+    """A column of texts.
+
+    Attributes
+    ----------
+    codes : int array
+        Of every cell, an index into ``texts``.
+    texts : dict of str to int
+        Those that occur and their codes, ascending.
+    """
+
+    bytes_per_cell: Final = 10  # while codes of one kind become those of another
+
+    def __init__(self, size: int) -> None:
+        self.codes: NDArray[np.int32] = np.empty(size, np.int32)
+        self.texts: dict[str, int] = {}
+
+    def put(self, place: int, found: Any) -> None:
+        """Take over an Arrow array, whose dictionary may be another in every row group."""
+        for chunk in found.chunks:
+            local = chunk.indices.to_numpy()
+            used, which = np.unique(local, return_inverse=True)
+            texts = chunk.dictionary.to_pylist()
+            codes = [self.texts.setdefault(texts[i], len(self.texts)) for i in used.tolist()]
+            self.codes[place : place + len(chunk)] = np.array(codes, np.int32)[which]
+            place += len(chunk)
+
+    def translated(self, codes: Mapping[str, int]) -> NDArray[np.int8]:
+        """Return other codes of the same texts; ``KeyError`` names a text that has none."""
+        return np.array([codes[text] for text in self.texts], np.int8)[self.codes]
+
+    def of_frame(self) -> Any:
+        """Return what a data frame holds: the texts as categories in their order."""
+        import pandas as pd
+
+        known = pd.Categorical(np.array(list(self.texts), dtype=object))
+        return pd.Categorical.from_codes(known.codes[self.codes], dtype=known.dtype)
+
+
+#: By the kind of a column what gathers it.
+GATHERED: Final[Mapping[str, type[Numbers | Flags | Texts]]] = {
+    "number": Numbers,
+    "flag": Flags,
+    "text": Texts,
+}
+
+
+def kind_of(of: Any) -> str:
+    """Return the kind of a column by its Arrow type, or the name of a type that no column has."""
+    from pyarrow import types
+
+    if types.is_dictionary(of):
+        return "text"
+    return {"double": "number", "int8": "flag"}.get(str(of), str(of))

@@ -1,0 +1,243 @@
+"""Sweeps that ``vibro map`` has stored as Parquet files: their cells as data frames and as pictures."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibro.axes import axis_of
+from vibro.errors import FileError, InputError, shown
+from vibro.plots.view import index_of
+from vibro.quantities import QUANTITIES
+from vibro.results.steady import RESULTS
+from vibro.sweeps.gathered import GATHERED, Flags, Numbers, Texts
+from vibro.sweeps.part_files import PartFiles, open_parts
+from vibro.sweeps.run import solved_picture
+from vibro.sweeps.selection import Selection
+from vibro.sweeps.solved import SolvedGrid, axis_called, check_memory, one_value
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+    from os import PathLike
+
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from vibro.axes import Axis
+    from vibro.results.steady import Result
+    from vibro.results.sweep import SweepResult
+    from vibro.sweeps.grid import Grid
+
+__all__ = ["StoredSweep", "open_sweep", "stored_picture"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StoredSweep(SolvedGrid):
+    """A sweep in files; opened by ``vibro.open_sweep``.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Number of values of each axis.
+    axes : dict of str to array
+        Values of what varies, by its key in a scene file, in the unit that the key names.
+    fixed : dict of str to float
+        Every other quantity, likewise.
+    columns : tuple of str
+        Names of the columns of its cells.
+    """
+
+    _parts: PartFiles
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of its cells."""
+        return tuple(self._parts.kinds)
+
+    def to_frame(
+        self, filters: Mapping[str, Any] | None = None, columns: Sequence[str] | None = None
+    ) -> pd.DataFrame:
+        """Read cells into a data frame, from those files, row groups and columns alone that hold them.
+
+        Parameters
+        ----------
+        filters : mapping, optional
+            By axis, which is called by key, name or letter (``"amplitude_mm"``, ``"A"``): one of its values,
+            a list of them, or a pair ``(low, high)``, a tuple, for all from ``low`` to ``high``, both
+            included. Numbers may carry units as texts, ``"800um"``. Of other axes it has all values.
+        columns : sequence of str, optional
+            Some of ``columns``, in the order wanted; without, all.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row a cell, in their order, the last axis fastest. Texts are categorical, flags such as
+            ``coexists`` nullable integers, and a number that there is not is NaN, as those of
+            ``vibro.sweep(...).to_frame()`` are.
+
+        Raises
+        ------
+        InputError
+            If something is no axis, no value of its axis or no column, or the cells need more memory than
+            there is.
+        FileError
+            If a file cannot be read, or its checksums tell that it is damaged.
+        """
+        import pandas as pd
+
+        parts = self._parts
+        names = list(parts.kinds) if columns is None else _checked(columns, self.columns)
+        cells = _selection(self._grid, {} if filters is None else filters)
+        per_cell = sum(GATHERED[parts.kinds[name]].bytes_per_cell for name in names)
+        hint = "filter the cells, name fewer columns, or let another reader of Parquet, such as DuckDB, do it"
+        check_memory(cells.shape, per_cell, hint)
+        return pd.DataFrame({name: found.of_frame() for name, found in parts.read(names, cells).items()})
+
+    def _cells(
+        self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
+    ) -> dict[str, NDArray[Any]]:
+        return _cells(self._parts, results, indices)
+
+
+def open_sweep(path: str | PathLike[str]) -> StoredSweep:
+    """Open the directory of Parquet files that ``vibro map --table parquet`` has written.
+
+    Parameters
+    ----------
+    path : path
+        The directory; it is finished.
+
+    Returns
+    -------
+    StoredSweep
+        Its axes; cells are read when they are asked for, and pictures solve nothing.
+
+    Raises
+    ------
+    FileError
+        If there is no such directory, it is not finished, or a part of it is missing or damaged.
+    VibroError
+        If pyarrow is not installed.
+
+    Examples
+    --------
+    >>> import vibro
+    >>> vibro.open_sweep("examples")
+    Traceback (most recent call last):
+    vibro.errors.FileError: examples holds no sweep: there is no manifest.json in it
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"path = {shown(path)}: must be a path", hint='write it like "wide_sweep"')
+    parts = open_parts(Path(path))
+    return StoredSweep(parts.grid, parts.own, parts.name, parts)
+
+
+def stored_picture(
+    parts: PartFiles, drawn: Mapping[str, tuple[int, ...]], pictures: Sequence[str]
+) -> SweepResult:
+    """Read what pictures show of stored cells.
+
+    Parameters
+    ----------
+    parts : PartFiles
+        The cells.
+    drawn : mapping of str to tuple of int
+        As for ``solved_picture``.
+    pictures : sequence of str
+        Their names.
+
+    Raises
+    ------
+    InputError
+        If a column that a picture needs was not written.
+    FileError
+        If a file cannot be read.
+    """
+    return solved_picture(
+        parts.grid,
+        drawn,
+        parts.own,
+        parts.name,
+        pictures,
+        lambda results, indices: _cells(parts, results, indices),
+    )
+
+
+def _cells(
+    parts: PartFiles, results: Collection[str], indices: Sequence[NDArray[np.intp]]
+) -> dict[str, NDArray[Any]]:
+    """Read results of the cells at some values of every axis."""
+    wanted = [result for result in RESULTS if result.name in results]
+    missing = [result.column for result in wanted if result.column not in parts.kinds]
+    if missing:
+        raise InputError(
+            f"there is no picture without the columns {', '.join(missing)}: {parts.folder} lacks them",
+            hint="let vibro map write them: leave --columns out, or name them too",
+        )
+    cells = Selection(parts.grid.shape, indices)
+    found = parts.read([result.column for result in wanted], cells)
+    return {result.name: _values(result, found[result.column]).reshape(cells.shape) for result in wanted}
+
+
+def _values(result: Result, found: Numbers | Flags | Texts) -> NDArray[Any]:
+    """Return what a column of a table says of a result, as ``SteadyCycle`` has it."""
+    if isinstance(found, Texts):
+        codes = {text: code if text else -1 for code, text in enumerate(result.texts or ())}
+        unknown = [text for text in found.texts if text not in codes]
+        if unknown:
+            raise FileError(
+                f"{result.column} = {shown(unknown[0])}: this version of vibro knows no such {result.column}",
+                hint="draw it with the version of vibro that wrote it",
+            )
+        return found.translated(codes)
+    return np.asarray(result.kind.to_si(found.values)) if result.is_number else found.values
+
+
+def _checked(names: Sequence[str], known: Sequence[str]) -> list[str]:
+    unknown = [name for name in names if name not in known]
+    if unknown or not names:
+        problems = [f"there is no column {shown(name)}" for name in unknown] or ["no column is named"]
+        raise InputError(*problems, hint=f"there are {', '.join(known)}")
+    twice = [name for i, name in enumerate(names) if name in names[:i]]
+    if twice:
+        raise InputError(f"column {twice[0]} is named twice", hint="name it once")
+    return list(names)
+
+
+def _selection(grid: Grid, filters: Mapping[str, Any]) -> Selection:
+    kept: dict[str, NDArray[np.intp]] = {}
+    for called, wanted in filters.items():
+        name = axis_called(called, "filters").name
+        if name not in grid.axes:
+            known = ", ".join(axis.label for axis in grid.axes.values())
+            raise InputError(
+                f"filters: {name.replace('_', ' ')} does not vary in this sweep", hint=f"its axes are {known}"
+            )
+        if name in kept:
+            raise InputError(f"filters: {grid.axes[name].label} is given twice", hint="give it once")
+        kept[name] = _kept(grid.axes[name], wanted)
+    indices = [kept.get(name, np.arange(len(axis))) for name, axis in grid.axes.items()]
+    return Selection(grid.shape, indices)
+
+
+def _kept(axis: Axis, wanted: Any) -> NDArray[np.intp]:
+    """Return the indices of those values of an axis that a filter keeps."""
+    quantity = QUANTITIES[axis.name]
+    spec = None if isinstance(wanted, tuple) else axis_of(wanted, quantity)
+    if len(wanted) != 2 if spec is None else spec.is_range:
+        raise InputError(
+            f"filters: {axis.label} = {shown(wanted)}: must be a value, a list, or a pair (low, high)",
+            hint="write it like 1.5, [10, 20] or (10, 20)",
+        )
+    if spec is not None:
+        return np.unique([index_of(axis, float(value)) for value in spec.values])
+    low, high = (one_value(end, quantity, "filters") for end in wanted)
+    kept = np.flatnonzero((axis.values >= low) & (axis.values <= high))
+    if not kept.size:
+        ends = f"{low:.10g} to {high:.10g} {axis.unit}".rstrip()
+        raise InputError(f"filters: no value of {axis.label} lies from {ends}", hint=f"there are {axis}")
+    return kept

@@ -1,0 +1,303 @@
+"""Sweeps in Parquet files, read: as frames, as pictures, by others; and what is refused."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from parquet_sweeps import store
+from pixels import pixels
+
+import vibro
+from vibro.errors import FileError, InputError, VibroError
+from vibro.sweeps.selection import Selection
+
+if TYPE_CHECKING:
+    from vibro.sweeps.stored import StoredSweep
+    from vibro.sweeps.whole import Sweep
+
+NUT: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57, "trough_length_mm": 600}
+
+
+@pytest.fixture(scope="module")
+def held() -> Sweep:
+    """Hold cells of which some hop, some cannot be, and whose patterns differ from part to part."""
+    return vibro.sweep(
+        amplitude_mm="0.2:6:11",
+        frequency_hz="5:25:7",
+        drive_angle_deg=[20, 70, 85],
+        trough_angle_deg="-4:8:4",
+        **NUT,
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(held: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return store(held, tmp_path_factory.mktemp("sweeps") / "nut")
+
+
+@pytest.fixture
+def stored(folder: Path) -> StoredSweep:
+    return vibro.open_sweep(folder)
+
+
+def test_it_covers_what_was_swept(held: Sweep, stored: StoredSweep) -> None:
+    assert stored.shape == held.shape == (11, 7, 3, 4)
+    assert list(stored.axes) == list(held.axes)
+    for name, values in held.axes.items():
+        np.testing.assert_array_equal(stored.axes[name], values)
+    assert stored.fixed == held.fixed
+    assert stored.columns == tuple(held.to_frame().columns)
+    assert repr(stored) == repr(held).replace("Sweep", "StoredSweep")
+
+
+def test_all_cells_are_those_of_a_sweep_that_is_held(held: Sweep, stored: StoredSweep) -> None:
+    frame = held.to_frame()
+    assert {"_", "F_", "infeasible", "hopping"} <= {*frame["pattern"], *frame["status"], *frame["regime"]}
+    assert frame["coexists"].isna().any()
+    pd.testing.assert_frame_equal(stored.to_frame(), frame)
+
+
+@pytest.mark.parametrize(
+    ("filters", "kept"),
+    [
+        ({"f": 15}, {"frequency_hz": [15]}),
+        ({"frequency_hz": "900rpm", "beta": (0, 4)}, {"frequency_hz": [15], "trough_angle_deg": [0, 4]}),
+        ({"alpha": [20, 85], "A": (0.2, 0.78)}, {"drive_angle_deg": [20, 85], "amplitude_mm": [0.2, 0.78]}),
+        ({"amplitude": np.array([0.2, 6])}, {"amplitude_mm": [0.2, 6]}),
+        ({"beta": (-9, -4), "alpha": [20.0001]}, {"trough_angle_deg": [-4], "drive_angle_deg": [20]}),
+    ],
+)
+def test_filters_keep_cells_in_their_order(
+    held: Sweep, stored: StoredSweep, filters: dict[str, Any], kept: dict[str, list[float]]
+) -> None:
+    frame = held.to_frame()
+    for name, values in kept.items():
+        frame = frame[frame[name].isin(values)]
+    assert len(frame)
+    expected = frame.reset_index(drop=True)
+    for name in expected.columns:
+        if isinstance(expected[name].dtype, pd.CategoricalDtype):
+            expected[name] = expected[name].cat.remove_unused_categories()
+    pd.testing.assert_frame_equal(stored.to_frame(filters), expected)
+
+
+@pytest.mark.parametrize(
+    ("filters", "columns", "problem", "hint"),
+    [
+        ({"colour": 1}, None, "filters: 'colour' is no axis", "by its key, such as amplitude_mm"),
+        (
+            {"mu_s": 1},
+            None,
+            "filters: static friction does not vary in this sweep",
+            "its axes are amplitude,",
+        ),
+        ({"f": 15, "frequency": 15}, None, "filters: frequency is given twice", "give it once"),
+        ({"f": 16}, None, "frequency = 16 Hz is none of the values of this axis", "15 or 18.33333333 Hz"),
+        ({"f": [15, 99]}, None, "frequency = 99 Hz lies outside of the sweep", "give the nearest, 25 Hz"),
+        ({"f": (15.1, 15.2)}, None, "no value of frequency lies from 15.1 to 15.2 Hz", "frequency: 7 values"),
+        ({"f": (1, 2, 3)}, None, "must be a value, a list, or a pair (low, high)", "or (10, 20)"),
+        ({"f": "5:25"}, None, "must be a value, a list, or a pair (low, high)", "or (10, 20)"),
+        ({"f": None}, None, "must be a number or an axis", ""),
+        ({}, ["regime", "color"], "there is no column 'color'", "there are amplitude_mm, frequency_hz"),
+        ({}, [], "no column is named", "there are amplitude_mm, frequency_hz"),
+        ({}, ["regime", "regime"], "column regime is named twice", "name it once"),
+    ],
+)
+def test_what_cannot_be_asked_for_is_named(
+    stored: StoredSweep, filters: dict[str, Any], columns: list[str] | None, problem: str, hint: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        stored.to_frame(filters, columns)
+    assert problem in str(caught.value)
+    assert hint in caught.value.hint
+
+
+@pytest.fixture
+def read(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, int, list[str]]]:
+    """Note which row groups and columns are read."""
+    noted: list[tuple[str, int, list[str]]] = []
+    whole = pq.ParquetFile.read_row_group
+
+    def noting(file: pq.ParquetFile, number: int, columns: list[str], **more: Any) -> Any:
+        noted.append((json.loads(file.metadata.metadata[b"vibro"])["file"], number, columns))
+        return whole(file, number, columns, **more)
+
+    monkeypatch.setattr(pq.ParquetFile, "read_row_group", noting)
+    return noted
+
+
+def test_only_what_is_needed_is_read(stored: StoredSweep, read: list[tuple[str, int, list[str]]]) -> None:
+    # A value of the amplitude is 84 cells: the third of them is cells 168 to 251.
+    stored.to_frame({"A": 1.36}, ["regime", "mean_velocity_mm_s"])
+    wanted = ["regime", "mean_velocity_mm_s"]
+    first, second = "part-000001.parquet", "part-000002.parquet"
+    assert read == [(first, 1, wanted), (first, 2, wanted), (second, 0, wanted), (second, 1, wanted)]
+    read.clear()
+    stored.to_frame({"A": 0.2, "f": 5}, ["status"])
+    assert read == [("part-000000.parquet", 0, ["status"])]
+    read.clear()
+    stored.draw("regime", x="beta", at={"A": 0.2, "f": 5})
+    assert {(file, number) for file, number, _ in read} == {("part-000000.parquet", 0)}
+    (columns,) = {tuple(columns) for *_, columns in read}
+    assert "pattern" not in columns
+    assert "back_ratio" not in columns
+
+
+def test_cells_are_counted_as_they_are_numbered() -> None:
+    indices = [np.array([0, 2]), np.array([1]), np.array([0, 3, 4])]
+    cells = Selection((3, 2, 5), indices)
+    numbers = np.arange(30).reshape(3, 2, 5)[np.ix_(*indices)].ravel()
+    assert (cells.shape, cells.size) == ((2, 1, 3), 6)
+    for start in range(31):
+        assert cells.before(start) == np.count_nonzero(numbers < start)
+        for stop in range(start, 31):
+            within = numbers[(numbers >= start) & (numbers < stop)]
+            assert cells.within(start, stop).tolist() == (within - start).tolist()
+    one = Selection((), [])
+    assert (one.before(0), one.before(1), one.within(0, 1).tolist()) == (0, 1, [0])
+
+
+def test_more_cells_than_memory_holds_are_refused_with_their_size(
+    stored: StoredSweep, monkeypatch: pytest.MonkeyPatch, read: list[tuple[str, int, list[str]]]
+) -> None:
+    monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1}.get)
+    with pytest.raises(InputError, match=r"11 x 7 x 3 x 4 = 924 cells take about .* GB") as caught:
+        stored.to_frame(columns=["mean_velocity_mm_s"])
+    assert "filter the cells" in caught.value.hint
+    assert not read
+    assert len(stored.to_frame({"A": 0.2}, ["mean_velocity_mm_s"])) == 84
+
+
+SLICES: list[tuple[str, dict[str, Any]]] = [
+    ("regime", {}),
+    ("speed", {"at": {"alpha": 70, "beta": 4}}),
+    ("speed", {"x": "A", "y": "beta", "at": {"alpha": 20}}),
+    ("traverse", {"at": {"beta": 0}}),
+    ("flight", {"at": {"f": 15, "beta": 0}}),
+    ("impact", {"at": {"f": 15, "beta": 0, "alpha": 70}}),
+]
+
+
+@pytest.mark.parametrize(("name", "how"), SLICES)
+def test_pictures_are_those_of_a_sweep_that_is_held(
+    held: Sweep, stored: StoredSweep, name: Any, how: dict[str, Any]
+) -> None:
+    np.testing.assert_array_equal(pixels(stored.draw(name, **how)), pixels(held.draw(name, **how)))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"amplitude_mm": "0.1:8:25", "frequency_hz": [10, 20], "drive_angle_deg": 20},
+        {"along_amplitude_mm": "0.1:3:9", "frequency_hz": "5:40:9", "normal_amplitude_mm": 0.4,
+         "normal_phase_deg": 40, "normal_amplitude_2_mm": 0.2, "normal_phase_2_deg": 9},
+    ],
+)  # fmt: skip
+def test_pictures_of_curves_and_of_harmonics(given: dict[str, Any], tmp_path: Path) -> None:
+    held = vibro.sweep(**given, **NUT)
+    stored = vibro.open_sweep(store(held, tmp_path / "sweep"))
+    for name in ("regime", "speed"):
+        np.testing.assert_array_equal(pixels(stored.draw(name)), pixels(held.draw(name)))
+
+
+def test_a_picture_without_its_columns_is_refused(tmp_path: Path) -> None:
+    held = vibro.sweep(amplitude_mm="0.1:3:5", frequency_hz="5:40:5", drive_angle_deg=20, **NUT)
+    columns = ["status", "regime", "mean_velocity_mm_s", "coexists"]
+    stored = vibro.open_sweep(store(held, tmp_path / "sweep", columns=columns))
+    assert stored.columns == tuple(columns)
+    pd.testing.assert_frame_equal(stored.to_frame(), held.to_frame(columns))
+    with pytest.raises(InputError, match="without the columns displacement_per_cycle_mm, period_cycles") as e:
+        stored.draw("regime")
+    assert "leave --columns out" in e.value.hint
+    with pytest.raises(InputError, match="no such picture"):
+        stored.draw("band")  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def copy(folder: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(folder, tmp_path / "copy"))
+
+
+PART = "part-000003.parquet"
+
+
+def other_manifest(folder: Path, **changes: Any) -> None:
+    path = folder / "manifest.json"
+    path.write_text(json.dumps(json.loads(path.read_text(encoding="utf-8")) | changes), encoding="utf-8")
+
+
+def test_what_is_no_finished_sweep_is_refused(folder: Path, copy: Path, tmp_path: Path) -> None:
+    def refused(path: Path, problem: str, hint: str) -> None:
+        with pytest.raises(FileError) as caught:
+            vibro.open_sweep(path)
+        assert problem in str(caught.value).replace("\\", "/")
+        assert hint in caught.value.hint
+
+    refused(tmp_path / "none", "none: it is not there", "give a directory that vibro map")
+    refused(copy / PART, f"{PART}: it is no directory", "give a directory that vibro map")
+    refused(tmp_path, "there is no manifest.json in it", "give a directory that vibro map")
+    (copy / "_SUCCESS").rename(copy / "hidden")
+    (copy / PART).rename(tmp_path / PART)
+    refused(copy, "copy is not finished: 9 of 10 parts are there", "with --resume")
+    (copy / "hidden").rename(copy / "_SUCCESS")
+    refused(copy, f"{PART} is missing", "with --resume")
+    whole = (tmp_path / PART).read_bytes()
+    for content in (b"", whole[:1000], whole[:-1000], b"x" * 1000):
+        (copy / PART).write_bytes(content)
+        refused(copy, f"{PART} is damaged: ", "with --resume")
+    shutil.copy(copy / "part-000002.parquet", copy / PART)
+    refused(copy, f"{PART} does not belong to this sweep: its part is 2, not 3", "with --resume")
+    (copy / PART).write_bytes(whole)
+    other_manifest(copy, fingerprint="another")
+    refused(copy, "does not belong to this sweep: its fingerprint is ' (11, 7, 3, 4)', not 'another'", "")
+    other_manifest(copy, fingerprint=" (11, 7, 3, 4)", columns={"regime": ""})
+    refused(copy, "its columns are not those of the sweep", "")
+    wrong: tuple[dict[str, Any], ...] = (
+        {"axes": []},
+        {"axes": None},
+        {"scene": {"colour": 1}},
+        {"parts": []},
+        {"accuracy": "x"},
+    )
+    for broken in wrong:
+        shutil.copy(folder / "manifest.json", copy)
+        other_manifest(copy, **broken)
+        refused(copy, "manifest.json is damaged", "with --resume")
+    other_manifest(copy, format="vibro sweep 99")
+    refused(copy, "its format is 'vibro sweep 99', not 'vibro sweep 1'", "the version of vibro that wrote it")
+    for text in ("", "[]", "{", "\xff"):
+        (copy / "manifest.json").write_text(text, encoding="latin-1")
+        refused(copy, "manifest.json is damaged", "with --resume")
+
+
+def test_damage_inside_a_part_is_found_where_it_is_read(copy: Path) -> None:
+    content = bytearray((copy / PART).read_bytes())
+    column = pq.ParquetFile(copy / PART).metadata.row_group(1).column(8)
+    start = column.dictionary_page_offset or column.data_page_offset
+    content[start + column.total_compressed_size - 1] ^= 1
+    (copy / PART).write_bytes(content)
+    stored = vibro.open_sweep(copy)
+    with pytest.raises(FileError, match=f"{PART} is damaged: .*CRC") as caught:
+        stored.to_frame()
+    assert "--resume" in caught.value.hint
+    assert len(stored.to_frame({"A": 0.2})) == 84
+
+
+def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:
+    code = (
+        "import sys; sys.modules['pyarrow'] = None; import vibro\n"
+        f"try: vibro.open_sweep({str(folder)!r})\nexcept vibro.VibroError as exc: print(exc)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "Parquet files need pyarrow: pip install 'vibro[parquet]'\n"
+    with pytest.raises(VibroError, match="path = 3: must be a path"):
+        vibro.open_sweep(3)  # type: ignore[arg-type]
