@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from parquet_sweeps import store
 
 import vibro
 
@@ -50,6 +51,7 @@ CALLS = {
     "design": "len(vibro.design(question).designs) == 9",
     "feasible_amplitudes": "len(vibro.feasible_amplitudes(scene, 0.02)) == 1",
     "guarantee": "vibro.guarantee(scene).speed_min == vibro.solve(scene).mean_velocity",
+    "open_sweep": "vibro.open_sweep(stored).shape == (2,)",
     "read_scene": "vibro.read_scene(nut).shape == ()",
     "simulate": "vibro.simulate(scene, cycles=1).end > 0",
     "solve": "vibro.solve(scene).pattern == 'F_'",
@@ -59,16 +61,17 @@ CALLS = {
 }
 
 
-def test_no_submodule_hides_a_public_name() -> None:
+def test_no_submodule_hides_a_public_name(tmp_path: Path) -> None:
     """Once imported, a submodule is an attribute of the package: no public name may be the same."""
     assert set(CALLS) == set(vibro.__all__)
     scene = "amplitude=1e-3, frequency=15, drive_angle=0.35, static_friction=0.74, kinetic_friction=0.57"
+    stored = store(vibro.sweep(NUT, amplitude_mm=[1, 2], frequency_hz=15), tmp_path / "stored")
     code = "\n".join(
         [
             "import importlib, pkgutil, vibro",
             "for module in pkgutil.walk_packages(vibro.__path__, 'vibro.'):",
             "    importlib.import_module(module.name)",
-            f"scene, nut = vibro.Scene({scene}), {str(NUT)!r}",
+            f"scene, nut, stored = vibro.Scene({scene}), {str(NUT)!r}, {str(stored)!r}",
             "friction = {'static_friction': 0.74, 'kinetic_friction': 0.57}",
             "drive = {'amplitude_mm': 1, 'frequency_hz': 15, 'drive_angle_deg': 20}",
             "question = {'scene': friction, 'drive': [drive], 'goal': {'speed_mm_s': 10}}",

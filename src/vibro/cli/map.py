@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -38,22 +38,16 @@ from vibro.cli.tables import (
     table_of,
     throughput_of,
 )
+from vibro.cli.views import SHOWN, axis_name, held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Level
-from vibro.errors import InputError, cut, shown
+from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from matplotlib.figure import Figure
 
-    from vibro.axes import Axis
-    from vibro.plots import View
     from vibro.results.sweep import Block
-    from vibro.sweeps.request import Request
 
 __all__ = ["map_command"]
-
-_SHOWN: Final = ("impact", "flight")  # pictures on request
 
 
 def map_command(
@@ -94,10 +88,10 @@ def map_command(
         list[str] | None,
         typer.Option(
             "--show",
-            metavar="|".join(_SHOWN),
+            metavar="|".join(SHOWN),
             help="Picture the impact speed, or the share of time in flight, too; repeatable.",
             show_default=False,
-            autocompletion=listed(lambda: _SHOWN),
+            autocompletion=listed(lambda: SHOWN),
         ),
     ] = None,
     speed: Annotated[
@@ -144,7 +138,7 @@ def map_command(
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
-    shown = _shown(show or [])
+    shown = shown_pictures(show or [])
     if shown:
         refuse_without_flight(f"--show {','.join(shown)}", flight, accuracy)
     if coexist:
@@ -165,8 +159,8 @@ def map_command(
     written = table_of(
         usual, columns, digits, needed=NEEDS_PART, has_length=grid.length is not None, part=part
     )
-    held = _held(at or [], request)
-    view = choose_view(grid.axes, x and _axis_name(x), y and _axis_name(y), held, grid.fixed)
+    held = held_axes(at or [], request.varying)
+    view = choose_view(grid.axes, x and axis_name(x), y and axis_name(y), held, grid.fixed)
     name = request.name or "vibro-map"
 
     def draw() -> dict[str, Figure]:
@@ -182,7 +176,7 @@ def map_command(
     pictures = Pictures(names, wanted, draw) if names and options.output != "-" else None
     if pictures:
         check_drawable(view)
-        _tell_choices(view, grid.axes, held, console)
+        tell_choices(view, grid.axes, held, console)
     if parts is not None:
         code, tally = write_parted(
             grid, written, options, parts, context.obj, console, name, request.own, pictures
@@ -205,62 +199,3 @@ def map_command(
     if not moves:
         console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
     return code
-
-
-def _tell_choices(view: View, axes: Mapping[str, Axis], asked: Mapping[str, float], console: Console) -> None:
-    """Tell which values the pictures show of axes of which they do not show all."""
-    from vibro.plots.view import value_of
-    from vibro.quantities import QUANTITIES
-
-    for name, index in view.held.items():
-        if name not in asked:
-            at = f"--at {QUANTITIES[name].letter}=VALUE"
-            console.echo(f"pictures: {axes[name].label} held at {value_of(axes[name], index)}; {at} chooses")
-    facet, shown = view.facet, len(view.facet_indices)
-    if facet is not None and len(facet) > shown:
-        at = f"--at {QUANTITIES[facet.name].letter}=VALUE"
-        console.echo(f"pictures: {facet.label} at {shown} of its {len(facet)} values; {at} chooses one")
-
-
-def _shown(texts: list[str]) -> list[str]:
-    """Check which pictures are asked for beside the usual ones."""
-    names = list(dict.fromkeys(name.strip().casefold() for text in texts for name in text.split(",")))
-    for name in names:
-        if name not in _SHOWN:
-            raise InputError(
-                f"--show {cut(name)}: there is no such picture", hint=f"there are {', '.join(_SHOWN)}"
-            )
-    return names
-
-
-def _axis_name(text: str) -> str:
-    """Return the name of the quantity that a user calls an axis."""
-    from vibro.quantities import find_quantity
-
-    quantity = find_quantity(text)
-    return quantity.name if quantity else text
-
-
-def _held(texts: list[str], request: Request) -> dict[str, float]:
-    from vibro.quantities import QUANTITIES, exact_number, find_quantity
-
-    held: dict[str, float] = {}
-    for text in (part for given in texts for part in given.split(",")):
-        name, equals, value = text.partition("=")
-        if not equals:
-            raise InputError(
-                f"--at {cut(text)}: not of the form AXIS=VALUE", hint="write it like --at mu_s=0.6"
-            )
-        quantity = find_quantity(name)
-        if quantity is None:
-            raise InputError(
-                f"--at {cut(text)}: {shown(name)} is no axis",
-                hint=f"the axes are {', '.join(request.varying)}",
-            )
-        number = float(exact_number(value, quantity))
-        if quantity.name == "stroke":
-            quantity, number = QUANTITIES["amplitude"], 0.5 * number
-        if quantity.name in held:
-            raise InputError(f"--at: {quantity.label} is given twice", hint="give it once")
-        held[quantity.name] = number
-    return held

@@ -1,0 +1,79 @@
+"""What the options of ``vibro map`` say of its pictures: which there are, and what they show of a sweep."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from vibro.errors import InputError, cut, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from vibro.axes import Axis
+    from vibro.cli.console import Console
+    from vibro.plots import View
+
+__all__ = ["SHOWN", "axis_name", "held_axes", "shown_pictures", "tell_choices"]
+
+#: Pictures on request.
+SHOWN: Final = ("impact", "flight")
+
+
+def tell_choices(view: View, axes: Mapping[str, Axis], asked: Mapping[str, float], console: Console) -> None:
+    """Tell which values the pictures show of axes of which they do not show all."""
+    from vibro.plots.view import value_of
+    from vibro.quantities import QUANTITIES
+
+    for name, index in view.held.items():
+        if name not in asked:
+            at = f"--at {QUANTITIES[name].letter}=VALUE"
+            console.echo(f"pictures: {axes[name].label} held at {value_of(axes[name], index)}; {at} chooses")
+    facet, shown = view.facet, len(view.facet_indices)
+    if facet is not None and len(facet) > shown:
+        at = f"--at {QUANTITIES[facet.name].letter}=VALUE"
+        console.echo(f"pictures: {facet.label} at {shown} of its {len(facet)} values; {at} chooses one")
+
+
+def shown_pictures(texts: list[str]) -> list[str]:
+    """Check which pictures are asked for beside the usual ones."""
+    names = list(dict.fromkeys(name.strip().casefold() for text in texts for name in text.split(",")))
+    for name in names:
+        if name not in SHOWN:
+            raise InputError(
+                f"--show {cut(name)}: there is no such picture", hint=f"there are {', '.join(SHOWN)}"
+            )
+    return names
+
+
+def axis_name(text: str) -> str:
+    """Return the name of the quantity that a user calls an axis."""
+    from vibro.quantities import find_quantity
+
+    quantity = find_quantity(text)
+    return quantity.name if quantity else text
+
+
+def held_axes(texts: list[str], varying: Iterable[str]) -> dict[str, float]:
+    """Read at which values axes are held, such as ``mu_s=0.6``; those that vary are for the hint."""
+    from vibro.quantities import QUANTITIES, exact_number, find_quantity
+
+    held: dict[str, float] = {}
+    for text in (part for given in texts for part in given.split(",")):
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InputError(
+                f"--at {cut(text)}: not of the form AXIS=VALUE", hint="write it like --at mu_s=0.6"
+            )
+        quantity = find_quantity(name)
+        if quantity is None:
+            raise InputError(
+                f"--at {cut(text)}: {shown(name)} is no axis",
+                hint=f"the axes are {', '.join(varying)}",
+            )
+        number = float(exact_number(value, quantity))
+        if quantity.name == "stroke":
+            quantity, number = QUANTITIES["amplitude"], 0.5 * number
+        if quantity.name in held:
+            raise InputError(f"--at: {quantity.label} is given twice", hint="give it once")
+        held[quantity.name] = number
+    return held
