@@ -125,6 +125,10 @@ def map_command(
     results go to STEM.csv, STEM.json and pictures, or with --table parquet to a folder. A list of at most 12
     values is drawn as curves beside one range, and as a map each beside two.
     """
+    if options.scene is not None and options.scene.is_dir():
+        from vibro.cli.stored_map import map_stored
+
+        return map_stored(context, options, x, y, at or [], show or [], speed, formats)
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
     from vibro.cli.request import checked_number, question_length, request_of

@@ -63,6 +63,8 @@ class PartFiles:
         The scene's own values, by name.
     name : str
         What the sweep is called.
+    fingerprint : str
+        Of all that its cells follow from.
     parts : tuple
         The files, in the order of their cells.
     kinds : mapping of str to str
@@ -75,6 +77,7 @@ class PartFiles:
     grid: Grid
     own: Mapping[str, float]
     name: str
+    fingerprint: str
     parts: tuple[_Part, ...]
     kinds: Mapping[str, str]
     summary: Mapping[str, Any]
@@ -140,12 +143,12 @@ def open_parts(folder: Path) -> PartFiles:
     manifest = _manifest(folder)
     try:
         grid = _grid(manifest)
-        own, name = dict(manifest["own"]), str(manifest["name"])
+        own, name, fingerprint = dict(manifest["own"]), str(manifest["name"]), str(manifest["fingerprint"])
         parts = tuple(
             _Part(
                 folder / part["file"],
                 {
-                    "fingerprint": manifest["fingerprint"],
+                    "fingerprint": fingerprint,
                     "part": number,
                     "first_cell": int(part["first_cell"]),
                     "cells": int(part["cells"]),
@@ -172,7 +175,7 @@ def open_parts(folder: Path) -> PartFiles:
             raise _damaged(part.path, "its columns are not those of the sweep")
         kinds = here
     summary: dict[str, Any] = {key: success[key] for key in _SUMMARY if key in success}
-    return PartFiles(folder, grid, own, name, parts, kinds or {}, summary)
+    return PartFiles(folder, grid, own, name, fingerprint, parts, kinds or {}, summary)
 
 
 def _manifest(folder: Path) -> dict[str, Any]:

@@ -129,6 +129,7 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
     >>> vibro.open_sweep("examples")
     Traceback (most recent call last):
     vibro.errors.FileError: examples holds no sweep: there is no manifest.json in it
+    hint: give a directory that vibro map --table parquet has written
     """
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"path = {shown(path)}: must be a path", hint='write it like "wide_sweep"')

@@ -1,0 +1,146 @@
+"""``vibro map DIR``: pictures of a sweep that is stored, of which nothing is solved again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from vibro.cli.console import Console
+from vibro.cli.options import picture_formats
+from vibro.cli.views import axis_name, held_axes, shown_pictures, tell_choices
+from vibro.core.codes import Level
+from vibro.errors import InputError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import typer
+    from matplotlib.figure import Figure
+
+    from vibro.cli.options import Options
+    from vibro.sweeps.grid import Grid
+
+__all__ = ["map_stored"]
+
+#: What says which pictures there are to be, and where; all other options are of solving and tables.
+_OF_PICTURES: Final = {
+    "scene", "output", "json", "force", "quiet", "debug", "version",
+    "x", "y", "at", "show", "speed", "formats",
+}  # fmt: skip
+
+
+def map_stored(
+    context: typer.Context,
+    options: Options,
+    x: str | None,
+    y: str | None,
+    at: list[str],
+    show: list[str],
+    speed: str | None,
+    formats: str,
+) -> int:
+    """Draw pictures of the cells in a directory that ``vibro map --table parquet`` has written.
+
+    Parameters
+    ----------
+    context : Context
+        Of ``vibro map``.
+    options : Options
+        The directory in place of a scene file, and where to write.
+    x, y, at, show, speed, formats
+        As of ``vibro map``.
+
+    Returns
+    -------
+    int
+        The exit code.
+
+    Raises
+    ------
+    InputError
+        If another option is given, or there is no such picture.
+    FileError
+        If the directory cannot be read, or the files cannot be written.
+    """
+    from vibro.cli.output import Pictures
+    from vibro.cli.request import checked_number
+    from vibro.files.publication import Publication, json_text
+    from vibro.files.stems import output_stem
+    from vibro.plots import map_figures, picture_names
+    from vibro.plots.view import check_drawable, choose_view
+    from vibro.quantities import LEAST_SPEED
+    from vibro.sweeps.part_files import open_parts
+    from vibro.sweeps.stored import stored_picture
+
+    folder = options.scene
+    assert folder is not None
+    _refuse_others(context, folder, options.output)
+    console = Console(quiet=options.quiet)
+    wanted, shown = picture_formats(formats), shown_pictures(show)
+    level = None if speed is None else checked_number(speed, LEAST_SPEED)
+    parts = open_parts(folder)
+    grid = parts.grid
+    _refuse_unsolved(grid, folder, shown, speed)
+    for axis in grid.axes.values():
+        console.echo(str(axis))
+    held = held_axes(at, grid.axes)
+    view = choose_view(grid.axes, x and axis_name(x), y and axis_name(y), held, grid.fixed)
+    names = picture_names(view, has_length=grid.length is not None, on_request=False) + shown
+    if grid.level is not Level.EXACT:
+        names = [name for name in names if name == "regime"]
+    if not names:
+        raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
+    check_drawable(view)
+    tell_choices(view, grid.axes, held, console)
+
+    def draw() -> dict[str, Figure]:
+        result = stored_picture(parts, view.drawn, names)
+        return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None, level=level)
+
+    with Publication(
+        output_stem(options.output, folder.resolve().name),
+        context.obj,
+        force=options.force,
+        tell=console.echo,
+        tables=(),
+        pictures=names,
+        formats=wanted,
+        reads=[folder / "manifest.json"],
+    ) as files:
+        content = {
+            "sweep": {"folder": str(folder), "fingerprint": parts.fingerprint},
+            **grid.describe(),
+            "accuracy": grid.level.value,
+            "flight": grid.flight,
+            "coexistence": grid.coexistence,
+            **parts.summary,
+        }
+        whole = files.finish(content, Pictures(names, wanted, draw).saver())
+    if options.json:
+        print(json_text(whole))
+    return 0
+
+
+def _refuse_others(context: typer.Context, folder: Path, output: str | None) -> None:
+    """Refuse what is about cells that are not solved yet, or about their table."""
+    typed = [
+        parameter.opts[0]
+        for parameter in context.command.params
+        if parameter.name not in _OF_PICTURES
+        and getattr(context.get_parameter_source(parameter.name or ""), "name", "") == "COMMANDLINE"
+    ]
+    typed += ["-o -"] if output == "-" else []
+    if typed:
+        hint = f"leave {'it' if len(typed) == 1 else 'them'} out, or give a scene file"
+        raise InputError(
+            *(f"{option}: the cells of {folder} are solved already" for option in typed), hint=hint
+        )
+
+
+def _refuse_unsolved(grid: Grid, folder: Path, shown: list[str], speed: str | None) -> None:
+    """Refuse pictures of what the cells were not solved for."""
+    if shown and not grid.flight:
+        raise InputError(
+            f"--show {','.join(shown)}: {folder} was solved without flights", hint="leave it out"
+        )
+    if speed is not None and grid.level is not Level.EXACT:
+        raise InputError(f"--speed: {folder} was solved for regimes alone", hint="leave it out")

@@ -1,0 +1,157 @@
+"""``vibro map DIR``: pictures of stored cells."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from commands import Run
+from parquet_sweeps import store
+from PIL import Image
+
+import vibro
+
+if TYPE_CHECKING:
+    from vibro.sweeps.whole import Sweep
+
+GIVEN: dict[str, Any] = {
+    "static_friction": "0.3,0.74",
+    "friction_ratio": "0.5:0.9:5",
+    "trough_length_mm": 600,
+}
+
+
+@pytest.fixture(scope="module")
+def held() -> Sweep:
+    return vibro.sweep(amplitude_mm="0.2:6:11", frequency_hz="5:25:7", drive_angle_deg=20, **GIVEN)
+
+
+@pytest.fixture
+def wide(held: Sweep, tmp_path: Path) -> Path:
+    """Store cells where commands run."""
+    return store(held, tmp_path / "wide")
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_solved(held: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+    def solve(*_: object, **__: object) -> None:
+        raise AssertionError("a cell is solved")
+
+    monkeypatch.setattr("vibro.sweeps.grid.solve", solve)
+
+
+def names() -> list[str]:
+    return sorted(path.name for path in Path().iterdir() if path.is_file())
+
+
+def test_pictures_are_drawn_of_what_is_stored(run: Run, wide: Path, held: Sweep) -> None:
+    result = run("map", "wide", "--at", "mu_s=.3,mu_ratio=0.7", "--show", "flight")
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout == ""
+    written = ["wide-flight.png", "wide-regime.png", "wide-speed.png", "wide-traverse.png", "wide.json"]
+    assert names() == written
+    assert [line for line in result.stderr.splitlines() if line.startswith("pictures")] == []
+    assert "amplitude: 11 values, 0.2 ... 6 mm, step 0.58\n" in result.stderr
+    for name in written:
+        assert f"wrote {name}\n" in result.stderr
+    content = json.loads(Path("wide.json").read_text(encoding="utf-8"))
+    assert content["argv"] == ["vibro", "map", "wide", "--at", "mu_s=.3,mu_ratio=0.7", "--show", "flight"]
+    assert set(content["files"]) == set(written)
+    assert content["sweep"]["folder"] == "wide"
+    assert content["cells"] == 770
+    assert content["axes"]["static_friction"]["values"] == [0.3, 0.74]
+    held.draw("flight", at={"mu_s": 0.3, "mu_ratio": 0.7}).savefig("held.png", metadata={})
+    drawn, expected = (np.asarray(Image.open(name)) for name in ("wide-flight.png", "held.png"))
+    np.testing.assert_array_equal(drawn, expected)
+
+
+def test_what_pictures_do_not_show_is_said(run: Run, wide: Path) -> None:
+    result = run(
+        "map", f"{wide}/", "-o", "out/x", "--x", "f", "--y", "mu_ratio", "--format", "svg", "--speed", "50"
+    )
+    assert result.exit_code == 0, result.stderr
+    assert [line for line in result.stderr.splitlines() if line.startswith("pictures")] == [
+        "pictures: amplitude held at 3.1 mm; --at A=VALUE chooses"
+    ]
+    assert sorted(path.name for path in Path("out").iterdir()) == [
+        "x-regime.svg", "x-speed.svg", "x-traverse.svg", "x.json",
+    ]  # fmt: skip
+    assert "50 mm/s" in Path("out/x-speed.svg").read_text(encoding="utf-8")
+
+
+def test_shared_options_work(run: Run, wide: Path) -> None:
+    args = ("map", ".", "--at", "mu_ratio=0.7", "-q", "--json", "-o", "../")
+    (wide.parent / "wide" / "here").mkdir()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(wide)
+        result = run(*args)
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert json.loads(result.stdout) == json.loads(Path("wide.json").read_text(encoding="utf-8"))
+    assert run("map", "wide", "--at", "mu_ratio=0.7").exit_code == 1
+    assert run("map", "wide", "--at", "mu_ratio=0.7", "--force").exit_code == 0
+    protected = run("map", "wide", "-o", "wide/manifest", "--force")
+    assert protected.exit_code == 1
+    assert "it is what this run reads" in protected.stderr
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ("-A", "1"), ("--mu-s", "0.3"), ("-L", "600"), ("--columns", "regime"), ("--digits", "3"),
+        ("--pitch", "25mm"), ("--mass", "1"), ("--accuracy", "exact"), ("--flight", "off"), ("--coexist",),
+        ("--excel",), ("--decimal-comma",), ("-o", "-"),
+    ],
+)  # fmt: skip
+def test_options_about_cells_and_tables_are_refused(run: Run, wide: Path, args: tuple[str, ...]) -> None:
+    result = run("map", "wide", *args)
+    assert result.exit_code == 2
+    option = "-o -" if args == ("-o", "-") else args[0]
+    assert f"error: {option}: the cells of wide are solved already\n" in result.stderr
+    assert "hint: leave it out, or give a scene file\n" in result.stderr
+    assert names() == []
+
+
+@pytest.mark.parametrize(
+    ("args", "code", "problem"),
+    [
+        (("--at", "mu_s=.4"), 2, "static friction = 0.4 is none of the values of this axis"),
+        (("--at", "colour=.4"), 2, "'colour' is no axis"),
+        (("--x", "alpha"), 2, "drive angle does not vary in this sweep"),
+        (("--show", "band"), 2, "--show band: there is no such picture"),
+        (("--format", "bmp"), 2, "'bmp' is not a format of pictures"),
+        (("--speed", "-1"), 2, "speed = -1: must be finite and > 0 mm/s"),
+        (("-o", "x.png"), 2, ".png is added to the name"),
+    ],
+)
+def test_wrong_choices_are_refused(
+    run: Run, wide: Path, args: tuple[str, ...], code: int, problem: str
+) -> None:
+    result = run("map", "wide", *args)
+    assert result.exit_code == code
+    assert problem in result.stderr
+    assert names() == []
+
+
+def test_a_folder_that_holds_no_sweep_is_refused(run: Run, wide: Path) -> None:
+    (wide / "_SUCCESS").unlink()
+    result = run("map", "wide")
+    assert result.exit_code == 1
+    assert "error: wide is not finished: 8 of 8 parts are there\n" in result.stderr
+    Path("empty").mkdir()
+    assert "empty holds no sweep" in run("map", "empty").stderr
+
+
+def test_what_was_not_solved_is_not_drawn(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    given = {"amplitude_mm": "0.2:6:5", "frequency_hz": "5:25:5", "drive_angle_deg": 20, "flight": False}
+    for level in ("exact", "regimes"):
+        store(vibro.sweep(**given, **GIVEN | {"static_friction": 0.5}, accuracy=level), tmp_path / level)
+    assert "--show flight: exact was solved without flights" in run("map", "exact", "--show", "flight").stderr
+    assert "--speed: regimes was solved for regimes alone" in run("map", "regimes", "--speed", "5").stderr
+    assert run("map", "regimes").exit_code == 0
+    assert names() == ["regimes-regime.png", "regimes.json"]
+    assert "no picture of regimes" in run("map", "regimes", "--at", "f=5", "-o", "x").stderr
