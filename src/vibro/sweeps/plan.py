@@ -141,15 +141,18 @@ class Plan:
 
     def differences(self, other: Plan) -> list[str]:
         """Say in what another plan, that is there, differs from this one, as far as the parts do."""
-        there, here = other.content, self.content
+        there, here = _counted(other.content), _counted(self.content)
         told = []
         for key in dict.fromkeys([*here, *there]):
-            if key in _BESIDE or there.get(key) == here.get(key):
+            if there.get(key) == here.get(key):
                 continue
             if key == "axes":
                 told += _axis_differences(other.grid, self.grid)
+            elif key == "columns":
+                names = [",".join(name for name, _ in which[key]) for which in (there, here)]
+                told.append(_difference(key, *names))
             elif isinstance(here.get(key), Mapping) and isinstance(there.get(key), Mapping):
-                told += _entry_differences(key, there[key], here[key])
+                told += _entry_differences(there[key], here[key])
             else:
                 told.append(_difference(key.replace("_", " "), there.get(key), here.get(key)))
         return told
@@ -191,19 +194,18 @@ def read_plan(text: str, path: object) -> Plan:
     if content["format"] != _FORMAT:
         raise FileError(f"{path}: {content['format']} is not known here", hint="use the vibro that wrote it")
     try:
-        plan = _plan_of(content)
-        whole = content["fingerprint"] == plan.fingerprint == _fingerprint(content)
+        return _plan_of(content)
     except (LookupError, TypeError, ValueError, AttributeError, VibroError):
-        whole = False
-    if not whole:
         raise FileError(
             f"{path} is damaged, or was changed after it was written",
             hint="put back what was there, or start anew with --force",
-        )
-    return plan
+        ) from None
 
 
 def _plan_of(content: Mapping[str, Any]) -> Plan:
+    """Make a plan of a manifest; ValueError if it does not say what it said when it was written."""
+    if _fingerprint(content) != content["fingerprint"]:  # first: other numbers may ask for any work
+        raise ValueError("fingerprint")
     quantities = [BY_COLUMN[entry["column"]] for entry in content["axes"]]
     axes = {
         quantity.name: Axis(quantity.name, np.array(entry["values"], np.float64), entry["spacing"])
@@ -216,12 +218,21 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
     columns = chosen(list(content["columns"]), columns_of(axes, *extra, drive=grid.drive))
     table = Table(columns, content["digits"], part)
-    return Plan(grid, table, content["part_cells"], content["name"], content["own"], content["versions"])
+    plan = Plan(grid, table, content["part_cells"], content["name"], content["own"], content["versions"])
+    if plan.fingerprint != content["fingerprint"] or plan.content["parts"] != content["parts"]:
+        raise ValueError("content")
+    return plan
 
 
 def _fingerprint(content: Mapping[str, Any]) -> str:
-    counts = {key: value for key, value in content.items() if key not in _BESIDE}
-    return hashlib.sha256(json.dumps(counts, sort_keys=True, allow_nan=False).encode()).hexdigest()
+    text = json.dumps(_counted(content), sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what counts of a manifest; of columns their order, too."""
+    counted = {key: value for key, value in content.items() if key not in _BESIDE}
+    return {**counted, "columns": list(content["columns"].items())}
 
 
 def _difference(what: str, there: object, here: object) -> str:
@@ -229,10 +240,7 @@ def _difference(what: str, there: object, here: object) -> str:
     return f"{what}: {said[0]} there, {said[1]} here"
 
 
-def _entry_differences(key: str, there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    """Tell entries that differ; of columns, whose order counts too, all of them."""
-    if key == "columns":
-        return [_difference("columns", ",".join(there), ",".join(here))]
+def _entry_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
     names = [name for name in dict.fromkeys([*here, *there]) if there.get(name) != here.get(name)]
     return [_difference(name, there.get(name), here.get(name)) for name in names]
 

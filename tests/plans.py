@@ -1,0 +1,47 @@
+"""Plans of small sweeps in parts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import vibro
+from vibro.sweeps.columns import Table, chosen, columns_of
+from vibro.sweeps.derived import throughput
+from vibro.sweeps.plan import PART_CELLS, Plan, versions
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from vibro.sweeps.whole import Sweep
+
+NUT: dict[str, Any] = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
+"""The paper's angle and frictions."""
+
+
+def swept(
+    accuracy: Literal["exact", "regimes"] = "exact", *, flight: bool = True, coexistence: bool = False,
+    **quantities: Any,
+) -> Sweep:  # fmt: skip
+    """Solve what is swept, in the paper's scene where nothing else is said."""
+    usual: dict[str, Any] = {"amplitude_mm": 1, "frequency_hz": 15, **NUT}
+    if {"along_amplitude_mm", "normal_amplitude_mm"} & quantities.keys():
+        usual = {key: usual[key] for key in usual if key not in ("amplitude_mm", "drive_angle_deg")}
+    if "friction_ratio" in quantities:
+        del usual["kinetic_friction"]
+    return vibro.sweep(accuracy=accuracy, flight=flight, coexistence=coexistence, **{**usual, **quantities})
+
+
+def plan_of(
+    solved: Sweep,
+    part_cells: int = PART_CELLS,
+    *,
+    columns: Sequence[str] | None = None,
+    digits: int | None = None,
+    part: Mapping[str, float] | None = None,
+) -> Plan:
+    """Plan the same sweep in parts."""
+    grid = solved._grid
+    extra = throughput(part["pitch_mm"], part.get("mass_kg")) if part else ()
+    usual = columns_of(grid.axes, *extra, drive=grid.drive)
+    table = Table(usual if columns is None else chosen(columns, usual), digits, part or {})
+    return Plan(grid, table, part_cells, "nut", {"amplitude": 1.0, "frequency": 15.0}, versions())

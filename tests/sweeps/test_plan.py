@@ -1,0 +1,294 @@
+"""Plans: what a manifest says is read again, whatever was changed is noticed, and differences are named."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from plans import plan_of, swept
+
+from vibro.axes import Axis
+from vibro.core.codes import Level
+from vibro.errors import FileError, InputError
+from vibro.files.part_sets import MOST_PARTS
+from vibro.sweeps.columns import Table, chosen, columns_of
+from vibro.sweeps.grid import Grid
+from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, read_plan, versions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from vibro.sweeps.whole import Sweep
+
+ARGV = ["vibro", "map", "nut.toml"]
+NOTICED = r"damaged|is not known here|is no manifest"
+ELLIPSE = {"along_amplitude_mm": 1, "normal_amplitude_mm": "0.1,0.2", "normal_phase_deg": 40}
+
+
+def nut(**changed: Any) -> Sweep:
+    """Sweep something that has numbers which are not short, in tables and in the scene."""
+    return swept(**{"amplitude_mm": "0.1:3:7:log", "frequency_hz": [10, 15.1], **changed})
+
+
+def bits(values: Any) -> list[int]:
+    return np.asarray(values, np.float64).view(np.int64).tolist()
+
+
+def check_same(again: Plan, plan: Plan) -> None:
+    """Compare plans bit for bit."""
+    assert again.fingerprint == plan.fingerprint
+    assert again.differences(plan) == plan.differences(again) == []
+    assert list(again.grid.axes) == list(plan.grid.axes)
+    for name, axis in plan.grid.axes.items():
+        assert bits(again.grid.axes[name].values) == bits(axis.values)
+        assert again.grid.axes[name].spacing == axis.spacing
+    assert list(again.grid.fixed) == list(plan.grid.fixed)
+    assert bits(list(again.grid.fixed.values())) == bits(list(plan.grid.fixed.values()))
+    for name in ("length", "level", "flight", "coexistence"):
+        assert getattr(again.grid, name) == getattr(plan.grid, name)
+    assert [c.name for c in again.table.columns] == [c.name for c in plan.table.columns]
+    assert (again.table.digits, dict(again.table.part)) == (plan.table.digits, dict(plan.table.part))
+    for name in ("parts", "part_cells", "name", "own", "versions", "content"):
+        assert getattr(again, name) == getattr(plan, name)
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        plan_of(nut()),
+        plan_of(nut(trough_length_mm=600.1, restitution=0.3, trough_angle_deg=-2.5), 7, digits=4),
+        plan_of(nut(friction_ratio="0.5:1.2:4"), columns=["regime", "stroke_mm", "friction_ratio"]),
+        plan_of(nut(friction_ratio=0.77), part={"pitch_mm": 25.1, "mass_kg": 0.012}),
+        plan_of(nut(), part={"pitch_mm": 25.1}, columns=["parts_per_min"]),
+        plan_of(swept("regimes", amplitude_mm="1,2")),
+        plan_of(swept(amplitude_mm="1,2", flight=False)),
+        plan_of(swept(amplitude_mm="1,2", coexistence=True)),
+        plan_of(swept(**ELLIPSE)),
+        plan_of(swept(**ELLIPSE, along_amplitude_2_mm="0:0.2:3", along_phase_2_deg=30)),
+        plan_of(swept()),
+    ],
+)
+def test_a_manifest_is_read_again_as_it_was_written(plan: Plan) -> None:
+    text = plan.manifest(ARGV)
+    check_same(read_plan(text, "m"), plan)
+    assert read_plan(text, "m").manifest(ARGV) == text
+    content = json.loads(text)
+    assert content["argv"] == ARGV
+    assert content["fingerprint"] == plan.fingerprint
+    assert sum(part["cells"] for part in content["parts"]) == content["cells"] == plan.grid.size
+
+
+def grid_of(axes: dict[str, list[float]], **fixed: float) -> Grid:
+    """Make a grid of any numbers at all: nothing is solved."""
+    others = {"frequency": 15.0, "static_friction": 0.74, "kinetic_friction": 0.57, "gravity": 9.81}
+    made = {name: Axis(name, np.array(values), "list") for name, values in axes.items()}
+    return Grid(made, {name: x for name, x in (others | fixed).items() if name not in axes}, None)
+
+
+def whole(grid: Grid, part_cells: int = PART_CELLS) -> Plan:
+    return Plan(grid, Table(columns_of(grid.axes)), part_cells, "", {}, versions())
+
+
+NUMBERS = st.floats(1e-300, 1e300)
+AXES = st.lists(NUMBERS, min_size=1, max_size=5, unique=True).map(sorted)
+
+
+@given(AXES, AXES, NUMBERS, st.integers(1, 30))
+def test_any_numbers_are_read_again_bit_for_bit(
+    amplitude: list[float], friction: list[float], angle: float, part_cells: int
+) -> None:
+    grid = grid_of({"amplitude": amplitude, "static_friction": friction}, drive_angle=angle)
+    plan = whole(grid, part_cells)
+    check_same(read_plan(plan.manifest(ARGV), "m"), plan)
+
+
+FEW = st.lists(st.sampled_from([1.0, 1.5, np.nextafter(1.5, 2.0), 2.0]), min_size=1, unique=True).map(sorted)
+PLANS = st.builds(
+    lambda amplitude, angle, part_cells, names: Plan(
+        grid_of({"amplitude": amplitude}, drive_angle=angle),
+        Table(chosen(names, columns_of())), part_cells, "", {}, versions(),
+    ),
+    FEW, st.sampled_from([20.0, 30.0]), st.sampled_from([2, 3]),
+    st.permutations(["regime", "status", "amplitude_mm"]),
+)  # fmt: skip
+
+
+@given(PLANS, PLANS)
+def test_fingerprints_differ_where_something_is_named_alone(one: Plan, other: Plan) -> None:
+    assert (one.fingerprint == other.fingerprint) == (not one.differences(other))
+    assert bool(one.differences(other)) == bool(other.differences(one))
+
+
+def paths(content: Any, *before: str | int) -> Iterator[tuple[str | int, ...]]:
+    """Yield where the values of a manifest are, lists and mappings first."""
+    if before:
+        yield before
+    if isinstance(content, dict | list):
+        for key, value in content.items() if isinstance(content, dict) else enumerate(content):
+            yield from paths(value, *before, key)
+
+
+def others(value: Any) -> list[Any]:
+    """Return what somebody may have put there instead."""
+    if isinstance(value, dict):
+        return [{**value, "more": 1}, [], dict(list(value.items())[1:]), None]
+    if isinstance(value, list):
+        return [[*value, *value[-1:], 1], value[1:], value[::-1], {}, 3]
+    if isinstance(value, bool) or value is None:
+        return [not value, 7]
+    if isinstance(value, str):
+        return [f"{value}x", "", 3]
+    return [float(np.nextafter(value, 9e9)), -value - 1, str(value), 10**400, None]
+
+
+def test_every_change_of_a_manifest_is_noticed() -> None:
+    plan = plan_of(nut(friction_ratio="0.5,0.9", trough_length_mm=600), 5, digits=4, part={"pitch_mm": 25.0})
+    content = json.loads(plan.manifest(ARGV))
+    tried = 0
+    for path in paths(content):
+        if path[0] in ("argv", "name", "own"):  # what does not count
+            continue
+        *before, last = path
+        for other in others(_at(content, path)):
+            if other == _at(content, path):
+                continue
+            changed = json.loads(json.dumps(content))
+            _at(changed, before)[last] = other
+            with pytest.raises(FileError, match=NOTICED) as caught:
+                read_plan(json.dumps(changed), "m")
+            assert caught.value.hint
+            tried += 1
+        changed = json.loads(json.dumps(content))
+        del _at(changed, before)[last]
+        with pytest.raises(FileError, match=NOTICED):
+            read_plan(json.dumps(changed), "m")
+    assert tried > 200
+
+
+def _at(content: Any, path: Any) -> Any:
+    for key in path:
+        content = content[key]
+    return content
+
+
+def test_a_change_is_noticed_before_anything_is_made_of_it() -> None:
+    """A part a cell, of cells that nobody could hold, is no list to be made."""
+    long = list(np.arange(1.0, 100_001.0))
+    plan = whole(grid_of({"amplitude": long, "drive_angle": long}), 10**9)
+    changed = json.loads(plan.manifest(ARGV)) | {"part_cells": 1}
+    with pytest.raises(FileError, match="damaged"):
+        read_plan(json.dumps(changed), "m")
+
+
+def test_the_order_of_columns_counts() -> None:
+    there, here = (plan_of(nut(), columns=names) for names in (["regime", "status"], ["status", "regime"]))
+    assert there.fingerprint != here.fingerprint
+    assert here.differences(there) == ["columns: regime,status there, status,regime here"]
+    content = json.loads(there.manifest(ARGV))
+    content["columns"] = dict(reversed(content["columns"].items()))
+    with pytest.raises(FileError, match="damaged"):
+        read_plan(json.dumps(content), "m")
+
+
+THERE = plan_of(nut())
+DIFFERENT = {
+    "amplitude_mm: 7 values, 0.1 ... 3 mm, factor 1.763 there, 8 values, 0.1 ... 3 mm, factor 1.626 here;"
+    " cells: 14 there, 16 here": plan_of(nut(amplitude_mm="0.1:3:8:log")),
+    "amplitude_mm: 7 values, 0.1 ... 3 mm, factor 1.763 there, 7 values, 0.1 ... 3 mm, step 0.483 here":
+        plan_of(nut(amplitude_mm="0.1:3:7")),
+    # which looks the same at so many digits
+    "frequency_hz: 15.1 there, 15.100000000000001 here":
+        plan_of(nut(frequency_hz=[10, float(np.nextafter(15.1, 16))])),
+    # the same values, by chance: but steps between them mean another thing to pictures
+    "spacing of axes: ['log', 'list'] there, ['list', 'list'] here":
+        plan_of(nut(amplitude_mm=THERE.grid.axes["amplitude"].values.tolist())),
+    "drive_angle_deg: no axis there, 2 values, 20, 30 deg here; drive_angle_deg: 20.0 there, none here;"
+    " cells: 14 there, 28 here": plan_of(nut(drive_angle_deg="20,30")),
+    "static_friction: 0.74 there, 0.75 here": plan_of(nut(static_friction=0.75)),
+    "friction_ratio: none there, 0.77 here; kinetic_friction: 0.57 there, none here":
+        plan_of(nut(friction_ratio=0.77)),
+    "trough_angle_deg: 0.0 there, 1.0 here": plan_of(nut(trough_angle_deg=1)),
+    "gravity_m_s2: 9.81 there, 1.62 here": plan_of(nut(gravity_m_s2=1.62)),
+    "restitution: 0.0 there, 0.3 here": plan_of(nut(restitution=0.3)),
+    "trough_length_mm: none there, 600.0 here": plan_of(nut(trough_length_mm=600)),
+    "accuracy: exact there, regimes here; flight: True there, False here":
+        plan_of(nut(accuracy="regimes")),
+    "flight: True there, False here": plan_of(nut(flight=False)),
+    "coexistence: False there, True here": plan_of(nut(coexistence=True)),
+    "digits: none there, 4 here": plan_of(nut(), digits=4),
+    "part cells: 1000000 there, 7 here": plan_of(nut(), 7),
+    f"numpy: {versions()['numpy']} there, 1.0 here": replace(THERE, versions={**versions(), "numpy": "1.0"}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("said", DIFFERENT)
+def test_every_difference_is_named(said: str) -> None:
+    here = DIFFERENT[said]
+    assert "; ".join(here.differences(THERE)) == said
+    assert here.fingerprint != THERE.fingerprint
+
+
+def test_what_a_part_is_and_its_pitch_are_named() -> None:
+    there = plan_of(nut(), part={"pitch_mm": 25.0}, columns=["parts_per_min"])
+    here = plan_of(nut(), part={"pitch_mm": 30.0, "mass_kg": 0.1}, columns=["parts_per_min"])
+    assert here.differences(there) == [
+        "pitch_mm: 25.0 there, 30.0 here", "mass_kg: none there, 0.1 here",
+    ]  # fmt: skip
+
+
+def test_names_arguments_and_own_values_do_not_count() -> None:
+    other = replace(THERE, name="bolt", own={"amplitude": 2.0})
+    assert other.fingerprint == THERE.fingerprint
+    assert other.differences(THERE) == []
+    texts = [plan.manifest(argv) for plan, argv in ((THERE, ARGV), (other, ["vibro"]))]
+    assert texts[0] != texts[1]
+    assert {json.loads(text)["fingerprint"] for text in texts} == {THERE.fingerprint}
+
+
+def test_parts_are_ranges_of_all_cells() -> None:
+    for part_cells in (1, 5, 7, 14, 15):
+        plan = plan_of(nut(), part_cells)
+        ranges = [plan.range_of(part) for part in range(plan.parts)]
+        assert [cell for first, end in ranges for cell in range(first, end)] == list(range(14))
+        assert {end - first for first, end in ranges[:-1]} <= {part_cells}
+        said = json.loads(plan.manifest(ARGV))["parts"]
+        assert [(x["first_cell"], x["first_cell"] + x["cells"]) for x in said] == ranges
+        assert [x["file"] for x in said] == [f"part-{part:06d}.parquet" for part in range(plan.parts)]
+
+
+def test_more_parts_than_names_can_number_are_refused() -> None:
+    grid = grid_of({"amplitude": list(np.arange(1.0, MOST_PARTS + 2.0))}, drive_angle=20.0)
+    whole(grid, 2).check()
+    with pytest.raises(InputError, match="part cells = 1: 1000001 cells would be 1000001 parts") as caught:
+        whole(grid, 1).check()
+    assert caught.value.hint == "give at least 2"
+    most = list(np.arange(1.0, MOST_PARTS + 1.0))
+    whole(grid_of({"amplitude": most}, drive_angle=20.0), 1).check()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "3", '"vibro sweep 1"', "null", "{}", '{"format": 3}', '{"format": "other"}', "\0"],
+)
+def test_what_is_no_manifest_is_told(text: str) -> None:
+    with pytest.raises(FileError, match=r"out/manifest\.json is no manifest of a sweep"):
+        read_plan(text, "out/manifest.json")
+
+
+def test_a_later_format_is_told() -> None:
+    content = json.loads(THERE.manifest(ARGV)) | {"format": "vibro sweep 2"}
+    with pytest.raises(FileError, match="vibro sweep 2 is not known here") as caught:
+        read_plan(json.dumps(content), "m")
+    assert caught.value.hint == "use the vibro that wrote it"
+
+
+def test_levels_and_row_groups_are_those_of_the_plan() -> None:
+    content = json.loads(plan_of(nut(accuracy="regimes")).manifest(ARGV))
+    assert content["accuracy"] == Level.REGIMES.value
+    assert content["flight"] is False
+    assert content["row_group_cells"] == ROW_GROUP
