@@ -1,13 +1,15 @@
-"""Directories of Parquet parts, written from a sweep that is held."""
+"""Folders of Parquet parts, written as ``vibro map --table parquet`` does."""
 
 from __future__ import annotations
 
-import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+from unittest import mock
 
-import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
+from vibro.files.part_sets import PartSet
+from vibro.sweeps.columns import Table, chosen, columns_of
+from vibro.sweeps.executors import Threads
+from vibro.sweeps.parted import make_parts
+from vibro.sweeps.plan import Plan, versions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,64 +26,15 @@ def store(
     part_cells: int = 100,
     row_group_cells: int = 40,
 ) -> Path:
-    """Write a sweep as ``vibro map --table parquet`` does."""
-    folder.mkdir(parents=True)
-    frame, grid = t.to_frame(columns), t._grid
-    starts = range(0, len(frame), part_cells)
-    parts = [
-        {"file": f"part-{i:06}.parquet", "first_cell": start, "cells": min(part_cells, len(frame) - start)}
-        for i, start in enumerate(starts)
-    ]
-    manifest: dict[str, Any] = {
-        "format": "vibro sweep 1",
-        "fingerprint": f"{t._title} {grid.shape}",
-        "argv": ["map", "nut.toml"],
-        "versions": {},
-        "name": t._title,
-        "axes": [
-            {"column": axis.column, "spacing": axis.spacing, "values": axis.values.tolist()}
-            for axis in grid.axes.values()
-        ],
-        "scene": t.fixed,
-        "own": dict(t._own),
-        "accuracy": grid.level.value,
-        "flight": grid.flight,
-        "coexistence": grid.coexistence,
-        "part": {},
-        "digits": None,
-        "columns": dict.fromkeys(frame.columns, ""),
-        "cells": len(frame),
-        "part_cells": part_cells,
-        "row_group_cells": row_group_cells,
-        "parts": parts,
-    }
-    for number, part in enumerate(parts):
-        start = int(str(part["first_cell"]))
-        footer = {"fingerprint": manifest["fingerprint"], "part": number, **part}
-        rows = [
-            _table(frame.iloc[i : min(i + row_group_cells, start + int(str(part["cells"])))])
-            for i in range(start, start + int(str(part["cells"])), row_group_cells)
-        ]
-        with pq.ParquetWriter(
-            folder / str(part["file"]), rows[0].schema, compression="zstd", write_page_checksum=True
-        ) as writer:
-            for table in rows:
-                writer.write_table(table)
-            writer.add_key_value_metadata({"vibro": json.dumps(footer)})
-    (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
-    success = {"cells": len(frame), "parts": len(parts), "status": {"ok": len(frame)}, "regime": {}}
-    (folder / "_SUCCESS").write_text(json.dumps(success), encoding="utf-8")
+    """Store the cells of a sweep in short parts, each of several row groups."""
+    grid = t._grid
+    usual = columns_of(grid.axes, drive=grid.drive)
+    table = Table(usual if columns is None else chosen(columns, usual))
+    plan = Plan(grid, table, part_cells, t._title, t._own, versions())
+    with (
+        mock.patch("vibro.sweeps.parts.ROW_GROUP", row_group_cells),
+        PartSet(folder, "") as files,
+        Threads(plan.parts) as workers,
+    ):
+        files.finish(make_parts(plan, files, workers, ["vibro", "map"], resume=False).text())
     return folder
-
-
-def _table(frame: pd.DataFrame) -> pa.Table:
-    """Make a table of rows, whose dictionaries hold the texts of these rows alone."""
-    arrays = []
-    for name in frame.columns:
-        column = frame[name]
-        if isinstance(column.dtype, pd.CategoricalDtype):
-            texts = pa.array(column.astype(object)).dictionary_encode()
-            arrays.append(pa.DictionaryArray.from_arrays(texts.indices.cast(pa.int16()), texts.dictionary))
-        else:
-            arrays.append(pa.array(column, from_pandas=True))
-    return pa.Table.from_arrays(arrays, names=list(frame.columns))

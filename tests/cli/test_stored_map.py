@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,14 +30,19 @@ def held() -> Sweep:
     return vibro.sweep(amplitude_mm="0.2:6:11", frequency_hz="5:25:7", drive_angle_deg=20, **GIVEN)
 
 
+@pytest.fixture(scope="module")
+def stored(held: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return store(held, tmp_path_factory.mktemp("sweeps") / "wide")
+
+
 @pytest.fixture
-def wide(held: Sweep, tmp_path: Path) -> Path:
+def wide(stored: Path, tmp_path: Path) -> Path:
     """Store cells where commands run."""
-    return store(held, tmp_path / "wide")
+    return Path(shutil.copytree(stored, tmp_path / "wide"))
 
 
 @pytest.fixture(autouse=True)
-def _nothing_is_solved(held: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+def _nothing_is_solved(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def solve(*_: object, **__: object) -> None:
         raise AssertionError("a cell is solved")
 
@@ -83,16 +89,16 @@ def test_what_pictures_do_not_show_is_said(run: Run, wide: Path) -> None:
 
 
 def test_shared_options_work(run: Run, wide: Path) -> None:
-    args = ("map", ".", "--at", "mu_ratio=0.7", "-q", "--json", "-o", "../")
-    (wide.parent / "wide" / "here").mkdir()
+    line = ("--at", "A=3.1,mu_s=.3,mu_ratio=0.7")
+    args = ("map", ".", *line, "-q", "--json", "-o", "../")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(wide)
         result = run(*args)
     assert (result.exit_code, result.stderr) == (0, "")
     assert json.loads(result.stdout) == json.loads(Path("wide.json").read_text(encoding="utf-8"))
-    assert run("map", "wide", "--at", "mu_ratio=0.7").exit_code == 1
-    assert run("map", "wide", "--at", "mu_ratio=0.7", "--force").exit_code == 0
-    protected = run("map", "wide", "-o", "wide/manifest", "--force")
+    assert run("map", "wide", *line).exit_code == 1
+    assert run("map", "wide", *line, "--force").exit_code == 0
+    protected = run("map", "wide", *line, "-o", "wide/manifest", "--force")
     assert protected.exit_code == 1
     assert "it is what this run reads" in protected.stderr
 
@@ -147,9 +153,10 @@ def test_a_folder_that_holds_no_sweep_is_refused(run: Run, wide: Path) -> None:
 def test_what_was_not_solved_is_not_drawn(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
-    given = {"amplitude_mm": "0.2:6:5", "frequency_hz": "5:25:5", "drive_angle_deg": 20, "flight": False}
+    given: dict[str, Any] = {"static_friction": 0.5, "kinetic_friction": 0.4, "drive_angle_deg": 20}
+    given |= {"amplitude_mm": "0.2:6:5", "frequency_hz": "5:25:5", "flight": False}
     for level in ("exact", "regimes"):
-        store(vibro.sweep(**given, **GIVEN | {"static_friction": 0.5}, accuracy=level), tmp_path / level)
+        store(vibro.sweep(**given, accuracy=level), tmp_path / level)
     assert "--show flight: exact was solved without flights" in run("map", "exact", "--show", "flight").stderr
     assert "--speed: regimes was solved for regimes alone" in run("map", "regimes", "--speed", "5").stderr
     assert run("map", "regimes").exit_code == 0

@@ -9,8 +9,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import duckdb
 import numpy as np
 import pandas as pd
+import polars
 import pyarrow.parquet as pq
 import pytest
 from parquet_sweeps import store
@@ -122,31 +124,31 @@ def test_what_cannot_be_asked_for_is_named(
 
 
 @pytest.fixture
-def read(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, int, list[str]]]:
+def read(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int, list[str]]]:
     """Note which row groups and columns are read."""
-    noted: list[tuple[str, int, list[str]]] = []
+    noted: list[tuple[int, int, list[str]]] = []
     whole = pq.ParquetFile.read_row_group
 
     def noting(file: pq.ParquetFile, number: int, columns: list[str], **more: Any) -> Any:
-        noted.append((json.loads(file.metadata.metadata[b"vibro"])["file"], number, columns))
+        part = json.loads(file.metadata.metadata[b"vibro"])["part"]
+        noted.append((part, number, columns))
         return whole(file, number, columns, **more)
 
     monkeypatch.setattr(pq.ParquetFile, "read_row_group", noting)
     return noted
 
 
-def test_only_what_is_needed_is_read(stored: StoredSweep, read: list[tuple[str, int, list[str]]]) -> None:
+def test_only_what_is_needed_is_read(stored: StoredSweep, read: list[tuple[int, int, list[str]]]) -> None:
     # A value of the amplitude is 84 cells: the third of them is cells 168 to 251.
     stored.to_frame({"A": 1.36}, ["regime", "mean_velocity_mm_s"])
     wanted = ["regime", "mean_velocity_mm_s"]
-    first, second = "part-000001.parquet", "part-000002.parquet"
-    assert read == [(first, 1, wanted), (first, 2, wanted), (second, 0, wanted), (second, 1, wanted)]
+    assert read == [(1, 1, wanted), (1, 2, wanted), (2, 0, wanted), (2, 1, wanted)]
     read.clear()
     stored.to_frame({"A": 0.2, "f": 5}, ["status"])
-    assert read == [("part-000000.parquet", 0, ["status"])]
+    assert read == [(0, 0, ["status"])]
     read.clear()
     stored.draw("regime", x="beta", at={"A": 0.2, "f": 5})
-    assert {(file, number) for file, number, _ in read} == {("part-000000.parquet", 0)}
+    assert {(part, number) for part, number, _ in read} == {(0, 0)}
     (columns,) = {tuple(columns) for *_, columns in read}
     assert "pattern" not in columns
     assert "back_ratio" not in columns
@@ -167,7 +169,7 @@ def test_cells_are_counted_as_they_are_numbered() -> None:
 
 
 def test_more_cells_than_memory_holds_are_refused_with_their_size(
-    stored: StoredSweep, monkeypatch: pytest.MonkeyPatch, read: list[tuple[str, int, list[str]]]
+    stored: StoredSweep, monkeypatch: pytest.MonkeyPatch, read: list[tuple[int, int, list[str]]]
 ) -> None:
     monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 1}.get)
     with pytest.raises(InputError, match=r"11 x 7 x 3 x 4 = 924 cells take about .* GB") as caught:
@@ -222,6 +224,36 @@ def test_a_picture_without_its_columns_is_refused(tmp_path: Path) -> None:
         stored.draw("band")  # type: ignore[arg-type]
 
 
+def test_other_readers_take_a_line(folder: Path, held: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Texts of each part have a dictionary of their own, and not all files are tables."""
+    dictionaries = {
+        tuple(pq.ParquetFile(part).read(["pattern"])["pattern"].combine_chunks().dictionary.to_pylist())
+        for part in folder.glob("*.parquet")
+    }
+    assert len(dictionaries) > 2
+    monkeypatch.chdir(folder.parent)
+    files: Any = sorted(Path("nut").glob("*.parquet"))
+    whole = held.to_frame()
+    pd.testing.assert_frame_equal(
+        pd.read_parquet(files, dtype_backend="numpy_nullable")[["coexists", "pattern"]].astype(
+            {"pattern": "str"}
+        ),
+        whole[["coexists", "pattern"]].astype({"pattern": "str"}),
+    )
+    for frame in (
+        pd.read_parquet(files),
+        duckdb.sql("from 'nut/*.parquet'").df(),
+        polars.scan_parquet("nut/*.parquet").collect().to_pandas(),
+    ):
+        assert list(frame.columns) == list(whole.columns)
+        for name, column in whole.items():
+            if isinstance(column.dtype, pd.CategoricalDtype):
+                assert frame[name].tolist() == column.tolist(), name
+            else:
+                found, wanted = (x.to_numpy(float, na_value=np.nan) for x in (frame[name], column))
+                np.testing.assert_array_equal(found, wanted, err_msg=str(name))
+
+
 @pytest.fixture
 def copy(folder: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(folder, tmp_path / "copy"))
@@ -230,53 +262,72 @@ def copy(folder: Path, tmp_path: Path) -> Path:
 PART = "part-000003.parquet"
 
 
-def other_manifest(folder: Path, **changes: Any) -> None:
-    path = folder / "manifest.json"
-    path.write_text(json.dumps(json.loads(path.read_text(encoding="utf-8")) | changes), encoding="utf-8")
+def refused(path: Path, problem: str, hint: str = "with --resume") -> None:
+    with pytest.raises(FileError) as caught:
+        vibro.open_sweep(path)
+    assert problem in str(caught.value).replace("\\", "/")
+    assert hint in caught.value.hint
 
 
-def test_what_is_no_finished_sweep_is_refused(folder: Path, copy: Path, tmp_path: Path) -> None:
-    def refused(path: Path, problem: str, hint: str) -> None:
-        with pytest.raises(FileError) as caught:
-            vibro.open_sweep(path)
-        assert problem in str(caught.value).replace("\\", "/")
-        assert hint in caught.value.hint
+def test_what_is_no_finished_sweep_is_refused(copy: Path, tmp_path: Path) -> None:
+    refused(tmp_path / "none", "none: it is not there", "give a folder that vibro map")
+    refused(copy / PART, f"{PART}: it is no folder", "give a folder that vibro map")
+    refused(tmp_path, "there is no manifest.json in it", "give a folder that vibro map")
+    success = (copy / "_SUCCESS").read_text(encoding="utf-8")
+    for text in (
+        "",
+        "[]",
+        "{}",
+        success.replace('"cells": 924', '"cells": 9'),
+        success.replace('"ok"', '"no"'),
+    ):
+        (copy / "_SUCCESS").write_text(text, encoding="utf-8")
+        refused(copy, "_SUCCESS is damaged")
+    (copy / "_SUCCESS").unlink()
+    (copy / PART).unlink()
+    refused(copy, "copy is not finished: 9 of 10 parts are there")
 
-    refused(tmp_path / "none", "none: it is not there", "give a directory that vibro map")
-    refused(copy / PART, f"{PART}: it is no directory", "give a directory that vibro map")
-    refused(tmp_path, "there is no manifest.json in it", "give a directory that vibro map")
-    (copy / "_SUCCESS").rename(copy / "hidden")
-    (copy / PART).rename(tmp_path / PART)
-    refused(copy, "copy is not finished: 9 of 10 parts are there", "with --resume")
-    (copy / "hidden").rename(copy / "_SUCCESS")
-    refused(copy, f"{PART} is missing", "with --resume")
-    whole = (tmp_path / PART).read_bytes()
-    for content in (b"", whole[:1000], whole[:-1000], b"x" * 1000):
+
+def test_a_part_that_is_not_the_sweeps_own_is_refused(copy: Path, held: Sweep, tmp_path: Path) -> None:
+    whole = (copy / PART).read_bytes()
+    (copy / PART).unlink()
+    refused(copy, f"{PART} is missing")
+    for content in (b"", whole[:1000], whole[:-1000], whole[-1000:], b"x" * 1000):
         (copy / PART).write_bytes(content)
-        refused(copy, f"{PART} is damaged: ", "with --resume")
+        refused(copy, f"{PART} is damaged: ")
     shutil.copy(copy / "part-000002.parquet", copy / PART)
-    refused(copy, f"{PART} does not belong to this sweep: its part is 2, not 3", "with --resume")
+    refused(copy, f"{PART} does not belong to this sweep: its part is 2, not 3")
+    other = store(held, tmp_path / "other", columns=["regime"])
+    shutil.copy(other / PART, copy / PART)
+    refused(copy, f"{PART} does not belong to this sweep: its fingerprint is")
+    table = pq.read_table(copy / "part-000002.parquet")
+    pq.write_table(table, copy / PART)
+    refused(copy, f"{PART} does not belong to this sweep: its fingerprint is None")
     (copy / PART).write_bytes(whole)
-    other_manifest(copy, fingerprint="another")
-    refused(copy, "does not belong to this sweep: its fingerprint is ' (11, 7, 3, 4)', not 'another'", "")
-    other_manifest(copy, fingerprint=" (11, 7, 3, 4)", columns={"regime": ""})
-    refused(copy, "its columns are not those of the sweep", "")
-    wrong: tuple[dict[str, Any], ...] = (
-        {"axes": []},
-        {"axes": None},
-        {"scene": {"colour": 1}},
-        {"parts": []},
-        {"accuracy": "x"},
-    )
-    for broken in wrong:
-        shutil.copy(folder / "manifest.json", copy)
-        other_manifest(copy, **broken)
-        refused(copy, "manifest.json is damaged", "with --resume")
-    other_manifest(copy, format="vibro sweep 99")
-    refused(copy, "its format is 'vibro sweep 99', not 'vibro sweep 1'", "the version of vibro that wrote it")
-    for text in ("", "[]", "{", "\xff"):
-        (copy / "manifest.json").write_text(text, encoding="latin-1")
-        refused(copy, "manifest.json is damaged", "with --resume")
+    footer = pq.read_metadata(copy / PART).metadata[b"vibro"]
+    pq.write_table(table.slice(1).replace_schema_metadata({"vibro": footer}), copy / PART)
+    refused(copy, f"{PART} is damaged: it has 99 rows, not 100")
+
+
+def test_a_manifest_that_was_changed_is_refused(copy: Path) -> None:
+    path = copy / "manifest.json"
+    content = json.loads(path.read_text(encoding="utf-8"))
+    for key, value in (
+        ("axes", []),
+        ("axes", None),
+        ("scene", {"colour": 1}),
+        ("flight", False),
+        ("cells", 9),
+    ):
+        path.write_text(json.dumps(content | {key: value}), encoding="utf-8")
+        refused(copy, "manifest.json is damaged, or was changed", "--force")
+    path.write_text(json.dumps(content | {"format": "vibro sweep 99"}), encoding="utf-8")
+    refused(copy, "vibro sweep 99 is not known here", "use the vibro that wrote it")
+    for text in ("", "[]", "{"):
+        path.write_text(text, encoding="utf-8")
+        refused(copy, "manifest.json is no manifest of a sweep", "")
+    path.write_bytes(b"\xff")
+    refused(copy, "manifest.json is damaged: it is no text in UTF-8")
 
 
 def test_damage_inside_a_part_is_found_where_it_is_read(copy: Path) -> None:
@@ -298,6 +349,6 @@ def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:
         f"try: vibro.open_sweep({str(folder)!r})\nexcept vibro.VibroError as exc: print(exc)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "Parquet files need pyarrow: pip install 'vibro[parquet]'\n"
+    assert done.stdout == "Parquet needs pyarrow: pip install 'vibro[parquet]'\n"
     with pytest.raises(VibroError, match="path = 3: must be a path"):
         vibro.open_sweep(3)  # type: ignore[arg-type]

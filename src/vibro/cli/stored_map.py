@@ -38,14 +38,14 @@ def map_stored(
     speed: str | None,
     formats: str,
 ) -> int:
-    """Draw pictures of the cells in a directory that ``vibro map --table parquet`` has written.
+    """Draw pictures of the cells in a folder that ``vibro map --table parquet`` has written.
 
     Parameters
     ----------
     context : Context
         Of ``vibro map``.
     options : Options
-        The directory in place of a scene file, and where to write.
+        The folder in place of a scene file, and where to write.
     x, y, at, show, speed, formats
         As of ``vibro map``.
 
@@ -59,15 +59,17 @@ def map_stored(
     InputError
         If another option is given, or there is no such picture.
     FileError
-        If the directory cannot be read, or the files cannot be written.
+        If the folder cannot be read, or the files cannot be written.
     """
     from vibro.cli.output import Pictures
     from vibro.cli.request import checked_number
+    from vibro.files.part_sets import MANIFEST
     from vibro.files.publication import Publication, json_text
     from vibro.files.stems import output_stem
     from vibro.plots import map_figures, picture_names
     from vibro.plots.view import check_drawable, choose_view
     from vibro.quantities import LEAST_SPEED
+    from vibro.sweeps.csv_sink import provenance
     from vibro.sweeps.part_files import open_parts
     from vibro.sweeps.stored import stored_picture
 
@@ -78,7 +80,7 @@ def map_stored(
     wanted, shown = picture_formats(formats), shown_pictures(show)
     level = None if speed is None else checked_number(speed, LEAST_SPEED)
     parts = open_parts(folder)
-    grid = parts.grid
+    grid = parts.plan.grid
     _refuse_unsolved(grid, folder, shown, speed)
     for axis in grid.axes.values():
         console.echo(str(axis))
@@ -104,16 +106,10 @@ def map_stored(
         tables=(),
         pictures=names,
         formats=wanted,
-        reads=[folder / "manifest.json"],
+        reads=[folder / MANIFEST],
     ) as files:
-        content = {
-            "sweep": {"folder": str(folder), "fingerprint": parts.fingerprint},
-            **grid.describe(),
-            "accuracy": grid.level.value,
-            "flight": grid.flight,
-            "coexistence": grid.coexistence,
-            **parts.summary,
-        }
+        origin = {"folder": str(folder), "fingerprint": parts.plan.fingerprint}
+        content = {"sweep": origin, **provenance(grid, parts.plan.table, parts.tally)}
         whole = files.finish(content, Pictures(names, wanted, draw).saver())
     if options.json:
         print(json_text(whole))

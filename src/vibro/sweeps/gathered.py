@@ -11,7 +11,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["GATHERED", "Flags", "Numbers", "Texts", "kind_of"]
+    from vibro.results.sweep import Column
+
+__all__ = ["Flags", "Gathered", "Numbers", "Texts", "gathering"]
 
 
 class Numbers:
@@ -89,18 +91,9 @@ class Texts:
         return pd.Categorical.from_codes(known.codes[self.codes], dtype=known.dtype)
 
 
-#: By the kind of a column what gathers it.
-GATHERED: Final[Mapping[str, type[Numbers | Flags | Texts]]] = {
-    "number": Numbers,
-    "flag": Flags,
-    "text": Texts,
-}
+Gathered = Numbers | Flags | Texts
 
 
-def kind_of(of: Any) -> str:
-    """Return the kind of a column by its Arrow type, or the name of a type that no column has."""
-    from pyarrow import types
-
-    if types.is_dictionary(of):
-        return "text"
-    return {"double": "number", "int8": "flag"}.get(str(of), str(of))
+def gathering(column: Column) -> type[Gathered]:
+    """Return what gathers a column."""
+    return Numbers if column.is_number else Flags if column.is_flag else Texts

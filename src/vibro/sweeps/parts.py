@@ -38,6 +38,7 @@ __all__ = [
     "Written",
     "check_job",
     "check_part",
+    "place_of",
     "read_footer",
     "solve_piece",
     "write_part",
@@ -185,7 +186,7 @@ def write_part(job: Job, part: int, pieces: Sequence[Piece] = ()) -> Written | S
                     writer.write_table(row_group(table, block), ROW_GROUP)
                     tally.add(block)
                 writer.add_key_value_metadata(
-                    {_FOOTER: json.dumps({**_place(job.plan, part), **tally.told()})}
+                    {_FOOTER: json.dumps({**place_of(job.plan, part), **tally.told()})}
                 )
             file.flush()
             sync_file(file.fileno())
@@ -210,7 +211,7 @@ def check_part(job: Job, part: int) -> Written | None:
             size = stream.tell()
         with parquet.ParquetFile(path, page_checksum_verification=True) as file:
             said = read_footer(file.metadata)
-            expected = _place(job.plan, part)
+            expected = place_of(job.plan, part)
             if said is None or not expected.items() <= said.items() or file.metadata.num_rows != end - first:
                 return None
             for group in range(file.num_row_groups):
@@ -286,7 +287,7 @@ def _packed(cycle: SteadyCycle) -> NDArray[Any]:
     return cells
 
 
-def _place(plan: Plan, part: int) -> dict[str, str | int]:
+def place_of(plan: Plan, part: int) -> dict[str, str | int]:
     """Say what a part is of, and where it stands in that."""
     first, end = plan.range_of(part)
     return {"fingerprint": plan.fingerprint, "part": part, "first_cell": first, "cells": end - first}

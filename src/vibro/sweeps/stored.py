@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from vibro.errors import FileError, InputError, shown
 from vibro.plots.view import index_of
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS
-from vibro.sweeps.gathered import GATHERED, Flags, Numbers, Texts
+from vibro.sweeps.gathered import Texts, gathering
 from vibro.sweeps.part_files import PartFiles, open_parts
 from vibro.sweeps.run import solved_picture
 from vibro.sweeps.selection import Selection
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.results.steady import Result
     from vibro.results.sweep import SweepResult
+    from vibro.sweeps.gathered import Gathered
     from vibro.sweeps.grid import Grid
 
 __all__ = ["StoredSweep", "open_sweep", "stored_picture"]
@@ -56,7 +58,7 @@ class StoredSweep(SolvedGrid):
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns of its cells."""
-        return tuple(self._parts.kinds)
+        return tuple(self._parts.columns)
 
     def to_frame(
         self, filters: Mapping[str, Any] | None = None, columns: Sequence[str] | None = None
@@ -90,9 +92,9 @@ class StoredSweep(SolvedGrid):
         import pandas as pd
 
         parts = self._parts
-        names = list(parts.kinds) if columns is None else _checked(columns, self.columns)
+        names = self.columns if columns is None else _checked(columns, self.columns)
         cells = _selection(self._grid, {} if filters is None else filters)
-        per_cell = sum(GATHERED[parts.kinds[name]].bytes_per_cell for name in names)
+        per_cell = sum(gathering(parts.columns[name]).bytes_per_cell for name in names)
         hint = "filter the cells, name fewer columns, or let another reader of Parquet, such as DuckDB, do it"
         check_memory(cells.shape, per_cell, hint)
         return pd.DataFrame({name: found.of_frame() for name, found in parts.read(names, cells).items()})
@@ -104,12 +106,12 @@ class StoredSweep(SolvedGrid):
 
 
 def open_sweep(path: str | PathLike[str]) -> StoredSweep:
-    """Open the directory of Parquet files that ``vibro map --table parquet`` has written.
+    """Open the folder of Parquet files that ``vibro map --table parquet`` has written.
 
     Parameters
     ----------
     path : path
-        The directory; it is finished.
+        The folder, finished.
 
     Returns
     -------
@@ -119,22 +121,27 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
     Raises
     ------
     FileError
-        If there is no such directory, it is not finished, or a part of it is missing or damaged.
+        If there is no such folder, it is not finished, or a part of it is missing or damaged.
     VibroError
         If pyarrow is not installed.
 
     Examples
     --------
+    After ``vibro map examples/safety_nut.toml -A 0.5:1.5:3 -f 15 --table parquet -o out/nut``:
+
     >>> import vibro
-    >>> vibro.open_sweep("examples")
-    Traceback (most recent call last):
-    vibro.errors.FileError: examples holds no sweep: there is no manifest.json in it
-    hint: give a directory that vibro map --table parquet has written
+    >>> t = vibro.open_sweep("out/nut")
+    >>> t.axes
+    {'amplitude_mm': array([0.5, 1. , 1.5])}
+    >>> t.to_frame({"amplitude_mm": (1, 2)}, ["amplitude_mm", "pattern"])
+       amplitude_mm pattern
+    0           1.0      F_
+    1           1.5     FB_
     """
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"path = {shown(path)}: must be a path", hint='write it like "wide_sweep"')
     parts = open_parts(Path(path))
-    return StoredSweep(parts.grid, parts.own, parts.name, parts)
+    return StoredSweep(parts.plan.grid, parts.plan.own, parts.plan.name, parts)
 
 
 def stored_picture(
@@ -158,14 +165,8 @@ def stored_picture(
     FileError
         If a file cannot be read.
     """
-    return solved_picture(
-        parts.grid,
-        drawn,
-        parts.own,
-        parts.name,
-        pictures,
-        lambda results, indices: _cells(parts, results, indices),
-    )
+    plan = parts.plan
+    return solved_picture(plan.grid, drawn, plan.own, plan.name, pictures, partial(_cells, parts))
 
 
 def _cells(
@@ -173,18 +174,18 @@ def _cells(
 ) -> dict[str, NDArray[Any]]:
     """Read results of the cells at some values of every axis."""
     wanted = [result for result in RESULTS if result.name in results]
-    missing = [result.column for result in wanted if result.column not in parts.kinds]
+    missing = [result.column for result in wanted if result.column not in parts.columns]
     if missing:
         raise InputError(
             f"there is no picture without the columns {', '.join(missing)}: {parts.folder} lacks them",
             hint="let vibro map write them: leave --columns out, or name them too",
         )
-    cells = Selection(parts.grid.shape, indices)
+    cells = Selection(parts.plan.grid.shape, indices)
     found = parts.read([result.column for result in wanted], cells)
     return {result.name: _values(result, found[result.column]).reshape(cells.shape) for result in wanted}
 
 
-def _values(result: Result, found: Numbers | Flags | Texts) -> NDArray[Any]:
+def _values(result: Result, found: Gathered) -> NDArray[Any]:
     """Return what a column of a table says of a result, as ``SteadyCycle`` has it."""
     if isinstance(found, Texts):
         codes = {text: code if text else -1 for code, text in enumerate(result.texts or ())}
