@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from vibro.steady import solve
     from vibro.sweeps.stored import open_sweep
     from vibro.sweeps.whole import read_scene, sweep
+    from vibro.sweeps.writing import write_sweep
 
 __all__ = [
     "DesignResult",
@@ -50,6 +51,7 @@ __all__ = [
     "solve",
     "sweep",
     "transitions",
+    "write_sweep",
     "yield_share",
 ]
 __version__ = "0.1.0"
@@ -78,6 +80,7 @@ _HOMES = {
     "solve": "vibro.steady",
     "sweep": "vibro.sweeps.whole",
     "transitions": "vibro.limits",
+    "write_sweep": "vibro.sweeps.writing",
     "yield_share": "vibro.inverse.yields",
 }
 

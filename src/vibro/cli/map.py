@@ -25,7 +25,7 @@ from vibro.cli.parts import (
     SchedulerOption,
     TableOption,
     WorkersOption,
-    parts_of,
+    parting_of,
     write_parted,
 )
 from vibro.cli.tables import (
@@ -153,7 +153,7 @@ def map_command(
             "--speed: no speeds are computed with --accuracy regimes", hint="leave one of them out"
         )
     part = part_of(pitch, mass)
-    parts = parts_of(
+    parting = parting_of(
         table, options, part_cells=part_cells, workers=workers, scheduler=scheduler, resume=resume
     )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
@@ -181,9 +181,9 @@ def map_command(
     if pictures:
         check_drawable(view)
         tell_choices(view, grid.axes, held, console)
-    if parts is not None:
+    if parting is not None:
         code, tally = write_parted(
-            grid, written, options, parts, context.obj, console, name, request.own, pictures
+            grid, written, options, parting, context.obj, console, name, request.own, pictures
         )
         if tally.at_rest:
             console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))

@@ -6,7 +6,6 @@ import contextlib
 import json
 import math
 import shutil
-from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, Final
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from vibro import __version__
-from vibro.errors import InputError, cut
+from vibro.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,16 +27,16 @@ if TYPE_CHECKING:
     from vibro.sweeps.grid import Grid
     from vibro.sweeps.parted import Progress, Summary
     from vibro.sweeps.tally import Tally
+    from vibro.sweeps.writing import Parting
 
 __all__ = [
     "Form",
     "PartCellsOption",
-    "Parts",
     "ResumeOption",
     "SchedulerOption",
     "TableOption",
     "WorkersOption",
-    "parts_of",
+    "parting_of",
     "write_parted",
 ]
 
@@ -88,33 +87,10 @@ ResumeOption = Annotated[
     bool, typer.Option("--resume", help="Go on with a folder of Parquet files that was cut short.")
 ]
 
-_MOST_WORKERS: Final = 1024
 _TENTHS: Final = 10  # lines of progress where nobody watches
 
 
-@dataclass(frozen=True)
-class Parts:
-    """How a table in parts is made.
-
-    Attributes
-    ----------
-    cells : int or None
-        Of each part, if given.
-    workers : int or None
-        Processes; None for threads.
-    scheduler : str or None
-        Address of a cluster.
-    resume : bool
-        Whether to go on with what is there.
-    """
-
-    cells: int | None
-    workers: int | None
-    scheduler: str | None
-    resume: bool
-
-
-def parts_of(
+def parting_of(
     form: Form,
     options: Options,
     *,
@@ -122,7 +98,7 @@ def parts_of(
     workers: str | None,
     scheduler: str | None,
     resume: bool,
-) -> Parts | None:
+) -> Parting | None:
     """Check the options about tables in parts; return nothing where the table is one CSV.
 
     Raises
@@ -141,26 +117,22 @@ def parts_of(
     for option, is_given in (("--excel", options.excel), ("--decimal-comma", options.decimal_comma)):
         if is_given:
             raise InputError(f"{option} is about CSV", hint="leave it out, or --table parquet")
-    if workers is not None and scheduler is not None:
-        raise InputError("--workers and --scheduler: either makes all parts", hint="leave one of them out")
-    if resume and options.force:
-        raise InputError("--resume goes on, --force starts anew", hint="leave one of them out")
-    cells = None if part_cells is None else whole_number("--part-cells", part_cells)
-    if cells is not None and cells < 1:
-        raise InputError(f"--part-cells {cells}: must be at least 1", hint="1e6 is usual")
-    number = None if workers is None else whole_number("--workers", workers)
-    if number is not None and not 1 <= number <= _MOST_WORKERS:
-        raise InputError(f"--workers {number}: must be from 1 to {_MOST_WORKERS}", hint="one a core is usual")
-    if scheduler is not None and "://" not in scheduler:
-        raise InputError(f"--scheduler {cut(scheduler)}: is no address", hint="write it like tcp://host:8786")
-    return Parts(cells, number, scheduler, resume)
+    from vibro.sweeps.writing import Parting
+
+    return Parting(
+        part_cells=None if part_cells is None else whole_number("--part-cells", part_cells),
+        workers=None if workers is None else whole_number("--workers", workers),
+        scheduler=scheduler,
+        resume=resume,
+        force=options.force,
+    )
 
 
 def write_parted(
     grid: Grid,
     table: Table,
     options: Options,
-    parts: Parts,
+    parting: Parting,
     argv: Sequence[str],
     console: Console,
     name: str,
@@ -173,7 +145,7 @@ def write_parted(
     ----------
     grid, table, options, argv, console, name, pictures
         As for ``write_sweep``; ``-o`` names the folder.
-    parts : Parts
+    parting : Parting
         How.
     own : mapping of str to float
         The scene's own values, for the manifest.
@@ -192,27 +164,20 @@ def write_parted(
     from vibro.files.part_sets import PartSet, part_folder
     from vibro.files.publication import json_text
     from vibro.sweeps.csv_sink import provenance
-    from vibro.sweeps.executors import workers_of
-    from vibro.sweeps.parted import agree, make_parts
-    from vibro.sweeps.plan import PART_CELLS, Plan, check_arrow, versions
 
-    check_arrow()
+    plan = parting.plan(grid, table, name, own)
     folder = part_folder(options.output, name)
-    asked = Plan(grid, table, parts.cells or PART_CELLS, name, own, versions())
     with PartSet(folder, "the same command with --resume goes on") as files:
-        resume = parts.resume
-        plan = agree(files, asked, resume=resume, force=options.force, own_size=parts.cells is not None)
-        with (
-            workers_of(plan.parts, parts.workers, parts.scheduler) as workers,
-            _progress(console, folder, grid.size) as report,
-        ):
-            summary = make_parts(plan, files, workers, ["vibro", *argv], resume=resume, report=report)
+        with _progress(console, folder, grid.size) as report:
+            summary = parting.carry_out(plan, files, ["vibro", *argv], report)
         content = {**provenance(grid, table, summary.tally), "digest": summary.digest}
         drawn = _draw(files, pictures, content)
         files.finish(summary.text())
     _tell(console, folder, summary, grid.size, drawn)
     if options.json:
-        print(json_text({"folder": str(folder), "parts": plan.parts, "bytes": summary.size, **content}))
+        print(
+            json_text({"folder": str(folder), "parts": len(summary.sizes), "bytes": summary.size, **content})
+        )
     return conclude(summary.tally, grid.size, console), summary.tally
 
 

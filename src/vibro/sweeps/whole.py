@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from vibro.results.steady import SteadyCycle
     from vibro.sweeps.request import Request
 
-__all__ = ["Sweep", "read_scene", "sweep"]
+__all__ = ["Sweep", "read_scene", "request_of_call", "sweep"]
 
 _BYTES_PER_CELL: Final = 110  # [B] of all results
 
@@ -161,7 +161,7 @@ def sweep(
     >>> print(t.cycle.pattern, t.cycle.mean_velocity.round(6))
     ['_' 'F_' 'FB_'] [0.       0.016263 0.040591]
     """
-    request = _request(scene_file, quantities)
+    request = request_of_call(scene_file, quantities)
     level = level_of(accuracy)
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
@@ -170,7 +170,7 @@ def sweep(
     return Sweep(grid, request.own, request.name or "", grid.solve(grid.values()))
 
 
-def _request(scene_file: str | PathLike[str] | None, quantities: Mapping[str, Any]) -> Request:
+def request_of_call(scene_file: str | PathLike[str] | None, quantities: Mapping[str, Any]) -> Request:
     """Read what is given by the keys of scene files."""
     unknown = [key for key in quantities if key not in BY_COLUMN]
     if unknown:
