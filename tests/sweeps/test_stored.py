@@ -211,6 +211,20 @@ def test_pictures_of_curves_and_of_harmonics(given: dict[str, Any], tmp_path: Pa
         np.testing.assert_array_equal(pixels(stored.draw(name)), pixels(held.draw(name)))
 
 
+def test_a_drive_of_listed_harmonics_is_read_whole(tmp_path: Path) -> None:
+    scene = tmp_path / "shaker.toml"
+    scene.write_text(
+        "[scene]\nalong_amplitudes_mm = [1, 0.2, 0.1]\nalong_phases_deg = [5, 30, 10]\n"
+        "normal_amplitude_mm = 0.3\nfrequency_hz = 20\nstatic_friction = 0.4\nkinetic_friction = 0.3\n",
+        encoding="utf-8",
+    )
+    held = vibro.sweep(scene, frequency_hz="5:30:6")
+    assert {"along_phase_deg", "along_amplitude_3_mm"} < held.fixed.keys()
+    stored = vibro.open_sweep(store(held, tmp_path / "sweep"))
+    assert stored.fixed == held.fixed
+    pd.testing.assert_frame_equal(stored.to_frame(), held.to_frame())
+
+
 def test_a_picture_without_its_columns_is_refused(tmp_path: Path) -> None:
     held = vibro.sweep(amplitude_mm="0.1:3:5", frequency_hz="5:40:5", drive_angle_deg=20, **NUT)
     columns = ["status", "regime", "mean_velocity_mm_s", "coexists"]

@@ -18,7 +18,7 @@ from vibro.core.codes import Level
 from vibro.errors import FileError, InputError, VibroError
 from vibro.files.part_sets import MOST_PARTS, part_name
 from vibro.parallel import BLOCK
-from vibro.quantities import BY_COLUMN, QUANTITIES
+from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.derived import throughput
 from vibro.sweeps.grid import Grid
@@ -206,12 +206,13 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     """Make a plan of a manifest; ValueError if it does not say what it said when it was written."""
     if _fingerprint(content) != content["fingerprint"]:  # first: other numbers may ask for any work
         raise ValueError("fingerprint")
-    quantities = [BY_COLUMN[entry["column"]] for entry in content["axes"]]
+    known = {quantity.column: quantity for quantity in QUANTITIES.values()}
+    quantities = [known[entry["column"]] for entry in content["axes"]]
     axes = {
         quantity.name: Axis(quantity.name, np.array(entry["values"], np.float64), entry["spacing"])
         for quantity, entry in zip(quantities, content["axes"], strict=True)
     }
-    scene = {BY_COLUMN[column].name: float(value) for column, value in content["scene"].items()}
+    scene = {known[column].name: float(value) for column, value in content["scene"].items()}
     length = scene.pop("trough_length", None)
     grid = Grid(axes, scene, length, Level(content["accuracy"]), content["flight"], content["coexistence"])
     part = content["part"]
