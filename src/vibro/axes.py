@@ -67,6 +67,11 @@ class Axis:
         """Name with unit, as tables spell it."""
         return QUANTITIES[self.name].column
 
+    @property
+    def on_paper(self) -> NDArray[np.float64]:
+        """The values as pictures space them: of a logarithmic axis their logarithms."""
+        return np.log(self.values) if self.spacing == "log" else self.values
+
     def __len__(self) -> int:
         return len(self.values)
 

@@ -150,6 +150,18 @@ def test_a_folder_that_holds_no_sweep_is_refused(run: Run, wide: Path) -> None:
     assert "empty holds no sweep" in run("map", "empty").stderr
 
 
+def test_pictures_without_their_columns_leave_nothing(
+    run: Run, held: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    store(held, tmp_path / "few", columns=["amplitude_mm", "regime"], part_cells=1000)
+    result = run("map", "few")
+    assert result.exit_code == 2
+    assert "error: there is no picture without the columns mean_velocity_mm_s, displace" in result.stderr
+    assert names() == []
+
+
 def test_what_was_not_solved_is_not_drawn(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from drawn import colours_of, image_of
 from pixels import pixels
 
 import vibro
@@ -64,3 +65,24 @@ def test_long_ranges_show_some_of_their_values_and_their_ends() -> None:
     few = vibro.sweep(amplitude_mm="0.1:3:11", frequency_hz="5:60:600", accuracy="regimes", **LINE)
     seen = run._solved_indices(few._grid, choose_view(few._grid.axes).drawn)
     assert [len(indices) for indices in seen.values()] == [11, 600]
+
+
+@pytest.mark.parametrize("amplitudes", [[*np.linspace(0.5, 1.1, 13), 1.5, 3, 8], "0.5:8:16:log"])
+def test_every_cell_has_the_colour_of_its_speed_where_it_lies(amplitudes: Any) -> None:
+    t = vibro.sweep(amplitude_mm=amplitudes, frequency_hz="15:30:4", **LINE)
+    axes = t.draw("speed").axes[0]
+    image = image_of(axes)
+    left, right, low, high = image.get_extent()
+    drawn = image.get_array()
+    rows, columns = drawn.shape[:2]
+    speeds = 1e3 * t.cycle.mean_velocity
+    seen = 0
+    for (i, j), speed in np.ndenumerate(speeds):
+        place = t.axes["frequency_hz"][j], t.axes["amplitude_mm"][i]
+        across, up = axes.transAxes.inverted().transform(axes.transData.transform(place))
+        row, column = (up - low) / (high - low) * rows, (across - left) / (right - left) * columns
+        if speed > image.norm.vmin:  # rests are covered, and slow cells have the colour of the scale's foot
+            seen += 1
+            colour = drawn[int(row), int(column)]
+            np.testing.assert_array_equal(colour, colours_of(axes, np.asarray(speed)), err_msg=str(place))
+    assert seen > 0.7 * speeds.size

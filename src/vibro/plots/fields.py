@@ -16,7 +16,7 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.core.groups import angle_excess, friction_excess
-from vibro.plots.neighbours import dilate, erode, fill_unknown
+from vibro.plots.neighbours import are_even, dilate, erode, fill_unknown
 from vibro.quantities import scene_fields
 from vibro.scene import Scene
 
@@ -313,9 +313,7 @@ def _without(rough: NDArray[np.bool_]) -> Floats:
 
 
 def _is_even(axis: Axis) -> bool:
-    on_paper = np.log(axis.values) if axis.spacing == "log" else axis.values
-    steps = np.diff(on_paper)
-    return len(axis) >= _EVEN_POINTS and bool(np.ptp(steps) <= 1e-6 * steps.max())
+    return len(axis) >= _EVEN_POINTS and are_even(axis.on_paper)
 
 
 def _even_values(axis: Axis) -> Floats:

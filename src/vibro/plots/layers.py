@@ -10,7 +10,7 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.plots.fields import BEGINS_AT, HIDDEN_BY, hiding_fields, without_hidden, zero_lines, zero_region
 from vibro.plots.labels import Labeller
-from vibro.plots.neighbours import erode
+from vibro.plots.neighbours import erode, spread_evenly
 from vibro.plots.style import (
     AVERAGED_AREA_LABEL,
     BACKWARDS_HATCH,
@@ -262,13 +262,15 @@ class MapLayers:
         fields, norm, colours = self.fields, scale.norm, colormaps[scale.colours]
         self._has_numbers = True
         self.axes.set_facecolor(NO_ANSWER_FACE)
-        # A mesh of so many cells draws slowly, and so do numbers that become colours pixel by pixel. But the
-        # grid is even on the paper, whatever the axes' scales: an image of colours is the same picture.
+        # A mesh of so many cells draws slowly, and so do numbers that become colours pixel by pixel. But on a
+        # grid that is even on the paper, whatever the axes' scales, an image of colours is the same picture.
         # Numbers below a logarithmic scale have the colour of its foot.
         heights = np.asarray(norm(np.maximum(values, float(norm.vmin or 0.0))))
-        right, up = (0.5 / (n - 1) for n in values.shape[::-1])
+        x, y = fields.panel.x, fields.panel.y or fields.panel.x
+        even = spread_evenly(heights, x.on_paper, y.on_paper)
+        right, up = (0.5 / (n - 1) for n in even.shape[::-1])
         image = self.axes.imshow(
-            colours(heights, bytes=True),
+            colours(even, bytes=True),
             origin="lower",
             extent=(-right, 1.0 + right, -up, 1.0 + up),
             transform=self.axes.transAxes,

@@ -5,7 +5,7 @@ SciPy's ``ndimage`` has all of this, but importing it takes as much CPU as drawi
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -16,7 +16,38 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int32]
     Mask = NDArray[np.bool_]
 
-__all__ = ["dilate", "erode", "fill_unknown"]
+__all__ = ["are_even", "dilate", "erode", "fill_unknown", "spread_evenly"]
+
+_UNEVEN: Final = 1e-6  # of a step: less is rounding
+_SPREAD: Final = 1000  # points along an uneven axis: about as many as the picture has
+
+
+def are_even(places: Floats) -> bool:
+    """Whether ascending places are equally far apart."""
+    steps = np.diff(places)
+    return bool(np.ptp(steps) <= _UNEVEN * steps.max())
+
+
+def spread_evenly(values: Floats, x: Floats, y: Floats) -> Floats:
+    """Return numbers at points that lie evenly between the ends of a grid: of the nearest of its own points.
+
+    Parameters
+    ----------
+    values : (y, x) array
+        On the grid.
+    x, y : array
+        Where its points are, ascending.
+
+    Returns
+    -------
+    array
+        The same numbers where the grid is even.
+    """
+    for axis, places in enumerate((y, x)):
+        if not are_even(places):
+            points = np.linspace(places[0], places[-1], _SPREAD)
+            values = values.take(np.searchsorted(0.5 * (places[1:] + places[:-1]), points), axis)
+    return values
 
 
 def dilate(mask: Mask, width: int) -> Mask:
