@@ -27,7 +27,7 @@ __all__ = ["PartFiles", "open_parts"]
 
 _REASON: Final = 200  # characters of what a library says
 _WANTED: Final = "give a folder that vibro map --table parquet has written"
-_AGAIN: Final = "run the command that wrote it again, with --resume"
+_AGAIN: Final = "run what wrote it again, with --resume, or from Python with resume=True"
 
 
 @dataclass(frozen=True, eq=False)

@@ -106,7 +106,7 @@ class StoredSweep(SolvedGrid):
 
 
 def open_sweep(path: str | PathLike[str]) -> StoredSweep:
-    """Open the folder of Parquet files that ``vibro map --table parquet`` has written.
+    """Open a folder that ``vibro map --table parquet`` or ``vibro.write_sweep`` has written.
 
     Parameters
     ----------
@@ -127,16 +127,17 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
 
     Examples
     --------
-    After ``vibro map examples/safety_nut.toml -A 0.5:1.5:3 -f 15 --table parquet -o out/nut``:
-
-    >>> import vibro
-    >>> t = vibro.open_sweep("out/nut")
-    >>> t.axes
-    {'amplitude_mm': array([0.5, 1. , 1.5])}
-    >>> t.to_frame({"amplitude_mm": (1, 2)}, ["amplitude_mm", "pattern"])
+    >>> import tempfile, vibro
+    >>> nut = {"drive_angle_deg": 20, "static_friction": 0.74, "kinetic_friction": 0.57}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = vibro.write_sweep(folder, amplitude_mm="0.5:1.5:3", frequency_hz=[10, 15], **nut)
+    ...     t = vibro.open_sweep(folder)
+    ...     t.to_frame({"amplitude_mm": (1, 2), "f": 15}, ["amplitude_mm", "pattern"])
        amplitude_mm pattern
     0           1.0      F_
     1           1.5     FB_
+    >>> t.axes
+    {'amplitude_mm': array([0.5, 1. , 1.5]), 'frequency_hz': array([10., 15.])}
     """
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"path = {shown(path)}: must be a path", hint='write it like "wide_sweep"')
