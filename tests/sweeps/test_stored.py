@@ -182,8 +182,8 @@ def test_more_cells_than_memory_holds_are_refused_with_their_size(
 SLICES: list[tuple[str, dict[str, Any]]] = [
     ("regime", {}),
     ("speed", {"at": {"alpha": 70, "beta": 4}}),
-    ("speed", {"x": "A", "y": "beta", "at": {"alpha": 20}}),
-    ("traverse", {"at": {"beta": 0}}),
+    ("speed", {"x": "A", "y": "beta", "at": {"alpha": 20, "f": 25}}),
+    ("traverse", {"at": {"beta": 0, "alpha": 20}}),
     ("flight", {"at": {"f": 15, "beta": 0}}),
     ("impact", {"at": {"f": 15, "beta": 0, "alpha": 70}}),
 ]
