@@ -122,8 +122,9 @@ def map_command(
     An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log;
     without a count a range has 200 values, 100 beside another axis and 20 beside more. Numbers may carry
     units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm and 5:60 Hz. The
-    results go to STEM.csv, STEM.json and pictures, or with --table parquet to a folder. A list of at most 12
-    values is drawn as curves beside one range, and as a map each beside two.
+    results go to STEM.csv, STEM.json and pictures, or with --table parquet to a folder. Given in place of a
+    scene file, such a folder is drawn without solving anything. A list of at most 12 values is drawn as
+    curves beside one range, and as a map each beside two.
     """
     if options.scene is not None and options.scene.is_dir():
         from vibro.cli.stored_map import map_stored
