@@ -5,12 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 import vibro
+from vibro.files.part_sets import PartSet
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.derived import throughput
+from vibro.sweeps.executors import Threads, Workers
+from vibro.sweeps.parted import Summary, begin, make_parts
 from vibro.sweeps.plan import PART_CELLS, Plan, versions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from pathlib import Path
 
     from vibro.sweeps.whole import Sweep
 
@@ -45,3 +49,13 @@ def plan_of(
     usual = columns_of(grid.axes, *extra, drive=grid.drive)
     table = Table(usual if columns is None else chosen(columns, usual), digits, part or {})
     return Plan(grid, table, part_cells, "nut", {"amplitude": 1.0, "frequency": 15.0}, versions())
+
+
+def written(folder: Path, plan: Plan, workers: Workers | None = None, patience: float = 20.0) -> Summary:
+    """Write a plan's parts into a new folder, as the command does."""
+    with PartSet(folder, "go on") as files:
+        plan = begin(files, plan, ["vibro"], resume=False, force=False, own_size=True)
+        with workers or Threads(plan.parts) as who:
+            summary = make_parts(plan, files, who, patience=patience)
+        files.finish(summary.text())
+    return summary

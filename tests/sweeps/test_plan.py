@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 ARGV = ["vibro", "map", "nut.toml"]
 NOTICED = r"damaged|is not known here|is no manifest"
-ELLIPSE = {"along_amplitude_mm": 1, "normal_amplitude_mm": "0.1,0.2", "normal_phase_deg": 40}
+ELLIPSE: dict[str, Any] = {"along_amplitude_mm": 1, "normal_amplitude_mm": "0.1,0.2", "normal_phase_deg": 40}
 
 
 def nut(**changed: Any) -> Sweep:
@@ -36,7 +36,8 @@ def nut(**changed: Any) -> Sweep:
 
 
 def bits(values: Any) -> list[int]:
-    return np.asarray(values, np.float64).view(np.int64).tolist()
+    whole: list[int] = np.asarray(values, np.float64).view(np.int64).tolist()
+    return whole
 
 
 def check_same(again: Plan, plan: Plan) -> None:
