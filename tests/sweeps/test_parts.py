@@ -206,7 +206,7 @@ def test_parts_in_a_row_and_digits(tmp_path: Path, sweeps: dict[str, Sweep]) -> 
         check_cells(tmp_path / str(i), plan, sweeps["lines"])
 
 
-LARGE = {"amplitude_mm": "0.1:3:400", "frequency_hz": "5:60:370", "accuracy": "regimes"}
+LARGE: dict[str, Any] = {"amplitude_mm": "0.1:3:400", "frequency_hz": "5:60:370", "accuracy": "regimes"}
 
 
 def test_row_groups_are_those_of_the_manifest(tmp_path: Path) -> None:
@@ -227,7 +227,7 @@ def test_ranges_may_cut_axes_anywhere(
 ) -> None:
     axes = ("amplitude_mm", "frequency_hz", "static_friction", "friction_ratio")
     first = dict(zip(axes, (0.5, 10.0, 0.3, 0.4), strict=True))
-    quantities = {
+    quantities: dict[str, Any] = {
         name: [first[name] + 0.3 * i for i in range(n)] for name, n in zip(axes, shape, strict=False)
     }
     solved = swept("regimes", **quantities)
@@ -337,16 +337,25 @@ def test_bytes_are_the_same_whoever_writes_them(tmp_path: Path, monkeypatch: pyt
         check_success(tmp_path / name, solved, one.digest)
 
 
-@pytest.mark.usefixtures("two_cores")
-@pytest.mark.parametrize("name", ["hopping", "coexistence", "restitutions", "ellipses", "harmonics"])
+@pytest.mark.parametrize("name", ["coexistence", "restitutions", "ellipses", "harmonics"])
 def test_pieces_hold_all_there_is_of_a_cell(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sweeps: dict[str, Sweep], name: str
 ) -> None:
-    monkeypatch.setattr("vibro.sweeps.parts._SAMPLES", (1,))
-    plan = plan_of(sweeps[name], 6)
-    again = written(tmp_path / "pieces", plan, Threads(2), patience=1e-9)
-    assert again.digests == written(tmp_path / "whole", plan, Threads(1)).digests
-    check_cells(tmp_path / "pieces", plan, sweeps[name])
+    monkeypatch.setattr("vibro.sweeps.parts.ROW_GROUP", 3)
+    monkeypatch.setattr("vibro.sweeps.parts._FIRST_STEP", 2)
+    plan = plan_of(sweeps[name], 8)
+    patient, at_once = (job_of(plan, tmp_path, patience=patience) for patience in (1e9, 0.0))
+    whole = write_part(patient, 0)
+    first, end = plan.range_of(0)
+    for cut in range(first + 1, end):
+        pieces = [solve_piece(patient, 0, *ends) for ends in ((first, cut), (cut, end))]
+        assert [(piece.start, piece.stop) for piece in pieces if piece] == [(first, cut), (cut, end)]
+        again = write_part(patient, 0, [piece for piece in pieces if piece])
+        assert isinstance(whole, Written)
+        assert again == replace(whole, temporary=again.temporary if isinstance(again, Written) else "")
+    piece = solve_piece(at_once, 0, first, end)
+    assert piece is not None
+    assert (piece.start, piece.stop) == (first, first + 2)
 
 
 def test_nobody_writes_what_nobody_wants(tmp_path: Path, sweeps: dict[str, Sweep]) -> None:
