@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, Self
 
 from vibro.errors import FileError, InputError
 from vibro.files.claims import Claim
-from vibro.files.placing import reason
+from vibro.files.placing import is_regular, reason
 from vibro.files.stems import PICTURE_FORMATS, PICTURES
 from vibro.interrupts import HeldOff, Undone
 
@@ -58,7 +58,7 @@ def part_folder(output: str | None, name: str) -> Path:
     if not output or "\0" in output or output == "-":
         raise InputError(f"-o {output!r}: parts go into a folder", hint="give it a name, such as -o out/wide")
     path = Path(output)
-    if path.suffix in (".csv", ".parquet", ".json"):
+    if path.suffix.casefold() in (".csv", ".parquet", ".json"):
         raise InputError(
             f"-o {output}: parts go into a folder", hint=f"write -o {path.with_suffix('')}, which it is"
         )
@@ -253,12 +253,12 @@ class PartSet:
                 os.close(number)
 
     def _cannot_write(self, exc: OSError) -> FileError:
+        in_the_way = next((p for p in (self.folder, *self.folder.parents) if is_regular(p)), None)
         hint = _OTHER_NAME
         if exc.errno == errno.ENOSPC:
             hint = f"free some space; {self._how_to_go_on}"
-        elif not self.folder.is_dir():
-            in_the_way = next((p for p in (self.folder, *self.folder.parents) if p.is_file()), None)
-            hint = f"{in_the_way} is a file; {_OTHER_NAME}" if in_the_way else hint
+        elif in_the_way:
+            hint = f"{in_the_way} is a file; {_OTHER_NAME}"
         return FileError(f"cannot write to {self.shown}: {reason(exc)}", hint=hint)
 
 
