@@ -8,21 +8,25 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Final
 import numpy as np
 
 from vibro.files.tables import rounded_cells
-from vibro.quantities import BY_COLUMN
+from vibro.quantities import BY_COLUMN, DRIVES, QUANTITIES, SWEPT
 from vibro.sweeps.plan import ROW_GROUP
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
 
 __all__ = ["HashedFile", "open_writer", "row_group"]
 
-# Of zstd: higher levels take longer and save nothing, as numbers are noise to it (benchmarks/sweeps.py).
-_LEVEL: Final = 1
+# Of zstd: higher levels take longer and save next to nothing (benchmarks/sweeps.py --encodings).
+_LEVEL: Final = -1
 # [B] One page a column: more would each begin anew with compressing.
 _PAGE: Final = 16 * ROW_GROUP
+# Inputs, which every cell has.
+_GIVEN: Final = frozenset(QUANTITIES[name].column for name in (*SWEPT, *DRIVES))
 
 
 class HashedFile:
@@ -73,7 +77,7 @@ def open_writer(sink: Any, columns: Sequence[Column]) -> Any:
     import pyarrow as arrow
     from pyarrow import parquet
 
-    schema = arrow.schema([(column.name, _type(column, arrow)) for column in columns])
+    schema = arrow.schema([_field(column, arrow) for column in columns])
     numbers = [field.name for field in schema if arrow.types.is_floating(field.type)]
     return parquet.ParquetWriter(
         sink,
@@ -86,35 +90,45 @@ def open_writer(sink: Any, columns: Sequence[Column]) -> Any:
         write_statistics=[name for name in schema.names if name in BY_COLUMN] or False,
         write_page_checksum=True,
         data_page_size=_PAGE,
+        write_batch_size=ROW_GROUP,
     )
 
 
-def row_group(table: Table, block: Block) -> Any:
-    """Make a block one row group: pyarrow's table of its cells."""
+def row_group(table: Table, block: Block, schema: Any) -> Any:
+    """Make a block one row group: pyarrow's table of its cells, by the writer's schema."""
     import pyarrow as arrow
 
     arrays = [_array(column, block, table.digits, arrow) for column in table.columns]
-    return arrow.table(arrays, names=[column.name for column in table.columns])
+    return arrow.table(arrays, schema=schema)
 
 
-def _type(column: Column, arrow: Any) -> Any:
+def _field(column: Column, arrow: Any) -> Any:
+    """Describe a column. To say where there are no nulls saves a tenth of the time of encoding."""
     if column.is_number:
-        return arrow.float64()
-    return arrow.int8() if column.is_flag else arrow.dictionary(arrow.int32(), arrow.string())
+        return arrow.field(column.name, arrow.float64(), nullable=column.name not in _GIVEN)
+    if column.is_flag:
+        return arrow.field(column.name, arrow.int8())
+    return arrow.field(column.name, arrow.dictionary(arrow.int32(), arrow.string()), nullable=False)
 
 
 def _array(column: Column, block: Block, digits: int | None, arrow: Any) -> Any:
     if column.is_number:
         numbers = rounded_cells(column, block, digits)
-        unknown = np.broadcast_to(~np.isfinite(numbers), block.shape)
-        return arrow.array(np.broadcast_to(numbers, block.shape), mask=unknown)
+        return _masked(numbers, np.isfinite(numbers), block.shape, arrow)
+    codes = column.values(block)
     if column.is_flag:
-        codes = np.broadcast_to(column.values(block), block.shape)
-        return arrow.array(codes.astype(np.int8), mask=codes < 0)
+        return _masked(codes.astype(np.int8, copy=False), codes >= 0, block.shape, arrow)
     if column.decode is not None:
-        found = arrow.array(column.values(block)).dictionary_encode()  # it hashes where NumPy sorts
-        which, texts = found.indices.to_numpy(), column.decode(found.dictionary.to_numpy()).astype(object)
+        found = arrow.array(codes).dictionary_encode()  # it hashes where NumPy sorts
+        which, texts = found.indices.to_numpy(), column.decode(found.dictionary.to_numpy()).tolist()
     else:
-        which, texts = column.coded(block)
+        texts = list(column.texts or ())
+        which = np.where(codes < 0, np.int8(len(texts) - 1), codes)  # a remainder would take longer
     indices = np.broadcast_to(which, block.shape).astype(np.int32)
     return arrow.DictionaryArray.from_arrays(indices, arrow.array(texts, arrow.string()))
+
+
+def _masked(values: NDArray[Any], known: NDArray[np.bool_], shape: tuple[int, ...], arrow: Any) -> Any:
+    """Return cells with nulls where they are unknown, without a mask where none is."""
+    unknown = None if known.all() else np.broadcast_to(~known, shape)
+    return arrow.array(np.broadcast_to(values, shape), mask=unknown)

@@ -183,7 +183,7 @@ def write_part(job: Job, part: int, pieces: Sequence[Piece] = ()) -> Written | S
                         raise _UnwantedError
                     stop = min(start + ROW_GROUP, end)
                     block = solved.block(start, stop) if solved else job.solve(start, stop)
-                    writer.write_table(row_group(table, block), ROW_GROUP)
+                    writer.write_table(row_group(table, block, writer.schema), ROW_GROUP)
                     tally.add(block)
                 writer.add_key_value_metadata(
                     {_FOOTER: json.dumps({**place_of(job.plan, part), **tally.told()})}

@@ -64,5 +64,5 @@ class Tally:
 
 
 def _counted(codes: NDArray[np.int8], kind: Callable[[int], _Code]) -> dict[_Code, int]:
-    values, numbers = np.unique(codes, return_counts=True)
-    return {kind(code): number for code, number in zip(values.tolist(), numbers.tolist(), strict=True)}
+    numbers = np.bincount(codes.reshape(-1) + 1).tolist()  # from -1 on; to sort them would take longer
+    return {kind(code): number for code, number in enumerate(numbers, start=-1) if number}
