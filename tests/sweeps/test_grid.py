@@ -109,7 +109,9 @@ def test_cells_that_there_are_not_are_refused(start: int, stop: int) -> None:
 
 
 @pytest.mark.parametrize("step", [1, 7, 50])
-def test_cells_solved_in_ranges_leave_no_seam(step: int) -> None:
+def test_cells_solved_in_ranges_leave_no_seam(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.sweeps.grid._LEAST_ROW", 2)
+    monkeypatch.setattr("vibro.sweeps.grid._LEAST_ROWS", 3)
     lines = with_ratio(
         grid_of(
             amplitude=np.linspace(0.3, 9.0, 6),
@@ -132,15 +134,19 @@ def test_cells_solved_in_ranges_leave_no_seam(step: int) -> None:
         None,
     )
     seen: set[tuple[int, int]] = set()
+    rows = {grid._row(step) for grid in (lines, ellipse, harmonics)}
+    assert rows == {1: {0}, 7: {0, 1}, 50: {3}}[step]
     for grid in (lines, ellipse, harmonics):
         whole = grid.solve(grid.values())
         for start in range(0, grid.size, step):
             stop = min(start + step, grid.size)
             part = grid.solve(grid.cells(start, stop), threads=1)
+            by_rows = grid.solve_cells(start, stop, threads=1)
             for name in FIELDS:
                 expected = getattr(whole, name).ravel()[start:stop]
                 found = np.broadcast_to(getattr(part, name), expected.shape)
                 np.testing.assert_array_equal(found, expected, err_msg=name, strict=True)
+                np.testing.assert_array_equal(getattr(by_rows, name), expected, err_msg=name, strict=True)
         seen |= set(zip(whole.regime.ravel().tolist(), whole.status.ravel().tolist(), strict=True))
     assert {regime for regime, _ in seen} == set(Regime)
     assert {status for _, status in seen} >= {Status.OK, Status.AVERAGED, Status.INFEASIBLE}

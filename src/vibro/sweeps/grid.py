@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.core.codes import Level
 from vibro.quantities import QUANTITIES, drive_of, kinetic_friction, scene_fields
+from vibro.results.steady import SteadyCycle
 from vibro.results.sweep import spread
 from vibro.scene import Scene
 from vibro.steady import solve
@@ -20,11 +21,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.results.steady import SteadyCycle
 
     Floats = NDArray[np.float64]
 
 __all__ = ["Grid", "scene_of"]
+
+_LEAST_ROW: Final = 256  # [cells] Shorter rows save nothing (benchmarks/sweeps.py).
+_LEAST_ROWS: Final = 32  # Of fewer, cells that nobody asked for would be too many.
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +145,41 @@ class Grid:
             coexistence=self.coexistence,
             threads=threads,
         )
+
+    def solve_cells(self, start: int, stop: int, threads: int | None = None) -> SteadyCycle:
+        """Solve some cells in a row, as ``cells`` numbers them.
+
+        Notes
+        -----
+        Groups of quantities that the inner axes share are formed once a row of these, not once a cell: whole
+        rows are solved, a few cells more than asked for.
+        """
+        inner = self._row(stop - start)
+        if not inner:
+            return self.solve(self.cells(start, stop), threads)
+        length = math.prod(self.shape[-inner:])
+        first, last = start // length, -(-stop // length)
+        cycle = self.solve(self._rows(first, last, inner), threads)
+        asked = slice(start - first * length, stop - first * length)
+        return SteadyCycle(**{name: values.reshape(-1)[asked] for name, values in vars(cycle).items()})
+
+    def _row(self, cells: int) -> int:
+        """Return how many of the last axes make a row that is worth it, at least one axis left; else 0."""
+        lengths = [math.prod(self.shape[-inner:]) for inner in range(1, len(self.axes))]
+        inner = sum(length * _LEAST_ROWS <= cells for length in lengths)
+        return inner if inner and lengths[inner - 1] >= _LEAST_ROW else 0
+
+    def _rows(self, start: int, stop: int, inner: int) -> dict[str, Floats]:
+        """Return every quantity of rows along so many inner axes: shaped like the rows, then these axes."""
+        axes = list(self.axes.values())
+        along = {axis.name: axis for axis in axes[-inner:]}
+        result = {name: values[np.newaxis] for name, values in spread(along, self.fixed).items()}
+        where = np.unravel_index(np.arange(start, stop), self.shape[:-inner])
+        for axis, i in zip(axes[:-inner], where, strict=True):
+            result[axis.name] = axis.values[i].reshape(-1, *(1,) * inner)
+        if "friction_ratio" in result:
+            result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
+        return result
 
     def operating_point(self, own: Mapping[str, float] | None) -> dict[str, float] | None:
         """Return a scene's own value of every axis; None unless it gives all and differs in nothing else."""

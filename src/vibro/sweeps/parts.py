@@ -87,8 +87,8 @@ class Job:
 
     def solve(self, start: int, stop: int) -> Block:
         """Solve cells in a row."""
-        values = self.plan.grid.cells(start, stop)
-        return Block(values, self.plan.grid.solve(values, self.threads), self.plan.grid.length)
+        grid = self.plan.grid
+        return Block(grid.cells(start, stop), grid.solve_cells(start, stop, self.threads), grid.length)
 
 
 @dataclass(frozen=True)
