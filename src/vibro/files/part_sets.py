@@ -194,7 +194,7 @@ class PartSet:
 
     def finish(self, text: str) -> None:
         """Say that all files are there."""
-        self._remove_temporaries(lambda run, changed: run == self.run)
+        self._remove_temporaries(lambda run, changed: True)
         self._sync_folder()
         with HeldOff() as signals:
             self.write(SUCCESS, text)
@@ -232,9 +232,10 @@ class PartSet:
         self._undone.__exit__()
 
     def _discard(self) -> None:
+        # First what says that parts are wanted: whoever finishes one from now on removes it.
+        self._claim.give_up()
         with contextlib.suppress(OSError):
             self._remove_temporaries(lambda run, changed: run == self.run)
-        self._claim.give_up()
         for path in reversed(self._made):  # those that are empty
             with contextlib.suppress(OSError):
                 path.rmdir()

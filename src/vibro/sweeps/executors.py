@@ -8,13 +8,16 @@ import math
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from abc import ABC, abstractmethod
-from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from vibro.errors import FileError, VibroError
+from vibro.interrupts import HeldOff, Undone
 from vibro.parallel import cores
 
 if TYPE_CHECKING:
@@ -22,9 +25,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Cluster", "Processes", "Threads", "Workers", "workers_of"]
 
-_GRACE: Final = 2.0  # [s] in which a worker whose client has gone may remove what it was writing
+_CLOSING: Final = 2.0  # [s] after which a cluster that does not answer is left alone
 _KNOWN: Final = 5.0  # [s] for which the number of workers is taken for unchanged
 _CONNECTING: Final = 15.0  # [s] until a scheduler, or the first of its workers, is given up
+# The logs of distributed that have levels of their own.
+_LOGS: Final = ("distributed", "distributed.client", "tornado.application")
 
 
 class Workers(ABC):
@@ -36,13 +41,10 @@ class Workers(ABC):
         That each may use.
     number : int
         How many parts are made at once.
-    lost : tuple of exception types
-        With which a task ends whose worker was lost; another may do it.
     """
 
     threads: int = 1
     number: int = 1
-    lost: tuple[type[BaseException], ...] = (BrokenExecutor,)
 
     @abstractmethod
     def __enter__(self) -> Self:
@@ -54,7 +56,13 @@ class Workers(ABC):
 
     @abstractmethod
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Have something done."""
+        """Have something done.
+
+        Raises
+        ------
+        BrokenExecutor
+            Here or by the future, if the worker was lost: another may do it.
+        """
 
 
 class Threads(Workers):
@@ -83,7 +91,7 @@ class Threads(Workers):
 
 
 class Processes(Workers):
-    """Processes of this machine, which share its cores.
+    """Processes of this machine, which share its cores, and end with this one.
 
     Parameters
     ----------
@@ -94,19 +102,23 @@ class Processes(Workers):
     def __init__(self, number: int) -> None:
         self.number = number
         self.threads = max(1, cores() // number)
+        self._undone = Undone(_kill_children)
 
     def __enter__(self) -> Self:
+        _start_tracker()
         # A forked process would hold the lock of the folder, and whatever this one's threads hold.
         context = multiprocessing.get_context("spawn")
         self._pool = ProcessPoolExecutor(self.number, context, initializer=_follow_parent)
+        self._undone.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._pool.shutdown(cancel_futures=True)
+        self._undone.__exit__()
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
         """Have something done; processes that this starts leave interrupts to this one."""
-        with _without_interrupts():
+        with HeldOff(), _without_interrupts():
             return self._pool.submit(work, *args)
 
 
@@ -132,52 +144,80 @@ class Cluster(Workers):
         except ImportError:
             raise VibroError("--scheduler needs distributed: pip install 'vibro[distributed]'") from None
         self._library = distributed
-        self.lost = (CancelledError, distributed.KilledWorker)
-        self._log = logging.getLogger("distributed")
-        self._level = self._log.level
+        self._levels: dict[str, int] = {}
         self._address = address
         self._asked = -math.inf
         self._known = 1
 
     def __enter__(self) -> Self:
         # It logs connections that are lost, which is told in other words.
-        self._log.setLevel(logging.CRITICAL)
+        for name in _LOGS:
+            self._levels[name] = logging.getLogger(name).level
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
-            self._client = self._library.Client(self._address, timeout=_CONNECTING, set_as_default=False)
-        except (OSError, ValueError, TypeError) as exc:
-            raise FileError(
-                f"no scheduler answers at {self._address}: {exc}",
-                hint="start one with dask scheduler, and give its address, such as tcp://host:8786",
-            ) from exc
-        try:
-            self._client.wait_for_workers(1, timeout=_CONNECTING)
-        except TimeoutError as exc:
-            self._client.close()
-            raise FileError(
-                f"the scheduler at {self._address} has no workers",
-                hint=f"start some with dask worker {self._address}, and the same vibro and files",
-            ) from exc
-        self._pool = self._client.get_executor(pure=False)
+            self._connect()
+        except BaseException:
+            self._restore_logs()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
         with contextlib.suppress(Exception):  # whatever a cluster that is gone says
-            self._pool.shutdown(wait=False)
-            self._client.close(timeout=_GRACE)
-        self._log.setLevel(self._level)
+            self._client.close(timeout=_CLOSING)
+        self._restore_logs()
 
     @property
     def number(self) -> int:  # type: ignore[override]
         """How many threads its workers have: some may come, and some go."""
         if time.monotonic() - self._asked > _KNOWN:
-            self._known = max(1, sum(self._client.nthreads().values()))
+            with contextlib.suppress(Exception):  # of a cluster that is gone: its tasks tell
+                self._known = max(1, sum(self._client.nthreads().values()))
             self._asked = time.monotonic()
         return self._known
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
         """Have something done."""
-        future: Future[Any] = self._pool.submit(work, *args)
+        # The cluster's own executor leaves a future open for ever if the scheduler ends at a bad moment.
+        future: Future[Any] = Future()
+        try:
+            task = self._client.submit(work, *args, pure=False)
+            task.add_done_callback(lambda task: self._hand_on(task, future))
+        except Exception as exc:
+            raise BrokenExecutor(str(exc)) from exc
         return future
+
+    def _connect(self) -> None:
+        try:
+            self._client = self._library.Client(self._address, timeout=_CONNECTING, set_as_default=False)
+        except (OSError, ValueError, TypeError) as exc:
+            raise FileError(
+                f"no scheduler answers at {self._address}: {exc}",
+                hint="start one with dask scheduler, and give its address, such as tcp://host:8786;"
+                " --resume goes on with what is there",
+            ) from exc
+        try:
+            self._client.wait_for_workers(1, timeout=_CONNECTING)
+        except OSError as exc:  # a TimeoutError is one
+            self._client.close(timeout=_CLOSING)
+            raise FileError(
+                f"the scheduler at {self._address} has no workers",
+                hint=f"start some with dask worker {self._address}, and the same vibro and files",
+            ) from exc
+
+    def _hand_on(self, task: Any, future: Future[Any]) -> None:
+        """Hand on how a task of the cluster ended."""
+        try:
+            future.set_result(task.result())
+        except (ImportError, AttributeError) as exc:  # it could not even read the task
+            message = f"a worker of {self._address} has another vibro, or none: {exc}"
+            future.set_exception(VibroError(message))
+        except Exception as exc:
+            by_task = task.status == "error" and not isinstance(exc, self._library.KilledWorker)
+            future.set_exception(exc if by_task else BrokenExecutor(str(exc)))
+
+    def _restore_logs(self) -> None:
+        for name, level in self._levels.items():
+            logging.getLogger(name).setLevel(level)
 
 
 def workers_of(parts: int, processes: int | None, scheduler: str | None) -> Workers:
@@ -200,6 +240,22 @@ def _without_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+def _start_tracker() -> None:
+    """Start what removes the locks of a pool whose owner was killed, without its warning of them."""
+    sys.warnoptions.append("ignore:resource_tracker")
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        sys.warnoptions.remove("ignore:resource_tracker")
+
+
+def _kill_children() -> None:
+    """End the processes of a pool; what they were writing can be removed then."""
+    for child in multiprocessing.active_children():
+        child.kill()
+        child.join()
+
+
 def _follow_parent() -> None:
     """Leave interrupts to the parent, and end with it, however it ends.
 
@@ -213,5 +269,4 @@ def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
-        time.sleep(_GRACE)
         os._exit(1)

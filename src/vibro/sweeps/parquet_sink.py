@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
 
-__all__ = ["HashedFile", "open_writer", "row_group"]
+__all__ = ["HashedFile", "open_writer", "row_group", "schema_of"]
 
 # Of zstd: higher levels take longer and save next to nothing (benchmarks/sweeps.py --encodings).
 _LEVEL: Final = -1
@@ -72,12 +72,18 @@ class HashedFile:
         self.closed = True
 
 
-def open_writer(sink: Any, columns: Sequence[Column]) -> Any:
-    """Return pyarrow's writer of a table with these columns; one file, whose bytes follow from its cells."""
+def schema_of(columns: Sequence[Column]) -> Any:
+    """Return pyarrow's schema of a table with these columns."""
+    import pyarrow as arrow
+
+    return arrow.schema([_field(column, arrow) for column in columns])
+
+
+def open_writer(sink: Any, schema: Any) -> Any:
+    """Return pyarrow's writer of a table with this schema; one file, whose bytes follow from its cells."""
     import pyarrow as arrow
     from pyarrow import parquet
 
-    schema = arrow.schema([_field(column, arrow) for column in columns])
     numbers = [field.name for field in schema if arrow.types.is_floating(field.type)]
     return parquet.ParquetWriter(
         sink,
@@ -95,7 +101,7 @@ def open_writer(sink: Any, columns: Sequence[Column]) -> Any:
 
 
 def row_group(table: Table, block: Block, schema: Any) -> Any:
-    """Make a block one row group: pyarrow's table of its cells, by the writer's schema."""
+    """Make a block one row group: pyarrow's table of its cells, by this schema."""
     import pyarrow as arrow
 
     arrays = [_array(column, block, table.digits, arrow) for column in table.columns]

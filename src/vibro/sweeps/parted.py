@@ -8,7 +8,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, wait
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
@@ -243,19 +243,22 @@ class _Run:
         """Have one of the workers look whether it can do what it is to do, before anything is touched."""
         try:
             self._workers.submit(check_job, self._job).result()
-        except self._workers.lost as exc:
+        except BrokenExecutor as exc:
             raise _cannot_work() from exc
 
     def finish(self) -> Summary:
         """Work until all is there."""
         self._there = self._files.parts()
         while True:
+            lost: list[_Task] = []
             while len(self._running) < _WINDOW * self._workers.number and (task := self._next()) is not None:
-                self._submit(task)
-            if not self._running:
+                if not self._submit(task):
+                    lost.append(task)
+                    break
+            if not self._running and not lost:
                 return self._summary
             done, _ = wait(self._running, _NOTICED, FIRST_COMPLETED)
-            lost = [task for future in done if (task := self._take(future)) is not None]
+            lost += [task for future in done if (task := self._take(future)) is not None]
             if lost:
                 self._renew(lost)
             self._tell()
@@ -268,15 +271,23 @@ class _Run:
             return None
         return _Task(check_part if part_name(part) in self._there else write_part, part)
 
-    def _submit(self, task: _Task) -> None:
-        self._running[self._workers.submit(task.work, self._job, task.part, *task.more)] = task
+    def _submit(self, task: _Task) -> bool:
+        """Hand a task to a worker; tell whether there was one."""
+        if task.work is not check_part:
+            self._files.remove(SUCCESS)
+        try:
+            future = self._workers.submit(task.work, self._job, task.part, *task.more)
+        except BrokenExecutor:
+            return False
+        self._running[future] = task
+        return True
 
     def _take(self, future: Future[Any]) -> _Task | None:
         """Take what a worker returns; return the task if the worker was lost."""
         task = self._running.pop(future)
         try:
             found = future.result()
-        except self._workers.lost:
+        except BrokenExecutor:
             return task
         if isinstance(found, Written):
             self._publish(found, made=task.work is write_part)
@@ -284,14 +295,18 @@ class _Run:
             self._share(found.part, *self._plan.range_of(found.part), found.seconds)
         elif isinstance(found, Piece):
             self._collect(found, stop=task.more[1])
-        else:  # a part that was there is not whole
+        elif task.work is check_part:  # it is not whole
             self._first.append(_Task(write_part, task.part))
+        else:
+            raise FileError(
+                f"a worker does not see the same files in {self._files.folder}",
+                hint="workers and whoever starts them need the same files under the same path",
+            )
         return None
 
     def _publish(self, found: Written, *, made: bool) -> None:
         first, end = self._plan.range_of(found.part)
         if made:
-            self._files.remove(SUCCESS)
             self._files.publish(found.temporary, part_name(found.part))
             pieces = self._pieces.pop(found.part, [])
             self._solved += 0 if pieces else end - first

@@ -6,11 +6,15 @@ writes it then reads their results instead of solving, and its bytes are the sam
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
+import os
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import numpy as np
 
@@ -19,13 +23,12 @@ from vibro.files.part_sets import new_part, part_name, sync_file
 from vibro.parallel import retain_freed_memory
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.results.sweep import Block
-from vibro.sweeps.parquet_sink import HashedFile, open_writer, row_group
+from vibro.sweeps.parquet_sink import HashedFile, open_writer, row_group, schema_of
 from vibro.sweeps.plan import ROW_GROUP, versions
 from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -85,10 +88,28 @@ class Job:
     threads: int
     patience: float
 
+    def check_wanted(self) -> None:
+        """Stop working if nobody wants the parts any more."""
+        if not self.wanted.exists():
+            raise _UnwantedError
+
     def solve(self, start: int, stop: int) -> Block:
         """Solve cells in a row."""
         grid = self.plan.grid
         return Block(grid.cells(start, stop), grid.solve_cells(start, stop, self.threads), grid.length)
+
+    @contextlib.contextmanager
+    def new_file(self, part: int) -> Iterator[BinaryIO]:
+        """Open a temporary, which stays only if it is finished, and wanted even then."""
+        self.check_wanted()
+        path = new_part(self.folder, part, self.run)
+        try:
+            with path.open("xb") as file:
+                yield file
+            self.check_wanted()
+        except BaseException:
+            path.unlink(missing_ok=True)
+            raise
 
 
 @dataclass(frozen=True)
@@ -172,34 +193,33 @@ def write_part(job: Job, part: int, pieces: Sequence[Piece] = ()) -> Written | S
         if seconds > job.patience:
             return Slow(part, seconds)
     solved = _Solved(job, pieces) if pieces else None
-    table, tally = job.plan.table, Tally()
-    path = new_part(job.folder, part, job.run)
+    tally, schema = Tally(), schema_of(job.plan.table.columns)
+
+    def row_groups() -> Iterator[Any]:
+        for start in range(first, end, ROW_GROUP):
+            job.check_wanted()
+            stop = min(start + ROW_GROUP, end)
+            block = solved.block(start, stop) if solved else job.solve(start, stop)
+            tally.add(block)
+            yield row_group(job.plan.table, block, schema)
+
     try:
-        with path.open("xb") as file:
+        with job.new_file(part) as file:
             sink = HashedFile(file)
-            with open_writer(sink, table.columns) as writer:
-                for start in range(first, end, ROW_GROUP):
-                    if not job.wanted.exists():
-                        raise _UnwantedError
-                    stop = min(start + ROW_GROUP, end)
-                    block = solved.block(start, stop) if solved else job.solve(start, stop)
-                    writer.write_table(row_group(table, block, writer.schema), ROW_GROUP)
-                    tally.add(block)
-                writer.add_key_value_metadata(
-                    {_FOOTER: json.dumps({**place_of(job.plan, part), **tally.told()})}
-                )
+            _write(sink, job.plan, part, row_groups(), tally)
             file.flush()
             sync_file(file.fileno())
-    except BaseException as exc:
-        path.unlink(missing_ok=True)
-        if isinstance(exc, _UnwantedError):
-            return None
-        raise
-    return Written(part, path.name, sink.digest, sink.size, tally)
+    except _UnwantedError:
+        return None
+    return Written(part, Path(file.name).name, sink.digest, sink.size, tally)
 
 
 def check_part(job: Job, part: int) -> Written | None:
-    """Read a part that is there from end to end; None if it is not whole, or no part of this plan."""
+    """Read a part that is there from end to end; None if it is not whole, or no part of this plan.
+
+    It is whole if it comes out the same when it is written again. Checksums alone are of its pages: they do
+    not tell what has changed in its footer, such as the name of a column.
+    """
     from pyarrow import ArrowException, parquet
 
     check_job(job)
@@ -208,17 +228,19 @@ def check_part(job: Job, part: int) -> Written | None:
     try:
         with path.open("rb") as stream:
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
-            size = stream.tell()
-        with parquet.ParquetFile(path, page_checksum_verification=True) as file:
-            said = read_footer(file.metadata)
-            expected = place_of(job.plan, part)
-            if said is None or not expected.items() <= said.items() or file.metadata.num_rows != end - first:
-                return None
-            for group in range(file.num_row_groups):
-                file.read_row_group(group)
-    except (ArrowException, OSError, ValueError):
+        with (
+            parquet.ParquetFile(path, page_checksum_verification=True) as file,
+            Path(os.devnull).open("wb") as nowhere,
+        ):
+            tally = Tally.read(read_footer(file.metadata) or {})
+            again = HashedFile(nowhere)
+            row_groups = (file.read_row_group(group) for group in range(file.num_row_groups))
+            _write(again, job.plan, part, row_groups, tally)
+    except (ArrowException, ArithmeticError, AttributeError, LookupError, OSError, TypeError, ValueError):
         return None
-    return Written(part, path.name, digest, size, Tally.read(said))
+    if again.digest != digest or not tally.status.total() == tally.regime.total() == end - first:
+        return None
+    return Written(part, path.name, digest, again.size, tally)
 
 
 def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
@@ -229,23 +251,20 @@ def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
     solved: list[NDArray[Any]] = []
     done, step = start, _FIRST_STEP
     short, long = _STEP_SECONDS
-    while done < stop and (not solved or time.monotonic() - began < job.patience):
-        if not job.wanted.exists():
-            return None
-        before = time.monotonic()
-        end = min(done + step, stop)
-        solved.append(_packed(job.solve(done, end).cycle))
-        done = end
-        took = time.monotonic() - before
-        step = min(2 * step, ROW_GROUP) if took < short else max(step // 2, 1) if took > long else step
-    path = new_part(job.folder, part, job.run)
     try:
-        with path.open("xb") as file:
+        while done < stop and (not solved or time.monotonic() - began < job.patience):
+            job.check_wanted()
+            before = time.monotonic()
+            end = min(done + step, stop)
+            solved.append(_packed(job.solve(done, end).cycle))
+            done = end
+            took = time.monotonic() - before
+            step = min(2 * step, ROW_GROUP) if took < short else max(step // 2, 1) if took > long else step
+        with job.new_file(part) as file:
             np.save(file, np.concatenate(solved))
-    except BaseException:
-        path.unlink(missing_ok=True)
-        raise
-    return Piece(part, start, done, path.name, time.monotonic() - began)
+    except _UnwantedError:
+        return None
+    return Piece(part, start, done, Path(file.name).name, time.monotonic() - began)
 
 
 def read_footer(metadata: Any) -> dict[str, Any] | None:
@@ -259,6 +278,14 @@ def read_footer(metadata: Any) -> dict[str, Any] | None:
 
 class _UnwantedError(Exception):
     """Nobody wants the part any more."""
+
+
+def _write(sink: HashedFile, plan: Plan, part: int, row_groups: Iterable[Any], tally: Tally) -> None:
+    """Write a part; its cells are counted once the last of its row groups is there."""
+    with open_writer(sink, schema_of(plan.table.columns)) as writer:
+        for cells in row_groups:
+            writer.write_table(cells, ROW_GROUP)
+        writer.add_key_value_metadata({_FOOTER: json.dumps({**place_of(plan, part), **tally.told()})})
 
 
 class _Solved:
