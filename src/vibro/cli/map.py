@@ -183,9 +183,8 @@ def map_command(
         check_drawable(view)
         tell_choices(view, grid.axes, held, console)
     if parting is not None:
-        code, tally = write_parted(
-            grid, written, options, parting, context.obj, console, name, request.own, pictures
-        )
+        plan = parting.plan(grid, written, request.name or "", request.own)
+        code, tally = write_parted(plan, parting, options, context.obj, console, name, pictures)
         if tally.at_rest:
             console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
         return code

@@ -23,9 +23,8 @@ if TYPE_CHECKING:
     from vibro.cli.options import Options
     from vibro.cli.output import Pictures
     from vibro.files.part_sets import PartSet
-    from vibro.sweeps.columns import Table
-    from vibro.sweeps.grid import Grid
     from vibro.sweeps.parted import Progress, Summary
+    from vibro.sweeps.plan import Plan
     from vibro.sweeps.tally import Tally
     from vibro.sweeps.writing import Parting
 
@@ -129,26 +128,24 @@ def parting_of(
 
 
 def write_parted(
-    grid: Grid,
-    table: Table,
-    options: Options,
+    plan: Plan,
     parting: Parting,
+    options: Options,
     argv: Sequence[str],
     console: Console,
     name: str,
-    own: Mapping[str, float],
     pictures: Pictures | None = None,
 ) -> tuple[int, Tally]:
-    """Solve a grid and write its table in parts, and its pictures.
+    """Solve a sweep and write its table in parts, and its pictures.
 
     Parameters
     ----------
-    grid, table, options, argv, console, name, pictures
-        As for ``write_sweep``; ``-o`` names the folder.
+    plan : Plan
+        What is solved and written.
     parting : Parting
         How.
-    own : mapping of str to float
-        The scene's own values, for the manifest.
+    options, argv, console, name, pictures
+        As for ``write_sweep``; ``-o`` names the folder.
 
     Returns
     -------
@@ -165,20 +162,20 @@ def write_parted(
     from vibro.files.publication import json_text
     from vibro.sweeps.csv_sink import provenance
 
-    plan = parting.plan(grid, table, name, own)
+    cells = plan.grid.size
     folder = part_folder(options.output, name)
     with PartSet(folder, "the same command with --resume goes on") as files:
-        with _progress(console, folder, grid.size) as report:
+        with _progress(console, folder, cells) as report:
             summary = parting.carry_out(plan, files, ["vibro", *argv], report)
-        content = {**provenance(grid, table, summary.tally), "digest": summary.digest}
+        content = {**provenance(plan.grid, plan.table, summary.tally), "digest": summary.digest}
         drawn = _draw(files, pictures, content)
         files.finish(summary.text())
-    _tell(console, folder, summary, grid.size, drawn)
+    _tell(console, folder, summary, cells, drawn)
     if options.json:
         print(
             json_text({"folder": str(folder), "parts": len(summary.sizes), "bytes": summary.size, **content})
         )
-    return conclude(summary.tally, grid.size, console), summary.tally
+    return conclude(summary.tally, cells, console), summary.tally
 
 
 def _draw(files: PartSet, pictures: Pictures | None, content: Mapping[str, Any]) -> list[str]:
