@@ -9,7 +9,7 @@ from vibro.files.part_sets import PartSet
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.derived import throughput
 from vibro.sweeps.executors import Threads, Workers
-from vibro.sweeps.parted import Summary, begin, make_parts
+from vibro.sweeps.parted import Summary, agree, make_parts
 from vibro.sweeps.plan import PART_CELLS, Plan, versions
 
 if TYPE_CHECKING:
@@ -54,8 +54,8 @@ def plan_of(
 def written(folder: Path, plan: Plan, workers: Workers | None = None, patience: float = 20.0) -> Summary:
     """Write a plan's parts into a new folder, as the command does."""
     with PartSet(folder, "go on") as files:
-        plan = begin(files, plan, ["vibro"], resume=False, force=False, own_size=True)
+        plan = agree(files, plan, resume=False, force=False, own_size=True)
         with workers or Threads(plan.parts) as who:
-            summary = make_parts(plan, files, who, patience=patience)
+            summary = make_parts(plan, files, who, ["vibro"], resume=False, patience=patience)
         files.finish(summary.text())
     return summary
