@@ -182,13 +182,18 @@ def map_command(
     if pictures:
         check_drawable(view)
         tell_choices(view, grid.axes, held, console)
+    window = None if level is None else friction_window(grid, level)
     if parting is not None:
+        if window:
+            raise InputError(
+                "--speed: which of both frictions keep it is told beside a CSV alone",
+                hint="leave it out, or --table parquet",
+            )
         plan = parting.plan(grid, written, request.name or "", request.own)
         code, tally = write_parted(plan, parting, options, context.obj, console, name, pictures)
         if tally.at_rest:
             console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
         return code
-    window = None if level is None else friction_window(grid, level)
     moves = False
 
     def look(block: Block) -> None:

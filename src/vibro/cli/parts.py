@@ -110,7 +110,7 @@ def parting_of(
     given = {"--part-cells": part_cells, "--workers": workers, "--scheduler": scheduler, "--resume": resume}
     if form is Form.CSV:
         for option, value in given.items():
-            if value:
+            if value not in (None, False):
                 raise InputError(f"{option}: a CSV is one file", hint="add --table parquet")
         return None
     for option, is_given in (("--excel", options.excel), ("--decimal-comma", options.decimal_comma)):

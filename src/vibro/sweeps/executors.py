@@ -132,17 +132,16 @@ class Cluster(Workers):
 
     Raises
     ------
-    VibroError
-        If ``distributed`` is not installed.
     FileError
-        On entering, if no scheduler answers there, or it has no workers.
+        If ``distributed`` is not installed; on entering, if no scheduler answers there, or it has no workers.
     """
 
     def __init__(self, address: str) -> None:
         try:
             import distributed
         except ImportError:
-            raise VibroError("--scheduler needs distributed: pip install 'vibro[distributed]'") from None
+            hint = "pip install 'vibro[distributed]'"
+            raise FileError("--scheduler needs distributed", hint=hint) from None
         self._library = distributed
         self._levels: dict[str, int] = {}
         self._address = address

@@ -40,11 +40,17 @@ _BESIDE: Final = ("argv", "name", "own", "parts", "fingerprint")
 
 
 def check_arrow() -> None:
-    """Say what to install where pyarrow is missing."""
+    """Say what to install where pyarrow is missing.
+
+    Raises
+    ------
+    FileError
+        If it is.
+    """
     try:
         import pyarrow.parquet  # noqa: F401 - whether it is there
     except ImportError:
-        raise VibroError("Parquet needs pyarrow: pip install 'vibro[parquet]'") from None
+        raise FileError("Parquet needs pyarrow", hint="pip install 'vibro[parquet]'") from None
 
 
 def versions() -> dict[str, str]:

@@ -1,0 +1,435 @@
+"""``vibro map --table parquet``: its options, what it says, refuses and goes on with, and its pictures."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, Run, rows_of
+from pyarrow import parquet
+
+if TYPE_CHECKING:
+    from typer.testing import Result
+
+WIDE = Path(__file__).parents[2] / "examples" / "wide_sweep.toml"
+
+AXES = ("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
+QUICK = (*AXES, "--accuracy", "regimes")
+PARTS = (*QUICK, "--table", "parquet", "--part-cells", "4")
+PART_NAMES = ["part-000000.parquet", "part-000001.parquet", "part-000002.parquet"]
+
+
+@pytest.fixture(autouse=True)
+def _pictures_of_nothing(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw where pictures are the subject alone: they take nearly all of a small run's time."""
+    if "pictures" not in request.fixturenames:
+        monkeypatch.setattr("vibro.plots.picture_names", lambda *_, **__: [])
+
+
+@pytest.fixture
+def pictures() -> None:
+    """Draw pictures."""
+
+
+def names(folder: str = "out") -> list[str]:
+    return sorted(path.name for path in Path(folder).iterdir())
+
+
+def frame(folder: str = "out") -> pd.DataFrame:
+    return pd.concat([pd.read_parquet(path) for path in sorted(Path(folder).glob("part-*.parquet"))])
+
+
+def told(name: str = "_SUCCESS", folder: str = "out") -> dict[str, Any]:
+    content: dict[str, Any] = json.loads((Path(folder) / name).read_text(encoding="utf-8"))
+    return content
+
+
+def contents(folder: str = "out") -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
+
+
+def error(result: Result) -> list[str]:
+    """Return what a run says that fails, without the echo of its axes."""
+    return [line for line in result.stderr.splitlines() if line.startswith(("error: ", "hint: "))]
+
+
+def test_a_folder_of_parts_is_the_csv(run: Run) -> None:
+    result = run(*AXES, "--table", "parquet", "--part-cells", "4", "-o", "far/out")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert names("far/out") == ["_SUCCESS", "manifest.json", *PART_NAMES]
+    rows = rows_of(run(*AXES, "-o", "-").stdout)
+    found = frame("far/out")
+    assert list(found.columns) == list(rows[0])
+    for name in found.columns:
+        written = [row[name] for row in rows]
+        if not pd.api.types.is_numeric_dtype(found[name].dtype):
+            assert found[name].tolist() == written
+        else:
+            numbers = [float(cell or "nan") for cell in written]
+            np.testing.assert_array_equal(found[name].astype(float), numbers, err_msg=name)
+
+
+def test_what_was_written_is_told(run: Run) -> None:
+    said = run(*PARTS, "-o", "out").stderr.splitlines()
+    assert said[:2] == [
+        "amplitude: 3 values, 0.5 ... 2 mm, step 0.75",
+        "frequency: 3 values, 10 ... 30 Hz, step 10",
+    ]
+    success = told()
+    size = sum(Path("out", name).stat().st_size for name in PART_NAMES)
+    assert said[-8:] == [
+        f"wrote out: 3 parts, {size / 1e3:.3g} kB, {size / 9:.1f} bytes a cell; digest {success['digest']}",
+        f"wrote {Path('out', 'manifest.json')}",
+        f"wrote {Path('out', '_SUCCESS')}",
+        "3 of 9 cells: flight-not-modelled (the body leaves the trough; its flight is not modelled)",
+        "     no-slip   22.2%",
+        "forward-slip   22.2%",
+        "   back-slip   22.2%",
+        "     hopping   33.3%",
+    ]
+    assert told("manifest.json")["argv"] == ["vibro", *PARTS, "-o", "out"]
+    assert told("manifest.json")["part_cells"] == 4
+
+
+def test_one_part_where_nobody_says_how_large(run: Run) -> None:
+    said = run(*QUICK, "--table", "parquet", "-o", "out").stderr
+    assert "wrote out: 1 part, " in said
+    assert names() == ["_SUCCESS", "manifest.json", "part-000000.parquet"]
+    assert told("manifest.json")["part_cells"] == 1_000_000
+
+
+def test_progress_is_told_where_nobody_watches(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.cpu_count", lambda: 1)  # of more workers' parts all may come at once
+    lines = [line for line in run(*PARTS, "-o", "out").stderr.splitlines() if " % of " in line]
+    assert 1 <= len(lines) <= 2
+    told_as = r"\d0 % of 9 cells: [12] of 3 parts, \S+ cells/s, about \d+ s left"
+    assert all(re.fullmatch(told_as, line) for line in lines), lines
+    assert run(*PARTS, "-o", "quiet", "-q").stderr == ""
+
+
+def test_json_is_what_there_is(run: Run) -> None:
+    result = run(*PARTS, "-o", "out", "--json", "-q", "--digits", "4")
+    said = json.loads(result.stdout)
+    success, manifest = told(), told("manifest.json")
+    assert (said["folder"], said["parts"], said["cells"], said["digits"]) == ("out", 3, 9, 4)
+    for key in ("bytes", "digest", "status", "regime"):
+        assert said[key] == success[key]
+    for key in ("scene", "accuracy", "flight", "coexistence", "columns"):
+        assert said[key] == manifest[key]
+    assert result.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("options", "said", "hint"),
+    [
+        *[
+            (options, f"{options[0]}: a CSV is one file", "add --table parquet")
+            for options in (["--resume"], ["--part-cells", "3"], ["--workers", "2"], ["--workers", ""],
+                            ["--scheduler", "tcp://a:1"])
+        ],
+        (["--excel"], "--excel is about CSV", "leave it out, or --table parquet"),
+        (["--decimal-comma"], "--decimal-comma is about CSV", "leave it out, or --table parquet"),
+        (["--workers", "2", "--scheduler", "tcp://a:1"], "--workers and --scheduler: either makes all parts",
+         "leave one of them out"),
+        (["--resume", "--force"], "--resume goes on, --force starts anew", "leave one of them out"),
+        (["--part-cells", "0"], "--part-cells 0: must be at least 1", "1e6 is usual"),
+        (["--part-cells", "1.5"], "--part-cells = 1.5: not a whole number",
+         "write a whole number, such as 3"),
+        (["--part-cells", "nan"], "--part-cells = nan: must be a finite number",
+         "write a whole number, such as 3"),
+        (["--part-cells", ""], "--part-cells = '': not a number", "write a whole number, such as 3"),
+        (["--workers", "0"], "--workers 0: must be from 1 to 1024", "one a core is usual"),
+        (["--workers", "1025"], "--workers 1025: must be from 1 to 1024", "one a core is usual"),
+        (["--workers", "all"], "--workers = 'all': not a number", "write a whole number, such as 3"),
+        (["--scheduler", "localhost:8786"], "--scheduler localhost:8786: is no address",
+         "write it like tcp://host:8786"),
+        (["--table", "excel"], "Invalid value for '--table': 'excel' is not one of 'csv', 'parquet'.",
+         "see vibro map --help"),
+        (["-o", "-"], "-o '-': parts go into a folder", "give it a name, such as -o out/wide"),
+        (["-o", ""], "-o '': parts go into a folder", "give it a name, such as -o out/wide"),
+        (["-o", "x.csv"], "-o x.csv: parts go into a folder", "write -o x, which it is"),
+        (["-o", "far/x.parquet"], "-o far/x.parquet: parts go into a folder", "write -o far/x, which it is"),
+        (["--part-cells", "1", "-A", "1:2:1001", "-f", "5:6:1001"],
+         "part cells = 1: 1002001 cells would be 1002001 parts, more than 1000000", "give at least 2"),
+        (["-A", "1", "-f", "15", "--mu-s", "0.5,0.7", "--mu-d", "0.3,0.4", "--accuracy", "exact",
+          "--speed", "20"],
+         "--speed: which of both frictions keep it is told beside a CSV alone",
+         "leave it out, or --table parquet"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_beforehand(run: Run, options: list[str], said: str, hint: str) -> None:
+    table = [] if said.endswith("a CSV is one file") else ["--table", "parquet"]
+    result = run(*QUICK, *table, *options)
+    assert result.exit_code == 2
+    assert error(result) == [f"error: {said}", f"hint: {hint}"]
+    assert (result.stdout, list(Path().iterdir())) == ("", [])
+
+
+def test_a_folder_that_holds_something_else_is_kept(run: Run) -> None:
+    Path("out").mkdir()
+    Path("out", "notes.txt").write_text("mine", encoding="utf-8")
+    for more in ((), ("--force",), ("--resume",)):
+        result = run(*PARTS, "-o", "out", *more)
+        assert result.exit_code == 1
+        assert error(result) == [
+            "error: out holds something else: notes.txt", "hint: choose another name with -o",
+        ]  # fmt: skip
+    Path("out", "manifest.json").write_text('{"name": "an app"}', encoding="utf-8")
+    for more in ((), ("--force",), ("--resume",)):
+        result = run(*PARTS, "-o", "out", *more)
+        assert result.exit_code == 1
+        assert error(result) == [
+            f"error: {Path('out', 'manifest.json')} is no manifest of a sweep", "hint: choose another folder",
+        ]  # fmt: skip
+    assert names() == ["manifest.json", "notes.txt"]
+
+
+def test_an_empty_folder_is_taken_and_a_file_is_not(run: Run) -> None:
+    Path("out").mkdir()
+    assert run(*PARTS, "-o", "out/").exit_code == 0
+    assert "_SUCCESS" in names()
+    Path("file").touch()
+    result = run(*PARTS, "-o", "file")
+    assert result.exit_code == 1
+    assert error(result)[0].startswith("error: cannot write to file: ")
+    assert "is a file; choose another name with -o" in error(result)[1]
+
+
+def test_a_sweep_that_is_there_is_kept(run: Run) -> None:
+    run(*PARTS, "-o", "out")
+    before = contents()
+    result = run(*PARTS, "-o", "out")
+    assert result.exit_code == 1
+    assert error(result) == [
+        "error: out holds a sweep already", "hint: --force starts anew; or choose another name",
+    ]  # fmt: skip
+    Path("out", "_SUCCESS").unlink()
+    result = run(*PARTS, "-o", "out")
+    assert result.exit_code == 1
+    assert error(result) == [
+        "error: out holds a sweep that is not finished",
+        "hint: --resume goes on with it, --force starts anew",
+    ]
+    assert contents() == {name: data for name, data in before.items() if name != "_SUCCESS"}
+
+
+def test_force_starts_anew(run: Run) -> None:
+    run(*PARTS, "-o", "out")
+    Path("out", "notes.txt").write_text("mine", encoding="utf-8")
+    Path("out", "speed.svg").write_text("of the sweep before", encoding="utf-8")
+    assert run(*QUICK, "-f", "10:30:4", "--table", "parquet", "-o", "out", "--force").exit_code == 0
+    assert names() == ["_SUCCESS", "manifest.json", "notes.txt", "part-000000.parquet"]
+    assert len(frame()) == told()["cells"] == 12
+
+
+def test_resuming_makes_what_is_missing_alone(run: Run) -> None:
+    run(*PARTS, "-o", "out")
+    before = contents()
+    kept = Path("out", PART_NAMES[0]).stat()
+    for name in ("_SUCCESS", PART_NAMES[1]):
+        Path("out", name).unlink()
+    Path("out", PART_NAMES[2]).write_bytes(before[PART_NAMES[2]][:-3])
+    assert run(*PARTS, "-o", "out", "--resume").exit_code == 0
+    assert contents() == before
+    assert Path("out", PART_NAMES[0]).stat().st_ino == kept.st_ino
+    assert Path("out", PART_NAMES[0]).stat().st_mtime_ns == kept.st_mtime_ns
+
+
+def test_resuming_where_there_is_nothing_starts(run: Run) -> None:
+    for folder in ("new", "empty"):
+        if folder == "empty":
+            Path(folder).mkdir()
+        assert run(*PARTS, "-o", folder, "--resume").exit_code == 0
+        assert names(folder) == ["_SUCCESS", "manifest.json", *PART_NAMES]
+
+
+def test_resuming_takes_the_size_of_the_parts_that_are_there(run: Run) -> None:
+    run(*PARTS, "-o", "out")
+    before = contents()
+    Path("out", "_SUCCESS").unlink()
+    assert run(*QUICK, "--table", "parquet", "-o", "out", "--resume").exit_code == 0
+    assert contents() == before
+    result = run(*QUICK, "--table", "parquet", "-o", "out", "--resume", "--part-cells", "5")
+    assert result.exit_code == 1
+    assert error(result)[0] == "error: out holds another sweep: part cells: 4 there, 5 here"
+
+
+@pytest.mark.parametrize(
+    ("more", "difference"),
+    [
+        (["-A", "0.5:2:4"], "amplitude_mm: 3 values, 0.5 ... 2 mm, step 0.75 there, 4 values, 0.5 ... 2 mm, "
+         "step 0.5 here; cells: 9 there, 12 here"),
+        (["--mu-s", "0.75"], "static_friction: 0.74 there, 0.75 here"),
+        (["--restitution", "0.3"], "restitution: 0.0 there, 0.3 here"),
+        (["-L", "600"], "trough_length_mm: none there, 600.0 here"),
+        (["--accuracy", "exact", "--flight", "off"], "accuracy: regimes there, exact here"),
+        (["--digits", "4"], "digits: none there, 4 here"),
+        (["--columns", "status,regime"], "columns: regime,status there, status,regime here"),
+    ],
+)  # fmt: skip
+def test_another_sweep_is_not_gone_on_with(run: Run, more: list[str], difference: str) -> None:
+    asked = (*PARTS, "--columns", "regime,status", "-o", "out")
+    run(*asked)
+    before = contents()
+    result = run(*asked, *more, "--resume")
+    assert result.exit_code == 1
+    assert error(result) == [
+        f"error: out holds another sweep: {difference}",
+        "hint: ask for the same, choose another name with -o, or start anew with --force",
+    ]
+    assert contents() == before
+
+
+def test_a_part_too_many_is_told(run: Run) -> None:
+    run(*PARTS, "-o", "out")
+    Path("out", PART_NAMES[0]).rename(Path("out", "part-000003.parquet"))
+    result = run(*PARTS, "-o", "out", "--resume")
+    assert result.exit_code == 1
+    assert error(result) == ["error: out holds parts that are none of this sweep: part-000003.parquet"]
+
+
+def test_a_manifest_that_was_changed_is_not_gone_on_with(run: Run) -> None:
+    run(*PARTS, "-o", "out")
+    path = Path("out", "manifest.json")
+    path.write_text(path.read_text(encoding="utf-8").replace("9.81", "9.82"), encoding="utf-8")
+    result = run(*PARTS, "-o", "out", "--resume")
+    assert result.exit_code == 1
+    assert error(result) == [
+        f"error: {path} is damaged, or was changed after it was written",
+        "hint: put back what was there, or start anew with --force",
+    ]
+    assert run(*PARTS, "-o", "out", "--force").exit_code == 0
+
+
+def test_the_folder_has_the_name_of_the_scene(run: Run) -> None:
+    assert run(*PARTS).exit_code == 0
+    assert "_SUCCESS" in names("vibro-map")
+    scene = "[scene]\ndrive_angle_deg = 20\nstatic_friction = 0.74\nkinetic_friction = 0.57\n"
+    Path("nut.toml").write_text(scene, encoding="utf-8")
+    assert run("map", "nut.toml", *PARTS[1:5], *PARTS[-6:]).exit_code == 0
+    assert "_SUCCESS" in names("nut")
+    assert told("manifest.json", "nut")["name"] == "nut"
+
+
+@pytest.mark.usefixtures("pictures")
+def test_pictures_go_into_the_folder(run: Run) -> None:
+    from PIL import Image
+
+    asked = (*AXES, "-L", "600", "--table", "parquet", "-o", "out")
+    result = run(*asked)
+    assert result.exit_code == 0
+    drawn = ["regime.png", "speed.png", "traverse.png"]
+    assert names() == ["_SUCCESS", "manifest.json", "part-000000.parquet", *drawn]
+    assert [f"wrote {Path('out', name)}" in result.stderr for name in drawn] == [True] * 3
+    for name, title in zip(
+        drawn, ("Steady regimes", "Mean conveying speed", "Traverse time over 600 mm"), strict=True
+    ):
+        with Image.open(Path("out", name)) as picture:
+            picture.load()
+            assert picture.info["Title"] == title
+            assert picture.info["Software"].startswith("vibro ")
+            said = json.loads(picture.info["Description"])
+        assert (said["digest"], said["cells"]) == (told()["digest"], 9)
+        assert said["scene"]["trough_length_mm"] == 600
+    # They are drawn again, and go with the sweep that they are of.
+    Path("out", "regime.png").unlink()
+    assert run(*asked, "--resume", "--accuracy", "exact").exit_code == 0
+    assert "regime.png" in names()
+    assert run(*QUICK, "--table", "parquet", "-o", "out", "--force", "--format", "svg").exit_code == 0
+    assert names() == ["_SUCCESS", "manifest.json", "part-000000.parquet", "regime.svg"]
+
+
+def test_unresolved_cells_are_exit_code_3_however_often_resumed(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import vibro.sweeps.grid
+    from vibro.core.codes import Status
+    from vibro.results import SteadyCycle
+    from vibro.scene import Scene
+    from vibro.steady import solve
+
+    def doubtful(scene: Scene, **how: Any) -> SteadyCycle:
+        cycle = solve(scene, **how)
+        cycle.status.flat[0] = Status.UNRESOLVED
+        return cycle
+
+    with monkeypatch.context() as patch:
+        patch.setattr(vibro.sweeps.grid, "solve", doubtful)
+        result = run(*PARTS, "-o", "out")
+    assert result.exit_code == 3
+    assert "3 of 9 cells: unresolved" in result.stderr
+    assert told()["status"] == {"ok": 4, "flight-not-modelled": 2, "unresolved": 3}
+    assert (frame()["status"] == "unresolved").sum() == 3
+    assert run(*PARTS, "-o", "out", "--resume").exit_code == 3
+
+
+def test_cells_that_all_rest_are_told_where_motion_begins(run: Run) -> None:
+    still = (*PARTS, "-A", "0.001:0.002:3", "-o", "out")
+    assert (
+        run(*still).stderr.splitlines()[-1]
+        == run(*still[:-6], *still[-4:-2], "-o", "csv").stderr.splitlines()[-1]
+    )
+    again = run(*still, "--resume").stderr.splitlines()[-1]
+    assert again.startswith("at rest everywhere: motion begins at 0.1713 mm with 30 Hz")
+    assert "at rest" not in run(*PARTS, "-o", "moves").stderr
+
+
+def test_infeasible_cells_are_no_error(run: Run) -> None:
+    result = run("map", *NUT, "--mu-s", "0.5,0.7", "--table", "parquet", "-o", "out", "--accuracy", "regimes")
+    assert result.exit_code == 0
+    assert frame()["status"].tolist() == ["infeasible", "ok"]
+    assert "1 of 2 cells: infeasible" in result.stderr
+
+
+@pytest.mark.parametrize("module", ["pyarrow", "pyarrow.parquet"])
+def test_what_is_not_installed_is_told_before_anything_is_made(
+    run: Run, monkeypatch: pytest.MonkeyPatch, module: str
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    result = run(*PARTS, "-o", "out")
+    assert result.exit_code == 1
+    assert error(result) == ["error: Parquet needs pyarrow", "hint: pip install 'vibro[parquet]'"]
+    assert list(Path().iterdir()) == []
+    assert run(*QUICK, "-o", "nut").exit_code == 0
+
+
+def test_a_cluster_needs_distributed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    result = run(*PARTS, "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
+    assert result.exit_code == 1
+    assert error(result) == [
+        "error: --scheduler needs distributed", "hint: pip install 'vibro[distributed]'",
+    ]  # fmt: skip
+
+
+@POSIX
+def test_processes_make_the_same_parts(run: Run) -> None:
+    assert run(*PARTS, "-o", "threads").exit_code == 0
+    assert run(*PARTS, "-o", "processes", "--workers", "1").exit_code == 0
+    threads, processes = contents("threads"), contents("processes")
+    assert threads.keys() == processes.keys()
+    assert [name for name in threads if threads[name] != processes[name]] == ["manifest.json"]  # its argv
+
+
+def test_the_wide_example_in_small(run: Run) -> None:
+    result = run(
+        "map", WIDE, "-A", "0.5,1", "-f", "10:50:3", "-a", "20,30", "--mu-s", "0.2:0.98:4",
+        "--mu-ratio", "0.5:0.98:3", "--table", "parquet", "-o", "out", "--part-cells", "50",
+    )  # fmt: skip
+    assert result.exit_code == 0
+    cells = frame()
+    assert len(cells) == 2 * 3 * 2 * 4 * 3
+    manifest = told("manifest.json")
+    assert [axis["column"] for axis in manifest["axes"]] == [
+        "amplitude_mm", "frequency_hz", "drive_angle_deg", "static_friction", "friction_ratio",
+    ]  # fmt: skip
+    assert manifest["scene"]["trough_length_mm"] == 600
+    assert manifest["name"] == "wide_sweep"
+    assert cells["traverse_time_s"].notna().any()
+    assert parquet.read_schema(Path("out", PART_NAMES[0])).names == list(manifest["columns"])
