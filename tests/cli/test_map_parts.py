@@ -6,6 +6,7 @@ import json
 import re
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -111,6 +112,18 @@ def test_progress_is_told_where_nobody_watches(run: Run, monkeypatch: pytest.Mon
     told_as = r"\d0 % of 9 cells: [12] of 3 parts, \S+ cells/s, about \d+ s left"
     assert all(re.fullmatch(told_as, line) for line in lines), lines
     assert run(*PARTS, "-o", "quiet", "-q").stderr == ""
+
+
+@pytest.mark.parametrize("free", [0, 10**15])
+def test_a_disk_that_will_be_full_is_told_early(run: Run, monkeypatch: pytest.MonkeyPatch, free: int) -> None:
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=free))
+    result = run(*PARTS, "-o", "out")
+    assert result.exit_code == 0
+    lines = [line for line in result.stderr.splitlines() if line.startswith("warning: ")]
+    assert len(lines) == (free == 0)
+    for line in lines:
+        assert re.fullmatch(r"warning: about \d\S* kB more are needed, and 0 B are free", line)
 
 
 def test_json_is_what_there_is(run: Run) -> None:
