@@ -130,9 +130,8 @@ def open_parts(folder: Path) -> PartFiles:
     Raises
     ------
     FileError
-        If it is no such folder, is not finished, or something in it is missing or damaged.
-    VibroError
-        If pyarrow is not installed.
+        If it is no such folder, is not finished, or something in it is missing or damaged, or pyarrow
+        is not installed.
     """
     if not folder.is_dir():
         what = "is no folder" if folder.exists() else "is not there"

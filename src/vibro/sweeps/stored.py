@@ -121,9 +121,8 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
     Raises
     ------
     FileError
-        If there is no such folder, it is not finished, or a part of it is missing or damaged.
-    VibroError
-        If pyarrow is not installed.
+        If there is no such folder, it is not finished, or a part of it is missing or damaged, or pyarrow
+        is not installed.
 
     Examples
     --------

@@ -60,8 +60,8 @@ class Parting:
     force: bool = False
 
     def __post_init__(self) -> None:
-        _check_number("part_cells", self.part_cells, _MOST_CELLS)
-        _check_number("workers", self.workers, _MOST_WORKERS)
+        _check_number("part cells", self.part_cells, _MOST_CELLS, "1000000 is usual")
+        _check_number("workers", self.workers, _MOST_WORKERS, "one a core is usual")
         check_switch("resume", self.resume)
         check_switch("force", self.force)
         if self.workers is not None and self.scheduler is not None:
@@ -145,9 +145,8 @@ def write_sweep(
     InputError
         It names everything that is wrong or missing.
     FileError
-        If the folder cannot be written, holds something else, or is being written by another run.
-    VibroError
-        If pyarrow, or for a scheduler distributed, is not installed.
+        If the folder cannot be written, holds something else, or is being written by another run; if pyarrow,
+        or for a scheduler distributed, is not installed.
 
     Notes
     -----
@@ -181,9 +180,9 @@ def write_sweep(
     return open_sweep(path)
 
 
-def _check_number(name: str, value: Any, most: int) -> None:
+def _check_number(name: str, value: Any, most: int, hint: str) -> None:
     if value is None:
         return
     whole = isinstance(value, int) and not isinstance(value, bool)
     if not (whole and 1 <= value <= most):
-        raise InputError(f"{name} = {shown(value)}: must be a whole number from 1 to {most}")
+        raise InputError(f"{name} = {shown(value)}: must be a whole number from 1 to {most}", hint=hint)
