@@ -397,6 +397,14 @@ def test_cells_that_all_rest_are_told_where_motion_begins(run: Run) -> None:
     assert "at rest" not in run(*PARTS, "-o", "moves").stderr
 
 
+@pytest.mark.parametrize("table", ["csv", "parquet"])
+def test_bodies_that_rest_may_have_restitutions(run: Run, table: str) -> None:
+    still = ("map", *NUT, "-A", "0.001,0.002", "--restitution", "0:0.3:2", "--table", table, "-o", "out")
+    result = run(*still)
+    assert result.exit_code == 0
+    assert result.stderr.splitlines()[-1].startswith("at rest everywhere: motion begins at ")
+
+
 def test_infeasible_cells_are_no_error(run: Run) -> None:
     result = run("map", *NUT, "--mu-s", "0.5,0.7", "--table", "parquet", "-o", "out", "--accuracy", "regimes")
     assert result.exit_code == 0

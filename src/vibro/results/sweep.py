@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = ["Block", "Column", "SweepResult", "at_rest", "spread", "where_motion_begins"]
+
+# The load grows with the first two of these, and no limit depends on any of them.
+_LAST_MOVES_FIRST: Final = ("amplitude", "frequency", "restitution")
 
 
 @dataclass(frozen=True)
@@ -190,7 +193,9 @@ def where_motion_begins(
     """
     if limits is None:
         return "at rest everywhere"
-    values = spread(axes, fixed)
+    # A sweep may have more cells than memory holds; the last along these axes are those nearest to moving.
+    box = [slice(-1, None) if name in _LAST_MOVES_FIRST else slice(None) for name in axes]
+    values = spread(axes, fixed, box)
     load = Scene.allowing_infeasible(**scene_fields(values)).load
     with np.errstate(divide="ignore", invalid="ignore"):  # where nothing is needed, or given
         ratio = np.fmax.reduce(
