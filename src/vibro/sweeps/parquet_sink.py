@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from inspect import signature
 from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import numpy as np
@@ -23,8 +24,8 @@ __all__ = ["HashedFile", "open_writer", "row_group", "schema_of"]
 
 # Of zstd: higher levels take longer and save next to nothing (benchmarks/sweeps.py --encodings).
 _LEVEL: Final = -1
-# [B] One page a column: more would each begin anew with compressing.
-_PAGE: Final = 16 * ROW_GROUP
+# [cells] of a page: each begins anew with compressing, and what is more than that leaves the core's cache.
+_PAGE: Final = ROW_GROUP // 2
 # Inputs, which every cell has.
 _GIVEN: Final = frozenset(QUANTITIES[name].column for name in (*SWEPT, *DRIVES))
 
@@ -85,18 +86,23 @@ def open_writer(sink: Any, schema: Any) -> Any:
     from pyarrow import parquet
 
     numbers = [field.name for field in schema if arrow.types.is_floating(field.type)]
+    # Newer ones also cut pages after 20 000 rows.
+    known = signature(parquet.ParquetWriter).parameters
+    rows = {name: _PAGE for name in ("max_rows_per_page",) if name in known}
     return parquet.ParquetWriter(
         sink,
         schema,
         compression="zstd",
         compression_level=_LEVEL,
         use_dictionary=[field.name for field in schema if field.name not in numbers] or False,
-        use_byte_stream_split=numbers or False,
+        # Inputs come again and again, whole: to split them takes longer and saves nothing.
+        use_byte_stream_split=[name for name in numbers if name not in _GIVEN] or False,
         # Which row groups a filter needs: of the axes alone, as results follow no order.
         write_statistics=[name for name in schema.names if name in BY_COLUMN] or False,
         write_page_checksum=True,
-        data_page_size=_PAGE,
-        write_batch_size=ROW_GROUP,
+        data_page_size=8 * _PAGE,
+        write_batch_size=_PAGE,
+        **rows,
     )
 
 
@@ -136,5 +142,9 @@ def _array(column: Column, block: Block, digits: int | None, arrow: Any) -> Any:
 
 def _masked(values: NDArray[Any], known: NDArray[np.bool_], shape: tuple[int, ...], arrow: Any) -> Any:
     """Return cells with nulls where they are unknown, without a mask where none is."""
-    unknown = None if known.all() else np.broadcast_to(~known, shape)
-    return arrow.array(np.broadcast_to(values, shape), mask=unknown)
+    cells = np.ascontiguousarray(np.broadcast_to(values, shape))
+    mask = None
+    if not known.all():  # packed here, in a fraction of pyarrow's time
+        mask = arrow.py_buffer(np.packbits(np.broadcast_to(known, shape), bitorder="little"))
+    kind = arrow.from_numpy_dtype(cells.dtype)
+    return arrow.Array.from_buffers(kind, cells.size, [mask, arrow.py_buffer(cells)])
