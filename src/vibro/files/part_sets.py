@@ -216,7 +216,7 @@ class PartSet:
         self._claim.take()
         self.wanted = self._claim.new_file()
         taken = self.wanted.stat().st_mtime_ns
-        self._remove_temporaries(lambda run, changed: changed < taken)
+        self._remove_temporaries(lambda run, changed: changed <= taken)  # clocks of files tick seldom
 
     def _remove_temporaries(self, which: Callable[[str, int], bool]) -> None:
         """Remove temporaries by their run and when they were changed [ns]."""

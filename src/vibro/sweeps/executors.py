@@ -176,11 +176,11 @@ class Cluster(Workers):
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
         """Have something done."""
-        # The cluster's own executor leaves a future open for ever if the scheduler ends at a bad moment.
+        # The library's own executor leaves a future open for ever if the scheduler ends at a bad moment.
         future: Future[Any] = Future()
         try:
             task = self._client.submit(work, *args, pure=False)
-            task.add_done_callback(lambda task: self._hand_on(task, future))
+            self._client.loop.add_callback(self._hand_on, task, future)
         except Exception as exc:
             raise BrokenExecutor(str(exc)) from exc
         return future
@@ -203,14 +203,14 @@ class Cluster(Workers):
                 hint=f"start some with dask worker {self._address}, and the same vibro and files",
             ) from exc
 
-    def _hand_on(self, task: Any, future: Future[Any]) -> None:
-        """Hand on how a task of the cluster ended."""
+    async def _hand_on(self, task: Any, future: Future[Any]) -> None:
+        """Wait for a task of the cluster, and hand on how it ended."""
         try:
-            future.set_result(task.result())
+            future.set_result(await task)
         except (ImportError, AttributeError) as exc:  # it could not even read the task
             message = f"a worker of {self._address} has another vibro, or none: {exc}"
             future.set_exception(VibroError(message))
-        except Exception as exc:
+        except BaseException as exc:
             by_task = task.status == "error" and not isinstance(exc, self._library.KilledWorker)
             future.set_exception(exc if by_task else BrokenExecutor(str(exc)))
 
