@@ -39,6 +39,11 @@ COMMAND = (
 
 LIMIT = 60.0  # [s] for what takes moments on a machine that is not busy
 
+INTERRUPTED = "error: interrupted\nhint: the same command with --resume goes on\n"
+
+NAMESPACE = ("unshare", "--user", "--map-root-user", "--mount")
+"""In which a process may mount disks of its own."""
+
 PAUSES = (
     sys.executable,
     "-c",
@@ -70,6 +75,19 @@ def plan_of(*, flight: bool = False, parts: int = 15, **texts: str) -> Plan:
     grid = Grid(axes, FIXED, None, flight=flight)
     table = Table(columns_of(axes, drive=grid.drive))
     return Plan(grid, table, -(-grid.size // parts), "small", {}, versions())
+
+
+class Once:
+    """Does something when a run has come so far, once."""
+
+    def __init__(self, act: Callable[[], object], parts: int = 3) -> None:
+        self._act, self._parts = act, parts
+        self.done = False
+
+    def __call__(self, progress: Progress) -> None:
+        if not self.done and progress.parts >= self._parts:
+            self.done = True
+            self._act()
 
 
 PLAN = plan_of()
@@ -142,3 +160,14 @@ def ended_by(number: signal.Signals, run: subprocess.Popen[str], *, group: bool 
     # Whatever it has started has its stderr too, which ends with the last of them.
     _, said = run.communicate(timeout=LIMIT)
     return code, said
+
+
+def mounts(folder: Path) -> bool:
+    """Whether this system lets users mount a small disk for a process; CI must."""
+    mount = [*NAMESPACE, "mount", "-t", "tmpfs", "none", str(folder)]
+    try:
+        works = subprocess.run(mount, capture_output=True, check=False).returncode == 0
+    except FileNotFoundError:
+        works = False
+    assert works or "CI" not in os.environ
+    return works

@@ -7,6 +7,7 @@ import logging
 import math
 import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -145,8 +146,7 @@ class Cluster(Workers):
         self._library = distributed
         self._levels: dict[str, int] = {}
         self._address = address
-        self._asked = -math.inf
-        self._known = 1
+        self._counted = -math.inf
 
     def __enter__(self) -> Self:
         # It logs connections that are lost, which is told in other words.
@@ -165,21 +165,14 @@ class Cluster(Workers):
             self._client.close(timeout=_CLOSING)
         self._restore_logs()
 
-    @property
-    def number(self) -> int:  # type: ignore[override]
-        """How many threads its workers have: some may come, and some go."""
-        if time.monotonic() - self._asked > _KNOWN:
-            with contextlib.suppress(Exception):  # of a cluster that is gone: its tasks tell
-                self._known = max(1, sum(self._client.nthreads().values()))
-            self._asked = time.monotonic()
-        return self._known
-
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
         """Have something done."""
+        # A worker that cannot read a task, for want of vibro, ends without a word: it gets bytes to read.
+        call = pickle.dumps(_Call(work, args))
         # The library's own executor leaves a future open for ever if the scheduler ends at a bad moment.
         future: Future[Any] = Future()
         try:
-            task = self._client.submit(work, *args, pure=False)
+            task = self._client.submit(pickle.loads, call, pure=False)
             self._client.loop.add_callback(self._hand_on, task, future)
         except Exception as exc:
             raise BrokenExecutor(str(exc)) from exc
@@ -196,6 +189,7 @@ class Cluster(Workers):
             ) from exc
         try:
             self._client.wait_for_workers(1, timeout=_CONNECTING)
+            self._client.sync(self._count)
         except OSError as exc:  # a TimeoutError is one
             self._client.close(timeout=_CLOSING)
             raise FileError(
@@ -206,13 +200,23 @@ class Cluster(Workers):
     async def _hand_on(self, task: Any, future: Future[Any]) -> None:
         """Wait for a task of the cluster, and hand on how it ended."""
         try:
-            future.set_result(await task)
+            result = await task
         except (ImportError, AttributeError) as exc:  # it could not even read the task
             message = f"a worker of {self._address} has another vibro, or none: {exc}"
             future.set_exception(VibroError(message))
         except BaseException as exc:
             by_task = task.status == "error" and not isinstance(exc, self._library.KilledWorker)
             future.set_exception(exc if by_task else BrokenExecutor(str(exc)))
+        else:
+            future.set_result(result)
+            with contextlib.suppress(Exception):  # if the cluster is gone, its tasks tell
+                await self._count()
+
+    async def _count(self) -> None:
+        """Count the threads of the workers now and then: some may come, and some go."""
+        if time.monotonic() - self._counted > _KNOWN:
+            self._counted = time.monotonic()
+            self.number = max(1, sum((await self._client.nthreads()).values()))
 
     def _restore_logs(self) -> None:
         for name, level in self._levels.items():
@@ -224,6 +228,16 @@ def workers_of(parts: int, processes: int | None, scheduler: str | None) -> Work
     if scheduler is not None:
         return Cluster(scheduler)
     return Threads(parts) if processes is None else Processes(processes)
+
+
+class _Call:
+    """A call whose pickle, when it is read, is what the call returns."""
+
+    def __init__(self, work: Callable[..., Any], args: tuple[Any, ...]) -> None:
+        self._said = work, args
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return self._said
 
 
 @contextlib.contextmanager
