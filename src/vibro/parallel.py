@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import os
 from collections import deque
 from functools import cache
@@ -21,6 +23,11 @@ BLOCK: Final = 131_072
 
 # [s] How long an interrupt may go unnoticed: on Windows a wait without an end ignores it.
 _PATIENCE: Final = 0.1
+
+# Of malloc.h: from which size [B] a buffer is the system's, and how much of what is freed stays.
+_M_TRIM_THRESHOLD: Final = -1
+_M_MMAP_THRESHOLD: Final = -3
+_MOST_RETAINED: Final = 32 << 20  # the largest that malloc takes, and would adapt to
 
 
 def cores() -> int:
@@ -105,9 +112,12 @@ def in_parallel(run: Callable[[Any], None], parts: Sequence[Any], threads: int |
 
 @cache
 def retain_freed_memory() -> None:
-    """Free one large buffer, once.
+    """Have glibc's malloc keep freed temporaries for reuse, once; elsewhere do nothing.
 
-    From then on glibc's malloc keeps freed temporaries for reuse instead of handing them back to the
-    system after every step, which otherwise costs a fifth of the time in page faults. Harmless elsewhere.
+    Else it hands them back to the system after every step, which costs a fifth of the time in page faults.
+    It would learn not to from one large buffer, but for Dask's workers, whose nannies forbid that.
     """
-    np.empty((32 << 20) - 8192, np.uint8)  # just below the largest threshold that malloc adapts to
+    with contextlib.suppress(AttributeError, OSError, TypeError):  # there is no such function
+        set_option = ctypes.CDLL(None).mallopt
+        set_option(_M_MMAP_THRESHOLD, _MOST_RETAINED)
+        set_option(_M_TRIM_THRESHOLD, 2 * _MOST_RETAINED)
