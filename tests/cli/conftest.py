@@ -40,3 +40,9 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
         return CliRunner().invoke(app, [str(arg) for arg in args])
 
     return invoke
+
+
+@pytest.fixture
+def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw nothing, where pictures are not the subject: they take most of a small run's time."""
+    monkeypatch.setattr("vibro.plots.picture_names", lambda *_, **__: [])

@@ -1,4 +1,4 @@
-"""``vibro map --table parquet``: its options, what it says, refuses and goes on with, and its pictures."""
+"""``vibro map --table parquet``: its options, what it says, and what it writes."""
 
 from __future__ import annotations
 
@@ -7,57 +7,18 @@ import re
 import sys
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, Run, rows_of
+from commands import NUT, POSIX, Run, rows_of
+from parted_maps import AXES, PART_NAMES, PARTS, QUICK, contents, error, frame, names, told
 from pyarrow import parquet
-
-if TYPE_CHECKING:
-    from typer.testing import Result
 
 WIDE = Path(__file__).parents[2] / "examples" / "wide_sweep.toml"
 
-AXES = ("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
-QUICK = (*AXES, "--accuracy", "regimes")
-PARTS = (*QUICK, "--table", "parquet", "--part-cells", "4")
-PART_NAMES = ["part-000000.parquet", "part-000001.parquet", "part-000002.parquet"]
-
-
-@pytest.fixture(autouse=True)
-def _pictures_of_nothing(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw where pictures are the subject alone: they take nearly all of a small run's time."""
-    if "pictures" not in request.fixturenames:
-        monkeypatch.setattr("vibro.plots.picture_names", lambda *_, **__: [])
-
-
-@pytest.fixture
-def pictures() -> None:
-    """Draw pictures."""
-
-
-def names(folder: str = "out") -> list[str]:
-    return sorted(path.name for path in Path(folder).iterdir())
-
-
-def frame(folder: str = "out") -> pd.DataFrame:
-    return pd.concat([pd.read_parquet(path) for path in sorted(Path(folder).glob("part-*.parquet"))])
-
-
-def told(name: str = "_SUCCESS", folder: str = "out") -> dict[str, Any]:
-    content: dict[str, Any] = json.loads((Path(folder) / name).read_text(encoding="utf-8"))
-    return content
-
-
-def contents(folder: str = "out") -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
-
-
-def error(result: Result) -> list[str]:
-    """Return what a run says that fails, without the echo of its axes."""
-    return [line for line in result.stderr.splitlines() if line.startswith(("error: ", "hint: "))]
+pytestmark = pytest.mark.usefixtures("no_pictures")
 
 
 def test_a_folder_of_parts_is_the_csv(run: Run) -> None:
@@ -188,142 +149,6 @@ def test_what_cannot_be_is_refused_beforehand(run: Run, options: list[str], said
     assert (result.stdout, list(Path().iterdir())) == ("", [])
 
 
-def test_a_folder_that_holds_something_else_is_kept(run: Run) -> None:
-    Path("out").mkdir()
-    Path("out", "notes.txt").write_text("mine", encoding="utf-8")
-    for more in ((), ("--force",), ("--resume",)):
-        result = run(*PARTS, "-o", "out", *more)
-        assert result.exit_code == 1
-        assert error(result) == [
-            "error: out holds something else: notes.txt", "hint: choose another name with -o",
-        ]  # fmt: skip
-    Path("out", "manifest.json").write_text('{"name": "an app"}', encoding="utf-8")
-    for more in ((), ("--force",), ("--resume",)):
-        result = run(*PARTS, "-o", "out", *more)
-        assert result.exit_code == 1
-        assert error(result) == [
-            f"error: {Path('out', 'manifest.json')} is no manifest of a sweep", "hint: choose another folder",
-        ]  # fmt: skip
-    assert names() == ["manifest.json", "notes.txt"]
-
-
-def test_an_empty_folder_is_taken_and_a_file_is_not(run: Run) -> None:
-    Path("out").mkdir()
-    assert run(*PARTS, "-o", "out/").exit_code == 0
-    assert "_SUCCESS" in names()
-    Path("file").touch()
-    result = run(*PARTS, "-o", "file")
-    assert result.exit_code == 1
-    assert error(result)[0].startswith("error: cannot write to file: ")
-    assert "is a file; choose another name with -o" in error(result)[1]
-
-
-def test_a_sweep_that_is_there_is_kept(run: Run) -> None:
-    run(*PARTS, "-o", "out")
-    before = contents()
-    result = run(*PARTS, "-o", "out")
-    assert result.exit_code == 1
-    assert error(result) == [
-        "error: out holds a sweep already", "hint: --force starts anew; or choose another name",
-    ]  # fmt: skip
-    Path("out", "_SUCCESS").unlink()
-    result = run(*PARTS, "-o", "out")
-    assert result.exit_code == 1
-    assert error(result) == [
-        "error: out holds a sweep that is not finished",
-        "hint: --resume goes on with it, --force starts anew",
-    ]
-    assert contents() == {name: data for name, data in before.items() if name != "_SUCCESS"}
-
-
-def test_force_starts_anew(run: Run) -> None:
-    run(*PARTS, "-o", "out")
-    Path("out", "notes.txt").write_text("mine", encoding="utf-8")
-    Path("out", "speed.svg").write_text("of the sweep before", encoding="utf-8")
-    assert run(*QUICK, "-f", "10:30:4", "--table", "parquet", "-o", "out", "--force").exit_code == 0
-    assert names() == ["_SUCCESS", "manifest.json", "notes.txt", "part-000000.parquet"]
-    assert len(frame()) == told()["cells"] == 12
-
-
-def test_resuming_makes_what_is_missing_alone(run: Run) -> None:
-    run(*PARTS, "-o", "out")
-    before = contents()
-    kept = Path("out", PART_NAMES[0]).stat()
-    for name in ("_SUCCESS", PART_NAMES[1]):
-        Path("out", name).unlink()
-    Path("out", PART_NAMES[2]).write_bytes(before[PART_NAMES[2]][:-3])
-    assert run(*PARTS, "-o", "out", "--resume").exit_code == 0
-    assert contents() == before
-    assert Path("out", PART_NAMES[0]).stat().st_ino == kept.st_ino
-    assert Path("out", PART_NAMES[0]).stat().st_mtime_ns == kept.st_mtime_ns
-
-
-def test_resuming_where_there_is_nothing_starts(run: Run) -> None:
-    for folder in ("new", "empty"):
-        if folder == "empty":
-            Path(folder).mkdir()
-        assert run(*PARTS, "-o", folder, "--resume").exit_code == 0
-        assert names(folder) == ["_SUCCESS", "manifest.json", *PART_NAMES]
-
-
-def test_resuming_takes_the_size_of_the_parts_that_are_there(run: Run) -> None:
-    run(*PARTS, "-o", "out")
-    before = contents()
-    Path("out", "_SUCCESS").unlink()
-    assert run(*QUICK, "--table", "parquet", "-o", "out", "--resume").exit_code == 0
-    assert contents() == before
-    result = run(*QUICK, "--table", "parquet", "-o", "out", "--resume", "--part-cells", "5")
-    assert result.exit_code == 1
-    assert error(result)[0] == "error: out holds another sweep: part cells: 4 there, 5 here"
-
-
-@pytest.mark.parametrize(
-    ("more", "difference"),
-    [
-        (["-A", "0.5:2:4"], "amplitude_mm: 3 values, 0.5 ... 2 mm, step 0.75 there, 4 values, 0.5 ... 2 mm, "
-         "step 0.5 here; cells: 9 there, 12 here"),
-        (["--mu-s", "0.75"], "static_friction: 0.74 there, 0.75 here"),
-        (["--restitution", "0.3"], "restitution: 0.0 there, 0.3 here"),
-        (["-L", "600"], "trough_length_mm: none there, 600.0 here"),
-        (["--accuracy", "exact", "--flight", "off"], "accuracy: regimes there, exact here"),
-        (["--digits", "4"], "digits: none there, 4 here"),
-        (["--columns", "status,regime"], "columns: regime,status there, status,regime here"),
-    ],
-)  # fmt: skip
-def test_another_sweep_is_not_gone_on_with(run: Run, more: list[str], difference: str) -> None:
-    asked = (*PARTS, "--columns", "regime,status", "-o", "out")
-    run(*asked)
-    before = contents()
-    result = run(*asked, *more, "--resume")
-    assert result.exit_code == 1
-    assert error(result) == [
-        f"error: out holds another sweep: {difference}",
-        "hint: ask for the same, choose another name with -o, or start anew with --force",
-    ]
-    assert contents() == before
-
-
-def test_a_part_too_many_is_told(run: Run) -> None:
-    run(*PARTS, "-o", "out")
-    Path("out", PART_NAMES[0]).rename(Path("out", "part-000003.parquet"))
-    result = run(*PARTS, "-o", "out", "--resume")
-    assert result.exit_code == 1
-    assert error(result) == ["error: out holds parts that are none of this sweep: part-000003.parquet"]
-
-
-def test_a_manifest_that_was_changed_is_not_gone_on_with(run: Run) -> None:
-    run(*PARTS, "-o", "out")
-    path = Path("out", "manifest.json")
-    path.write_text(path.read_text(encoding="utf-8").replace("9.81", "9.82"), encoding="utf-8")
-    result = run(*PARTS, "-o", "out", "--resume")
-    assert result.exit_code == 1
-    assert error(result) == [
-        f"error: {path} is damaged, or was changed after it was written",
-        "hint: put back what was there, or start anew with --force",
-    ]
-    assert run(*PARTS, "-o", "out", "--force").exit_code == 0
-
-
 def test_the_folder_has_the_name_of_the_scene(run: Run) -> None:
     assert run(*PARTS).exit_code == 0
     assert "_SUCCESS" in names("vibro-map")
@@ -332,34 +157,6 @@ def test_the_folder_has_the_name_of_the_scene(run: Run) -> None:
     assert run("map", "nut.toml", *PARTS[1:5], *PARTS[-6:]).exit_code == 0
     assert "_SUCCESS" in names("nut")
     assert told("manifest.json", "nut")["name"] == "nut"
-
-
-@pytest.mark.usefixtures("pictures")
-def test_pictures_go_into_the_folder(run: Run) -> None:
-    from PIL import Image
-
-    asked = (*AXES, "-L", "600", "--table", "parquet", "-o", "out")
-    result = run(*asked)
-    assert result.exit_code == 0
-    drawn = ["regime.png", "speed.png", "traverse.png"]
-    assert names() == ["_SUCCESS", "manifest.json", "part-000000.parquet", *drawn]
-    assert [f"wrote {Path('out', name)}" in result.stderr for name in drawn] == [True] * 3
-    for name, title in zip(
-        drawn, ("Steady regimes", "Mean conveying speed", "Traverse time over 600 mm"), strict=True
-    ):
-        with Image.open(Path("out", name)) as picture:
-            picture.load()
-            assert picture.info["Title"] == title
-            assert picture.info["Software"].startswith("vibro ")
-            said = json.loads(picture.info["Description"])
-        assert (said["digest"], said["cells"]) == (told()["digest"], 9)
-        assert said["scene"]["trough_length_mm"] == 600
-    # They are drawn again, and go with the sweep that they are of.
-    Path("out", "regime.png").unlink()
-    assert run(*asked, "--resume", "--accuracy", "exact").exit_code == 0
-    assert "regime.png" in names()
-    assert run(*QUICK, "--table", "parquet", "-o", "out", "--force", "--format", "svg").exit_code == 0
-    assert names() == ["_SUCCESS", "manifest.json", "part-000000.parquet", "regime.svg"]
 
 
 def test_unresolved_cells_are_exit_code_3_however_often_resumed(

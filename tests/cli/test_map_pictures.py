@@ -6,6 +6,7 @@ import json
 import re
 from pathlib import Path
 
+import parted_maps
 import pytest
 from commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
@@ -106,3 +107,33 @@ def test_a_stroke_chooses_the_amplitude_that_is_drawn(run: Run) -> None:
     assert "pictures:" not in result.stderr
     wrong = run("map", "--stroke", "1:4:3", *sweep, "--at", "stroke=3", "--force")
     assert "hint: give the nearest, 1.25 or 2 mm" in wrong.stderr
+
+
+def test_pictures_go_into_the_folder_of_a_table_in_parts(run: Run) -> None:
+    from PIL import Image
+
+    asked = (*parted_maps.AXES, "-L", "600", "--table", "parquet", "-o", "out")
+    result = run(*asked)
+    assert result.exit_code == 0
+    drawn = ["regime.png", "speed.png", "traverse.png"]
+    assert parted_maps.names() == ["_SUCCESS", "manifest.json", "part-000000.parquet", *drawn]
+    assert [f"wrote {Path('out', name)}" in result.stderr for name in drawn] == [True] * 3
+    for name, title in zip(
+        drawn, ("Steady regimes", "Mean conveying speed", "Traverse time over 600 mm"), strict=True
+    ):
+        with Image.open(Path("out", name)) as picture:
+            picture.load()
+            assert picture.info["Title"] == title
+            assert picture.info["Software"].startswith("vibro ")
+            said = json.loads(picture.info["Description"])
+        assert (said["digest"], said["cells"]) == (parted_maps.told()["digest"], 9)
+        assert said["scene"]["trough_length_mm"] == 600
+    # They are drawn again, and go with the sweep that they are of.
+    Path("out", "regime.png").unlink()
+    assert run(*asked, "--resume", "--accuracy", "exact").exit_code == 0
+    assert "regime.png" in parted_maps.names()
+    assert (
+        run(*parted_maps.QUICK, "--table", "parquet", "-o", "out", "--force", "--format", "svg").exit_code
+        == 0
+    )
+    assert parted_maps.names() == ["_SUCCESS", "manifest.json", "part-000000.parquet", "regime.svg"]
