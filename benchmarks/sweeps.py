@@ -29,6 +29,7 @@ import tempfile
 import time
 from concurrent.futures import wait
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 from unittest.mock import patch
@@ -125,7 +126,7 @@ def workers_of(way: str) -> Iterator[Workers]:
         elif way == "Dask, 2 workers":
             from distributed import LocalCluster
 
-            cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+            cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0")
             workers = Cluster(stack.enter_context(cluster).scheduler_address)
         else:
             workers = Threads(WAYS[way])
@@ -157,7 +158,8 @@ def run_way(way: str, cells: float, repeats: int, flight: bool, place: Path) -> 
     with workers_of(way) as workers:
         wait([workers.submit(time.sleep, 1.0) for _ in range(workers.number)])
         make(plan_of(grid_of(AN_AMPLITUDE), 10_000), place / "warm", workers)
-        runs, alone = [], []
+        runs: list[Any] = []
+        alone: list[Any] = []
         memory = [0.0, 0.0]
         for _ in range(repeats):
             shutil.rmtree(folder, ignore_errors=True)
@@ -322,9 +324,7 @@ def encodings(repeats: int) -> None:
         return file.tell()
 
     cells = ROW_GROUP * len(blocks)
-    spent = best_of(
-        repeats, {name: lambda change=change: write(**change) for name, change in changes.items()}
-    )
+    spent = best_of(repeats, {name: partial(write, **change) for name, change in changes.items()})
     print(f"{'how a part is written':28}  {'ns/cell':>7}  {'bytes/cell':>10}")
     for name, change in changes.items():
         print(f"{name:28}  {1e9 * spent[name] / cells:7.1f}  {write(**change) / cells:10.2f}")
@@ -340,7 +340,7 @@ def encodings(repeats: int) -> None:
             with patch("vibro.sweeps.grid._LEAST_ROW", least):
                 line.solve_cells(start, start + ROW_GROUP, 1)
 
-        spent = best_of(3 * repeats, {name: lambda least=least: solve(least) for name, least in ways.items()})
+        spent = best_of(3 * repeats, {name: partial(solve, least) for name, least in ways.items()})
         a, b = (1e9 * spent[name] / ROW_GROUP for name in ways)
         print(f"{f'rows of {length}':28}  {a:8.1f}  {b:8.1f}")
 

@@ -20,7 +20,7 @@ from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, columns_of
 from vibro.sweeps.executors import Threads, Workers
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.parted import Progress, begin, make_parts
+from vibro.sweeps.parted import Progress, agree, make_parts
 from vibro.sweeps.plan import Plan, read_plan, versions
 
 FIXED = {
@@ -107,9 +107,11 @@ def made(
 ) -> str:
     """Make a sweep, check what is left of that, and return its digest."""
     with PartSet(folder, "go on") as files:
-        plan = begin(files, plan, ["test"], resume=resume, force=force, own_size=True)
+        plan = agree(files, plan, resume=resume, force=force, own_size=True)
         with workers:
-            summary = make_parts(plan, files, workers, report, patience)
+            summary = make_parts(
+                plan, files, workers, ["test"], resume=resume, report=report, patience=patience
+            )
         files.finish(summary.text())
     names = {path.name for path in folder.iterdir()}
     assert names == {MANIFEST, SUCCESS, *(part_name(part) for part in range(plan.parts))}

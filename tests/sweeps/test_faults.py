@@ -35,7 +35,7 @@ from parted import (
 from vibro.errors import FileError
 from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, new_part, part_name
 from vibro.sweeps.executors import Processes, Threads, Workers
-from vibro.sweeps.parted import Progress, begin
+from vibro.sweeps.parted import Progress
 from vibro.sweeps.parts import Job, check_part, solve_piece, write_part
 
 pytest.importorskip("pyarrow")
@@ -86,12 +86,23 @@ def test_a_killed_process_is_replaced(tmp_path: Path) -> None:
     assert workers.begun == 2
 
 
+def test_processes_that_end_at_once_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.sweeps.executors._follow_parent", partial(os._exit, 1))
+    with pytest.raises(FileError, match="workers end as soon as they begin"):
+        made(tmp_path / "wide", Processes(1))
+    assert not (tmp_path / "wide").exists()
+
+
 def test_processes_that_end_again_and_again_end_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("vibro.sweeps.executors._follow_parent", partial(os._exit, 1))
-    with pytest.raises(FileError, match="workers end again and again") as caught:
-        made(tmp_path / "wide", Processes(1))
+    def kill_for_good() -> None:
+        monkeypatch.setattr("vibro.sweeps.executors._follow_parent", partial(os._exit, 1))
+        for child in multiprocessing.active_children():
+            child.kill()
+
+    with pytest.raises(FileError, match="again and again") as caught:
+        made(tmp_path / "wide", Processes(1), report=Once(kill_for_good))
     assert "--resume" in caught.value.hint
     monkeypatch.undo()
     assert resumed(tmp_path / "wide") == undisturbed()
@@ -165,7 +176,7 @@ def test_what_workers_of_a_dead_run_still_write_never_gets_in(tmp_path: Path) ->
     """They may write when the run that goes on has begun already."""
     folder = tmp_path / "wide"
     with PartSet(folder, "go on") as files:
-        begin(files, PLAN, ["test"], resume=False, force=False, own_size=True)
+        files.write(MANIFEST, PLAN.manifest(["test"]))
     late = [new_part(folder, part, "0123456789abcdef") for part in (0, 7)]
     late[0].write_bytes(b"late")
 
@@ -343,7 +354,7 @@ if __name__ == "__main__":
         from distributed import LocalCluster
     except ImportError:
         sys.exit()
-    with LocalCluster(n_workers=1, processes=False, dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as cluster:
         check(Cluster(cluster.scheduler_address), folder)
     print("and Dask")
 """

@@ -7,6 +7,7 @@ its holder: whoever gets the lock of another knows that the run is there no more
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import hashlib
 import os
@@ -89,6 +90,33 @@ class Claim:
             f"another run is writing {self._what} at this moment",
             hint=f"wait until it has ended; if there is none, remove the folder {self.folder}",
         )
+
+    def take_in_folder(self, made: list[Path]) -> None:
+        """Make the folder of the stem if it is not there, take the claim, and sweep the folder.
+
+        Parameters
+        ----------
+        made : list of Path
+            Folders that are made are appended, as soon as they are.
+
+        Raises
+        ------
+        FileError, OSError
+            As for ``take``; if a folder cannot be made.
+        """
+        folder = self.stem.parent
+        for attempt in range(_ATTEMPTS):
+            for path in reversed([p for p in (folder, *folder.parents) if not p.exists()]):
+                with contextlib.suppress(FileExistsError):
+                    path.mkdir()
+                    made.append(path)
+            try:
+                self.take()
+                break
+            except FileNotFoundError:  # another run that had made the folder has just removed it
+                if attempt + 1 == _ATTEMPTS:
+                    raise
+        sweep(folder)
 
     def new_name(self) -> Path:
         """Return a name in the folder that nobody else has; a file by it goes with the claim."""

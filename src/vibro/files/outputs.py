@@ -7,10 +7,10 @@ import errno
 import shutil
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Self
+from typing import TYPE_CHECKING, Self
 
 from vibro.errors import FileError
-from vibro.files.claims import Claim, sweep
+from vibro.files.claims import Claim
 from vibro.files.placing import (
     NAME_HINT,
     REPLACE_HINT,
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 __all__ = ["OutputSet"]
-
-_ATTEMPTS: Final = 10  # at a folder that others remove
 
 
 class OutputSet:
@@ -138,24 +136,10 @@ class OutputSet:
 
     def _take(self) -> None:
         try:
-            for attempt in range(_ATTEMPTS):
-                self._make_folder()
-                try:
-                    self._claim.take()
-                    break
-                except FileNotFoundError:  # another run that had made the folder has just removed it
-                    if attempt + 1 == _ATTEMPTS:
-                        raise
-            sweep(self.folder)
+            self._claim.take_in_folder(self._made)
             self._waiting = {target: self._claim.new_file() for target in self._targets}
         except OSError as exc:
             raise self._cannot_write(exc) from exc
-
-    def _make_folder(self) -> None:
-        for path in reversed([p for p in (self.folder, *self.folder.parents) if not p.exists()]):
-            with contextlib.suppress(FileExistsError):
-                path.mkdir()
-                self._made.append(path)
 
     def _cannot_write(self, exc: OSError) -> FileError:
         in_the_way = next((p for p in (self.folder, *self.folder.parents) if is_regular(p)), None)

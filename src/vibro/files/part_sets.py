@@ -209,11 +209,7 @@ class PartSet:
         path.replace(self.folder / name)
 
     def _take(self) -> None:
-        for path in reversed([p for p in (self.folder, *self.folder.parents) if not p.exists()]):
-            with contextlib.suppress(FileExistsError):
-                path.mkdir()
-                self._made.append(path)
-        self._claim.take()
+        self._claim.take_in_folder(self._made)
         self.wanted = self._claim.new_file()
         taken = self.wanted.stat().st_mtime_ns
         self._remove_temporaries(lambda run, changed: changed <= taken)  # clocks of files tick seldom
