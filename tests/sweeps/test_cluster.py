@@ -51,7 +51,8 @@ class Dask:
         self._environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": TTL}
         self._log = (folder / "log").open("wb")
         self.scheduler = self._started(
-            "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-show", "--scheduler-file", str(file)
+            *("scheduler", "--host", "127.0.0.1", "--port", "0", "--dashboard-address", "127.0.0.1:0"),
+            *("--no-show", "--scheduler-file", str(file)),
         )
         self.workers: list[subprocess.Popen[bytes]] = []
         until(lambda: file.exists() and file.read_text().rstrip().endswith("}"))
