@@ -48,7 +48,12 @@ PAUSES = (
     sys.executable,
     "-c",
     """
-import time
+import signal, time
+
+# A shell starts what it runs in the background with interrupts ignored, nohup with hang-ups.
+for number in signal.SIGINT, signal.SIGHUP:
+    signal.signal(number, signal.SIG_DFL)
+
 from vibro.sweeps import parted
 
 tell = parted._Run._tell

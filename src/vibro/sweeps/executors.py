@@ -242,11 +242,11 @@ class _Call:
 
 @contextlib.contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """Hold interrupts off; processes that are started meanwhile never get one."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
+    """Hold off what terminals send; processes that are started meanwhile never get it."""
+    if sys.platform == "win32":
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield
     finally:
@@ -255,9 +255,12 @@ def _without_interrupts() -> Iterator[None]:
 
 def _start_tracker() -> None:
     """Start what removes the locks of a pool whose owner was killed, without its warning of them."""
+    if sys.platform == "win32":  # where they need no removing
+        return
     sys.warnoptions.append("ignore:resource_tracker")
     try:
-        resource_tracker.ensure_running()
+        with _without_interrupts():
+            resource_tracker.ensure_running()
     finally:
         sys.warnoptions.remove("ignore:resource_tracker")
 
