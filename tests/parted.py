@@ -41,7 +41,8 @@ LIMIT = 60.0  # [s] for what takes moments on a machine that is not busy
 
 INTERRUPTED = "error: interrupted\nhint: the same command with --resume goes on\n"
 
-NAMESPACE = ("unshare", "--user", "--map-root-user", "--mount")
+AS_ROOT = () if getattr(os, "geteuid", int)() == 0 else ("--user", "--map-root-user")
+NAMESPACE = ("unshare", *AS_ROOT, "--mount")
 """In which a process may mount disks of its own."""
 
 PAUSES = (
