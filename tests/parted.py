@@ -63,7 +63,7 @@ def tell_and_pause(run):
     tell(run)
     if len(run._summary.sizes) >= 3:
         print("paused", flush=True)
-        time.sleep(600.0)
+        time.sleep(120.0)
 
 parted._Run._tell = tell_and_pause
 from vibro.__main__ import main
