@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Grid", "scene_of"]
 
-_LEAST_ROW: Final = 256  # [cells] Shorter rows save nothing (benchmarks/sweeps.py).
+_LEAST_ROW: Final = 24  # [cells] Shorter rows save little (benchmarks/sweeps.py --encodings).
 _LEAST_ROWS: Final = 32  # Of fewer, cells that nobody asked for would be too many.
 
 

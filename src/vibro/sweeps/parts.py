@@ -293,15 +293,17 @@ class _Solved:
 
     def __init__(self, job: Job, pieces: Sequence[Piece]) -> None:
         self._grid = job.plan.grid
-        self._pieces = [
-            (piece.start, piece.stop, np.load(job.folder / piece.temporary, mmap_mode="r"))
-            for piece in pieces
-        ]
+        self._pieces = [(piece.start, piece.stop, job.folder / piece.temporary) for piece in pieces]
 
     def block(self, start: int, stop: int) -> Block:
         """Return cells in a row."""
+        # Opened anew for every block: what was read of a mapped file counts as memory until it is closed.
         cells = np.concatenate(
-            [x[max(start - a, 0) : stop - a] for a, b, x in self._pieces if a < stop and start < b]
+            [
+                np.load(path, mmap_mode="r")[max(start - a, 0) : stop - a]
+                for a, b, path in self._pieces
+                if a < stop and start < b
+            ]
         )
         cycle = SteadyCycle(**{result.name: np.ascontiguousarray(cells[result.name]) for result in RESULTS})
         return Block(self._grid.cells(start, stop), cycle, self._grid.length)
