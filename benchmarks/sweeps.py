@@ -50,8 +50,8 @@ if TYPE_CHECKING:
 EXAMPLE: Final = Path(__file__).parent.parent / "examples" / "wide_sweep.toml"
 LENGTH: Final = 600.0  # [mm] of the trough
 AXES: Final = {
-    "frequency": "10:50:20",
-    "drive_angle": "10:40:20",
+    "frequency": "12:50:20",
+    "drive_angle": "6:44:20",
     "static_friction": "0.2:0.98:40",
     "friction_ratio": "0.5:0.98:25",
 }
@@ -63,6 +63,7 @@ WAYS: Final = {
     "2 processes": 2,
     "Dask, 2 workers": 2,
 }  # cores that each has
+TASKS: Final = 300  # that do nothing, to see what one costs
 MEGA: Final = 1e6
 FAULT_PARTS: Final = 3  # after which a fault happens
 
@@ -70,7 +71,7 @@ FAULT_PARTS: Final = 3  # after which a fault happens
 def grid_of(cells: float, flight: bool = False, axes: dict[str, str] = AXES) -> Grid:
     """Return the grid of the example, with so many cells."""
     number = max(1, round(cells / AN_AMPLITUDE))
-    texts = {"amplitude": f"0.1:1.5:{number}" if number > 1 else "1", **axes}
+    texts = {"amplitude": f"0.06:1.5:{number}" if number > 1 else "1", **axes}
     known = {name: parse_axis(text, QUANTITIES[name]).axis(0) for name, text in texts.items()}
     fixed = {name: value for name, value in DEFAULTS.items() if name not in known}
     return Grid(known, fixed, LENGTH, flight=flight)
@@ -158,6 +159,7 @@ def run_way(way: str, cells: float, repeats: int, flight: bool, place: Path) -> 
     with workers_of(way) as workers:
         wait([workers.submit(time.sleep, 1.0) for _ in range(workers.number)])
         make(plan_of(grid_of(AN_AMPLITUDE), 10_000), place / "warm", workers)
+        tasks = timed(lambda: wait([workers.submit(int) for _ in range(TASKS)]))
         runs: list[Any] = []
         alone: list[Any] = []
         memory = [0.0, 0.0]
@@ -178,6 +180,7 @@ def run_way(way: str, cells: float, repeats: int, flight: bool, place: Path) -> 
         "alone_cores": min(run[1] for run in alone),
         "size": runs[0][2].size / grid.size,
         "memory": memory,
+        "task": tasks[0] / TASKS,
         "digests": sorted(digests),
     }
 
@@ -187,7 +190,8 @@ def compare_ways(cells: float, repeats: int, flight: bool, place: Path) -> None:
     print(f"{size} cells, {'flight followed' if flight else 'in contact'}, {cores()} cores")
     print(
         f"{'':16}  {'s':>7}  {'cells/s':>8}  {'solve alone s':>13}  {'ratio':>5}  {'of core time':>12}"
-        f"  {'bytes/cell':>10}  {'client MB':>9}  {'worker MB':>9}  digest"
+        f"  {'bytes/cell':>10}  {'client MB':>9}  {'worker MB':>9}"
+        f"  {'ms/task':>7}  digest"
     )
     for way in WAYS:
         if way.startswith("Dask") and importlib.util.find_spec("distributed") is None:
@@ -201,7 +205,8 @@ def compare_ways(cells: float, repeats: int, flight: bool, place: Path) -> None:
         print(
             f"{way:16}  {found['seconds']:7.2f}  {size / found['seconds']:8.3g}  {found['alone']:13.2f}"
             f"  {ratio:5.2f}  {core_ratio:12.2f}  {found['size']:10.2f}  {client:9.0f}"
-            f"  {f'{worker:9.0f}' if worker else '        -'}  {' '.join(d[:12] for d in found['digests'])}",
+            f"  {f'{worker:9.0f}' if worker else '        -'}"
+            f"  {1e3 * found['task']:7.2f}  {' '.join(d[:12] for d in found['digests'])}",
             flush=True,
         )
 
@@ -333,7 +338,7 @@ def encodings(repeats: int) -> None:
     for length in (25, 60, 250, 1000, 4000):
         line = grid_of(1e7, axes={"drive_angle": "10:40:4000", "static_friction": f"0.2:0.98:{length}"})
         line = Grid(line.axes, {**line.fixed, "frequency": 20.0, "friction_ratio": 0.8}, LENGTH, flight=False)
-        start = line.size // 2 + 77
+        start = line.size // 4 + 77
         ways = {"cells": 1e9, "rows": 1}
 
         def solve(least: float, line: Grid = line, start: int = start) -> None:

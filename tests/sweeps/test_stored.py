@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -360,9 +362,38 @@ def test_damage_inside_a_part_is_found_where_it_is_read(copy: Path) -> None:
 def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:
     code = (
         "import sys; sys.modules['pyarrow'] = None; import vibro\n"
-        f"try: vibro.open_sweep({str(folder)!r})\nexcept vibro.VibroError as exc: print(exc)"
+        f"try: vibro.open_sweep({str(folder)!r})\nexcept vibro.FileError as exc: print(exc, exc.hint)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "Parquet needs pyarrow: pip install 'vibro[parquet]'\n"
+    assert done.stdout == "Parquet needs pyarrow pip install 'vibro[parquet]'\n"
     with pytest.raises(VibroError, match="path = 3: must be a path"):
         vibro.open_sweep(3)  # type: ignore[arg-type]
+
+
+SCALE = (Path(__file__).parents[2] / "docs" / "scale.md").read_text(encoding="utf-8")
+READERS = re.findall(r"```python\n(.*?)```", SCALE, flags=re.DOTALL)
+
+
+@pytest.mark.parametrize("code", READERS, ids=["pandas", "duckdb", "polars", "vibro"])
+def test_what_the_docs_say_of_readers_runs(
+    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    given: dict[str, Any] = {"amplitude_mm": [0.5, 1, 2], "frequency_hz": "10:40:7", "drive_angle_deg": 20}
+    given |= {"static_friction": [0.3, 0.6], "friction_ratio": 0.8, "part_cells": 10}
+    frame = vibro.write_sweep("DIR", **given).to_frame()
+    lines = ast.parse(code)
+    answer = lines.body.pop()
+    assert isinstance(answer, ast.Expr)
+    names: dict[str, Any] = {}
+    exec(compile(lines, "docs/scale.md", "exec"), names)
+    found = eval(compile(ast.Expression(answer.value), "docs/scale.md", "eval"), names)
+    if isinstance(found, pd.DataFrame):
+        assert len(found) == np.sum(frame["amplitude_mm"] < 1) > 0
+    elif isinstance(found, polars.DataFrame):
+        assert found["throw_number"].to_list() == [k for k in frame["throw_number"] if k > 1] != []
+    elif isinstance(found, duckdb.DuckDBPyRelation):
+        most = frame[frame["amplitude_mm"] < 1].groupby("regime", observed=True)["throw_number"].max()
+        assert dict(found.fetchall()) == most.to_dict()
+    else:
+        assert Path("regime.png").read_bytes().startswith(b"\x89PNG")
