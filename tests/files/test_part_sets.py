@@ -6,7 +6,10 @@ import errno
 import os
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -329,16 +332,27 @@ def test_names_that_no_folder_can_have(tmp_path: Path, kind: str) -> None:
     assert list(tmp_path.iterdir()) == before
 
 
-@POSIX
-@pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_that_must_not_be_written(tmp_path: Path) -> None:
-    tmp_path.chmod(0o500)
+@contextmanager
+def as_nobody() -> Iterator[None]:
+    """Be nobody where root, who may write anywhere, runs the tests."""
+    user = os.geteuid()
+    if user == 0:
+        os.seteuid(65_534)
     try:
-        for folder in (tmp_path, tmp_path / "out"):
-            with pytest.raises(FileError, match="Permission denied"):
-                part_set(folder).__enter__()
+        yield
     finally:
-        tmp_path.chmod(0o700)
+        os.seteuid(user)
+
+
+@POSIX
+def test_a_folder_that_must_not_be_written() -> None:
+    with TemporaryDirectory() as place:  # not tmp_path, which its owner alone may enter
+        Path(place).chmod(0o555)
+        with as_nobody():
+            for folder in (Path(place), Path(place, "out")):
+                with pytest.raises(FileError, match="Permission denied"):
+                    part_set(folder).__enter__()
+        Path(place).chmod(0o755)
 
 
 @pytest.mark.parametrize("made", [lambda path: path.mkdir(), lambda path: path.write_bytes(b"\xff\xfe")])

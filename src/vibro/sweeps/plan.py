@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Final
 
@@ -53,7 +53,8 @@ def check_arrow() -> None:
         raise FileError("Parquet needs pyarrow", hint="pip install 'vibro[parquet]'") from None
 
 
-def versions() -> dict[str, str]:
+@cache
+def versions() -> Mapping[str, str]:
     """Return the versions of everything that decides on a part's bytes."""
     return {"vibro": __version__, **{name: version(name) for name in ("numpy", "scipy", "pyarrow")}}
 
