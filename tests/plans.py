@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
+from unittest import mock
 
 import vibro
 from vibro.files.part_sets import PartSet
@@ -48,7 +49,7 @@ def plan_of(
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if part else ()
     usual = columns_of(grid.axes, *extra, drive=grid.drive)
     table = Table(usual if columns is None else chosen(columns, usual), digits, part or {})
-    return Plan(grid, table, part_cells, "nut", {"amplitude": 1.0, "frequency": 15.0}, versions())
+    return Plan(grid, table, part_cells, solved._title, solved._own, versions())
 
 
 def written(folder: Path, plan: Plan, workers: Workers | None = None, patience: float = 20.0) -> Summary:
@@ -59,3 +60,17 @@ def written(folder: Path, plan: Plan, workers: Workers | None = None, patience: 
             summary = make_parts(plan, files, who, ["vibro"], resume=False, patience=patience)
         files.finish(summary.text())
     return summary
+
+
+def store(
+    solved: Sweep,
+    folder: Path,
+    *,
+    columns: Sequence[str] | None = None,
+    part_cells: int = 100,
+    row_group_cells: int = 40,
+) -> Path:
+    """Store the cells of a sweep in short parts, each of several row groups."""
+    with mock.patch("vibro.sweeps.parts.ROW_GROUP", row_group_cells):
+        written(folder, plan_of(solved, part_cells, columns=columns))
+    return folder

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from parquet_sweeps import store
+from plans import store
 
 import vibro
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from commands import Run
-from parquet_sweeps import store
 from PIL import Image
+from plans import store
 
 import vibro
 

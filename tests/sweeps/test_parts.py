@@ -255,7 +255,9 @@ def test_types_and_encodings(tmp_path: Path, sweeps: dict[str, Sweep]) -> None:
         wanted = arrow.float64() if column.is_number else arrow.int8() if column.is_flag else text
         assert table.schema.field(column.name).type == wanted
         assert said.compression == "ZSTD"
-        assert ("BYTE_STREAM_SPLIT" in said.encodings) == column.is_number
+        # Inputs, which come again and again, are smaller as they are (benchmarks/sweeps.py --encodings).
+        split = column.is_number and column.name not in BY_COLUMN
+        assert ("BYTE_STREAM_SPLIT" in said.encodings) == split
         assert ("RLE_DICTIONARY" in said.encodings) != column.is_number
         assert said.is_stats_set == (column.name in BY_COLUMN), column.name
     statistics = group.column(0).statistics

@@ -17,8 +17,8 @@ import pandas as pd
 import polars
 import pyarrow.parquet as pq
 import pytest
-from parquet_sweeps import store
 from pixels import pixels
+from plans import store
 
 import vibro
 from vibro.errors import FileError, InputError, VibroError
