@@ -356,3 +356,10 @@ def test_what_no_double_holds_is_refused(text: str, problem: str) -> None:
 
 def test_the_widest_axis_is_echoed() -> None:
     assert str(parse_axis("5e-324:1e308:3:log", QUANTITIES["amplitude"]).axis(3)).endswith("factor inf")
+
+
+@pytest.mark.parametrize("given", [-0.0, [-0.0, 1.0], np.array([-0.0, 1.0]), "-0.0", "-0.0,1", "-0:1:2"])
+def test_zero_has_no_sign(given: object) -> None:
+    spec = axis_of(given, QUANTITIES["trough_angle"])
+    assert str(float(spec.values[0])) == "0.0"
+    assert str(spec.axis(2).values[0] if spec.varies else spec.value) == "0.0"

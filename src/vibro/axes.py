@@ -219,7 +219,7 @@ def axis_of(value: object, quantity: Quantity) -> AxisSpec:
         raise InputError(f"{quantity.label} = {beyond[0]}: must be a finite number")
     if values.ndim:
         _check_order(values, shown(value), quantity, "[{}]", ", ")
-    return AxisSpec(quantity, tuple(values.ravel().tolist()))
+    return AxisSpec(quantity, tuple(_unsigned(values.ravel()).tolist()))
 
 
 def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:
@@ -232,6 +232,11 @@ def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:
         if not kinds <= {int, float} and any(issubclass(kind, str) for kind in kinds):
             value = [nearest_double(item, quantity) if isinstance(item, str) else item for item in value]
     return real_array(value, _ALLOWED)
+
+
+def _unsigned(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Take the sign off zeros: -0.0 equals 0.0, and what is told of either must be the same."""
+    return values + 0.0
 
 
 def _check_order(
@@ -296,7 +301,7 @@ def _parse_list(text: str, quantity: Quantity) -> AxisSpec:
     decimal = _WHOLE_NUMBERS.fullmatch(text)  # 12,5 may be a decimal
     also = f", or {decimal[1]}.{decimal[2]} if that is meant" if decimal else ""
     _check_order(values, shown(text), quantity, "{}", ",", also)
-    return AxisSpec(quantity, tuple(values.tolist()))
+    return AxisSpec(quantity, tuple(_unsigned(values).tolist()))
 
 
 def _parse_range(text: str, quantity: Quantity) -> AxisSpec:
