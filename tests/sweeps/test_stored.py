@@ -296,6 +296,8 @@ def test_what_is_no_finished_sweep_is_refused(copy: Path, tmp_path: Path) -> Non
         "{}",
         success.replace('"cells": 924', '"cells": 9'),
         success.replace('"ok"', '"no"'),
+        success.replace('"infeasible"', '"unresolved"'),
+        success.replace('"hopping"', '"no-slip"'),
     ):
         (copy / "_SUCCESS").write_text(text, encoding="utf-8")
         refused(copy, "_SUCCESS is damaged")

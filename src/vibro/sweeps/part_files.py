@@ -144,11 +144,12 @@ def open_parts(folder: Path) -> PartFiles:
     if success is None:
         there = sum((folder / part_name(part)).is_file() for part in range(plan.parts))
         raise FileError(f"{folder} is not finished: {there} of {plan.parts} parts are there", hint=_AGAIN)
-    files = PartFiles(folder, plan, _tally(success, plan, folder / SUCCESS))
     check_arrow()
+    files = PartFiles(folder, plan, Tally())
     for part in range(plan.parts):
-        with files.opened(part):
-            pass
+        with files.opened(part) as file:
+            files.tally.include([Tally.read(read_footer(file.metadata) or {})])
+    _check_success(success, files, folder / SUCCESS)
     return files
 
 
@@ -164,15 +165,17 @@ def _text(path: Path) -> str | None:
         raise _damaged(path, "it is no text in UTF-8") from exc
 
 
-def _tally(success: str, plan: Plan, path: Path) -> Tally:
+def _check_success(success: str, files: PartFiles, path: Path) -> None:
+    """Refuse what says of the cells anything else than their parts do."""
     try:
         content: Mapping[str, Any] = json.loads(success)
-        tally = Tally.read(content)
-        if content["cells"] != plan.grid.size or tally.status.total() != plan.grid.size:
-            raise _damaged(path, f"it does not speak of {plan.grid.size} cells")
+        said = Tally.read(content)
+        if content["cells"] != files.plan.grid.size:
+            raise _damaged(path, f"it does not speak of {files.plan.grid.size} cells")
     except (LookupError, TypeError, ValueError, AttributeError) as exc:
         raise _damaged(path, cut(str(exc), _REASON)) from exc
-    return tally
+    if said != files.tally:
+        raise _damaged(path, "it counts cells that its parts do not have")
 
 
 def _damaged(path: Path, why: str) -> FileError:
