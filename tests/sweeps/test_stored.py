@@ -399,3 +399,14 @@ def test_what_the_docs_say_of_readers_runs(
         assert dict(found.fetchall()) == most.to_dict()
     else:
         assert Path("regime.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("name", ["~", "file:x", "s3:"])
+def test_names_that_mean_something_elsewhere_are_those_of_folders(
+    copy: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if sys.platform == "win32" and ":" in name:
+        pytest.skip("no name has a colon there")
+    monkeypatch.chdir(copy.parent)
+    copy.rename(name)
+    assert len(vibro.open_sweep(name).to_frame(columns=["regime"])) == 924

@@ -97,7 +97,11 @@ class PartFiles:
         path = self.folder / part_name(part)
         expected, (first, end) = place_of(self.plan, part), self.plan.range_of(part)
         try:
-            with parquet.ParquetFile(path, page_checksum_verification=True) as file:
+            # Opened here: Arrow would take names such as s3: or ~ for something else than folders.
+            with (
+                path.open("rb") as stream,
+                parquet.ParquetFile(stream, page_checksum_verification=True) as file,
+            ):
                 said = read_footer(file.metadata) or {}
                 for key, value in expected.items():
                     if said.get(key) != value:

@@ -229,7 +229,8 @@ def check_part(job: Job, part: int) -> Written | None:
         with path.open("rb") as stream:
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
         with (
-            parquet.ParquetFile(path, page_checksum_verification=True) as file,
+            path.open("rb") as stream,
+            parquet.ParquetFile(stream, page_checksum_verification=True) as file,
             Path(os.devnull).open("wb") as nowhere,
         ):
             tally = Tally.read(read_footer(file.metadata) or {})
