@@ -243,8 +243,8 @@ def find_quantity(text: str) -> Quantity | None:
     called = text.strip()
     spelled = called.removeprefix("--").replace("-", "_").replace(" ", "_").casefold()
     # A single letter keeps its case: A is the amplitude, while the option -a is the drive angle.
-    letter = called if len(called) == 1 else spelled
-    found = (q for q in _ALL if called in q.options or spelled in (q.name, q.column) or letter == q.letter)
+    letters = {called} if len(called) == 1 else {called, spelled}
+    found = (q for q in _ALL if called in q.options or spelled in (q.name, q.column) or q.letter in letters)
     return next(found, None)
 
 

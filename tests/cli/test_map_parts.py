@@ -127,6 +127,8 @@ def test_json_is_what_there_is(run: Run) -> None:
         (["--workers", "all"], "--workers = 'all': not a number", "write a whole number, such as 3"),
         (["--scheduler", "localhost:8786"], "scheduler = 'localhost:8786': is no address",
          "write it like tcp://host:8786"),
+        (["--scheduler", "inproc://a"], "scheduler = 'inproc://a': is no address",
+         "write it like tcp://host:8786"),
         (["--table", "excel"], "Invalid value for '--table': 'excel' is not one of 'csv', 'parquet'.",
          "see vibro map --help"),
         (["-o", "-"], "-o '-': parts go into a folder", "give it a name, such as -o out/wide"),

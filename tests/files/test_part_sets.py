@@ -332,6 +332,15 @@ def test_names_that_no_folder_can_have(tmp_path: Path, kind: str) -> None:
     assert list(tmp_path.iterdir()) == before
 
 
+def test_a_folder_in_the_place_of_a_file_is_told_beforehand(tmp_path: Path) -> None:
+    write_sweep(tmp_path / "out")
+    (tmp_path / "out" / "flight.png").mkdir()
+    with pytest.raises(FileError, match=r"holds something else: flight\.png"):
+        free(tmp_path / "out")
+    (tmp_path / "out" / "flight.png").rename(tmp_path / "out" / "notes")
+    free(tmp_path / "out")
+
+
 @contextmanager
 def as_nobody() -> Iterator[None]:
     """Be nobody where root, who may write anywhere, runs the tests."""

@@ -293,3 +293,11 @@ def test_levels_and_row_groups_are_those_of_the_plan() -> None:
     assert content["accuracy"] == Level.REGIMES.value
     assert content["flight"] is False
     assert content["row_group_cells"] == ROW_GROUP
+
+
+def test_equal_numbers_that_are_written_differently_differ() -> None:
+    """A sign of zero changes the fingerprint, which parts repeat: it must be told, not taken for the same."""
+    zeros = [replace(THERE, own={}, grid=replace(THERE.grid, fixed={**THERE.grid.fixed, "trough_angle": x}))
+             for x in (0.0, -0.0)]  # fmt: skip
+    assert zeros[0].fingerprint != zeros[1].fingerprint
+    assert zeros[0].differences(zeros[1]) == ["trough_angle_deg: -0.0 there, 0.0 here"]

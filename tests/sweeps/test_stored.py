@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -359,6 +360,30 @@ def test_damage_inside_a_part_is_found_where_it_is_read(copy: Path) -> None:
         stored.to_frame()
     assert "--resume" in caught.value.hint
     assert len(stored.to_frame({"A": 0.2})) == 84
+
+
+def test_a_filter_may_have_an_open_end(folder: Path) -> None:
+    stored = vibro.open_sweep(folder)
+    amplitudes = stored.axes["amplitude_mm"]
+    assert len(stored.to_frame({"A": (None, None)})) == len(stored.to_frame())
+    found = stored.to_frame({"A": (amplitudes[3], None)})["amplitude_mm"]
+    assert sorted(set(found)) == list(amplitudes[3:])
+    found = stored.to_frame({"A": (None, amplitudes[3])})["amplitude_mm"]
+    assert sorted(set(found)) == list(amplitudes[:4])
+
+
+@pytest.mark.parametrize("columns", ["regime", 5, [5]])
+def test_columns_are_names(folder: Path, held: Sweep, columns: Any) -> None:
+    for sweep in (held.to_frame, partial(vibro.open_sweep(folder).to_frame, None)):
+        with pytest.raises(InputError, match="must be names"):
+            sweep(columns)
+    names = iter(["regime", "status"])
+    assert list(vibro.open_sweep(folder).to_frame(columns=names)) == ["regime", "status"]  # type: ignore[arg-type]
+
+
+def test_filters_are_a_mapping(folder: Path) -> None:
+    with pytest.raises(InputError, match="filters = 'A': must be a mapping"):
+        vibro.open_sweep(folder).to_frame("A")  # type: ignore[arg-type]
 
 
 def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:

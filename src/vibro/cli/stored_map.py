@@ -61,6 +61,7 @@ def map_stored(
     FileError
         If the folder cannot be read, or the files cannot be written.
     """
+    from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures
     from vibro.cli.request import checked_number
     from vibro.files.part_sets import MANIFEST
@@ -93,6 +94,8 @@ def map_stored(
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
     check_drawable(view)
     tell_choices(view, grid.axes, held, console)
+    if level is not None and friction_window(grid, level):
+        console.echo("which of both frictions keep the speed is told beside a CSV alone")
 
     def draw() -> dict[str, Figure]:
         result = stored_picture(parts, view.drawn, names)

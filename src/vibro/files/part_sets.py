@@ -141,7 +141,8 @@ class PartSet:
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as exc:
-            raise FileError(f"cannot read {self.shown / name}: {exc}", hint=_OTHER_NAME) from exc
+            why = reason(exc) if isinstance(exc, OSError) else "it is no text in UTF-8"
+            raise FileError(f"cannot read {self.shown / name}: {why}", hint=_OTHER_NAME) from exc
 
     def check_free(self) -> None:
         """Refuse a folder that holds anything but what a table in parts is made of.
@@ -149,14 +150,20 @@ class PartSet:
         Raises
         ------
         FileError
-            It names what is there. Beside a manifest only tables count, which readers would take for parts.
+            It names what is there. Beside a manifest only tables count, which readers would take for parts,
+            and what has the name of a file of ours and is none.
         """
         there = sorted(path.name for path in self.folder.iterdir() if not path.name.startswith("."))
-        has_manifest = MANIFEST in there
-        others = [name for name in there if not (has_manifest and _OURS.fullmatch(name))]
-        others = [name for name in others if name.endswith(".parquet")] if has_manifest else others
-        if others:
-            names = ", ".join(others[:3]) + (", ..." if len(others) > 3 else "")
+        if MANIFEST in there:
+            there = [
+                name
+                for name in there
+                if (
+                    not is_regular(self.folder / name) if _OURS.fullmatch(name) else name.endswith(".parquet")
+                )
+            ]
+        if there:
+            names = ", ".join(there[:3]) + (", ..." if len(there) > 3 else "")
             raise FileError(f"{self.shown} holds something else: {names}", hint=_OTHER_NAME)
 
     def clear(self) -> None:

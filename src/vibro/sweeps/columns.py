@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-__all__ = ["Table", "chosen", "column_names", "columns_of", "records", "to_frame"]
+__all__ = ["Table", "chosen", "column_names", "columns_of", "listed", "records", "to_frame"]
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,21 @@ def column_names() -> list[str]:
     return [column.name for column in (*columns_of(drive=drive), *_ON_REQUEST)]
 
 
+def listed(names: object) -> list[str]:
+    """Return the names of columns that a call gives.
+
+    Raises
+    ------
+    InputError
+        If it is one text, or no texts.
+    """
+    if not isinstance(names, str) and isinstance(names, Iterable):
+        found = list(names)
+        if all(isinstance(name, str) for name in found):
+            return found
+    raise InputError(f"columns = {shown(names)}: must be names", hint='write it like ["regime"]')
+
+
 def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...]:
     """Return columns by name, in the order of the names.
 
@@ -116,6 +132,7 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
     InputError
         If there is no such column, or one is named twice.
     """
+    names = listed(names)
     known = {column.name: column for column in (*columns, *_ON_REQUEST)}
     unknown = [name for name in names if name not in known]
     if unknown or not names:

@@ -112,6 +112,8 @@ class PartFiles:
                 yield file
         except FileNotFoundError as exc:
             raise FileError(f"{path} is missing", hint=_AGAIN) from exc
+        except PermissionError as exc:
+            raise FileError(f"cannot read {path}: {exc.strerror}") from exc
         except MemoryError:  # one of Arrow's exceptions, too
             raise
         except (OSError, UnicodeDecodeError, json.JSONDecodeError, ArrowException) as exc:

@@ -151,7 +151,7 @@ class Plan:
         there, here = _counted(other.content), _counted(self.content)
         told = []
         for key in dict.fromkeys([*here, *there]):
-            if there.get(key) == here.get(key):
+            if _text(there.get(key)) == _text(here.get(key)):
                 continue
             if key == "axes":
                 told += _axis_differences(other.grid, self.grid)
@@ -175,7 +175,7 @@ def check_manifest(text: str, path: object) -> dict[str, Any]:
     """
     try:
         content = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         content = None
     if not isinstance(content, dict) or not str(content.get("format")).startswith(_FORMATS):
         raise FileError(f"{path} is no manifest of a sweep", hint="choose another folder")
@@ -226,15 +226,19 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
     columns = chosen(list(content["columns"]), columns_of(axes, *extra, drive=grid.drive))
     table = Table(columns, content["digits"], part)
-    plan = Plan(grid, table, content["part_cells"], content["name"], content["own"], content["versions"])
+    own = {str(name): float(value) for name, value in content["own"].items()}
+    plan = Plan(grid, table, content["part_cells"], str(content["name"]), own, content["versions"])
     if plan.fingerprint != content["fingerprint"] or plan.content["parts"] != content["parts"]:
         raise ValueError("content")
     return plan
 
 
 def _fingerprint(content: Mapping[str, Any]) -> str:
-    text = json.dumps(_counted(content), sort_keys=True, allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(_text(_counted(content)).encode()).hexdigest()
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, allow_nan=False)
 
 
 def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
@@ -249,7 +253,9 @@ def _difference(what: str, there: object, here: object) -> str:
 
 
 def _entry_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    names = [name for name in dict.fromkeys([*here, *there]) if there.get(name) != here.get(name)]
+    names = [
+        name for name in dict.fromkeys([*here, *there]) if _text(there.get(name)) != _text(here.get(name))
+    ]
     return [_difference(name, there.get(name), here.get(name)) for name in names]
 
 
@@ -258,10 +264,12 @@ def _axis_differences(there: Grid, here: Grid) -> list[str]:
     for name in [name for name in QUANTITIES if name in {*there.axes, *here.axes}]:
         axes = [grid.axes.get(name) for grid in (there, here)]
         values = [axis.values.tolist() if axis else [] for axis in axes]
-        if values[0] != values[1]:
+        if _text(values[0]) != _text(values[1]):
             said = [str(axis).partition(": ")[2] if axis else "no axis" for axis in axes]
             if said[0] == said[1]:
-                changed = next((pair for pair in zip(*values, strict=False) if pair[0] != pair[1]), None)
+                changed = next(
+                    (pair for pair in zip(*values, strict=False) if _text(pair[0]) != _text(pair[1])), None
+                )
                 said = [repr(value) for value in changed] if changed else said
             told.append(_difference(QUANTITIES[name].column, *said))
     if not told:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,6 +17,7 @@ from vibro.errors import FileError, InputError, shown
 from vibro.plots.view import index_of
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS
+from vibro.sweeps.columns import listed
 from vibro.sweeps.gathered import Texts, gathering
 from vibro.sweeps.part_files import PartFiles, open_parts
 from vibro.sweeps.run import solved_picture
@@ -22,7 +25,7 @@ from vibro.sweeps.selection import Selection
 from vibro.sweeps.solved import SolvedGrid, axis_called, check_memory, one_value
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Collection, Sequence
     from os import PathLike
 
     import pandas as pd
@@ -70,7 +73,8 @@ class StoredSweep(SolvedGrid):
         filters : mapping, optional
             By axis, which is called by key, name or letter (``"amplitude_mm"``, ``"A"``): one of its values,
             a list of them, or a pair ``(low, high)``, a tuple, for all from ``low`` to ``high``, both
-            included. Numbers may carry units as texts, ``"800um"``. Of other axes it has all values.
+            included; None stands for an end that is open. Numbers may carry units as texts, ``"800um"``. Of
+            other axes it has all values.
         columns : sequence of str, optional
             Some of ``columns``, in the order wanted; without, all.
 
@@ -199,7 +203,8 @@ def _values(result: Result, found: Gathered) -> NDArray[Any]:
     return np.asarray(result.kind.to_si(found.values)) if result.is_number else found.values
 
 
-def _checked(names: Sequence[str], known: Sequence[str]) -> list[str]:
+def _checked(names: object, known: Sequence[str]) -> list[str]:
+    names = listed(names)
     unknown = [name for name in names if name not in known]
     if unknown or not names:
         problems = [f"there is no column {shown(name)}" for name in unknown] or ["no column is named"]
@@ -207,10 +212,12 @@ def _checked(names: Sequence[str], known: Sequence[str]) -> list[str]:
     twice = [name for i, name in enumerate(names) if name in names[:i]]
     if twice:
         raise InputError(f"column {twice[0]} is named twice", hint="name it once")
-    return list(names)
+    return names
 
 
 def _selection(grid: Grid, filters: Mapping[str, Any]) -> Selection:
+    if not isinstance(filters, Mapping):
+        raise InputError(f"filters = {shown(filters)}: must be a mapping", hint='write it like {"mu_s": 0.3}')
     kept: dict[str, NDArray[np.intp]] = {}
     for called, wanted in filters.items():
         name = axis_called(called, "filters").name
@@ -237,7 +244,10 @@ def _kept(axis: Axis, wanted: Any) -> NDArray[np.intp]:
         )
     if spec is not None:
         return np.unique([index_of(axis, float(value)) for value in spec.values])
-    low, high = (one_value(end, quantity, "filters") for end in wanted)
+    low, high = (
+        end if given is None else one_value(given, quantity, "filters")
+        for given, end in zip(wanted, (-math.inf, math.inf), strict=True)
+    )
     kept = np.flatnonzero((axis.values >= low) & (axis.values <= high))
     if not kept.size:
         ends = f"{low:.10g} to {high:.10g} {axis.unit}".rstrip()

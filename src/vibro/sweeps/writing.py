@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Parting", "write_sweep"]
 
+_ADDRESS: Final = re.compile(r"(tcp|tls|wss?)://\S+:\d+")
 _MOST_WORKERS: Final = 1024
 _MOST_CELLS: Final = 100_000_000  # of a part: hours of work that a fault would cost
 
@@ -73,7 +75,7 @@ class Parting:
                 "resume and force are both given: the one goes on, the other starts anew",
                 hint="leave one of them out",
             )
-        if self.scheduler is not None and "://" not in str(self.scheduler):
+        if self.scheduler is not None and not _ADDRESS.fullmatch(str(self.scheduler)):
             raise InputError(
                 f"scheduler = {shown(self.scheduler)}: is no address", hint="write it like tcp://host:8786"
             )
