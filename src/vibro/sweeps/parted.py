@@ -227,6 +227,7 @@ class _Run:
     ) -> None:
         self._plan, self._files, self._workers, self._report = plan, files, workers, report
         self._patience = patience
+        _ = plan.fingerprint  # found once, here: it travels with every task
         shared = patience if workers.number > 1 else math.inf
         self._job = Job(plan, files.folder, files.run, files.wanted, workers.threads, shared)
         self._there: set[str] = set()
