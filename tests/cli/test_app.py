@@ -223,7 +223,10 @@ def test_a_grid_that_is_too_large_is_told_what_would_fit(
 def test_more_rows_than_a_sheet_holds_are_a_warning(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vibro.cli.output._ROWS_OF_A_SHEET", 8)
     result = run(*SMALL, "-o", "-")
-    assert "warning: 9 rows are more than the 8 of a spreadsheet\n" in result.stderr
+    assert (
+        "warning: 9 rows are more than the 8 of a spreadsheet; --table parquet suits them better\n"
+        in result.stderr
+    )
     assert result.exit_code == 0
 
 

@@ -47,14 +47,16 @@ def test_a_sweep_that_is_there_is_kept(run: Run) -> None:
     result = run(*PARTS, "-o", "out")
     assert result.exit_code == 1
     assert error(result) == [
-        "error: out holds a sweep already", "hint: --force starts anew; or choose another name",
+        "error: out holds a sweep already",
+        "hint: vibro map and vibro.open_sweep read it; choose another name, or start anew with --force"
+        " (force=True)",
     ]  # fmt: skip
     Path("out", "_SUCCESS").unlink()
     result = run(*PARTS, "-o", "out")
     assert result.exit_code == 1
     assert error(result) == [
         "error: out holds a sweep that is not finished",
-        "hint: --resume goes on with it, --force starts anew",
+        "hint: --resume (resume=True) goes on with it, --force (force=True) starts anew",
     ]
     assert contents() == {name: data for name, data in before.items() if name != "_SUCCESS"}
 

@@ -98,7 +98,7 @@ def test_filters_keep_cells_in_their_order(
 @pytest.mark.parametrize(
     ("filters", "columns", "problem", "hint"),
     [
-        ({"colour": 1}, None, "filters: 'colour' is no axis", "by its key, such as amplitude_mm"),
+        ({"colour": 1}, None, "filters: 'colour' is no axis", "by key, such as amplitude_mm"),
         (
             {"mu_s": 1},
             None,
@@ -424,6 +424,21 @@ def test_what_the_docs_say_of_readers_runs(
         assert dict(found.fetchall()) == most.to_dict()
     else:
         assert Path("regime.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_drives_that_the_docs_rank(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    given: dict[str, Any] = {"amplitude_mm": "0.5:2:7", "frequency_hz": "15:30:4", "drive_angle_deg": 20}
+    given |= {"static_friction": [0.3, 0.6], "friction_ratio": [0.7, 0.8]}
+    frame = vibro.write_sweep("DIR", **given).to_frame()
+    (query,) = re.findall(r"```sql\n(.*?)```", SCALE, flags=re.DOTALL)
+    slowest = []
+    for _, parts in frame.groupby(["amplitude_mm", "frequency_hz", "drive_angle_deg"]):
+        if not (parts["regime"] == "hopping").any():
+            slowest.append(parts["mean_velocity_mm_s"].min())
+    ranked = [row[-1] for row in duckdb.sql(query).fetchall()]
+    assert ranked == sorted(slowest, reverse=True)[:10]
+    assert 10 < len(slowest) < len(frame) / 4
 
 
 @pytest.mark.parametrize("name", ["~", "file:x", "s3:"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import sys
 from typing import TYPE_CHECKING
@@ -130,7 +131,9 @@ class Console:
         console = RichConsole(stderr=True)
 
         def show_cursor() -> None:
-            # The bar hides it. Its own way to end is not safe in the middle of whatever it is doing.
+            # The bar hides it, and is drawn again now and then. Its own way to end is not safe in the middle
+            # of whatever it is doing.
+            console.file = io.StringIO()
             if not console.is_dumb_terminal:
                 os.write(2, b"\r\x1b[K\x1b[?25h")
 

@@ -13,20 +13,21 @@ from vibro.core.codes import Status
 from vibro.quantities import LENGTH, QUANTITIES
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.results.sweep import Block
-    from vibro.sweeps.grid import Grid
+    from vibro.results.steady import SteadyCycle
 
 __all__ = ["FrictionWindow", "friction_window"]
 
 _SECOND: Final = ("friction_ratio", "kinetic_friction")
 
 
-def friction_window(grid: Grid, speed: float) -> FrictionWindow | None:
-    """Return what looks for frictions that keep a speed [mm/s], where both are axes; else nothing."""
-    static, *others = grid.axes.values()
+def friction_window(axes: Mapping[str, Axis], speed: float) -> FrictionWindow | None:
+    """Return what looks for frictions that keep a speed [mm/s], where both are the axes; else nothing."""
+    static, *others = axes.values()
     if static.name != "static_friction" or len(others) != 1 or others[0].name not in _SECOND:
         return None
     return FrictionWindow((static, others[0]), speed)
@@ -49,11 +50,11 @@ class FrictionWindow:
     _fast: list[NDArray[np.bool_]] = field(default_factory=list)
     _possible: list[NDArray[np.bool_]] = field(default_factory=list)
 
-    def add(self, block: Block) -> None:
+    def add(self, cycle: SteadyCycle) -> None:
         """Look at the next cells."""
-        speeds = LENGTH.from_si(block.cycle.mean_velocity).ravel()
+        speeds = LENGTH.from_si(cycle.mean_velocity).ravel()
         self._fast.append(np.nan_to_num(speeds, nan=-np.inf) >= self.speed)
-        self._possible.append(block.cycle.status.ravel() != Status.INFEASIBLE)
+        self._possible.append(cycle.status.ravel() != Status.INFEASIBLE)
 
     def text(self) -> str:
         """Say how many cells are fast enough, within which frictions, and whether all within these are."""

@@ -130,6 +130,8 @@ def map_command(
         from vibro.cli.stored_map import map_stored
 
         return map_stored(context, options, x, y, at or [], show or [], speed, formats)
+    if options.scene is not None and options.scene.suffix == ".parquet":
+        raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
     from vibro.cli.request import checked_number, question_length, request_of
@@ -182,7 +184,7 @@ def map_command(
     if pictures:
         check_drawable(view)
         tell_choices(view, grid.axes, held, console)
-    window = None if level is None else friction_window(grid, level)
+    window = None if level is None else friction_window(grid.axes, level)
     if parting is not None:
         if window:
             raise InputError(
@@ -200,7 +202,7 @@ def map_command(
         nonlocal moves
         moves = moves or not at_rest(block.cycle).all()
         if window:
-            window.add(block)
+            window.add(block.cycle)
 
     code = write_sweep(grid, written, options, context.obj, console, name, pictures, look)
     if window:

@@ -148,7 +148,10 @@ def write_sweep(
     """
     form = CsvFormat(options.excel, options.decimal_comma, table.digits)
     if grid.size > _ROWS_OF_A_SHEET:
-        console.warn(f"{count(grid.size)} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet")
+        console.warn(
+            f"{count(grid.size)} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet;"
+            " --table parquet suits them better"
+        )
     if options.output == "-":
         stream = table_stream(json=options.json)
         with console.progress("solving", grid.size) as report:
@@ -279,7 +282,7 @@ def _check_size(grid: Grid, row_bytes: int, files: Publication) -> None:
         cells = f"{product}{count(grid.size)} cells are" if grid.size > 1 else "one cell is"
         raise FileError(
             f"{cells} {sizes} in {files.folder}",
-            hint=f"free some space, {_fewer(grid.shape, free // row_bytes)}, or write to stdout with -o -",
+            hint=f"free some space, {_fewer(grid.shape, free // row_bytes)}, or write --table parquet",
         )
 
 

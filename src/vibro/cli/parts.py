@@ -68,7 +68,7 @@ WorkersOption = Annotated[
     typer.Option(
         "--workers",
         metavar="NUMBER",
-        help="Processes that make Parquet files; without, threads of this one.",
+        help="With --table parquet: processes that make the files; without, threads of this one.",
         show_default=False,
     ),
 ]
@@ -77,15 +77,16 @@ SchedulerOption = Annotated[
     typer.Option(
         "--scheduler",
         metavar="ADDRESS",
-        help="A Dask cluster that makes Parquet files, such as tcp://host:8786; its workers need the same"
-        " vibro and the same folder.",
+        help="With --table parquet: a Dask cluster that makes the files, such as tcp://host:8786; its workers"
+        " need the same vibro and the same folder.",
         show_default=False,
     ),
 ]
 ResumeOption = Annotated[
-    bool, typer.Option("--resume", help="Go on with a folder of Parquet files that was cut short.")
+    bool, typer.Option("--resume", help="With --table parquet: go on in a folder where a run was cut short.")
 ]
 
+_MANY_FILES: Final = 10_000
 _TENTHS: Final = 10  # lines of progress where nobody watches
 
 
@@ -157,14 +158,19 @@ def write_parted(
     InputError, FileError, VibroError
         If the files cannot be written, or the folder holds something else.
     """
-    from vibro.cli.output import conclude
+    from vibro.cli.output import conclude, count
     from vibro.files.part_sets import PartSet, part_folder
     from vibro.files.publication import json_text
     from vibro.sweeps.csv_sink import provenance
 
     cells = plan.grid.size
     folder = part_folder(options.output, name)
+    if plan.parts > _MANY_FILES:
+        console.warn(f"{count(plan.parts)} files are many for a folder: --part-cells makes fewer")
     with PartSet(folder, "the same command with --resume goes on") as files:
+        if parting.resume:
+            there = len(files.parts())
+            console.echo(f"{there} files are there and checked first" if there else "nothing is there yet")
         with _progress(console, folder, cells) as report:
             summary = parting.carry_out(plan, files, ["vibro", *argv], report)
         content = {**provenance(plan.grid, plan.table, summary.tally), "digest": summary.digest}
@@ -197,16 +203,17 @@ def _progress(console: Console, folder: Path, cells: int) -> Iterator[Callable[[
     """Tell how far a run has come: a bar where somebody watches, else a line for every tenth."""
     from vibro.cli.output import byte_count, count
 
-    said = 0
+    said = seen = 0
     warned = False
 
     def look_at_disk(progress: Progress) -> None:
-        nonlocal warned
-        if progress.parts and not warned:
-            warned = True
+        nonlocal seen, warned
+        if progress.parts > seen and not warned:
+            seen = progress.parts
             needed = progress.size * (progress.all_parts / progress.parts - 1.0)
             free = shutil.disk_usage(folder).free
             if needed > free:
+                warned = True
                 console.warn(f"about {byte_count(needed)} more are needed, and {byte_count(free)} are free")
 
     with console.progress("solving", cells) as bar:

@@ -94,11 +94,16 @@ def map_stored(
         raise InputError(f"there is no picture of {folder}: it has regimes alone, of one range")
     check_drawable(view)
     tell_choices(view, grid.axes, held, console)
-    if level is not None and friction_window(grid, level):
-        console.echo("which of both frictions keep the speed is told beside a CSV alone")
+
+    said = ""
 
     def draw() -> dict[str, Figure]:
+        nonlocal said
         result = stored_picture(parts, view.drawn, names)
+        window = None if level is None else friction_window(result.axes, level)
+        if window and all(len(axis) == len(grid.axes[name]) for name, axis in result.axes.items()):
+            window.add(result.cycle)
+            said = window.text()
         return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None, level=level)
 
     with Publication(
@@ -114,6 +119,8 @@ def map_stored(
         origin = {"folder": str(folder), "fingerprint": parts.plan.fingerprint}
         content = {"sweep": origin, **provenance(grid, parts.plan.table, parts.tally)}
         whole = files.finish(content, Pictures(names, wanted, draw).saver())
+    if said:
+        console.echo(said)
     if options.json:
         print(json_text(whole))
     return 0

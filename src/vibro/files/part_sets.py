@@ -59,9 +59,7 @@ def part_folder(output: str | None, name: str) -> Path:
         raise InputError(f"-o {output!r}: parts go into a folder", hint="give it a name, such as -o out/wide")
     path = Path(output)
     if path.suffix.casefold() in (".csv", ".parquet", ".json"):
-        raise InputError(
-            f"-o {output}: parts go into a folder", hint=f"write -o {path.with_suffix('')}, which it is"
-        )
+        raise InputError(f"-o {output}: parts go into a folder", hint=f"write -o {path.with_suffix('')}")
     return path
 
 
@@ -133,6 +131,8 @@ class PartSet:
         self._leave()
         if isinstance(exc, OSError):
             raise self._cannot_write(exc) from exc
+        if isinstance(exc, KeyboardInterrupt):
+            exc.add_note(self._how_to_go_on)
 
     def read(self, name: str) -> str | None:
         """Return the text of a file, None where there is none."""

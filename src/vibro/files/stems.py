@@ -59,6 +59,10 @@ def output_stem(output: str | None, name: str) -> Path:
     if path.name in ("", ".."):
         raise InputError(f"{given}: there is no such folder", hint=_GIVE_A_NAME)
     suffix = next((s for s in _SUFFIXES if path.name.casefold().endswith(s)), "")
+    if path.suffix.casefold() == ".parquet":
+        raise InputError(
+            f"{given}: Parquet goes into a folder", hint=f"add --table parquet, and -o {path.with_suffix('')}"
+        )
     if suffix:
         stem = output[: -len(suffix)]
         example = (

@@ -133,10 +133,9 @@ def agree(files: PartSet, plan: Plan, *, resume: bool, force: bool, own_size: bo
 
 def _exists(files: PartSet) -> FileError:
     if files.read(SUCCESS) is not None:
-        return FileError(
-            f"{files.shown} holds a sweep already", hint="--force starts anew; or choose another name"
-        )
-    hint = "--resume goes on with it, --force starts anew"
+        hint = "vibro map and vibro.open_sweep read it; choose another name, or start anew with --force"
+        return FileError(f"{files.shown} holds a sweep already", hint=f"{hint} (force=True)")
+    hint = "--resume (resume=True) goes on with it, --force (force=True) starts anew"
     return FileError(f"{files.shown} holds a sweep that is not finished", hint=hint)
 
 
@@ -245,7 +244,11 @@ class _Run:
         try:
             self._workers.submit(check_job, self._job).result()
         except BrokenExecutor as exc:
-            raise _cannot_work() from exc
+            raise FileError(
+                "workers end as soon as they begin",
+                hint='a script that asks for workers needs the line if __name__ == "__main__": before that;'
+                " else they are killed, or short of memory",
+            ) from exc
 
     def finish(self) -> Summary:
         """Work until all is there."""
@@ -344,7 +347,10 @@ class _Run:
         """Give what lost workers had begun to others."""
         self._losses += 1
         if self._losses > _LOSSES:
-            raise _cannot_work()
+            raise FileError(
+                "workers end again and again: are they killed, or short of memory?",
+                hint="ask for fewer workers or smaller parts, and go on with --resume (resume=True)",
+            )
         lost += self._running.values()
         self._running.clear()
         self._workers.__exit__()
@@ -363,11 +369,3 @@ class _Run:
                 time.monotonic() - self._began,
             )
         )
-
-
-def _cannot_work() -> FileError:
-    return FileError(
-        "workers end as soon as they begin, or again and again: are they killed, or short of memory?",
-        hint="ask for fewer workers or smaller parts, and go on with --resume; a script that asks for workers"
-        ' needs the line if __name__ == "__main__":',
-    )
