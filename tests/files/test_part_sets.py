@@ -14,8 +14,8 @@ from tempfile import TemporaryDirectory
 import pytest
 
 import vibro.interrupts
-from vibro.errors import FileError, InputError
-from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, new_part, part_folder, part_name
+from vibro.errors import FileError
+from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, new_part, part_name
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="links, file modes")
 GO_ON = "go on with --resume"
@@ -370,36 +370,3 @@ def test_a_manifest_that_cannot_be_read(tmp_path: Path, made: object) -> None:
     made(tmp_path / MANIFEST)
     with part_set(tmp_path) as files, pytest.raises(FileError, match=r"cannot read .*manifest\.json"):
         files.read(MANIFEST)
-
-
-@pytest.mark.parametrize(
-    ("output", "folder"),
-    [
-        (None, "nut"),
-        ("out", "out"),
-        ("out/wide/", "out/wide"),
-        ("run1.5", "run1.5"),
-        (".", "."),
-        ("a.d", "a.d"),
-    ],
-)
-def test_the_output_is_the_folder(output: str | None, folder: str) -> None:
-    assert part_folder(output, "nut") == Path(folder)
-
-
-@pytest.mark.parametrize(
-    ("output", "hint"),
-    [
-        ("-", "give it a name, such as -o out/wide"),
-        ("", "give it a name, such as -o out/wide"),
-        ("a\0b", "give it a name, such as -o out/wide"),
-        ("out/nut.csv", "write -o out/nut"),
-        ("nut.parquet", "write -o nut"),
-        ("nut.JSON", "write -o nut"),
-        ("run1.5.csv", "write -o run1.5"),
-    ],
-)
-def test_what_cannot_be_a_folder_is_refused(output: str, hint: str) -> None:
-    with pytest.raises(InputError, match="parts go into a folder") as caught:
-        part_folder(output, "nut")
-    assert caught.value.hint == hint

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import ast
 import json
-import re
 import shutil
 import subprocess
 import sys
@@ -23,7 +21,6 @@ from plans import store
 
 import vibro
 from vibro.errors import FileError, InputError, VibroError
-from vibro.sweeps.selection import Selection
 
 if TYPE_CHECKING:
     from vibro.sweeps.stored import StoredSweep
@@ -155,20 +152,6 @@ def test_only_what_is_needed_is_read(stored: StoredSweep, read: list[tuple[int, 
     (columns,) = {tuple(columns) for *_, columns in read}
     assert "pattern" not in columns
     assert "back_ratio" not in columns
-
-
-def test_cells_are_counted_as_they_are_numbered() -> None:
-    indices = [np.array([0, 2]), np.array([1]), np.array([0, 3, 4])]
-    cells = Selection((3, 2, 5), indices)
-    numbers = np.arange(30).reshape(3, 2, 5)[np.ix_(*indices)].ravel()
-    assert (cells.shape, cells.size) == ((2, 1, 3), 6)
-    for start in range(31):
-        assert cells.before(start) == np.count_nonzero(numbers < start)
-        for stop in range(start, 31):
-            within = numbers[(numbers >= start) & (numbers < stop)]
-            assert cells.within(start, stop).tolist() == (within - start).tolist()
-    one = Selection((), [])
-    assert (one.before(0), one.before(1), one.within(0, 1).tolist()) == (0, 1, [0])
 
 
 def test_more_cells_than_memory_holds_are_refused_with_their_size(
@@ -395,50 +378,6 @@ def test_without_pyarrow_it_says_what_to_install(folder: Path) -> None:
     assert done.stdout == "Parquet needs pyarrow pip install 'vibro[parquet]'\n"
     with pytest.raises(VibroError, match="path = 3: must be a path"):
         vibro.open_sweep(3)  # type: ignore[arg-type]
-
-
-SCALE = (Path(__file__).parents[2] / "docs" / "scale.md").read_text(encoding="utf-8")
-READERS = re.findall(r"```python\n(.*?)```", SCALE, flags=re.DOTALL)
-
-
-@pytest.mark.parametrize("code", READERS, ids=["pandas", "duckdb", "polars", "vibro"])
-def test_what_the_docs_say_of_readers_runs(
-    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    given: dict[str, Any] = {"amplitude_mm": [0.5, 1, 2], "frequency_hz": "10:40:7", "drive_angle_deg": 20}
-    given |= {"static_friction": [0.3, 0.6], "friction_ratio": 0.8, "part_cells": 10}
-    frame = vibro.write_sweep("DIR", **given).to_frame()
-    lines = ast.parse(code)
-    answer = lines.body.pop()
-    assert isinstance(answer, ast.Expr)
-    names: dict[str, Any] = {}
-    exec(compile(lines, "docs/scale.md", "exec"), names)
-    found = eval(compile(ast.Expression(answer.value), "docs/scale.md", "eval"), names)
-    if isinstance(found, pd.DataFrame):
-        assert len(found) == np.sum(frame["amplitude_mm"] < 1) > 0
-    elif isinstance(found, polars.DataFrame):
-        assert found["throw_number"].to_list() == [k for k in frame["throw_number"] if k > 1] != []
-    elif isinstance(found, duckdb.DuckDBPyRelation):
-        most = frame[frame["amplitude_mm"] < 1].groupby("regime", observed=True)["throw_number"].max()
-        assert dict(found.fetchall()) == most.to_dict()
-    else:
-        assert Path("regime.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_the_drives_that_the_docs_rank(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    given: dict[str, Any] = {"amplitude_mm": "0.5:2:7", "frequency_hz": "15:30:4", "drive_angle_deg": 20}
-    given |= {"static_friction": [0.3, 0.6], "friction_ratio": [0.7, 0.8]}
-    frame = vibro.write_sweep("DIR", **given).to_frame()
-    (query,) = re.findall(r"```sql\n(.*?)```", SCALE, flags=re.DOTALL)
-    slowest = []
-    for _, parts in frame.groupby(["amplitude_mm", "frequency_hz", "drive_angle_deg"]):
-        if not (parts["regime"] == "hopping").any():
-            slowest.append(parts["mean_velocity_mm_s"].min())
-    ranked = [row[-1] for row in duckdb.sql(query).fetchall()]
-    assert ranked == sorted(slowest, reverse=True)[:10]
-    assert 10 < len(slowest) < len(frame) / 4
 
 
 @pytest.mark.parametrize("name", ["~", "file:x", "s3:"])

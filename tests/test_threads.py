@@ -1,0 +1,61 @@
+"""Threads that share the work of ``vibro.solve``: as many as asked for, with the same numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from threading import Barrier, get_ident
+from typing import Any
+
+import numpy as np
+import pytest
+from scenes import assert_same, scene_with
+
+from vibro import Status, solve, steady
+from vibro.errors import InputError
+
+
+def test_any_number_of_threads_gives_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    # at rest, sliding, hopping in cycles and in means; a search beside means takes seconds
+    few = scene_with(amplitude=np.linspace(0.3e-3, 6e-3, 13), restitution=[[0.0], [0.3]])
+    many = scene_with(amplitude=np.linspace(0.3e-3, 9e-3, 31), restitution=[[0.0], [0.4]])
+    searched, whole = solve(few, coexistence=True), solve(many)
+    assert (solve(few).coexists != searched.coexists).sum() > 5
+    assert len(np.unique(whole.regime)) == 4
+    assert (whole.status == Status.AVERAGED).sum() > 3  # more than a part
+    monkeypatch.setattr(steady, "BLOCK", 6)
+    monkeypatch.setattr(steady, "_HOPPING", [(stage, 3) for stage, _ in steady._HOPPING])
+    monkeypatch.setattr(steady, "_LOOKED_AT", 4)
+    one_and_three: list[Any] = [1, np.int64(3)]
+    for threads in one_and_three:
+        assert_same(solve(few, coexistence=True, threads=threads), searched)
+        assert_same(solve(many, threads=threads), whole)
+
+
+@pytest.mark.parametrize("stage", ["_solve_block", "_solve_hops", "_look_for_others"])
+@pytest.mark.parametrize(("asked", "expected"), [(None, 2), (1, 1), (3, 3), (100, 5)])
+@pytest.mark.usefixtures("two_cores")
+def test_so_many_threads_share_each_stage(
+    stage: str, asked: int | None, expected: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every thread waits for its first part until all have one; with one thread missing that never ends."""
+    met, seen = Barrier(expected, timeout=20.0), set[int]()
+
+    def wait(*_: object) -> None:
+        if get_ident() not in seen:
+            seen.add(get_ident())
+            met.wait()
+
+    monkeypatch.setattr(steady, "BLOCK", 4)
+    monkeypatch.setattr(steady, "_HOPPING", [(steady._HOPPING[0][0], 4)])
+    monkeypatch.setattr(steady, "_LOOKED_AT", 4)
+    scene = scene_with(amplitude=np.linspace(4e-3, 4.1e-3, 20))  # five parts
+    monkeypatch.setattr(steady, stage, wait)
+    solve(scene, coexistence=True, threads=asked)
+    assert len(seen) == expected
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.0, 1.5, math.nan, True, np.True_, "2"])
+def test_a_number_of_threads_that_cannot_be_is_refused(threads: Any) -> None:
+    with pytest.raises(InputError, match=re.escape(f"threads = {threads!r}: must be a whole number")):
+        solve(scene_with(), threads=threads)
