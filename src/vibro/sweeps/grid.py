@@ -85,9 +85,7 @@ class Grid:
             By name; broadcastable to the box's shape. The kinetic friction is always among them.
         """
         result = spread(self.axes, self.fixed, box)
-        if "friction_ratio" in result:
-            result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
-        return result
+        return _completed(result)
 
     def cells(self, start: int, stop: int) -> dict[str, Floats]:
         """Return every quantity of some cells in a row, in the user's units.
@@ -132,9 +130,7 @@ class Grid:
         result = {name: np.array([value]) for name, value in self.fixed.items()}
         where = np.unravel_index(cells, self.shape) if self.axes else ()
         result |= {axis.name: axis.values[i] for axis, i in zip(self.axes.values(), where, strict=True)}
-        if "friction_ratio" in result:
-            result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
-        return result
+        return _completed(result)
 
     def solve(self, values: Mapping[str, Floats], threads: int | None = None) -> SteadyCycle:
         """Solve the cells of a box, given by its ``values``, on so many threads; without, one a core."""
@@ -177,9 +173,7 @@ class Grid:
         where = np.unravel_index(np.arange(start, stop), self.shape[:-inner])
         for axis, i in zip(axes[:-inner], where, strict=True):
             result[axis.name] = axis.values[i].reshape(-1, *(1,) * inner)
-        if "friction_ratio" in result:
-            result["kinetic_friction"] = kinetic_friction(result["friction_ratio"], result["static_friction"])
-        return result
+        return _completed(result)
 
     def operating_point(self, own: Mapping[str, float] | None) -> dict[str, float] | None:
         """Return a scene's own value of every axis; None unless it gives all and differs in nothing else."""
@@ -205,6 +199,13 @@ class Grid:
         if self.length is not None:
             scene[QUANTITIES["trough_length"].column] = self.length
         return {"scene": scene, "axes": axes}
+
+
+def _completed(values: dict[str, Floats]) -> dict[str, Floats]:
+    """Add the kinetic friction, where its ratio to the static one is given."""
+    if "friction_ratio" in values:
+        values["kinetic_friction"] = kinetic_friction(values["friction_ratio"], values["static_friction"])
+    return values
 
 
 def _in_turn(values: Floats, held: int, start: int, stop: int) -> Floats:

@@ -140,7 +140,7 @@ def axis_called(called: object, argument: str) -> Quantity:
     quantity = find_quantity(str(called))
     if quantity is None or quantity.name == "stroke":
         close = difflib.get_close_matches(str(called), BY_COLUMN, n=1, cutoff=0.6)
-        guess = f"; did you mean {close[0]}?" if close else "; filter results in the frame"
+        guess = f"; did you mean {close[0]}?" if close else ""
         raise InputError(
             f"{argument}: {shown(called)} is no axis",
             hint=f"axes are called by key, such as amplitude_mm, or letter{guess}",
