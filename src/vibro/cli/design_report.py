@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from vibro.cli.report import aligned, bound, number
+from vibro.cli.report import aligned, bound
 from vibro.core.codes import Regime
 from vibro.inverse.specs import EllipticalDrive
 from vibro.quantities import LENGTH, QUANTITIES, SPEED
+from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

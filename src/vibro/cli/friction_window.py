@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.cli.output import count
-from vibro.cli.report import number
 from vibro.core.codes import Status
 from vibro.quantities import LENGTH, QUANTITIES
+from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Final
 
 from vibro.cli.console import Console
 from vibro.cli.options import Flight
-from vibro.cli.report import OneScene
 from vibro.core.codes import Level, Regime, Status
 from vibro.errors import FileError, InputError
 from vibro.files.publication import Publication, json_text
@@ -21,6 +20,7 @@ from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import records
 from vibro.sweeps.csv_sink import provenance, write_rows
+from vibro.sweeps.one_scene import OneScene
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
 

@@ -34,8 +34,8 @@ from vibro.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from vibro.cli.report import OneScene
     from vibro.sweeps.grid import Grid
+    from vibro.sweeps.one_scene import OneScene
 
 __all__ = ["solve_command"]
 
@@ -44,7 +44,6 @@ _NEEDS: Final = {
     **dict.fromkeys(("upright", "tipping_load_ratio"), "--stand-ratio 0.6"),
 }
 _SIGMAS: Final = 3.0  # standard errors by which a mean may be off
-_RAISED: Final = 1.1  # amplitude over that of the scene, where its effect is told
 
 
 def solve_command(
@@ -136,8 +135,8 @@ def _amplitudes(speed: str, options: Options, argv: Sequence[str], others: Seque
 
 def _upright(one: OneScene, stand_ratio: float) -> str:
     """Say whether a part keeps its base on the trough, and from which drive on it does not."""
-    from vibro.cli.report import number
     from vibro.limits import stays_upright, tipping_load
+    from vibro.sweeps.one_scene import number
 
     load = float(tipping_load(one.scene, stand_ratio))
     answer = int(stays_upright(one.scene, stand_ratio))
@@ -161,7 +160,7 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
 
 def _throughput(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str]]:
     """Say how many parts pass in a row, and their mass."""
-    from vibro.cli.report import estimate, number
+    from vibro.sweeps.one_scene import estimate, number
 
     columns = throughput_of(part)
     if not columns:
@@ -177,81 +176,15 @@ def _throughput(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str
     return [("throughput", f"{', '.join(rates)} at most, one part every {number(part['pitch_mm'], 'mm')}")]
 
 
-def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
-    """Say how the speed follows the amplitude: its exponent, and what a larger amplitude does."""
-    from vibro.cli.report import OneScene, estimate, number
-    from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_EXPONENT
-    from vibro.sweeps.run import sweep_blocks
-
-    speed = one.result("mean_velocity")
-    if math.isnan(speed):
-        return []
-    raised_amplitudes = {name: _RAISED * value for name, value in one.driven.items()}
-    if not all(map(math.isfinite, raised_amplitudes.values())):  # beyond the range of doubles
-        return []
-    (block,) = sweep_blocks(replace(grid, fixed={**grid.fixed, **raised_amplitudes}, coexistence=False))
-    raised = OneScene(block)
-    then = raised.result("mean_velocity")
-    still = abs(one.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * max(one.driven.values())
-    if math.isnan(then):
-        told = f"speed unknown ({raised.status.message})"
-    elif not still and then / speed > 0.0:
-        gain = then / speed
-        error = 100.0 * gain * math.hypot(one.relative_error, raised.relative_error)
-        told = f"{100.0 * (gain - 1.0):+z.3g} % speed"
-        told += f" +- {error:.2g} % (standard error)" if error else ""
-    else:
-        told = estimate(then, raised.result("mean_velocity_error"), "mm/s")
-    if raised.regime is not one.regime:
-        told += f", {raised.regime.label}"
-    exponent = one.value(WITH_EXPONENT)
-    power = "" if math.isnan(exponent) else f" (d ln speed / d ln amplitude = {number(exponent)})"
-    return [("sensitivity", f"+10 % {one.all_amplitudes or 'amplitude'}: {told}{power}")]
-
-
 def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
-    from vibro.cli.report import aligned, number
-    from vibro.core.codes import PHASE_NAMES
-    from vibro.quantities import LENGTH, STAND_RATIO
-    from vibro.sweeps.derived import WITH_ACCELERATION
+    from vibro.cli.report import aligned
+    from vibro.quantities import STAND_RATIO
+    from vibro.sweeps.one_scene import beginnings, facts_of, phase_rows
 
-    two, along = len(one.driven) > 1, "along the drive (machine number A w^2/g)"
-    facts = [
-        *one.facts(),
-        *one.numbers(),
-        (
-            "acceleration",
-            f"{number(one.value(WITH_ACCELERATION))} g {'at most along the path' if two else along}",
-        ),
-        ("throw number", f"{number(one.throw_number)} (above 1 the body hops)"),
-        *_sensitivity(one, grid),
-        *_throughput(one, part),
-    ]
+    facts = [*facts_of(one, grid), *_throughput(one, part)]
     if STAND_RATIO.column in part:
         facts.append(("upright", _upright(one, part[STAND_RATIO.column])))
-    which = "both amplitudes" if two else "amplitude [mm]"
-    heads = [("begins", "load now / then", which, "frequency [Hz]")]
-    begins = [
-        (
-            t.name,
-            number(t.ratio),
-            one.amplitudes(t.ratio) if two else number(LENGTH.from_si(t.amplitude)),
-            number(t.frequency),
-        )
-        for t in one.transitions()
-    ]
     if one.has_harmonics:
         facts.append(("comes next", "not known of drives with harmonics"))
-    parts = [aligned(facts, right=False), *([] if one.has_harmonics else [aligned([*heads, *begins])])]
-    phases = [
-        (
-            PHASE_NAMES[p.kind],
-            f"{1e3 * p.start:z.5f}",
-            f"{1e3 * p.end:z.5f}",
-            f"{LENGTH.from_si(p.displacement):z.5f}",
-        )
-        for p in one.phases()
-    ]
-    if phases:
-        parts.append(aligned([("phase", "start [ms]", "end [ms]", "displacement [mm]"), *phases]))
-    return "\n\n".join(parts)
+    tables = [rows for rows in (beginnings(one), phase_rows(one)) if rows]
+    return "\n\n".join([aligned(facts, right=False), *map(aligned, tables)])

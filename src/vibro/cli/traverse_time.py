@@ -12,7 +12,7 @@ from vibro.cli.tables import ColumnsOption, DigitsOption, refuse_without_table, 
 from vibro.errors import InputError
 
 if TYPE_CHECKING:
-    from vibro.cli.report import OneScene
+    from vibro.sweeps.one_scene import OneScene
 
 __all__ = ["traverse_time_command"]
 
@@ -69,7 +69,8 @@ def traverse_time_command(
 
 
 def _report(scene: OneScene) -> str:
-    from vibro.cli.report import aligned, estimate, number
+    from vibro.cli.report import aligned
+    from vibro.sweeps.one_scene import estimate, number
 
     steady = scene.traverse_time
     if steady is None:
@@ -84,7 +85,7 @@ def _report(scene: OneScene) -> str:
 
 def _exactly(scene: OneScene, steady: float | None) -> list[tuple[str, str]]:
     """Say when a body arrives that starts from rest, and why that is not length over mean speed."""
-    from vibro.cli.report import number
+    from vibro.sweeps.one_scene import number
 
     time, frequency = scene.arrival_time, scene.given["frequency"]
     if not math.isfinite(time):

@@ -1,0 +1,315 @@
+"""One solved scene in words: its regime, where the next ones begin, its phases."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.core.codes import PHASE_NAMES, Regime, Status
+from vibro.limits import transitions
+from vibro.motion.settled import cycle_phases
+from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, scene_fields
+from vibro.scene import HarmonicFields, Scene
+from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
+from vibro.sweeps.run import sweep_blocks
+
+if TYPE_CHECKING:
+    from vibro.limits import Transition
+    from vibro.motion.settled import CyclePhase
+    from vibro.results.sweep import Block, Column
+    from vibro.sweeps.grid import Grid
+
+__all__ = ["OneScene", "beginnings", "estimate", "facts_of", "number", "phase_rows"]
+
+_MOST_PHASES: Final = 40  # a longer table says nothing
+_RAISED: Final = 1.1  # amplitude over that of the scene, where its effect is told
+_LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
+
+
+class OneScene:
+    """One solved scene in words and in the user's units.
+
+    Parameters
+    ----------
+    block : Block
+        Of a single cell.
+
+    Attributes
+    ----------
+    given : dict of str to float
+        Every quantity of the scene, in the units outside.
+    scene : Scene
+        The same.
+    length : float
+        Length of the trough, NaN without one [mm].
+    regime : Regime
+        What the body does.
+    status : Status
+        How far to trust it.
+    """
+
+    def __init__(self, block: Block) -> None:
+        self.given = {name: float(value.item()) for name, value in block.values.items()}
+        self.scene = Scene(**scene_fields(self.given))
+        self.length = math.nan if block.length is None else block.length
+        self.regime = Regime(int(block.cycle.regime.item()))
+        self.status = Status(int(block.cycle.status.item()))
+        self._block = block
+        self._cycle = block.cycle
+
+    def value(self, column: Column) -> float:
+        """Return the number that a table has in a column."""
+        return float(np.asarray(column.values(self._block)).item())
+
+    def result(self, name: str) -> float:
+        """Return a length or speed of the cycle [mm, mm/s]."""
+        return float(LENGTH.from_si(getattr(self._cycle, name).item()))
+
+    @property
+    def traverse_time(self) -> float | None:
+        """Length over mean speed [s]; None where the body never arrives or nobody knows."""
+        if math.isnan(self.length):
+            return None
+        time = float(self._cycle.traverse_time(LENGTH.to_si(self.length)))
+        return time if math.isfinite(time) else None
+
+    @property
+    def throw_number(self) -> float:
+        """Most unloading over the weight on the trough [1]."""
+        return float(self._cycle.throw_number)
+
+    @property
+    def hops(self) -> bool:
+        """Whether the body leaves the trough."""
+        return self.regime is Regime.HOPPING
+
+    @property
+    def relative_error(self) -> float:
+        """Standard error of the mean speed over its size; 0 where it is no mean [1]."""
+        error = float(self._cycle.mean_velocity_error)
+        return error / abs(float(self._cycle.mean_velocity)) if error > 0.0 else 0.0
+
+    @property
+    def arrival_time(self) -> float:
+        """Time from rest at trough phase 0 to the arrival; inf where there is none, NaN if unknown [s]."""
+        arrival = self._block.arrival
+        return math.nan if arrival is None else float(arrival.item())
+
+    def facts(self) -> list[tuple[str, str]]:
+        """Return what every report says, as pairs of a name and a text."""
+        given = {
+            name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+            for name, value in self.given.items()
+            if value != DEFAULTS.get(name)
+        }
+        if "amplitude" in given:
+            stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
+            given["amplitude"] += f" (stroke {stroke} peak to peak)"
+        else:
+            length = self.value(WITH_STROKE)
+            told = f"stroke {number(length, LENGTH.unit)} peak to peak, the longest way across the ellipse"
+            given["normal_phase"] += "" if math.isnan(length) else f" ({told})"
+        pattern = str(self._cycle.pattern)
+        facts = [
+            ("scene", ", ".join(given.values())),
+            ("regime", (self.regime.label or "none") + (f", pattern {pattern}" if pattern else "")),
+        ]
+        if self.status is not Status.OK:
+            facts.append(("status", f"{self.status.label} ({self.status.message})"))
+        if note := self._other_motions():
+            facts.append(("note", note))
+        speed = self.result("mean_velocity")
+        known = estimate(speed, self.result("mean_velocity_error"), "mm/s")
+        unknown = f"none: it gains speed every cycle, {self.runs}" if self.runs else "unknown"
+        facts.append(("mean speed", unknown if math.isnan(speed) else known))
+        return facts
+
+    @property
+    def runs(self) -> str:
+        """Which way a body runs that gains speed every cycle; empty for every other body."""
+        slope = float(self.scene.trough_angle)
+        if self.status is not Status.RUNAWAY or not slope:
+            return ""
+        return "backwards, down the track" if slope > 0.0 else "forwards, down the trough"
+
+    def _other_motions(self) -> str:
+        """Say what else a body does that is disturbed; nothing where that was not looked at, or is usual."""
+        if self._cycle.coexists > 0:
+            loads = () if self.has_harmonics else self.scene.arrays().loads()
+            if loads and abs(loads.tangential) > loads.kinetic_friction * loads.normal:
+                return "a body pushed downhill runs away: gravity along the trough exceeds kinetic friction"
+            return "a disturbed body can settle into another steady motion than one from rest"
+        if self._cycle.coexists == 0 and self.hops:
+            return "no other steady motion was found, within 64 flights from 64 disturbed starts"
+        return ""
+
+    def numbers(self) -> list[tuple[str, str]]:
+        """Return the other numbers of the cycle, as pairs of a name and a text; none if unknown."""
+        if math.isnan(self.result("mean_velocity")):
+            return []
+        numbers = [
+            ("peak speed", number(self.result("peak_velocity"), "mm/s")),
+            ("per cycle", number(self.result("displacement_per_cycle"), "mm")),
+        ]
+        if self._cycle.flight_fraction > 0.0:
+            period = float(self._cycle.period_cycles)
+            numbers += [
+                ("in flight", f"{number(100.0 * float(self._cycle.flight_fraction))} % of the time"),
+                ("impact speed", f"{number(self.result('impact_velocity'), 'mm/s')} normal to the trough"),
+                ("repeats", "no short period" if math.isnan(period) else _cycles(period)),
+            ]
+        return numbers
+
+    def why_never(self) -> str:
+        """Say why there is no traverse time, and what to change where the body rests."""
+        speed = self.result("mean_velocity")
+        if self.runs:
+            return f"none at a mean speed: the body runs {self.runs}, and gains speed every cycle"
+        if math.isnan(speed):
+            return f"unknown: {self.status.message}"
+        if self.relative_error > _LEAST_CERTAIN:
+            return "unknown: the standard error leaves open which way the mean speed goes"
+        if speed < 0:
+            return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
+        if self.regime is not Regime.NO_SLIP:
+            return "never: the body slides to and fro without being conveyed"
+        if self.has_harmonics:
+            return "never: the body rests"
+        begins = next((t for t in self.transitions() if t.name in ("forward slip", "hopping")), None)
+        if begins is None:  # beyond the range of doubles
+            return "never: the body rests"
+        frequency = begins.frequency
+        by_amplitude = f"{self.amplitudes(begins.ratio)} ({1.0 / begins.ratio:.4g} x)"
+        by_frequency = f"above {number(frequency, 'Hz')} ({frequency / self.given['frequency']:.4g} x)"
+        which = self.all_amplitudes or "the amplitude"
+        return (
+            f"never: the body rests; {begins.name} begins with {which} above {by_amplitude}"
+            f" or with the frequency {by_frequency}"
+        )
+
+    @property
+    def all_amplitudes(self) -> str:
+        """What to call the amplitudes of the drive together; empty of a drive along a line, which has one."""
+        return {1: "", 2: "both amplitudes"}.get(len(self.driven), "all amplitudes")
+
+    @property
+    def driven(self) -> dict[str, float]:
+        """The amplitudes of the drive, in the units outside: one along a line, two of an ellipse."""
+        return {name: value for name, value in self.given.items() if name in AMPLITUDES}
+
+    def amplitudes(self, ratio: float) -> str:
+        """Write the amplitudes at which the load is the scene's over ``ratio``, which scales all of them."""
+        return " and ".join(number(value / ratio, LENGTH.unit) for value in self.driven.values())
+
+    @property
+    def is_two_axis(self) -> bool:
+        """Whether the drive moves along an ellipse, or has harmonics."""
+        return len(self.driven) > 1
+
+    @property
+    def has_harmonics(self) -> bool:
+        """Whether the drive has harmonics, of which it is not known what comes next."""
+        return isinstance(self.scene.arrays(), HarmonicFields)
+
+    def transitions(self) -> tuple[Transition, ...]:
+        """Return where each kind of motion begins; none where that is not known."""
+        return () if self.has_harmonics else transitions(self.scene)
+
+    def phases(self) -> tuple[CyclePhase, ...]:
+        """Return the cycle's phases; none where they are not modelled, or too many."""
+        if self.hops and (self.has_harmonics or not self._cycle.flight_fraction > 0.0):
+            return ()
+        phases = cycle_phases(self.scene)
+        return phases if len(phases) <= _MOST_PHASES else ()
+
+
+def _cycles(count: float) -> str:
+    return "every drive cycle" if count == 1.0 else f"every {count:.0f} drive cycles"
+
+
+def facts_of(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
+    """Return all that is told of one scene in a line each, as pairs of a name and a text.
+
+    Parameters
+    ----------
+    one : OneScene
+        The scene.
+    grid : Grid
+        Of that single cell; it is solved once more with a larger amplitude.
+    """
+    along = "at most along the path" if one.is_two_axis else "along the drive (machine number A w^2/g)"
+    return [
+        *one.facts(),
+        *one.numbers(),
+        ("acceleration", f"{number(one.value(WITH_ACCELERATION))} g {along}"),
+        ("throw number", f"{number(one.throw_number)} (above 1 the body hops)"),
+        *_sensitivity(one, grid),
+    ]
+
+
+def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
+    """Say how the speed follows the amplitude: its exponent, and what a larger amplitude does."""
+    speed = one.result("mean_velocity")
+    if math.isnan(speed):
+        return []
+    raised_amplitudes = {name: _RAISED * value for name, value in one.driven.items()}
+    if not all(map(math.isfinite, raised_amplitudes.values())):  # beyond the range of doubles
+        return []
+    (block,) = sweep_blocks(replace(grid, fixed={**grid.fixed, **raised_amplitudes}, coexistence=False))
+    raised = OneScene(block)
+    then = raised.result("mean_velocity")
+    still = abs(one.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * max(one.driven.values())
+    if math.isnan(then):
+        told = f"speed unknown ({raised.status.message})"
+    elif not still and then / speed > 0.0:
+        gain = then / speed
+        error = 100.0 * gain * math.hypot(one.relative_error, raised.relative_error)
+        told = f"{100.0 * (gain - 1.0):+z.3g} % speed"
+        told += f" +- {error:.2g} % (standard error)" if error else ""
+    else:
+        told = estimate(then, raised.result("mean_velocity_error"), "mm/s")
+    if raised.regime is not one.regime:
+        told += f", {raised.regime.label}"
+    exponent = one.value(WITH_EXPONENT)
+    power = "" if math.isnan(exponent) else f" (d ln speed / d ln amplitude = {number(exponent)})"
+    return [("sensitivity", f"+10 % {one.all_amplitudes or 'amplitude'}: {told}{power}")]
+
+
+def beginnings(one: OneScene) -> list[tuple[str, ...]]:
+    """Return the rows of a table of where each kind of motion begins, its head first; none if unknown."""
+    if one.has_harmonics:
+        return []
+    which = "both amplitudes" if one.is_two_axis else "amplitude [mm]"
+    rows: list[tuple[str, ...]] = [("begins", "load now / then", which, "frequency [Hz]")]
+    for t in one.transitions():
+        amplitude = one.amplitudes(t.ratio) if one.is_two_axis else number(LENGTH.from_si(t.amplitude))
+        rows.append((t.name, number(t.ratio), amplitude, number(t.frequency)))
+    return rows
+
+
+def phase_rows(one: OneScene) -> list[tuple[str, ...]]:
+    """Return the rows of a table of the cycle's phases, its head first; none if there are none to tell."""
+    rows = [
+        (
+            PHASE_NAMES[p.kind],
+            f"{1e3 * p.start:z.5f}",
+            f"{1e3 * p.end:z.5f}",
+            f"{LENGTH.from_si(p.displacement):z.5f}",
+        )
+        for p in one.phases()
+    ]
+    return [("phase", "start [ms]", "end [ms]", "displacement [mm]"), *rows] if rows else []
+
+
+def estimate(value: float, error: float, unit: str = "") -> str:
+    """Write a number for people, with its standard error where it is a mean."""
+    spread = f" +- {error:.2g} {unit}".rstrip() + " (standard error)" if error > 0.0 else ""
+    return number(value, unit) + spread
+
+
+def number(value: float, unit: str = "") -> str:
+    """Write a number for people, with six digits."""
+    return f"{value:z.6g} {unit}".rstrip()
