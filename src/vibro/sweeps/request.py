@@ -182,11 +182,11 @@ class _Problems:
         if not self._texts:
             return
         order = [*QUANTITIES, ""]
-        texts = [text for _, text in sorted(self._texts, key=lambda problem: order.index(problem[0]))]
+        slots, texts = zip(*sorted(self._texts, key=lambda problem: order.index(problem[0])), strict=True)
         hints = [hint for _, hint in self._hints]
         if len(texts) > 1:
             hints = [f"{QUANTITIES[slot].label}: {hint}" if slot else hint for slot, hint in self._hints]
-        raise InputError(*texts, hint="\n".join(hints))
+        raise InputError(*texts, hint="\n".join(hints), fields=slots)
 
 
 def gather(

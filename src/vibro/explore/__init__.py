@@ -1,0 +1,1 @@
+"""A page in the browser that moves with the drive: ``vibro explore``."""

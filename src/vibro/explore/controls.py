@@ -1,0 +1,133 @@
+"""What the page lets people move: quantities with the ranges of their sliders, drives, views, presets."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from vibro.quantities import LINEAR, QUANTITIES, SWEPT
+
+__all__ = ["CONTROLS", "DRIVES", "PRESETS", "VIEWS", "Control", "Drive", "drive_named"]
+
+
+class Control(NamedTuple):
+    """A slider: its ends, its step, and the range that a map's axis has unless told, in the unit outside."""
+
+    low: float
+    high: float
+    step: float
+    axis: str = ""
+
+
+class Drive(NamedTuple):
+    """A way in which the trough can move: what tells it, and what its map shows unless told."""
+
+    label: str
+    quantities: tuple[str, ...]
+    x: str
+    y: str
+
+
+class Preset(NamedTuple):
+    """Drives that are often met: what they set."""
+
+    label: str
+    state: dict[str, str]
+
+
+_ELLIPSE: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
+_SECOND: Final = ("along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2")
+
+#: By name; quantities of every drive come after those that tell it.
+DRIVES: Final = {
+    "line": Drive("along a line", LINEAR, "amplitude", "frequency"),
+    "ellipse": Drive("along an ellipse", _ELLIPSE, "normal_phase", "along_amplitude"),
+    "harmonics": Drive("with a second harmonic", (*_ELLIPSE, *_SECOND), "along_phase_2", "along_amplitude_2"),
+}
+
+#: Of every quantity that the page shows, in the order in which it shows them.
+CONTROLS: Final = {
+    "amplitude": Control(0.01, 5.0, 0.005, "0.1:3"),
+    "along_amplitude": Control(0.0, 5.0, 0.01, "0.1:3"),
+    "normal_amplitude": Control(0.0, 2.0, 0.005, "0:1"),
+    "frequency": Control(5.0, 120.0, 0.1, "5:60"),
+    "drive_angle": Control(0.0, 89.0, 0.1, "0:80"),
+    "normal_phase": Control(-180.0, 180.0, 1.0, "-180:180"),
+    "along_amplitude_2": Control(0.0, 2.0, 0.005, "0:1"),
+    "along_phase_2": Control(-180.0, 180.0, 1.0, "-180:180"),
+    "normal_amplitude_2": Control(0.0, 2.0, 0.005, "0:0.5"),
+    "normal_phase_2": Control(-180.0, 180.0, 1.0, "-180:180"),
+    "static_friction": Control(0.01, 1.5, 0.005, "0.1:1.2"),
+    "friction_ratio": Control(0.0, 1.0, 0.005, "0.3:1"),
+    "kinetic_friction": Control(0.0, 1.5, 0.005, "0.1:1.2"),
+    "trough_angle": Control(-20.0, 20.0, 0.1, "-10:15"),
+    "restitution": Control(0.0, 0.95, 0.01, "0:0.9"),
+    "trough_length": Control(50.0, 5000.0, 10.0),
+    "gravity": Control(1.0, 20.0, 0.01),
+}
+assert set(SWEPT) <= set(CONTROLS) <= set(QUANTITIES)
+
+VIEWS: Final = {
+    "regime": "regimes",
+    "speed": "mean conveying speed",
+    "traverse": "traverse time",
+    "impact": "impact speed",
+    "flight": "share of time in flight",
+}
+
+_MAP: Final = {"drive": "line", "x": "amplitude_mm", "y": "frequency_hz"}
+# A magnet on mains of 50 Hz pulls at every half-wave, behind a diode at every second one; motors with 4 and 6
+# poles turn 1500 and 1000 times a minute. Amplitudes are of the size that such drives have (docs/makers.md).
+PRESETS: Final = {
+    "magnet-50": Preset(
+        "magnet, 50 Hz",
+        {
+            **_MAP,
+            "amplitude_mm": "0.5",
+            "frequency_hz": "50",
+            "drive_angle_deg": "25",
+            "x_range": "0.05:1.5",
+            "y_range": "20:80",
+        },
+    ),
+    "magnet-100": Preset(
+        "magnet, 100 Hz",
+        {
+            **_MAP,
+            "amplitude_mm": "0.15",
+            "frequency_hz": "100",
+            "drive_angle_deg": "20",
+            "x_range": "0.01:0.5",
+            "y_range": "50:150",
+        },
+    ),
+    "motor-25": Preset(
+        "unbalance motor, 1500 rpm",
+        {
+            **_MAP,
+            "amplitude_mm": "2",
+            "frequency_hz": "25",
+            "drive_angle_deg": "30",
+            "x_range": "0.2:5",
+            "y_range": "8:50",
+        },
+    ),
+    "motor-16": Preset(
+        "unbalance motor, 1000 rpm",
+        {
+            **_MAP,
+            "amplitude_mm": "4",
+            "frequency_hz": "16.6667",
+            "drive_angle_deg": "30",
+            "x_range": "0.2:8",
+            "y_range": "5:40",
+        },
+    ),
+}
+
+
+def drive_named(quantities: tuple[str, ...]) -> str:
+    """Name the drive that quantities tell; empty if the page has none such."""
+    for name, drive in DRIVES.items():
+        if set(quantities) <= set(drive.quantities):
+            return name
+    return ""

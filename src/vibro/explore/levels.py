@@ -1,0 +1,277 @@
+"""The cells of a map, solved in the order in which people need them: contact at once, flights coarse to fine.
+
+Contact takes a few milliseconds a map. A flight takes 13 to 50 us where bodies do not bounce, and a
+millisecond or more where they do, and a cell of a drive with harmonics 14 us. These cells come one lattice
+after the other, each with half the spacing, and show a solved neighbour meanwhile. Over amplitude and
+frequency everything depends on the load G alone, up to the scales of length and time: there a line of loads
+shows the whole map before.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.core.flight.cycles import MOST_THROW
+from vibro.results.steady import RESULTS, SteadyCycle
+from vibro.scene import HarmonicFields
+from vibro.sweeps.grid import scene_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from vibro.sweeps.grid import Grid
+
+    Floats = NDArray[np.float64]
+    Indices = NDArray[np.intp]
+
+__all__ = ["LOADS", "MapCells"]
+
+#: Of a line that shows a map over amplitude and frequency: first those that take some milliseconds ...
+LOADS: Final = 512
+_FIRST_LOADS: Final = 256  # ... where bodies do not bounce. Where they do they come later, together.
+_SPACINGS: Final = (16, 8, 4, 2, 1)  # of the lattices [cells]
+
+_FIRST_HARMONIC: Final = 8  # spacing of the lattice of the first picture of drives with harmonics
+_FIRST_CELLS: Final = 64  # solved at once before it is known how long they take
+_TURN: Final = 0.25  # [s] that solving so many at once may take: of few, each takes ten times as long
+
+# How results of bodies with the same load scale with amplitude and frequency; all others are the same.
+_WITH_AMPLITUDE: Final = ("displacement_per_cycle",)
+_WITH_SPEED: Final = ("mean_velocity", "peak_velocity", "impact_velocity", "mean_velocity_error")
+
+
+class MapCells:
+    """The cells of one map, as far as they are solved.
+
+    Parameters
+    ----------
+    grid : Grid
+        Of two axes.
+
+    Attributes
+    ----------
+    cycle : SteadyCycle
+        Arrays of the grid's shape. A cell that is not ``exact`` shows what ``source`` says.
+    exact : bool array
+        Of the grid's shape: whether each cell is what ``vibro.solve`` gives for it.
+    known : bool array
+        Of the grid's shape: whether each cell shows numbers, or has a status that says why there are none.
+    """
+
+    def __init__(self, grid: Grid) -> None:
+        self._grid = grid
+        scene = scene_of(grid.values())
+        self._harmonic = isinstance(scene.arrays(), HarmonicFields)
+        if self._harmonic:
+            self._solved, waiting = _unsolved(grid.shape), np.ones(grid.shape, np.bool_)
+        else:
+            self._solved = replace(grid, flight=False).solve(grid.values())
+            waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
+            waiting &= self._solved.throw_number <= MOST_THROW
+        self.exact = ~waiting
+        self._waiting = _coarse_to_fine(waiting, _SPACINGS[0])
+        self._done = 0
+        if self._harmonic:
+            self._solve_more(math.prod(-(-n // _FIRST_HARMONIC) for n in grid.shape))
+        self._line = None if self.is_done else _Line.over(grid, scene.load, waiting)
+        self._turn = _Turn()
+        self._show()
+
+    @property
+    def progress(self) -> tuple[float, str]:
+        """Share of the cells that take time which is exact, and what to say of the others."""
+        if self.is_done:
+            return 1.0, ""
+        share = self._done / self._waiting.size
+        what = "cells" if self._harmonic else "hopping"
+        if self._line is None or not self._line.is_known:
+            return share, f"{what}: {share:.0%} exact, others from their neighbours"
+        told = (
+            f"those of loads within {self._line.spread:.2g} of theirs" if self._line.is_done else "a preview"
+        )
+        return share, f"{what}: {share:.0%} exact, others {told}"
+
+    @property
+    def is_done(self) -> bool:
+        """Whether every cell is exact."""
+        return self._done == self._waiting.size
+
+    def advance(self, seconds: float) -> None:
+        """Work on for about so long."""
+        end = time.perf_counter() + seconds
+        while not self.is_done and time.perf_counter() < end:
+            if self._line is not None and not self._line.is_done:
+                self._turn.take(self._line.solve_more)
+            else:
+                self._turn.take(self._solve_more)
+        self._show()
+
+    def _solve_more(self, count: int) -> int:
+        """Solve so many cells more; return how many there were."""
+        cells = self._waiting[self._done : self._done + count]
+        found = self._grid.solve(self._grid.picked(cells))
+        for name, values in vars(found).items():
+            getattr(self._solved, name).reshape(-1)[cells] = values
+        self.exact.reshape(-1)[cells] = True
+        self._done += cells.size
+        return cells.size
+
+    def _show(self) -> None:
+        """Let cells that are not solved show what is nearest to them."""
+        if self.is_done:
+            self.cycle, self.known = self._solved, np.ones(self.exact.shape, np.bool_)
+            return
+        shown = {name: values.copy() for name, values in vars(self._solved).items()}
+        if self._line is not None and self._line.is_known:
+            self._line.show(shown, ~self.exact)
+            self.known = np.ones(self.exact.shape, np.bool_)
+        else:
+            source = self._neighbours()
+            self.known = self.exact | (source >= 0)
+            far = ~self.exact & (source >= 0)
+            for values in shown.values():
+                values[far] = values.reshape(-1)[source[far]]
+        self.cycle = SteadyCycle(**shown)
+
+    def _neighbours(self) -> Indices:
+        """Return for every cell the solved one, of those that waited, in the corner of its square; or -1."""
+        shape = self.exact.shape
+        numbers = np.arange(self.exact.size).reshape(shape)
+        solved = np.zeros(shape, np.bool_)
+        solved.reshape(-1)[self._waiting[: self._done]] = True
+        source = np.full(shape, -1, np.intp)
+        for spacing in _SPACINGS:
+            corner = np.ix_(*(np.arange(n) // spacing * spacing for n in shape))
+            source = np.where(solved[corner], numbers[corner], source)
+        return source
+
+
+class _Turn:
+    """How many cells are solved at once: as many as take a turn's time."""
+
+    def __init__(self) -> None:
+        self._count = _FIRST_CELLS
+
+    def take(self, work: Callable[[int], int]) -> None:
+        """Do as much work as a turn has time for; ``work`` returns how much there was."""
+        start = time.perf_counter()
+        done = work(self._count)
+        taken = time.perf_counter() - start
+        if done == self._count:
+            self._count = max(_FIRST_CELLS, int(self._count * min(4.0, _TURN / taken)))
+
+
+class _Line:
+    """Bodies of the same angles, frictions and restitution at loads between the ends of a map's.
+
+    Attributes
+    ----------
+    spread : float
+        How far any load between the ends may be off that of the nearest solved body, as a share.
+    """
+
+    def __init__(
+        self, grid: Grid, ends: tuple[float, float], load: Floats, waiting: NDArray[np.bool_]
+    ) -> None:
+        self._loads = np.geomspace(*ends, LOADS)
+        self._load = load
+        self._order, self._done = _coarse_to_fine(np.ones((1, LOADS), np.bool_), LOADS), 0
+        fixed = {name: np.array([value]) for name, value in grid.fixed.items()}
+        values = grid.values()
+        self._frequency = values["frequency"]
+        self._amplitude = values["amplitude"]
+        # Of the reference bodies any frequency will do: the middle one is in nobody's way.
+        self._reference = float(np.median(self._frequency))
+        gravity = grid.fixed["gravity"]
+        w = 2.0 * math.pi * self._reference
+        self._amplitudes = 1e3 * self._loads * gravity / w**2  # [mm]
+        self._given = {**fixed, "frequency": np.array([self._reference])}
+        self._grid = grid
+        self._found: dict[str, NDArray[Any]] = {}
+        self._waiting = waiting
+        if not grid.fixed["restitution"]:
+            self.solve_more(_FIRST_LOADS)
+
+    @classmethod
+    def over(cls, grid: Grid, load: Floats, waiting: NDArray[np.bool_]) -> _Line | None:
+        """Make the line of a map over amplitude and frequency; of others there is none."""
+        if set(grid.axes) != {"amplitude", "frequency"}:
+            return None
+        load = np.broadcast_to(load, waiting.shape)
+        ends = float(load[waiting].min()), float(load[waiting].max())
+        if not 0.0 < ends[0] < ends[1] < math.inf:
+            return None
+        return cls(grid, ends, load, waiting)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether loads are solved, from end to end."""
+        return self._done >= _FIRST_LOADS // 8
+
+    @property
+    def is_done(self) -> bool:
+        """Whether every load is solved."""
+        return self._done == LOADS
+
+    @property
+    def spread(self) -> float:
+        solved = np.sort(np.log(self._loads[self._order[: self._done]]))
+        beyond = math.log(self._loads[-1]) - solved[-1]
+        return math.expm1(max(0.5 * np.diff(solved).max(), beyond))
+
+    def solve_more(self, count: int) -> int:
+        """Solve so many loads more; return how many there were."""
+        chosen = self._order[self._done : self._done + count]
+        found = self._grid.solve({**self._given, "amplitude": self._amplitudes[chosen]})
+        for name, values in vars(found).items():
+            self._found.setdefault(name, np.zeros(LOADS, values.dtype))[chosen] = values
+        self._done += chosen.size
+        return chosen.size
+
+    def show(self, shown: dict[str, NDArray[Any]], where: NDArray[np.bool_]) -> None:
+        """Fill in cells with the numbers of the nearest load."""
+        solved = np.sort(self._order[: self._done])
+        middles = np.sqrt(self._loads[solved[1:]] * self._loads[solved[:-1]])
+        nearest = solved[np.searchsorted(middles, self._load[where])]
+        amplitude, frequency = (
+            np.broadcast_to(x, self._load.shape)[where] for x in (self._amplitude, self._frequency)
+        )
+        longer = amplitude / self._amplitudes[nearest]
+        faster = longer * (frequency / self._reference)
+        for name, values in shown.items():
+            numbers = self._found[name][nearest]
+            if name in _WITH_AMPLITUDE:
+                numbers = numbers * longer
+            elif name in _WITH_SPEED:
+                numbers = numbers * faster
+            values[where] = numbers
+
+
+def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:
+    """Make cells of which nothing is known."""
+    cycle = {
+        r.name: np.full(shape, np.nan if r.is_number else -1 if r.is_flag else 0, r.dtype) for r in RESULTS
+    }
+    cycle["regime"][:], cycle["status"][:] = int(Regime.UNDEFINED), int(Status.UNRESOLVED)
+    return SteadyCycle(**cycle)
+
+
+def _coarse_to_fine(chosen: NDArray[np.bool_], spacing: int) -> Indices:
+    """Return the flat indices of chosen cells: those of the widest lattice first, then of ever finer ones."""
+    on = [
+        np.gcd(np.arange(n), spacing) for n in chosen.shape
+    ]  # the widest lattice, a power of 2, on which it is
+    widest = np.minimum.outer(*on).reshape(-1)
+    cells = np.flatnonzero(chosen)
+    return cells[np.argsort(-widest[cells], kind="stable")]
+
+
+assert set(_WITH_AMPLITUDE + _WITH_SPEED) <= {result.name for result in RESULTS}
