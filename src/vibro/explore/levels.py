@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vibro.scene import Scene
     from vibro.sweeps.grid import Grid
 
     Floats = NDArray[np.float64]
@@ -81,7 +82,7 @@ class MapCells:
         self._done = 0
         if self._harmonic:
             self._solve_more(math.prod(-(-n // _FIRST_HARMONIC) for n in grid.shape))
-        self._line = None if self.is_done else _Line.over(grid, scene.load, waiting)
+        self._line = None if self.is_done else _Line.over(grid, scene, waiting)
         self._turn = _Turn()
         self._show()
 
@@ -201,11 +202,11 @@ class _Line:
             self.solve_more(_FIRST_LOADS)
 
     @classmethod
-    def over(cls, grid: Grid, load: Floats, waiting: NDArray[np.bool_]) -> _Line | None:
+    def over(cls, grid: Grid, scene: Scene, waiting: NDArray[np.bool_]) -> _Line | None:
         """Make the line of a map over amplitude and frequency; of others there is none."""
         if set(grid.axes) != {"amplitude", "frequency"}:
             return None
-        load = np.broadcast_to(load, waiting.shape)
+        load = np.broadcast_to(scene.load, waiting.shape)
         ends = float(load[waiting].min()), float(load[waiting].max())
         if not 0.0 < ends[0] < ends[1] < math.inf:
             return None
@@ -257,7 +258,7 @@ class _Line:
 
 def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:
     """Make cells of which nothing is known."""
-    cycle = {
+    cycle: dict[str, NDArray[Any]] = {
         r.name: np.full(shape, np.nan if r.is_number else -1 if r.is_flag else 0, r.dtype) for r in RESULTS
     }
     cycle["regime"][:], cycle["status"][:] = int(Regime.UNDEFINED), int(Status.UNRESOLVED)
@@ -266,10 +267,8 @@ def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:
 
 def _coarse_to_fine(chosen: NDArray[np.bool_], spacing: int) -> Indices:
     """Return the flat indices of chosen cells: those of the widest lattice first, then of ever finer ones."""
-    on = [
-        np.gcd(np.arange(n), spacing) for n in chosen.shape
-    ]  # the widest lattice, a power of 2, on which it is
-    widest = np.minimum.outer(*on).reshape(-1)
+    # Spacings are powers of 2: along an axis the widest lattice that holds an index is their common divisor.
+    widest = np.minimum.outer(*(np.gcd(np.arange(n), spacing) for n in chosen.shape)).reshape(-1)
     cells = np.flatnonzero(chosen)
     return cells[np.argsort(-widest[cells], kind="stable")]
 

@@ -1,0 +1,330 @@
+"""A map as the page draws it: cells, the curves between regimes, and how numbers become colours."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime, Status
+from vibro.explore.controls import VIEWS
+from vibro.explore.packing import pack
+from vibro.inverse.certain import Certain, certain
+from vibro.plots.fields import Fields, hiding_fields, without_hidden, zero_lines
+from vibro.plots.scales import scale_of, time_scale
+from vibro.plots.style import CURVES, INK, ZERO_SPEED, CurveStyle
+from vibro.plots.view import choose_view, panels
+from vibro.quantities import QUANTITIES
+from vibro.results.sweep import SweepResult
+from vibro.sweeps.grid import scene_of
+from vibro.sweeps.run import limits_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.axes import Axis
+    from vibro.explore.levels import MapCells
+    from vibro.explore.state import State
+    from vibro.plots.scales import Scale
+    from vibro.sweeps.grid import Grid
+
+    Floats = NDArray[np.float64]
+    Curves = list[tuple[str, CurveStyle, list[Floats]]]
+
+__all__ = ["packed_map"]
+
+# Bits of what is marked in a cell.
+BACKWARDS, AVERAGED, COEXISTS, PREVIEW, UNKNOWN, MEETS, COVERED, UNPROVED = (1 << i for i in range(8))
+
+_CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
+_COLOURS: Final = 256  # of a scale
+_TARGET: Final = CurveStyle("target speed", "-", 2.6)
+_UNITS: Final = {"speed": "mm/s", "traverse": "s", "impact": "mm/s", "flight": ""}
+_OF_SPEED: Final = ("speed", "traverse")
+_FLIGHT_ALONE: Final = {"impact": "impact_velocity", "flight": "flight_fraction"}
+_MILLIMETRE: Final = 1e3  # [1/m]
+_WITHOUT_SPEED: Final = (Status.INFEASIBLE, Status.INDETERMINATE, Status.RUNAWAY, Status.UNRESOLVED)
+_LARGEST: Final = float(np.finfo(np.float32).max)
+
+
+def packed_map(state: State, cells: MapCells) -> bytes:
+    """Pack what the page draws of a map.
+
+    Parameters
+    ----------
+    state : State
+        What is shown.
+    cells : MapCells
+        Of ``state.grid()``, as far as they are solved.
+
+    Returns
+    -------
+    bytes
+        As ``pack`` makes them. Arrays of cells have the shape (y, x), the lowest row first:
+        ``speed`` [mm/s], ``values`` of the view unless that is of regimes, ``regime``, ``status``, ``marks``,
+        with bands ``lowest`` and ``highest`` regime; ``points`` of the curves are shares of the axes.
+    """
+    drawn = _Drawn(state, cells)
+    curves, numbers = drawn.curves(), drawn.numbers
+    arrays: dict[str, NDArray[Any]] = {
+        "speed": _single(_MILLIMETRE * drawn.cycle["mean_velocity"]),
+        "regime": drawn.cycle["regime"],
+        "status": drawn.cycle["status"],
+        "marks": drawn.marks(),
+    }
+    if numbers is not None:
+        arrays["values"] = _single(numbers)
+    if drawn.certain is not None:
+        arrays |= {"lowest": drawn.certain.lowest, "highest": drawn.certain.highest}
+    pieces = [drawn.shares(piece) for _, _, lines in curves for piece in lines]
+    arrays["points"] = _single(np.concatenate(pieces) if pieces else np.empty((0, 2)))
+    share, text = cells.progress
+    header = {
+        "view": state.view,
+        "label": drawn.label,
+        "title": VIEWS[state.view],
+        "x": _axis(drawn.panel.x),
+        "y": _axis(drawn.y),
+        "point": drawn.operating_point(),
+        "scale": None if numbers is None else _scale(drawn.scale(numbers)),
+        "curves": [_curve(name, style, lines) for name, style, lines in curves],
+        "bands": drawn.certain is not None,
+        "progress": {"done": cells.is_done, "share": share, "text": text},
+        "notes": drawn.notes(),
+    }
+    return pack(header, arrays)
+
+
+class _Drawn:
+    """What a map shows, arrays of shape (y, x).
+
+    Attributes
+    ----------
+    panel : Panel
+        Axes and cells.
+    y : Axis
+        The one that runs up.
+    certain : Certain or None
+        What holds for all bodies of the bands of friction, if there are any.
+    numbers : array or None
+        Those of the view, in the units outside; NaN where there are none.
+    """
+
+    def __init__(self, state: State, cells: MapCells) -> None:
+        grid = state.grid()
+        values = grid.values()
+        length, title = grid.length, state.point.name or ""
+        solved = SweepResult(grid.axes, grid.fixed, cells.cycle, limits_of(values), length, None, title)
+        view = choose_view(grid.axes, state.x.quantity.name, state.y.quantity.name, None, grid.fixed)
+        assert view.y is not None
+        self._state, self.y = state, view.y
+        self.panel = panels(solved, view)[0][0]
+        self.cycle: dict[str, NDArray[Any]] = dict(self.panel.cycle)
+        self._fields = Fields(self.panel)
+        is_turned = next(iter(grid.axes)) == view.x.name
+        self._known, self._exact = (x.T if is_turned else x for x in (cells.known, cells.exact))
+        self.certain = self._certain(grid, values, is_turned) if state.bands else None
+        self.numbers = self._numbers()
+
+    def _certain(self, grid: Grid, values: Mapping[str, Floats], is_turned: bool) -> Certain:
+        """Find what holds for all bodies of the bands."""
+        state = self._state
+        static = state.bands.get("static_friction", (grid.fixed["static_friction"],) * 2)
+        second = state.bands.get("kinetic_friction", (grid.fixed["kinetic_friction"],) * 2)
+        is_ratio = state.follows and "kinetic_friction" not in state.bands
+        if is_ratio:
+            second = (state.friction_ratio,) * 2
+        found = certain(scene_of(values), static_friction=static, second_friction=second, is_ratio=is_ratio)
+        return Certain(found.lowest.T, found.highest.T, found.speed_min.T) if is_turned else found
+
+    @property
+    def label(self) -> str:
+        """What the numbers are, with their unit."""
+        view, unit = VIEWS[self._state.view], _UNITS.get(self._state.view, "")
+        guaranteed = (
+            "guaranteed " if self.certain is not None and self._state.view in ("speed", "traverse") else ""
+        )
+        return f"{guaranteed}{view}" + (f" [{unit}]" if unit else "")
+
+    @property
+    def _speed(self) -> Floats:
+        """Mean speed, or with bands that which no body falls short of [mm/s]."""
+        speed = self.cycle["mean_velocity"] if self.certain is None else self.certain.speed_min
+        return np.asarray(_MILLIMETRE * speed)
+
+    def _numbers(self) -> Floats | None:
+        view = self._state.view
+        if view == "regime":
+            return None
+        if view in _FLIGHT_ALONE:
+            values = self.cycle[_FLIGHT_ALONE[view]]
+            return np.asarray(values * (_MILLIMETRE if view == "impact" else 1.0))
+        if view == "speed":
+            return self._speed
+        assert self.panel.values is not None
+        with np.errstate(divide="ignore", invalid="ignore"):
+            times = (self._state.point.length or np.nan) / self._speed
+        return np.where(np.isfinite(times) & (times > 0.0), times, np.nan)
+
+    @property
+    def _covered(self) -> NDArray[np.bool_]:
+        """Whether the colour of rest covers each cell: nothing moves there, or nothing flies."""
+        regime = self.cycle["regime"]
+        if self._state.view in _FLIGHT_ALONE:
+            return np.asarray((regime >= 0) & (regime != Regime.HOPPING))
+        rests = regime if self.certain is None else self.certain.highest
+        return np.asarray((rests == Regime.NO_SLIP) & (self.numbers is not None))
+
+    def marks(self) -> NDArray[np.uint8]:
+        """Return what is marked in each cell, as bits."""
+        cycle, alone = self.cycle, self.certain is None
+        with np.errstate(invalid="ignore"):
+            backwards = cycle["mean_velocity"] < -_CERTAIN * cycle["mean_velocity_error"]
+        bits: dict[int, Any] = {
+            BACKWARDS: backwards & alone,
+            AVERAGED: (cycle["status"] == int(Status.AVERAGED)) & alone,
+            COEXISTS: (cycle["coexists"] > 0) & alone,
+            PREVIEW: self._known & ~self._exact,
+            UNKNOWN: ~self._known,
+            COVERED: self._covered,
+        }
+        if self._state.target is not None:
+            bits[MEETS] = self._meets > 0.0
+        if self.certain is not None and self._state.view in _OF_SPEED:
+            bits[UNPROVED] = np.isnan(self.numbers) & (self.certain.highest >= 0) & ~self._covered
+        marks = np.zeros(backwards.shape, np.uint8)
+        for bit, where in bits.items():
+            marks |= np.where(where, np.uint8(bit), np.uint8(0))
+        return marks
+
+    @cached_property
+    def _meets(self) -> Floats:
+        """Positive where bodies go at least as fast as is wanted, and do not hop."""
+        fields, target = self._fields, self._state.target or 0.0
+        speed = (
+            _MILLIMETRE * fields.velocity if self.certain is None else np.nan_to_num(self._speed, nan=-1.0)
+        )
+        missing = fields.rest if self.certain is None else np.full(speed.shape, -1.0)
+        excess = speed / target - 1.0
+        answered = [fields.unanswered(status) for status in _WITHOUT_SPEED if status in fields.statuses]
+        return np.minimum.reduce(
+            [excess, -fields.log_ratio["hop"], -missing, *(-field for field in answered)]
+        )
+
+    def curves(self) -> Curves:
+        """Return the curves, by name: how they are drawn, and their pieces in the units outside."""
+        fields, view = self._fields, self._state.view
+        names = ("hop",) if view in _FLIGHT_ALONE else (*CURVES,)
+        found = []
+        for name in names:
+            lines = zero_lines(fields, fields.log_ratio[name], hiding_fields(fields, name))
+            found.append((name, CURVES[name], lines))
+        if view not in _FLIGHT_ALONE and self.certain is None and (self.cycle["mean_velocity"] < 0.0).any():
+            hidden = [fields.rest, fields.unknown, -fields.regular]
+            lines = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
+            found.append(("zero_speed", ZERO_SPEED, lines))
+        if self._state.target is not None:
+            found.append(("target", _TARGET, zero_lines(fields, self._meets)))
+        return [curve for curve in found if curve[2]]
+
+    def shares(self, points: Floats) -> Floats:
+        """Turn points in the units outside into shares of the axes, from left to right and from below."""
+        return np.column_stack([_share(axis, points[:, i]) for i, axis in enumerate((self.panel.x, self.y))])
+
+    def operating_point(self) -> list[float]:
+        """Return where the operating point lies, in shares of the axes; it may lie outside."""
+        fixed = self._state.point.fixed | {"friction_ratio": self._state.friction_ratio}
+        point = np.array([[fixed[axis.name] for axis in (self.panel.x, self.y)]])
+        with np.errstate(divide="ignore", invalid="ignore"):  # 0 and less on a logarithmic axis
+            place = np.nan_to_num(self.shares(point)[0], nan=-9.0, neginf=-9.0)
+        return [float(share) for share in place.clip(-9.0, 9.0)]
+
+    def scale(self, numbers: Floats) -> Scale:
+        """Choose how numbers become colours."""
+        seen = np.isfinite(numbers) & ~self._covered
+        if self._state.view == "traverse":
+            return time_scale(numbers[seen])
+        regular = seen & (self.cycle["period_cycles"] == 1.0)
+        calm = seen & (self.cycle["regime"] != Regime.HOPPING)
+        reverses = self.certain is None and self._state.view == "speed" and self._fields.reverses
+        return scale_of(numbers[seen], numbers[regular], numbers[calm], reverses=reverses)
+
+    def notes(self) -> list[str]:
+        """Return what else is to be said."""
+        notes = []
+        if not all(0.0 <= share <= 1.0 for share in self.operating_point()):
+            notes.append("The operating point lies outside of this map.")
+        if self.certain is not None:
+            notes.append(
+                "Flights depend on friction: they are those of the operating point's own."
+                if self._state.view in _FLIGHT_ALONE
+                else "Stripes: parts of the bands differ, between the two regimes whose colours they have."
+            )
+        if self._state.view in _FLIGHT_ALONE and (self.cycle["status"] == Status.FLIGHT_NOT_MODELLED).all():
+            notes.append("Flights of drives with harmonics are not modelled.")
+        return notes
+
+
+def _share(axis: Axis, values: Floats) -> Floats:
+    ends = axis.values[[0, -1]]
+    if axis.spacing == "log":
+        values, ends = np.log(values), np.log(ends)
+    return np.asarray((values - ends[0]) / (ends[1] - ends[0]))
+
+
+def _single(values: Floats) -> NDArray[np.float32]:
+    """Round to single precision; numbers beyond its range are the largest that it has."""
+    return np.clip(values, -_LARGEST, _LARGEST).astype(np.float32)
+
+
+def _axis(axis: Axis) -> dict[str, Any]:
+    first, last = (float(end) for end in axis.values[[0, -1]])
+    described = {"column": axis.column, "label": axis.label, "symbol": QUANTITIES[axis.name].letter}
+    return {
+        **described,
+        "unit": axis.unit,
+        "from": first,
+        "to": last,
+        "log": axis.spacing == "log",
+        "count": len(axis),
+    }
+
+
+def _curve(name: str, style: CurveStyle, lines: list[Floats]) -> dict[str, Any]:
+    return {
+        "name": name,
+        "label": style.label,
+        "dash": dashes_of(style),
+        "width": style.width,
+        "colour": "ink" if style.colour == INK else "white",
+        "pieces": [len(line) for line in lines],
+    }
+
+
+def dashes_of(style: CurveStyle) -> list[float]:
+    """Return the lengths of dashes and gaps [px]; none of a line without."""
+    return [] if isinstance(style.dashes, str) else [length * style.width for length in style.dashes[1]]
+
+
+def _scale(scale: Scale) -> dict[str, Any]:
+    """Describe a scale such that the page can turn numbers into colours."""
+    from matplotlib import colormaps
+    from matplotlib.ticker import MaxNLocator
+
+    norm: Any = scale.norm
+    low, high = float(norm.vmin), float(norm.vmax)
+    kind = {"LogNorm": "log", "AsinhNorm": "asinh"}.get(type(norm).__name__, "linear")
+    ticks = MaxNLocator(6).tick_values(low, high) if scale.ticks is None else scale.ticks
+    colours = colormaps[scale.colours](np.linspace(0.0, 1.0, _COLOURS), bytes=True)[:, :3]
+    return {
+        "kind": kind,
+        "low": low,
+        "high": high,
+        "width": float(norm.linear_width) if kind == "asinh" else 0.0,
+        "colours": b64encode(colours.tobytes()).decode(),
+        "ticks": [float(tick) for tick in ticks if low <= tick <= high],
+    }
