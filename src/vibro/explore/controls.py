@@ -39,7 +39,7 @@ _SECOND: Final = ("along_amplitude_2", "along_phase_2", "normal_amplitude_2", "n
 
 #: By name; quantities of every drive come after those that tell it.
 DRIVES: Final = {
-    "line": Drive("along a line", LINEAR, "amplitude", "frequency"),
+    "line": Drive("along a line", LINEAR, "frequency", "amplitude"),
     "ellipse": Drive("along an ellipse", _ELLIPSE, "normal_phase", "along_amplitude"),
     "harmonics": Drive("with a second harmonic", (*_ELLIPSE, *_SECOND), "along_phase_2", "along_amplitude_2"),
 }
@@ -74,7 +74,7 @@ VIEWS: Final = {
     "flight": "share of time in flight",
 }
 
-_MAP: Final = {"drive": "line", "x": "amplitude_mm", "y": "frequency_hz"}
+_MAP: Final = {"drive": "line", "x": "frequency_hz", "y": "amplitude_mm"}
 # A magnet on mains of 50 Hz pulls at every half-wave, behind a diode at every second one; motors with 4 and 6
 # poles turn 1500 and 1000 times a minute. Amplitudes are of the size that such drives have (docs/makers.md).
 PRESETS: Final = {
@@ -85,8 +85,8 @@ PRESETS: Final = {
             "amplitude_mm": "0.5",
             "frequency_hz": "50",
             "drive_angle_deg": "25",
-            "x_range": "0.05:1.5",
-            "y_range": "20:80",
+            "x_range": "20:80",
+            "y_range": "0.05:1.5",
         },
     ),
     "magnet-100": Preset(
@@ -96,8 +96,8 @@ PRESETS: Final = {
             "amplitude_mm": "0.15",
             "frequency_hz": "100",
             "drive_angle_deg": "20",
-            "x_range": "0.01:0.5",
-            "y_range": "50:150",
+            "x_range": "50:150",
+            "y_range": "0.01:0.5",
         },
     ),
     "motor-25": Preset(
@@ -107,8 +107,8 @@ PRESETS: Final = {
             "amplitude_mm": "2",
             "frequency_hz": "25",
             "drive_angle_deg": "30",
-            "x_range": "0.2:5",
-            "y_range": "8:50",
+            "x_range": "8:50",
+            "y_range": "0.2:5",
         },
     ),
     "motor-16": Preset(
@@ -118,8 +118,8 @@ PRESETS: Final = {
             "amplitude_mm": "4",
             "frequency_hz": "16.6667",
             "drive_angle_deg": "30",
-            "x_range": "0.2:8",
-            "y_range": "5:40",
+            "x_range": "5:40",
+            "y_range": "0.2:8",
         },
     ),
 }

@@ -12,28 +12,30 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.core.flight.cycles import MOST_THROW
 from vibro.results.steady import RESULTS, SteadyCycle
-from vibro.scene import HarmonicFields
+from vibro.scene import HarmonicFields, LinearFields
 from vibro.sweeps.grid import scene_of
+from vibro.sweeps.run import limits_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
+    from vibro.core.contact.limits import CriticalLoads
     from vibro.scene import Scene
     from vibro.sweeps.grid import Grid
 
     Floats = NDArray[np.float64]
     Indices = NDArray[np.intp]
 
-__all__ = ["LOADS", "MapCells"]
+__all__ = ["LOADS", "MapCells", "Shown"]
 
 #: Of a line that shows a map over amplitude and frequency: first those that take some milliseconds ...
 LOADS: Final = 512
@@ -49,6 +51,37 @@ _WITH_AMPLITUDE: Final = ("displacement_per_cycle",)
 _WITH_SPEED: Final = ("mean_velocity", "peak_velocity", "impact_velocity", "mean_velocity_error")
 
 
+class Shown(NamedTuple):
+    """What is there to be seen of a map, arrays of the grid's shape.
+
+    Attributes
+    ----------
+    cycle : SteadyCycle
+        A cell that is not ``exact`` shows the numbers of a solved one nearby, or of the nearest load.
+    exact : bool array
+        Whether each cell is what ``vibro.solve`` gives for it.
+    known : bool array
+        Whether each cell shows numbers, or has a status that says why there are none.
+    limits : CriticalLoads or None
+        Critical loads of the cells; of ellipses they take long and are None at first, and of drives with
+        harmonics always.
+    is_done : bool
+        Whether nothing is left to be computed.
+    share : float
+        Share of the cells that take time which is exact.
+    text : str
+        What to say of the others.
+    """
+
+    cycle: SteadyCycle
+    exact: NDArray[np.bool_]
+    known: NDArray[np.bool_]
+    limits: CriticalLoads | None
+    is_done: bool
+    share: float
+    text: str
+
+
 class MapCells:
     """The cells of one map, as far as they are solved.
 
@@ -59,16 +92,13 @@ class MapCells:
 
     Attributes
     ----------
-    cycle : SteadyCycle
-        Arrays of the grid's shape. A cell that is not ``exact`` shows what ``source`` says.
-    exact : bool array
-        Of the grid's shape: whether each cell is what ``vibro.solve`` gives for it.
-    known : bool array
-        Of the grid's shape: whether each cell shows numbers, or has a status that says why there are none.
+    shown : Shown
+        All that is there to be seen; every ``advance`` makes a new one.
     """
 
     def __init__(self, grid: Grid) -> None:
         self._grid = grid
+        self._limits: CriticalLoads | None = None
         scene = scene_of(grid.values())
         self._harmonic = isinstance(scene.arrays(), HarmonicFields)
         if self._harmonic:
@@ -77,21 +107,25 @@ class MapCells:
             self._solved = replace(grid, flight=False).solve(grid.values())
             waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
             waiting &= self._solved.throw_number <= MOST_THROW
-        self.exact = ~waiting
+        self._exact = ~waiting
         self._waiting = _coarse_to_fine(waiting, _SPACINGS[0])
         self._done = 0
         if self._harmonic:
             self._solve_more(math.prod(-(-n // _FIRST_HARMONIC) for n in grid.shape))
-        self._line = None if self.is_done else _Line.over(grid, scene, waiting)
+        self._line = None if self._is_solved else _Line.over(grid, scene, waiting)
+        self._has_limits = isinstance(scene.arrays(), LinearFields) or self._harmonic
+        if isinstance(scene.arrays(), LinearFields):
+            self._limits = limits_of(grid.values())
         self._turn = _Turn()
         self._show()
 
-    @property
-    def progress(self) -> tuple[float, str]:
-        """Share of the cells that take time which is exact, and what to say of the others."""
+    def _progress(self) -> tuple[float, str]:
+        """Return which share of the cells that take time is exact, and what to say of the others."""
         if self.is_done:
             return 1.0, ""
-        share = self._done / self._waiting.size
+        share = self._done / self._waiting.size if self._waiting.size else 1.0
+        if not self._has_limits:
+            return share, "boundaries of back slip: a preview"
         what = "cells" if self._harmonic else "hopping"
         if self._line is None or not self._line.is_known:
             return share, f"{what}: {share:.0%} exact, others from their neighbours"
@@ -102,14 +136,20 @@ class MapCells:
 
     @property
     def is_done(self) -> bool:
-        """Whether every cell is exact."""
+        """Whether every cell is exact, and the critical loads are known as far as they can be."""
+        return self._is_solved and self._has_limits
+
+    @property
+    def _is_solved(self) -> bool:
         return self._done == self._waiting.size
 
     def advance(self, seconds: float) -> None:
         """Work on for about so long."""
         end = time.perf_counter() + seconds
         while not self.is_done and time.perf_counter() < end:
-            if self._line is not None and not self._line.is_done:
+            if not self._has_limits:
+                self._limits, self._has_limits = limits_of(self._grid.values()), True
+            elif self._line is not None and not self._line.is_done:
                 self._turn.take(self._line.solve_more)
             else:
                 self._turn.take(self._solve_more)
@@ -121,31 +161,31 @@ class MapCells:
         found = self._grid.solve(self._grid.picked(cells))
         for name, values in vars(found).items():
             getattr(self._solved, name).reshape(-1)[cells] = values
-        self.exact.reshape(-1)[cells] = True
+        self._exact.reshape(-1)[cells] = True
         self._done += cells.size
         return cells.size
 
     def _show(self) -> None:
         """Let cells that are not solved show what is nearest to them."""
-        if self.is_done:
-            self.cycle, self.known = self._solved, np.ones(self.exact.shape, np.bool_)
-            return
-        shown = {name: values.copy() for name, values in vars(self._solved).items()}
-        if self._line is not None and self._line.is_known:
-            self._line.show(shown, ~self.exact)
-            self.known = np.ones(self.exact.shape, np.bool_)
-        else:
-            source = self._neighbours()
-            self.known = self.exact | (source >= 0)
-            far = ~self.exact & (source >= 0)
-            for values in shown.values():
-                values[far] = values.reshape(-1)[source[far]]
-        self.cycle = SteadyCycle(**shown)
+        cycle, exact = self._solved, self._exact.copy()
+        known = np.ones(exact.shape, np.bool_)
+        if not self._is_solved:
+            cells = {name: values.copy() for name, values in vars(cycle).items()}
+            if self._line is not None and self._line.is_known:
+                self._line.show(cells, ~exact)
+            else:
+                source = self._neighbours()
+                far = ~exact & (source >= 0)
+                known = exact | far
+                for values in cells.values():
+                    values[far] = values.reshape(-1)[source[far]]
+            cycle = SteadyCycle(**cells)
+        self.shown = Shown(cycle, exact, known, self._limits, self.is_done, *self._progress())
 
     def _neighbours(self) -> Indices:
         """Return for every cell the solved one, of those that waited, in the corner of its square; or -1."""
-        shape = self.exact.shape
-        numbers = np.arange(self.exact.size).reshape(shape)
+        shape = self._exact.shape
+        numbers = np.arange(self._exact.size).reshape(shape)
         solved = np.zeros(shape, np.bool_)
         solved.reshape(-1)[self._waiting[: self._done]] = True
         source = np.full(shape, -1, np.intp)

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
+from vibro.explore.bands import certain_of
 from vibro.explore.controls import VIEWS
 from vibro.explore.packing import pack
-from vibro.inverse.certain import Certain, certain
+from vibro.inverse.certain import Certain
 from vibro.plots.fields import Fields, hiding_fields, without_hidden, zero_lines
 from vibro.plots.scales import scale_of, time_scale
 from vibro.plots.style import CURVES, INK, ZERO_SPEED, CurveStyle
@@ -19,26 +20,34 @@ from vibro.plots.view import choose_view, panels
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import SweepResult
 from vibro.sweeps.grid import scene_of
-from vibro.sweeps.run import limits_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.explore.levels import MapCells
+    from vibro.explore.levels import Shown
     from vibro.explore.state import State
     from vibro.plots.scales import Scale
-    from vibro.sweeps.grid import Grid
 
     Floats = NDArray[np.float64]
     Curves = list[tuple[str, CurveStyle, list[Floats]]]
 
-__all__ = ["packed_map"]
+__all__ = ["MARKS", "packed_map"]
 
 # Bits of what is marked in a cell.
 BACKWARDS, AVERAGED, COEXISTS, PREVIEW, UNKNOWN, MEETS, COVERED, UNPROVED = (1 << i for i in range(8))
+
+#: What they mean, for the page.
+MARKS: Final = {
+    "backwards": BACKWARDS,
+    "averaged": AVERAGED,
+    "coexists": COEXISTS,
+    "preview": PREVIEW,
+    "unknown": UNKNOWN,
+    "meets": MEETS,
+    "covered": COVERED,
+    "unproved": UNPROVED,
+}
 
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
 _COLOURS: Final = 256  # of a scale
@@ -51,14 +60,14 @@ _WITHOUT_SPEED: Final = (Status.INFEASIBLE, Status.INDETERMINATE, Status.RUNAWAY
 _LARGEST: Final = float(np.finfo(np.float32).max)
 
 
-def packed_map(state: State, cells: MapCells) -> bytes:
+def packed_map(state: State, cells: Shown) -> bytes:
     """Pack what the page draws of a map.
 
     Parameters
     ----------
     state : State
         What is shown.
-    cells : MapCells
+    cells : Shown
         Of ``state.grid()``, as far as they are solved.
 
     Returns
@@ -82,7 +91,6 @@ def packed_map(state: State, cells: MapCells) -> bytes:
         arrays |= {"lowest": drawn.certain.lowest, "highest": drawn.certain.highest}
     pieces = [drawn.shares(piece) for _, _, lines in curves for piece in lines]
     arrays["points"] = _single(np.concatenate(pieces) if pieces else np.empty((0, 2)))
-    share, text = cells.progress
     header = {
         "view": state.view,
         "label": drawn.label,
@@ -93,7 +101,7 @@ def packed_map(state: State, cells: MapCells) -> bytes:
         "scale": None if numbers is None else _scale(drawn.scale(numbers)),
         "curves": [_curve(name, style, lines) for name, style, lines in curves],
         "bands": drawn.certain is not None,
-        "progress": {"done": cells.is_done, "share": share, "text": text},
+        "progress": {"done": cells.is_done, "share": cells.share, "text": cells.text},
         "notes": drawn.notes(),
     }
     return pack(header, arrays)
@@ -114,11 +122,11 @@ class _Drawn:
         Those of the view, in the units outside; NaN where there are none.
     """
 
-    def __init__(self, state: State, cells: MapCells) -> None:
+    def __init__(self, state: State, cells: Shown) -> None:
         grid = state.grid()
         values = grid.values()
         length, title = grid.length, state.point.name or ""
-        solved = SweepResult(grid.axes, grid.fixed, cells.cycle, limits_of(values), length, None, title)
+        solved = SweepResult(grid.axes, grid.fixed, cells.cycle, cells.limits, length, None, title)
         view = choose_view(grid.axes, state.x.quantity.name, state.y.quantity.name, None, grid.fixed)
         assert view.y is not None
         self._state, self.y = state, view.y
@@ -127,19 +135,11 @@ class _Drawn:
         self._fields = Fields(self.panel)
         is_turned = next(iter(grid.axes)) == view.x.name
         self._known, self._exact = (x.T if is_turned else x for x in (cells.known, cells.exact))
-        self.certain = self._certain(grid, values, is_turned) if state.bands else None
+        found = certain_of(state, scene_of(values))
+        self.certain = found
+        if found is not None and is_turned:
+            self.certain = Certain(found.lowest.T, found.highest.T, found.speed_min.T)
         self.numbers = self._numbers()
-
-    def _certain(self, grid: Grid, values: Mapping[str, Floats], is_turned: bool) -> Certain:
-        """Find what holds for all bodies of the bands."""
-        state = self._state
-        static = state.bands.get("static_friction", (grid.fixed["static_friction"],) * 2)
-        second = state.bands.get("kinetic_friction", (grid.fixed["kinetic_friction"],) * 2)
-        is_ratio = state.follows and "kinetic_friction" not in state.bands
-        if is_ratio:
-            second = (state.friction_ratio,) * 2
-        found = certain(scene_of(values), static_friction=static, second_friction=second, is_ratio=is_ratio)
-        return Certain(found.lowest.T, found.highest.T, found.speed_min.T) if is_turned else found
 
     @property
     def label(self) -> str:
@@ -195,6 +195,7 @@ class _Drawn:
         if self._state.target is not None:
             bits[MEETS] = self._meets > 0.0
         if self.certain is not None and self._state.view in _OF_SPEED:
+            assert self.numbers is not None
             bits[UNPROVED] = np.isnan(self.numbers) & (self.certain.highest >= 0) & ~self._covered
         marks = np.zeros(backwards.shape, np.uint8)
         for bit, where in bits.items():
@@ -204,16 +205,14 @@ class _Drawn:
     @cached_property
     def _meets(self) -> Floats:
         """Positive where bodies go at least as fast as is wanted, and do not hop."""
-        fields, target = self._fields, self._state.target or 0.0
-        speed = (
-            _MILLIMETRE * fields.velocity if self.certain is None else np.nan_to_num(self._speed, nan=-1.0)
-        )
-        missing = fields.rest if self.certain is None else np.full(speed.shape, -1.0)
-        excess = speed / target - 1.0
-        answered = [fields.unanswered(status) for status in _WITHOUT_SPEED if status in fields.statuses]
-        return np.minimum.reduce(
-            [excess, -fields.log_ratio["hop"], -missing, *(-field for field in answered)]
-        )
+        fields, target = self._fields, self._state.target or 1.0
+        if self.certain is not None:
+            excess = np.nan_to_num(self._speed, nan=0.0) / target - 1.0
+            return np.asarray(np.minimum(excess, -fields.log_ratio["hop"]))
+        excess = np.nan_to_num(_MILLIMETRE * fields.velocity) / target - 1.0
+        missing = [fields.unanswered(status) for status in _WITHOUT_SPEED if status in fields.statuses]
+        fails = np.maximum.reduce([fields.log_ratio["hop"], fields.rest, *missing])
+        return np.asarray(np.minimum(excess, -fails))
 
     def curves(self) -> Curves:
         """Return the curves, by name: how they are drawn, and their pieces in the units outside."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.axes import AxisSpec, axis_of, parse_axis
 from vibro.errors import InputError, SceneError, cut, shown
 from vibro.explore.controls import CONTROLS, DRIVES, VIEWS, drive_named
-from vibro.quantities import BY_COLUMN, LEAST_SPEED, QUANTITIES, SWEPT, exact_number
+from vibro.quantities import AMPLITUDES, BY_COLUMN, LEAST_SPEED, QUANTITIES, SWEPT, exact_number
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.request import Request, gather
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.quantities import Quantity
 
-__all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "read_state"]
+__all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "number_text", "read_state"]
 
 #: [cells] of a map.
 WIDTH: Final = 200
@@ -166,12 +166,16 @@ def initial_state(request: Request | None = None) -> State:
     if "friction_ratio" in point:
         texts["follow"] = "1"
         point.setdefault("kinetic_friction", point.pop("friction_ratio") * point["static_friction"])
-    texts |= {QUANTITIES[name].column: _text(value) for name, value in point.items()}
+    texts |= {QUANTITIES[name].column: number_text(value) for name, value in point.items()}
     drawn = [name for name in request.varying if name in CONTROLS]
+    if "frequency" in drawn and drawn[0] in AMPLITUDES:  # as pictures have it
+        drawn = ["frequency", *(name for name in drawn if name != "frequency")]
     for key, name in zip("xy", drawn, strict=False):
         spec = request.specs[name]
         texts[key] = QUANTITIES[name].column
-        texts[f"{key}_range"] = f"{_text(spec.values[0])}:{_text(spec.values[-1])}" + ":log" * spec.log
+        texts[f"{key}_range"] = (
+            f"{number_text(spec.values[0])}:{number_text(spec.values[-1])}" + ":log" * spec.log
+        )
     if len(drawn) == 1:
         texts["y"] = next(QUANTITIES[n].column for n in (DRIVES[drive].y, DRIVES[drive].x) if n != drawn[0])
     return replace(_state(texts), point=replace(_state(texts).point, name=request.name))
@@ -268,16 +272,16 @@ def _state(texts: dict[str, str]) -> State:
     if texts["view"] == "traverse" and point.length is None:
         wrong.add("trough_length_mm", "the traverse time needs the length of the trough", "give it")
     wrong.settle()
-    kept = {QUANTITIES[name].column: _text(value) for name, value in point.fixed.items()}
-    length = "" if point.length is None else _text(point.length)
+    kept = {QUANTITIES[name].column: number_text(value) for name, value in point.fixed.items()}
+    length = "" if point.length is None else number_text(point.length)
     canonical = {
         **{key: texts[key] for key in _OTHERS},
         **{key: kept[key] for key in (QUANTITIES[name].column for name in shown_names) if key in kept},
         "trough_length_mm": length,
         **{key: axis.quantity.column for key, axis in axes.items()},
         **{f"{key}_range": _range_text(axis) for key, axis in axes.items()},
-        **{f"{name}_band": ":".join(map(_text, band)) for name, band in bands.items()},
-        "target": "" if target is None else _text(target),
+        **{f"{name}_band": ":".join(map(number_text, band)) for name, band in bands.items()},
+        "target": "" if target is None else number_text(target),
     }
     return State(canonical, point, x, y, bands, target)
 
@@ -359,9 +363,9 @@ def _checked(text: str, quantity: Quantity) -> float:
 
 
 def _range_text(spec: AxisSpec) -> str:
-    return ":".join(map(_text, spec.values)) + ":log" * spec.log
+    return ":".join(map(number_text, spec.values)) + ":log" * spec.log
 
 
-def _text(value: Fraction | float) -> str:
+def number_text(value: Fraction | float) -> str:
     """Write a number as people type it, such that it is read as the same double."""
     return f"{float(value):.15g}" if float(f"{float(value):.15g}") == float(value) else repr(float(value))

@@ -26,10 +26,19 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["PANELS", "choose_panels", "history_figure"]
+__all__ = [
+    "PANELS",
+    "Curve",
+    "Panel",
+    "choose_panels",
+    "history_figure",
+    "most_force",
+    "panels_of",
+    "values_of",
+]
 
 
-class _Curve(NamedTuple):
+class Curve(NamedTuple):
     """A line of a panel: which field of a ``Sample`` it shows, whether in contact alone, and how."""
 
     field: str
@@ -40,47 +49,47 @@ class _Curve(NamedTuple):
     in_contact: bool = False
 
 
-class _Panel(NamedTuple):
+class Panel(NamedTuple):
     """What a panel shows, the size of its unit in SI units, and its height relative to the others."""
 
     label: str
     unit: str
     size: float
-    curves: tuple[_Curve, ...]
+    curves: tuple[Curve, ...]
     height: float = 1.0
 
 
 _BLUE, _RED, _GREEN, _PURPLE, _ORANGE = "#004488", "#BB5566", "#117733", "#882255", "#997700"
 
-PANELS: Final[Mapping[str, _Panel]] = {
-    "trough": _Panel(
-        "trough along\nthe drive", "mm", 1e-3, (_Curve("trough_displacement", "trough", INK),), height=0.8
+PANELS: Final[Mapping[str, Panel]] = {
+    "trough": Panel(
+        "trough along\nthe drive", "mm", 1e-3, (Curve("trough_displacement", "trough", INK),), height=0.8
     ),
-    "forces": _Panel(
+    "forces": Panel(
         "force\nper unit mass",
         "m/s²",
         1.0,
         (
-            _Curve("static_limit", "limits of static friction", _GREEN, (0, (4, 2)), 1.0, True),
-            _Curve("inertial", "inertial and gravity, along the trough", _RED, "-", 1.2, True),
-            _Curve("friction", "friction on the body", _BLUE, width=2.0),
+            Curve("static_limit", "limits of static friction", _GREEN, (0, (4, 2)), 1.0, True),
+            Curve("inertial", "inertial and gravity, along the trough", _RED, "-", 1.2, True),
+            Curve("friction", "friction on the body", _BLUE, width=2.0),
         ),
         height=1.8,
     ),
-    "acceleration": _Panel("relative\nacceleration", "m/s²", 1.0, (_Curve("acceleration", "", _PURPLE),)),
-    "velocity": _Panel("relative\nvelocity", "mm/s", 1e-3, (_Curve("velocity", "", _ORANGE),)),
-    "position": _Panel("relative\nposition", "mm", 1e-3, (_Curve("position", "", _BLUE),)),
-    "gap": _Panel("height above\nthe trough", "mm", 1e-3, (_Curve("gap", "", _RED),)),
+    "acceleration": Panel("relative\nacceleration", "m/s²", 1.0, (Curve("acceleration", "", _PURPLE),)),
+    "velocity": Panel("relative\nvelocity", "mm/s", 1e-3, (Curve("velocity", "", _ORANGE),)),
+    "position": Panel("relative\nposition", "mm", 1e-3, (Curve("position", "", _BLUE),)),
+    "gap": Panel("height above\nthe trough", "mm", 1e-3, (Curve("gap", "", _RED),)),
 }
 
 # Of an elliptical drive, in place of the panel of its line.
-_ELLIPSE: Final = _Panel(
+_ELLIPSE: Final = Panel(
     "motion of\nthe trough",
     "mm",
     1e-3,
     (
-        _Curve("trough_normal", "trough, normal to itself", _GREEN, (0, (6, 1.5, 1, 1.5)), 1.2),
-        _Curve("trough_along", "trough, along itself", INK),
+        Curve("trough_normal", "trough, normal to itself", _GREEN, (0, (6, 1.5, 1, 1.5)), 1.2),
+        Curve("trough_along", "trough, along itself", INK),
     ),
     height=0.8,
 )
@@ -124,6 +133,22 @@ def choose_panels(text: str | None, *, flies: bool) -> list[str]:
     return names
 
 
+def panels_of(names: Sequence[str], trace: Sample) -> dict[str, Panel]:
+    """Return panels by their names; that of the trough shows a line, or both ways of an ellipse."""
+    elliptical = _is_elliptical(trace)
+    return {name: _ELLIPSE if name == "trough" and elliptical else PANELS[name] for name in names}
+
+
+def _is_elliptical(trace: Sample) -> bool:
+    return bool(np.isnan(trace.trough_displacement).all())
+
+
+def values_of(curve: Curve, panel: Panel, trace: Sample) -> Floats:
+    """Return what a curve shows, in the unit of its panel; NaN where it is interrupted."""
+    values: Floats = getattr(trace, curve.field) / panel.size
+    return np.where(trace.normal > 0.0, values, np.nan) if curve.in_contact else values
+
+
 def history_figure(
     phases: Sequence[Phase],
     trace: Sample,
@@ -158,8 +183,8 @@ def history_figure(
     Figure
         Panels above each other over one time axis; below them the path of an elliptical drive.
     """
-    elliptical = bool(np.isnan(trace.trough_displacement).all())
-    shown = {name: _ELLIPSE if name == "trough" and elliptical else PANELS[name] for name in panels}
+    elliptical = _is_elliptical(trace)
+    shown = panels_of(panels, trace)
     first, last = float(trace.time[0]), float(trace.time[-1])
     edge = _EDGE * (last - first)
     phases = [phase for phase in phases if phase.end > first + edge and phase.start < last - edge]
@@ -200,15 +225,13 @@ def history_figure(
         return figure
 
 
-def _draw(axes: Axes, panel: _Panel, trace: Sample, milliseconds: Floats) -> list[Line2D]:
+def _draw(axes: Axes, panel: Panel, trace: Sample, milliseconds: Floats) -> list[Line2D]:
     """Draw the curves of a panel; return those that the legend has to name."""
     named = []
-    most = _most_force(trace) if panel is PANELS["forces"] else math.inf
+    most = most_force(trace) if panel is PANELS["forces"] else math.inf
     axes.margins(y=_MARGIN)
     for curve in panel.curves:
-        values = getattr(trace, curve.field) / panel.size
-        if curve.in_contact:
-            values = np.where(trace.normal > 0.0, values, np.nan)
+        values = values_of(curve, panel, trace)
         is_cut = bool((np.abs(values) > most).any())
         label = f"{curve.label} (cut off)" if is_cut else curve.label
         style = {"color": curve.colour, "linestyle": curve.dashes, "linewidth": curve.width}
@@ -225,7 +248,7 @@ def _draw(axes: Axes, panel: _Panel, trace: Sample, milliseconds: Floats) -> lis
     return named
 
 
-def _most_force(trace: Sample) -> float:
+def most_force(trace: Sample) -> float:
     """Force per unit mass that the panel of forces shows at most [m/s^2].
 
     Where a body hops the load along the trough is often ten times as large as any friction: its scale would
@@ -270,7 +293,7 @@ def _name_phases(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float
 
 
 def _mark_events(
-    shown: Mapping[str, _Panel], panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sample
+    shown: Mapping[str, Panel], panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sample
 ) -> list[Any]:
     """Mark starts and stops of slides, and impacts, on the most telling curve; return legend entries."""
     name = next(name for name in _MARKED if name in panels)

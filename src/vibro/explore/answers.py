@@ -1,0 +1,182 @@
+"""What the page asks for, and its answers; maps that are still being refined are kept between them."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from threading import Lock
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+import vibro
+from vibro.core.codes import Regime, Status
+from vibro.explore.bands import certain_of
+from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
+from vibro.explore.histories import packed_history
+from vibro.explore.levels import MapCells
+from vibro.explore.maps import MARKS, packed_map
+from vibro.explore.points import point_of
+from vibro.files.tables import CsvFormat
+from vibro.plots.style import NO_ANSWER_HATCH, REGIME_COLOURS
+from vibro.quantities import QUANTITIES, SWEPT
+from vibro.results.sweep import Block, Column
+from vibro.sweeps.columns import columns_of
+from vibro.sweeps.grid import scene_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from vibro.explore.state import State
+
+__all__ = ["Answers"]
+
+_KEPT: Final = 16  # maps of about 8 MB
+_TURN: Final = 0.1  # [s] that a map is worked on for one request
+
+
+class Answers:
+    """Answers to everything that the page asks; any thread may ask.
+
+    Parameters
+    ----------
+    initial : State
+        What the page begins with.
+    """
+
+    def __init__(self, initial: State) -> None:
+        self._initial = initial
+        self._maps: OrderedDict[str, _Kept] = OrderedDict()
+        self._lock = Lock()
+
+    def schema(self) -> dict[str, Any]:
+        """Return what the page makes its controls from, of what JSON has."""
+        return {
+            "version": vibro.__version__,
+            "initial": dict(self._initial.texts),
+            "quantities": [_described(name) for name in CONTROLS],
+            "drives": [
+                {
+                    "name": name,
+                    "label": drive.label,
+                    "quantities": [QUANTITIES[quantity].column for quantity in drive.quantities],
+                    "x": QUANTITIES[drive.x].column,
+                    "y": QUANTITIES[drive.y].column,
+                }
+                for name, drive in DRIVES.items()
+            ],
+            "views": [{"name": name, "label": label} for name, label in VIEWS.items()],
+            "presets": [{"name": name, "label": p.label, "state": p.state} for name, p in PRESETS.items()],
+            "regimes": [
+                {"code": int(regime), "label": regime.label, "colour": colour}
+                for regime, colour in REGIME_COLOURS.items()
+            ],
+            "statuses": [
+                {
+                    "code": int(status),
+                    "label": status.label.replace("-", " "),
+                    "message": status.message,
+                    "hatch": NO_ANSWER_HATCH.get(status, "")[:1],
+                    "answered": status.answered,
+                }
+                for status in Status
+            ],
+            "marks": MARKS,
+        }
+
+    def map(self, state: State, *, advance: bool = False) -> bytes:
+        """Return a map as it is, or after it has been worked on, as ``packed_map`` does."""
+        kept = self._kept(state)
+        return packed_map(state, kept.cells(_TURN if advance else 0.0).shown)
+
+    def point(self, state: State) -> dict[str, Any]:
+        """Return all that is told of the operating point, of what JSON has."""
+        return point_of(state)
+
+    def history(self, state: State) -> bytes:
+        """Return the motion of the operating point, as ``packed_history`` does."""
+        return packed_history(state)
+
+    def table(self, state: State) -> Iterator[str]:
+        """Solve what is left of a map, and yield its cells as CSV, piece by piece.
+
+        The columns are those of ``vibro map``; with bands what is certain at every cell.
+        """
+        grid = state.grid()
+        values = grid.values()
+        shown = self._kept(state).cells(0.0).shown
+        cycle = shown.cycle if shown.exact.all() else grid.solve(values)
+        found = certain_of(state, scene_of(values))
+        columns = columns_of(grid.axes, drive=grid.drive)
+        if found is not None:
+            axes = [
+                column for column in columns if column.name in {axis.column for axis in grid.axes.values()}
+            ]
+            labels = (*(regime.label for regime in Regime if regime >= 0), "")
+            columns = (
+                *axes,
+                Column("lowest_regime", "", lambda block: found.lowest, labels),
+                Column("highest_regime", "", lambda block: found.highest, labels),
+                Column("guaranteed_speed_mm_s", "mm/s", lambda block: np.asarray(1e3 * found.speed_min)),
+            )
+        form = CsvFormat()
+        yield form.header(columns)
+        yield form.rows(columns, Block(values, cycle, grid.length))
+
+    def _kept(self, state: State) -> _Kept:
+        """Return the cells of a state's map, which may have been worked on already."""
+        grid = state.grid()
+        key = repr(
+            (
+                state.texts["x"],
+                state.texts["x_range"],
+                state.texts["y"],
+                state.texts["y_range"],
+                sorted(grid.fixed.items()),
+            )
+        )
+        with self._lock:
+            kept = self._maps.setdefault(key, _Kept(state))
+            self._maps.move_to_end(key)
+            while len(self._maps) > _KEPT:
+                self._maps.popitem(last=False)
+        return kept
+
+
+class _Kept:
+    """A map that is kept: several may ask for it, one at a time works on it."""
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+        self._cells: MapCells | None = None
+        self._lock = Lock()
+
+    def cells(self, seconds: float) -> MapCells:
+        """Return the cells, after so much work on them."""
+        cells = self._cells
+        if cells is None or (seconds and not cells.shown.is_done):
+            with self._lock:
+                if self._cells is None:
+                    self._cells = MapCells(self._state.grid())
+                if seconds:
+                    self._cells.advance(seconds)
+                cells = self._cells
+        return cells
+
+
+def _described(name: str) -> dict[str, Any]:
+    quantity, control = QUANTITIES[name], CONTROLS[name]
+    owners = [drive for drive, described in DRIVES.items() if name in described.quantities]
+    return {
+        "column": quantity.column,
+        "label": quantity.label,
+        "symbol": quantity.letter,
+        "unit": quantity.unit,
+        "meaning": quantity.meaning,
+        "low": control.low,
+        "high": control.high,
+        "step": control.step,
+        "range": control.axis,
+        "drives": owners or [*DRIVES],
+        "swept": name in SWEPT,
+        "point": name != "friction_ratio",
+    }

@@ -1,0 +1,94 @@
+"""The motion of the operating point in time, as the page draws it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.explore.packing import pack
+from vibro.motion.histories import simulate
+from vibro.motion.trace import trace
+from vibro.plots.history import PANELS, choose_panels, most_force, panels_of, values_of
+from vibro.plots.phases import PHASE_STYLES
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.explore.state import State
+
+__all__ = ["packed_history"]
+
+_SAMPLES: Final = 100  # a drive cycle, beside every event
+_NAMES: Final = "trough,forces,velocity,position"
+
+
+def packed_history(state: State) -> bytes:
+    """Pack the first drive cycles of a body that starts from rest.
+
+    Parameters
+    ----------
+    state : State
+        Its operating point, and for how many cycles.
+
+    Returns
+    -------
+    bytes
+        As ``pack`` makes them: ``time`` [ms], and what each curve of the panels shows, in the panel's unit;
+        NaN interrupts a curve. Of drives with harmonics a note alone: their bodies are not followed.
+    """
+    if state.point.has_harmonics:
+        return pack(
+            {"panels": [], "phases": [], "note": "Bodies of drives with harmonics are not followed."}, {}
+        )
+    history = simulate(state.point.scene(), cycles=state.cycles)
+    phases = history.phases
+    rows = trace(history, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
+    flies = any(phase.kind == "H" for phase in phases)
+    arrays: dict[str, NDArray[Any]] = {"time": _single(1e3 * rows.time)}
+    panels = []
+    for name, panel in panels_of([*choose_panels(_NAMES, flies=flies), *["gap"] * flies], rows).items():
+        curves = []
+        for curve in panel.curves:
+            arrays[curve.field] = _single(values_of(curve, panel, rows))
+            curves.append(
+                {
+                    "label": curve.label,
+                    "colour": curve.colour,
+                    "dash": [] if curve.dashes == "-" else [*curve.dashes[1]],
+                    "width": curve.width,
+                    "array": curve.field,
+                    "mirrored": curve.field == "static_limit",
+                }
+            )
+        panels.append(
+            {
+                "name": name,
+                "label": panel.label.replace("\n", " "),
+                "unit": panel.unit,
+                "height": panel.height,
+                "most": most_force(rows) if panel is PANELS["forces"] else None,
+                "curves": curves,
+            }
+        )
+    header = {
+        "title": f"first {state.cycles} drive cycles from rest",
+        "duration_ms": 1e3 * history.end,
+        "phases": [
+            {
+                "kind": phase.kind,
+                "name": PHASE_STYLES[phase.kind].label,
+                "colour": PHASE_STYLES[phase.kind].colour,
+                "start": phase.start / history.end,
+                "end": phase.end / history.end,
+            }
+            for phase in phases
+        ],
+        "panels": panels,
+        "note": "",
+    }
+    return pack(header, arrays)
+
+
+def _single(values: NDArray[np.float64]) -> NDArray[np.float32]:
+    return values.astype(np.float32)

@@ -1,0 +1,96 @@
+"""All that is told of the operating point, and what makes the same map elsewhere."""
+
+from __future__ import annotations
+
+import shlex
+from typing import TYPE_CHECKING, Any
+
+from vibro.explore.bands import guaranteed_text
+from vibro.explore.state import HEIGHT, WIDTH, number_text
+from vibro.quantities import DEFAULTS, QUANTITIES
+from vibro.sweeps.grid import Grid
+from vibro.sweeps.one_scene import OneScene, beginnings, estimate, facts_of, phase_rows
+from vibro.sweeps.run import sweep_blocks
+
+if TYPE_CHECKING:
+    from vibro.explore.state import State
+
+__all__ = ["command_of", "point_of", "scene_text"]
+
+
+def point_of(state: State) -> dict[str, Any]:
+    """Return all that is told of the operating point.
+
+    Parameters
+    ----------
+    state : State
+        What is shown.
+
+    Returns
+    -------
+    dict
+        Of what JSON has: ``state`` in full; ``facts`` and the tables ``begins`` and ``phases`` as
+        ``vibro solve`` prints them; ``guaranteed``, what holds for all bodies of the bands; ``command`` and
+        ``toml``, which make the same map.
+    """
+    grid = Grid({}, state.point.fixed, state.point.length)
+    (block,) = sweep_blocks(grid)
+    one = OneScene(block)
+    facts = facts_of(one, grid)
+    if state.point.length is not None:
+        time = one.traverse_time
+        told = one.why_never() if time is None else estimate(time, time * one.relative_error, "s")
+        facts.append(("traverse time", told))
+    return {
+        "state": dict(state.texts),
+        "regime": one.regime.label,
+        "facts": facts,
+        "begins": _table(beginnings(one)),
+        "phases": _table(phase_rows(one)),
+        "guaranteed": guaranteed_text(state),
+        "command": command_of(state),
+        "toml": scene_text(state),
+    }
+
+
+def command_of(state: State) -> str:
+    """Return the command line that makes the same map, of the same cells."""
+    words = ["vibro", "map"]
+    for name, text in _given(state).items():
+        option = QUANTITIES[name].options[0]
+        # an option of two dashes may begin its value with one only behind =
+        words += [f"{option}={text}"] if option.startswith("--") else [option, text]
+    words += ["--x", state.x.quantity.name, "--y", state.y.quantity.name]
+    words += ["--show", state.view] if state.view in ("impact", "flight") else []
+    words += ["--speed", number_text(state.target)] if state.target is not None else []
+    return shlex.join([*words, "-o", f"out/{state.point.name or 'map'}"])
+
+
+def scene_text(state: State) -> str:
+    """Return the scene file that makes the same map, of the same cells."""
+    given = _given(state)
+    point = state.point.fixed | ({} if state.point.length is None else {"trough_length": state.point.length})
+    scene = [f"{QUANTITIES[name].column} = {number_text(value)}" for name, value in point.items()]
+    swept = [
+        f'{QUANTITIES[name].column} = "{text}"' if ":" in text else f"{QUANTITIES[name].column} = {text}"
+        for name, text in given.items()
+        if ":" in text or name == "friction_ratio"
+    ]
+    return "\n".join(["[scene]", *scene, "", "[map]", *swept, ""])
+
+
+def _given(state: State) -> dict[str, str]:
+    """Return every quantity of the map that is not as usual, as it is typed: ranges with their counts."""
+    grid = state.grid()
+    given = {name: number_text(value) for name, value in grid.fixed.items() if value != DEFAULTS.get(name)}
+    for spec, count in ((state.x, WIDTH), (state.y, HEIGHT)):
+        ends = ":".join(map(number_text, spec.values))
+        given[spec.quantity.name] = f"{ends}:{count}" + ":log" * spec.log
+    if grid.length is not None:
+        given["trough_length"] = number_text(grid.length)
+    return {name: given[name] for name in QUANTITIES if name in given}
+
+
+def _table(rows: list[tuple[str, ...]]) -> dict[str, Any]:
+    head, *body = rows or [()]
+    return {"head": head, "rows": body}
