@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import sys
-import traceback
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
@@ -13,8 +12,16 @@ from typer.core import TyperGroup
 from vibro.cli.accuracy import accuracy_command
 from vibro.cli.compare import CompareCommand, compare_command
 from vibro.cli.completion import check_shell, complete_in_plain_text
-from vibro.cli.console import open_closed_streams, print_error, silence, tell, tolerate_any_encoding
+from vibro.cli.console import (
+    open_closed_streams,
+    print_error,
+    print_unexpected,
+    silence,
+    tell_traceback,
+    tolerate_any_encoding,
+)
 from vibro.cli.design import design_command
+from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
@@ -73,8 +80,7 @@ class _Commands(TyperGroup):
 def _report(exc: Exception, argv: Sequence[str]) -> int:
     """Print what went wrong and return the exit code."""
     if "--debug" in argv:
-        for line in "".join(traceback.format_exception(exc)).splitlines():
-            tell(line)
+        tell_traceback(exc)
     if isinstance(exc, InputError):
         print_error(exc.problems, exc.hint)
         return _WRONG_INPUT
@@ -99,7 +105,7 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
     if isinstance(exc, MemoryError):
         print_error(["not enough memory"], "ask for fewer values")
         return _FAILED
-    print_error([f"unexpected {type(exc).__name__}: {exc}"], "please report it with the output of --debug")
+    print_unexpected(exc)
     return _FAILED
 
 
@@ -147,6 +153,7 @@ _SCENES: dict[str, Callable[..., int]] = {
 _OTHERS: dict[str, Callable[..., int]] = {
     "design": shares_options(design_command, of_scene=False),
     "friction": friction_command,
+    "explore": shares_options(explore_command, of_answer=False),
 }
 _CLASSES = {"compare": CompareCommand}
 for _name, _command in _SCENES.items():

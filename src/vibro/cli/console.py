@@ -6,6 +6,7 @@ import contextlib
 import io
 import os
 import sys
+import traceback
 from typing import TYPE_CHECKING
 
 from vibro.errors import printable
@@ -19,8 +20,10 @@ __all__ = [
     "Console",
     "open_closed_streams",
     "print_error",
+    "print_unexpected",
     "silence",
     "tell",
+    "tell_traceback",
     "tolerate_any_encoding",
 ]
 
@@ -71,6 +74,17 @@ def print_error(problems: Sequence[str], hint: str = "") -> None:
         tell(f"error: {problem}")
     for line in hint.splitlines():
         tell(f"hint: {line}")
+
+
+def print_unexpected(exc: Exception) -> None:
+    """Print what nobody expected, and what to do about it."""
+    print_error([f"unexpected {type(exc).__name__}: {exc}"], "please report it with the output of --debug")
+
+
+def tell_traceback(exc: Exception) -> None:
+    """Write where an exception comes from."""
+    for line in "".join(traceback.format_exception(exc)).splitlines():
+        tell(line)
 
 
 class Console:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
 import typer
 
@@ -138,6 +138,9 @@ class Options:
     version: VersionOption = False
 
 
+_OF_ANSWER: Final = ("output", "json", "excel", "decimal_comma", "force")
+
+
 def _parameter(name: str, default: Any, annotation: Any) -> inspect.Parameter:
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
@@ -150,7 +153,9 @@ def _quantity_parameter(quantity: Quantity) -> inspect.Parameter:
     return _parameter(quantity.name, None, Annotated[str | None, option])
 
 
-def shares_options(run: Callable[..., int], *, of_scene: bool = True) -> Callable[..., int]:
+def shares_options(
+    run: Callable[..., int], *, of_scene: bool = True, of_answer: bool = True
+) -> Callable[..., int]:
     """Give a command the shared options.
 
     Parameters
@@ -159,6 +164,8 @@ def shares_options(run: Callable[..., int], *, of_scene: bool = True) -> Callabl
         ``run(context, options, **own)``, where ``own`` are the command's own options; returns the exit code.
     of_scene : bool
         Whether it takes a scene file, and the quantities of a scene.
+    of_answer : bool
+        Whether it has an answer, which can be printed and written to files.
 
     Returns
     -------
@@ -167,11 +174,12 @@ def shares_options(run: Callable[..., int], *, of_scene: bool = True) -> Callabl
     """
     annotations = get_type_hints(Options, include_extras=True)
     quantities = [name for name, quantity in QUANTITIES.items() if of_scene and quantity.options]
+    left_out = {*([] if of_scene else ["scene"]), *([] if of_answer else _OF_ANSWER)}
     shared = []
     for f in fields(Options):
         if f.name == "given":
             shared += [_quantity_parameter(QUANTITIES[name]) for name in quantities]
-        elif f.name != "scene" or of_scene:
+        elif f.name not in left_out:
             shared.append(_parameter(f.name, f.default, annotations[f.name]))
     context, _, *own = inspect.signature(run, eval_str=True).parameters.values()
 

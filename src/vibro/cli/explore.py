@@ -1,0 +1,100 @@
+"""``vibro explore``: a page in the browser that shows the map while quantities are moved."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vibro.cli.options import Options  # typer reads the annotations
+from vibro.errors import FileError, InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from vibro.cli.console import Console
+    from vibro.sweeps.request import Request
+
+__all__ = ["explore_command"]
+
+
+def explore_command(
+    context: typer.Context,
+    options: Options,
+    port: Annotated[
+        str,
+        typer.Option("--port", metavar="PORT", help="Where to listen; if it is taken, at the next free one."),
+    ] = "8765",
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="Print the page's address, open no browser.")
+    ] = False,
+) -> int:
+    """Explore a scene in the browser: move its quantities, and see the map, the numbers and the motion.
+
+    Axes and [map] say what the map shows first; without a scene it is the paper's safety nut. The page comes
+    from this machine and can be opened from this machine alone, by one browser; Ctrl-C ends it. It needs
+    pip install 'vibro[explore]'.
+    """
+    from vibro.cli.console import Console, print_unexpected, tell_traceback
+    from vibro.cli.request import question_length, whole_number
+
+    console = Console(quiet=options.quiet)
+    wanted = whole_number("--port", port)
+    _check_extra()
+    from vibro.explore.server import PORTS, serve
+    from vibro.explore.state import initial_state
+
+    if wanted not in PORTS:
+        raise InputError(f"--port {wanted}: must be in [{PORTS.start}, {PORTS.stop - 1}]")
+    request = _request(options, context.obj)
+    if request:
+        question_length(request, options)
+
+    def announce(url: str, bound: int) -> None:
+        if bound != wanted:
+            console.echo(f"port {wanted} is taken: {bound} it is")
+        print(url, flush=True)
+        console.echo("for this machine alone; Ctrl-C ends it")
+        if no_open:
+            console.echo(f"from elsewhere: ssh -L {bound}:127.0.0.1:{bound} host")
+        else:
+            # Some browsers are waited for until they end.
+            threading.Thread(target=_open, args=(url, console), daemon=True).start()
+
+    def report(exc: Exception) -> None:
+        if options.debug:
+            tell_traceback(exc)
+        print_unexpected(exc)
+
+    serve(initial_state(request), port=wanted, announce=announce, report=report)
+    return 0
+
+
+def _check_extra() -> None:
+    """Say what to install where the server's libraries are missing."""
+    try:
+        import starlette  # noqa: F401 - whether they are there
+        import uvicorn  # noqa: F401
+    except ImportError:
+        raise FileError(
+            "vibro explore needs starlette and uvicorn", hint="pip install 'vibro[explore]'"
+        ) from None
+
+
+def _request(options: Options, argv: Sequence[str]) -> Request | None:
+    """Read what is given, if anything is: one scene is an operating point, axes are the map's."""
+    if options.scene is None and not options.given:
+        return None
+    from vibro.cli.request import request_of
+    from vibro.sweeps.request import RANGES
+
+    return request_of(options, argv, reads_map=True, takes_axes=True, ranges=RANGES, must_vary=False)
+
+
+def _open(url: str, console: Console) -> None:
+    """Open the page in the user's browser."""
+    import webbrowser
+
+    if not webbrowser.open(url):
+        console.echo("no browser could be opened: open the address above in one")

@@ -1,0 +1,248 @@
+"""Who may ask the explorer, and how: what stands before every route.
+
+The server listens on 127.0.0.1, but so can be reached by any page of the browser and by every user of the
+machine. Host and Origin keep other sites out, also those whose names resolve to 127.0.0.1; a token, which is
+in the first URL alone, and the cookie that it is exchanged for keep out everybody else.
+"""
+
+from __future__ import annotations
+
+import secrets
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Final
+from urllib.parse import parse_qsl
+
+from starlette.datastructures import Headers
+from starlette.requests import ClientDisconnect
+from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
+
+from vibro.errors import VibroError, cut, printable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+__all__ = ["HEADERS", "LONGEST_QUERY", "Guarded", "RefusedError", "Session", "query_of"]
+
+LONGEST_QUERY: Final = 4096  # characters; a state with every key takes a few hundred
+
+#: Of every response. The page loads what this server sends, and nothing else loads that.
+HEADERS: Final = {
+    "Referrer-Policy": "no-referrer",
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self';"
+    " img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none';"
+    " frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+_RAW_HEADERS: Final = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
+_METHODS: Final = ("GET", "HEAD")
+_NO_SESSION: Final = "no session: start vibro explore again, or use the browser that opened it first"
+
+
+class RefusedError(VibroError):
+    """A request that is not answered, and why.
+
+    Attributes
+    ----------
+    status : HTTPStatus
+        Of the response.
+    hint : str
+        How to put it right; empty where the message says it itself.
+    headers : dict of str to str
+        Of the response, beside those of all.
+    """
+
+    def __init__(self, status: HTTPStatus, text: str, hint: str = "", **headers: str) -> None:
+        self.status = status
+        self.hint = hint
+        self.headers = {name.replace("_", "-"): value for name, value in headers.items()}
+        super().__init__(text)
+
+
+class Session:
+    """The one browser that may ask: it showed the token first, and has had the cookie since.
+
+    Parameters
+    ----------
+    port : int
+        Of the server: browsers do not tell cookies of one host's ports apart, so its name does.
+    token : str
+        In the first URL; it counts once.
+    """
+
+    def __init__(self, port: int, token: str) -> None:
+        self.name = f"vibro-{port}"
+        self._token: str | None = token
+        self._value = secrets.token_urlsafe(32)
+
+    def begins(self, token: str) -> bool:
+        """Tell whether this is the token, which from then on is none any more."""
+        if self._token is None or not _same(token, self._token):
+            return False
+        self._token = None
+        return True
+
+    @property
+    def cookie(self) -> str:
+        """What the browser is told to keep."""
+        return f"{self.name}={self._value}; HttpOnly; SameSite=Strict; Path=/"
+
+    def has(self, cookies: str) -> bool:
+        """Tell whether the session's cookie is among those of a request.
+
+        Other programs on this host set cookies too, of any form and of the same name: every one is looked at.
+        """
+        pairs = (pair.strip().partition("=") for pair in cookies.split(";"))
+        return any(_same(value, self._value) for name, _, value in pairs if name == self.name)
+
+
+def _same(given: str, wanted: str) -> bool:
+    """Compare in a time that tells nothing about where texts differ."""
+    return secrets.compare_digest(given.encode(errors="surrogateescape"), wanted.encode())
+
+
+def query_of(scope: Scope) -> dict[str, str]:
+    """Read the query of a request.
+
+    Raises
+    ------
+    RefusedError
+        Where it is too long, gives a key twice or is not UTF-8.
+    """
+    raw: bytes = scope["query_string"]
+    if len(raw) > LONGEST_QUERY:
+        raise RefusedError(
+            HTTPStatus.BAD_REQUEST,
+            f"the query has {len(raw)} characters: it must have at most {LONGEST_QUERY}",
+        )
+    try:
+        pairs = parse_qsl(raw.decode("ascii"), keep_blank_values=True, errors="strict")
+    except UnicodeDecodeError:
+        raise RefusedError(HTTPStatus.BAD_REQUEST, "the query is not UTF-8") from None
+    query: dict[str, str] = {}
+    for key, value in pairs:
+        if key in query:
+            raise RefusedError(HTTPStatus.BAD_REQUEST, f"the query gives {cut(key)} twice", "give it once")
+        query[key] = value
+    return query
+
+
+class Guarded:
+    """ASGI application that lets through what a session's own page asks, and answers all else itself.
+
+    Parameters
+    ----------
+    app : ASGI application
+        What is guarded.
+    session : Session
+        Who may ask.
+    port : int
+        Where the server listens.
+    report : callable
+        Told of every exception that nobody expected; the client gets a message without its traceback.
+    """
+
+    def __init__(
+        self, app: ASGIApp, session: Session, port: int, report: Callable[[Exception], None]
+    ) -> None:
+        self._app = app
+        self._session = session
+        self._port = port
+        self._report = report
+        self._hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
+        self._origins = {f"http://{host}" for host in self._hosts}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or refuse it; what is no HTTP is closed, as no route speaks anything else."""
+        if scope["type"] != "http":
+            await send({"type": "websocket.close", "code": 1008})  # before it is accepted: a 403
+            return
+        started = False
+
+        async def send_guarded(message: Message) -> None:
+            nonlocal started
+            if message["type"] == "http.response.start":
+                started = True
+                message = {**message, "headers": [*message.get("headers", ()), *_RAW_HEADERS]}
+            await send(message)
+
+        try:
+            if redirect := self._check(scope):
+                await redirect(scope, receive, send_guarded)
+            else:
+                await self._app(scope, receive, send_guarded)
+        except ClientDisconnect:  # nobody is there to be answered
+            return
+        except Exception as exc:
+            if not isinstance(exc, VibroError):
+                self._report(exc)
+            if started:
+                raise  # the server cuts the response short, and the client sees that
+            await _response_of(exc, in_a_tab=scope["path"] == "/")(scope, receive, send_guarded)
+
+    def _check(self, scope: Scope) -> Response | None:
+        """Refuse a request, or let it through, or begin the session.
+
+        Raises
+        ------
+        RefusedError
+            If it is not from the session's own page.
+        """
+        headers = Headers(scope=scope)
+        self._check_source(scope, headers)
+        if scope["method"] not in _METHODS:
+            raise RefusedError(
+                HTTPStatus.METHOD_NOT_ALLOWED, "only GET and HEAD are answered", Allow="GET, HEAD"
+            )
+        known = self._session.has(";".join(headers.getlist("cookie")))
+        query = query_of(scope)
+        if scope["path"] == "/" and "token" in query:
+            if known:
+                return RedirectResponse("/", HTTPStatus.SEE_OTHER)
+            # HEAD is what looks at links before anybody opens them.
+            if scope["method"] == "GET" and self._session.begins(query["token"]):
+                cookie = {"Set-Cookie": self._session.cookie}
+                return RedirectResponse("/", HTTPStatus.SEE_OTHER, headers=cookie)
+        if not known:
+            raise RefusedError(HTTPStatus.FORBIDDEN, _NO_SESSION)
+        return None
+
+    def _check_source(self, scope: Scope, headers: Headers) -> None:
+        """Refuse what another site asks, or makes the browser ask."""
+        hosts = [host.lower() for host in headers.getlist("host")]
+        if len(hosts) != 1 or hosts[0] not in self._hosts:
+            port = self._port
+            raise RefusedError(
+                HTTPStatus.FORBIDDEN,
+                f"Host {cut(', '.join(hosts)) or 'is missing'}: it must be {' or '.join(self._hosts)}",
+                f"an ssh tunnel needs the same port on both sides: ssh -L {port}:127.0.0.1:{port} host",
+            )
+        if any(origin.lower() not in self._origins for origin in headers.getlist("origin")):
+            raise RefusedError(HTTPStatus.FORBIDDEN, "Origin: pages of other sites are not answered")
+        # Other ports of this host are the same site, but nobody's who may ask. A link leads to the page.
+        is_link = (scope["path"], headers.get("sec-fetch-dest"), headers.get("sec-fetch-mode")) == (
+            "/", "document", "navigate",
+        )  # fmt: skip
+        if headers.get("sec-fetch-site", "none") not in ("same-origin", "none") and not is_link:
+            raise RefusedError(HTTPStatus.FORBIDDEN, "Sec-Fetch-Site: pages of other sites are not answered")
+
+
+def _response_of(exc: Exception, *, in_a_tab: bool) -> Response:
+    """Say what is wrong: as plain text where a person opened it, else as JSON."""
+    status, headers = HTTPStatus.BAD_REQUEST, dict[str, str]()
+    told: Sequence[object] = getattr(exc, "problems", (str(exc),))  # texts, or what tells its field too
+    if isinstance(exc, RefusedError):
+        status, headers = exc.status, exc.headers
+    elif not isinstance(exc, VibroError):
+        status = HTTPStatus.INTERNAL_SERVER_ERROR
+        told = (f"unexpected {type(exc).__name__}; please report it with the output of --debug",)
+    problems = [{"field": getattr(p, "field", ""), "text": str(getattr(p, "text", p))} for p in told]
+    hint = getattr(exc, "hint", "")
+    if in_a_tab:
+        lines = [problem["text"] for problem in problems] + [hint] * bool(hint)
+        return PlainTextResponse("\n".join(map(printable, lines)) + "\n", status, headers)
+    return JSONResponse({"problems": problems, "hint": hint}, status, headers)

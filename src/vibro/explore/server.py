@@ -1,0 +1,324 @@
+"""The explorer's server: its routes, whose turn it is, and its socket.
+
+Everything that is computed is computed in threads; the event loop answers at any time. Nothing is read from a
+file but the page itself, once, and nothing is written.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import secrets
+import socket
+from http import HTTPStatus
+from importlib.resources import files
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Final, TypeVar
+
+import h11
+import uvicorn
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, Router
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from vibro.errors import FileError
+from vibro.explore.guards import HEADERS, Guarded, RefusedError, Session, query_of
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterator, Mapping
+
+    from starlette.types import ASGIApp, Receive, Scope, Send
+
+    from vibro.explore.answers import Answers
+    from vibro.explore.state import State
+
+__all__ = ["MOST_WAITING", "PORTS", "bind", "create_app", "serve"]
+
+PORTS: Final = range(1024, 65536)
+_TRIES: Final = 20  # ports, from the one that is wanted on
+
+#: How many requests of a kind may wait for their turns; a page has one of each under way.
+MOST_WAITING: Final = 64
+_QUICK: Final = 4  # threads: each answer takes a few times 10 ms
+_KEPT_ALIVE: Final = 60  # s; a person pauses
+
+_T = TypeVar("_T")
+
+_TYPES: Final = {
+    ".html": "text/html",
+    ".css": "text/css",
+    ".js": "text/javascript",
+    ".svg": "image/svg+xml",
+}
+
+
+class _Turns:
+    """Work of one kind, in threads: so much at once, the rest waits for its turn.
+
+    Parameters
+    ----------
+    at_once : int
+        Number of threads.
+    """
+
+    def __init__(self, at_once: int) -> None:
+        self._free = asyncio.Semaphore(at_once)
+        self._waiting = 0
+
+    async def take(self, request: Request, work: Callable[[], _T]) -> _T:
+        """Do the work of a request when it is its turn.
+
+        Raises
+        ------
+        RefusedError
+            If too many wait already.
+        ClientDisconnect
+            If nobody wants it any more by then.
+        """
+        if self._waiting >= MOST_WAITING:
+            text = f"{MOST_WAITING} requests of this kind wait already"
+            raise RefusedError(HTTPStatus.SERVICE_UNAVAILABLE, text, "ask again", Retry_After="1")
+        self._waiting += 1
+        try:
+            await self._free.acquire()
+        finally:
+            self._waiting -= 1
+        try:
+            if await request.is_disconnected():
+                raise ClientDisconnect
+            return await run_in_threadpool(work)
+        finally:
+            self._free.release()
+
+
+class _Download(Response):
+    """A file that is sent while it is made; where that fails the connection ends before the file does.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    more : callable
+        Awaited for one piece after the other; empty after the last.
+    """
+
+    def __init__(self, name: str, first: bytes, more: Callable[[], Awaitable[bytes]]) -> None:
+        super().__init__(
+            media_type="text/csv", headers={"Content-Disposition": f'attachment; filename="{name}"'}
+        )
+        del self.headers["content-length"]
+        self._first = first
+        self._more = more
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+        piece = self._first
+        while piece:
+            await send({"type": "http.response.body", "body": piece, "more_body": True})
+            piece = await self._more()
+        await send({"type": "http.response.body", "body": b"", "more_body": False})
+
+
+class _Routes:
+    """What is answered at which path.
+
+    Parameters
+    ----------
+    answers : Answers
+        Its methods are called in threads, several at once.
+    read : callable
+        Makes the state of a query.
+    """
+
+    def __init__(self, answers: Answers, read: Callable[[Mapping[str, str]], State]) -> None:
+        self._answers = answers
+        self._read = read
+        self._files = _page_files()
+        self._quick, self._advancing, self._tables = _Turns(_QUICK), _Turns(1), _Turns(1)
+
+    def routes(self) -> list[Route]:
+        """List them."""
+        return [
+            Route("/", self._page),
+            Route("/static/{name}", self._page),
+            Route("/schema", self._schema),
+            Route("/map", self._map),
+            Route("/point", self._point),
+            Route("/history", self._history),
+            Route("/table.csv", self._table),
+        ]
+
+    async def _page(self, request: Request) -> Response:
+        name = request.path_params.get("name", "index.html")
+        if name not in self._files:
+            raise _missing()
+        content, kind = self._files[name]
+        return Response(content, media_type=kind)
+
+    async def _schema(self, request: Request) -> Response:
+        return JSONResponse(await self._quick.take(request, self._answers.schema))
+
+    async def _map(self, request: Request) -> Response:
+        query = query_of(request.scope)
+        advance = query.pop("advance", "0") == "1"
+        state = self._read(query)
+        turns = self._advancing if advance else self._quick
+        return _binary(await turns.take(request, lambda: self._answers.map(state, advance)))
+
+    async def _point(self, request: Request) -> Response:
+        state = self._read(query_of(request.scope))
+        return JSONResponse(await self._quick.take(request, lambda: self._answers.point(state)))
+
+    async def _history(self, request: Request) -> Response:
+        state = self._read(query_of(request.scope))
+        return _binary(await self._quick.take(request, lambda: self._answers.history(state)))
+
+    async def _table(self, request: Request) -> Response:
+        state = self._read(query_of(request.scope))
+        pieces = await self._tables.take(request, lambda: iter(self._answers.table(state)))
+
+        async def more() -> bytes:
+            return await self._tables.take(request, lambda: next(pieces, b""))
+
+        return _Download("vibro-map.csv", await more(), more)
+
+
+def _binary(content: bytes) -> Response:
+    return Response(content, media_type="application/octet-stream")
+
+
+def _missing() -> RefusedError:
+    return RefusedError(HTTPStatus.NOT_FOUND, "there is nothing here")
+
+
+def _page_files() -> dict[str, tuple[bytes, str]]:
+    """Read what the page consists of, with its types."""
+    folder = files("vibro.explore") / "static"
+    return {
+        file.name: (file.read_bytes(), _TYPES[PurePath(file.name).suffix])
+        for file in folder.iterdir()
+        if file.is_file()
+    }
+
+
+def create_app(
+    answers: Answers,
+    read: Callable[[Mapping[str, str]], State],
+    *,
+    port: int,
+    token: str,
+    report: Callable[[Exception], None],
+) -> ASGIApp:
+    """Make the ASGI application of one session.
+
+    Parameters
+    ----------
+    answers : Answers
+        Its methods are called in threads, several at once.
+    read : callable
+        Makes the state of a query.
+    port : int
+        Where the server listens.
+    token : str
+        Of the first URL.
+    report : callable
+        Told of every exception that nobody expected.
+    """
+
+    async def nothing(scope: Scope, receive: Receive, send: Send) -> None:
+        raise _missing()
+
+    router = Router(_Routes(answers, read).routes(), redirect_slashes=False, default=nothing)
+    return Guarded(router, Session(port, token), port, report)
+
+
+def bind(port: int) -> socket.socket:
+    """Listen on 127.0.0.1, at the first free port from this one on.
+
+    Raises
+    ------
+    FileError
+        If there is none nearby.
+    """
+    last = min(port + _TRIES, PORTS.stop) - 1
+    for number in range(port, last + 1):
+        try:
+            return socket.create_server(("127.0.0.1", number))
+        except OSError as exc:
+            reason = exc.strerror
+    raise FileError(
+        f"cannot listen on a port of {port}...{last}: {reason}", hint="choose another with --port"
+    )
+
+
+class _Connection(H11Protocol):
+    """A connection whose refusals of what is no HTTP have the headers of all responses."""
+
+    def send_400_response(self, msg: str) -> None:
+        body = msg.encode()
+        headers = [*HEADERS.items(), ("Content-Type", "text/plain; charset=utf-8"), ("Connection", "close")]
+        headers.append(("Content-Length", str(len(body))))
+        response = h11.Response(status_code=HTTPStatus.BAD_REQUEST, headers=headers, reason=b"Bad Request")
+        for event in (response, h11.Data(data=body), h11.EndOfMessage()):
+            self.transport.write(self.conn.send(event))
+        self.transport.close()
+
+
+class _Server(uvicorn.Server):
+    """A server that leaves signals alone: they end the process, at once, whatever is under way."""
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+
+def serve(
+    initial: State,
+    *,
+    port: int,
+    announce: Callable[[str, int], None],
+    report: Callable[[Exception], None],
+) -> None:
+    """Serve the explorer until a signal ends the process.
+
+    Parameters
+    ----------
+    initial : State
+        What is shown first.
+    port : int
+        Where to listen, or the first of those to try.
+    announce : callable
+        Told the first URL, and the port, once the server listens.
+    report : callable
+        Told of every exception that nobody expected.
+
+    Raises
+    ------
+    FileError
+        If no port is free.
+    """
+    from vibro.explore.answers import Answers
+    from vibro.explore.state import read_state
+
+    with bind(port) as listening:
+        port = listening.getsockname()[1]
+        token = secrets.token_urlsafe(32)
+        app = create_app(
+            Answers(initial), lambda query: read_state(query, initial), port=port, token=token, report=report
+        )
+        config = uvicorn.Config(
+            app,
+            http=_Connection,
+            ws="none",
+            lifespan="off",
+            log_config=None,
+            log_level="critical",
+            access_log=False,
+            proxy_headers=False,
+            server_header=False,
+            timeout_keep_alive=_KEPT_ALIVE,
+        )
+        announce(f"http://127.0.0.1:{port}/?token={token}", port)
+        asyncio.run(_Server(config).serve(sockets=[listening]))
