@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from typing import TYPE_CHECKING, Any
 
 from starlette.testclient import TestClient
@@ -13,43 +12,55 @@ from vibro.explore.server import create_app
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from starlette.types import ASGIApp
+
 PORT = 8765
 HOST = f"127.0.0.1:{PORT}"
 TOKEN = "the-token"
+STATES = ("/map", "/map?advance=1", "/point", "/history", "/table.csv")
+ROUTES = ("/", "/static/index.html", "/schema", *STATES)
 
 
 class FakeAnswers:
-    """Answers that say what they were asked; a state is the query itself."""
-
-    def __init__(self) -> None:
-        self.asked: list[tuple[str, object]] = []
-        self.release = threading.Event()
+    """Answers that tell what they were asked; a state is the query itself."""
 
     def schema(self) -> dict[str, Any]:
         return {"version": "0"}
 
-    def map(self, state: Mapping[str, str], advance: bool) -> bytes:
-        self.asked.append(("map", advance))
-        return repr((dict(state), advance)).encode()
+    def map(self, state: Any, advance: bool) -> bytes:
+        return repr((state, advance)).encode()
 
-    def point(self, state: Mapping[str, str]) -> dict[str, Any]:
-        return {"state": dict(state)}
+    def point(self, state: Any) -> dict[str, Any]:
+        return {"state": state}
 
-    def history(self, state: Mapping[str, str]) -> bytes:
-        return b"history"
+    def history(self, state: Any) -> bytes:
+        return repr(state).encode()
 
-    def table(self, state: Mapping[str, str]) -> Iterator[bytes]:
+    def table(self, state: Any) -> Iterator[bytes]:
         yield b"a,b\n"
         yield b"1,2\n"
 
 
-def read(query: Mapping[str, str]) -> Any:
+def read_query(query: Mapping[str, str]) -> Any:
     if "wrong" in query:
         raise InputError("wrong: must be right", hint="put it right")
     return query
 
 
-def client(answers: Any = None, **more: Any) -> TestClient:
-    """A client that knows nothing yet."""
-    app = create_app(answers or FakeAnswers(), read, port=PORT, token=TOKEN, report=print)
-    return TestClient(app, base_url=f"http://{HOST}", follow_redirects=False, **more)
+def application(answers: object = None, reported: list[Exception] | None = None) -> ASGIApp:
+    """Make the application; what it reports goes into a list."""
+    reported = [] if reported is None else reported
+    chosen: Any = answers or FakeAnswers()
+    return create_app(chosen, read_query, port=PORT, token=TOKEN, report=reported.append)
+
+
+def stranger(app: ASGIApp) -> TestClient:
+    """Make a client that has no cookie yet."""
+    return TestClient(app, base_url=f"http://{HOST}", follow_redirects=False)
+
+
+def guest(app: ASGIApp) -> TestClient:
+    """Make the client that has shown the token."""
+    client = stranger(app)
+    assert client.get("/", params={"token": TOKEN}).status_code == 303
+    return client

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import threading
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
     from vibro.sweeps.request import Request
 
 __all__ = ["explore_command"]
+
+_SCREENS: Final = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")  # variables of the environment
 
 
 def explore_command(
@@ -55,7 +59,7 @@ def explore_command(
         if bound != wanted:
             console.echo(f"port {wanted} is taken: {bound} it is")
         print(url, flush=True)
-        console.echo("for this machine alone; Ctrl-C ends it")
+        console.echo("only this machine reaches it, and one browser; Ctrl-C ends it")
         if no_open:
             console.echo(f"from elsewhere: ssh -L {bound}:127.0.0.1:{bound} host")
         else:
@@ -96,5 +100,7 @@ def _open(url: str, console: Console) -> None:
     """Open the page in the user's browser."""
     import webbrowser
 
-    if not webbrowser.open(url):
+    # Without a screen, Python would open a browser of text in this terminal.
+    has_screen = sys.platform in ("win32", "darwin") or not os.environ.keys().isdisjoint(_SCREENS)
+    if not has_screen or not webbrowser.open(url):
         console.echo("no browser could be opened: open the address above in one")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import secrets
 from http import HTTPStatus
+from itertools import chain, repeat
 from typing import TYPE_CHECKING, Final
 from urllib.parse import parse_qsl
 
@@ -16,7 +17,7 @@ from starlette.datastructures import Headers
 from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
 
-from vibro.errors import VibroError, cut, printable
+from vibro.errors import InputError, VibroError, cut, printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -157,9 +158,12 @@ class Guarded:
         self._origins = {f"http://{host}" for host in self._hosts}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request, or refuse it; what is no HTTP is closed, as no route speaks anything else."""
-        if scope["type"] != "http":
+        """Answer a request, or refuse it; nobody here speaks through a web socket."""
+        if scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008})  # before it is accepted: a 403
+            return
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
             return
         started = False
 
@@ -234,13 +238,16 @@ class Guarded:
 def _response_of(exc: Exception, *, in_a_tab: bool) -> Response:
     """Say what is wrong: as plain text where a person opened it, else as JSON."""
     status, headers = HTTPStatus.BAD_REQUEST, dict[str, str]()
-    told: Sequence[object] = getattr(exc, "problems", (str(exc),))  # texts, or what tells its field too
+    told: Sequence[str] = (str(exc),)
+    fields: Sequence[str] = ()
     if isinstance(exc, RefusedError):
         status, headers = exc.status, exc.headers
+    elif isinstance(exc, InputError):
+        told, fields = exc.problems, getattr(exc, "fields", ())
     elif not isinstance(exc, VibroError):
         status = HTTPStatus.INTERNAL_SERVER_ERROR
         told = (f"unexpected {type(exc).__name__}; please report it with the output of --debug",)
-    problems = [{"field": getattr(p, "field", ""), "text": str(getattr(p, "text", p))} for p in told]
+    problems = [{"field": f, "text": text} for text, f in zip(told, chain(fields, repeat("")), strict=False)]
     hint = getattr(exc, "hint", "")
     if in_a_tab:
         lines = [problem["text"] for problem in problems] + [hint] * bool(hint)
