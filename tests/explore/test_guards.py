@@ -169,7 +169,7 @@ def test_only_opening_the_page_uses_the_token_up() -> None:
     assert client.get("/", params={"token": TOKEN}).status_code == 303
 
 
-def test_the_token_is_no_cookie() -> None:
+def test_only_the_cookie_itself_lets_in() -> None:
     app = application()
     value = guest(app).cookies["vibro-8765"]
     for cookies, status in (
@@ -183,7 +183,7 @@ def test_the_token_is_no_cookie() -> None:
         ("vibro-8765=\xfc", 403),
         (value, 403),
     ):
-        headers = {"Cookie": cookies.encode("latin-1")}
+        headers = {b"Cookie": cookies.encode("latin-1")}
         assert stranger(app).get("/schema", headers=headers).status_code == status, cookies
 
 
@@ -255,6 +255,10 @@ def test_unexpected_errors_are_reported_but_not_to_the_client() -> None:
         (
             InputError("a", "b", hint="c"),
             {"problems": [{"field": "", "text": "a"}, {"field": "", "text": "b"}], "hint": "c"},
+        ),
+        (
+            InputError("a", "b", fields=["x", ""]),
+            {"problems": [{"field": "x", "text": "a"}, {"field": "", "text": "b"}], "hint": ""},
         ),
         (VibroError("a"), {"problems": [{"field": "", "text": "a"}], "hint": ""}),
     ],

@@ -243,7 +243,7 @@ def _response_of(exc: Exception, *, in_a_tab: bool) -> Response:
     if isinstance(exc, RefusedError):
         status, headers = exc.status, exc.headers
     elif isinstance(exc, InputError):
-        told, fields = exc.problems, getattr(exc, "fields", ())
+        told, fields = exc.problems, exc.fields
     elif not isinstance(exc, VibroError):
         status = HTTPStatus.INTERNAL_SERVER_ERROR
         told = (f"unexpected {type(exc).__name__}; please report it with the output of --debug",)

@@ -24,7 +24,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, Router
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from vibro.errors import FileError
+from vibro.errors import FileError, InputError, shown
 from vibro.explore.guards import HEADERS, Guarded, RefusedError, Session, query_of
 
 if TYPE_CHECKING:
@@ -163,10 +163,12 @@ class _Routes:
 
     async def _map(self, request: Request) -> Response:
         query = query_of(request.scope)
-        advance = query.pop("advance", "0") == "1"
+        advance = query.pop("advance", "0")
+        if advance not in ("0", "1"):
+            raise InputError(f"advance = {shown(advance)}: must be 1 or 0", fields=["advance"])
         state = self._read(query)
-        turns = self._advancing if advance else self._quick
-        return _binary(await turns.take(request, lambda: self._answers.map(state, advance)))
+        turns = self._advancing if advance == "1" else self._quick
+        return _binary(await turns.take(request, lambda: self._answers.map(state, advance == "1")))
 
     async def _point(self, request: Request) -> Response:
         state = self._read(query_of(request.scope))
@@ -245,8 +247,8 @@ def bind(port: int) -> socket.socket:
     """
     last = min(port + _TRIES, PORTS.stop) - 1
     for number in range(port, last + 1):
-        # Said to be TCP: asyncio turns Nagle's algorithm off for what says so alone, and with it a small body,
-        # which follows its header, waits 40 ms for that to be acknowledged.
+        # A small body, which is sent after its header, would wait 40 ms for that to be acknowledged: asyncio
+        # turns Nagle's algorithm off, but only where a socket says that it is TCP.
         listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
         try:
             if os.name == "posix":  # elsewhere it means that others may listen there too
@@ -259,7 +261,7 @@ def bind(port: int) -> socket.socket:
         else:
             return listening
     raise FileError(
-        f"cannot listen on a port of {port}...{last}: {reason}", hint="choose another with --port"
+        f"cannot listen on any port of {port}...{last}: {reason}", hint="choose another with --port"
     )
 
 
