@@ -1,0 +1,239 @@
+"""``vibro explore``: its options, its messages, and the program itself."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import webbrowser
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from commands import NUT, POSIX, started
+from made_records import EXAMPLES
+
+from vibro.explore import server
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from commands import Run
+
+SCENE = str(EXAMPLES / "safety_nut.toml")
+URL = "http://127.0.0.1:8765/?token=t"
+
+
+@pytest.fixture
+def served(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """States that would be served; the command believes that it was at port 8765."""
+    states: list[Any] = []
+
+    def serve(initial: Any, *, port: int, announce: Callable[[str, int], None], report: object) -> None:
+        states.append(initial)
+        announce(URL, 8765)
+
+    monkeypatch.setattr(server, "serve", serve)
+    return states
+
+
+class Page:
+    """A browser's part of the conversation with a program that runs."""
+
+    def __init__(self, run: subprocess.Popen[str]) -> None:
+        assert run.stdout is not None
+        found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)(/\?token=[\w-]{40,})\n", run.stdout.readline())
+        assert found
+        self.port, self._headers = int(found[1]), dict[str, str]()
+        status, headers, _ = self.get(found[2])
+        assert (status, headers["location"]) == (303, "/")
+        self._headers["Cookie"] = headers["set-cookie"].split(";")[0]
+
+    def get(self, path: str) -> tuple[int, http.client.HTTPMessage, bytes]:
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        connection.request("GET", path, headers=self._headers)
+        response = connection.getresponse()
+        content = response.read()
+        connection.close()
+        return response.status, response.headers, content
+
+    def ask(self, path: str) -> None:
+        """Ask for what may never come."""
+        with suppress(OSError, http.client.HTTPException):
+            self.get(path)
+
+
+@contextmanager
+def running(folder: Path, *args: str) -> Iterator[subprocess.Popen[str]]:
+    """Run the program, and end it whatever happens."""
+    run = started("explore", *args, "--no-open", cwd=folder)
+    try:
+        yield run
+    finally:
+        run.kill()
+        run.communicate()
+
+
+@POSIX
+def test_the_program_serves_until_it_is_interrupted(tmp_path: Path) -> None:
+    with running(tmp_path, SCENE) as first, running(tmp_path, SCENE, "-A", "2") as second:
+        pages = [Page(first), Page(second)]
+        assert pages[0].port != pages[1].port
+        for page, amplitude in zip(pages, ("1", "2"), strict=True):
+            status, headers, content = page.get("/schema")
+            assert (status, headers["content-type"]) == (200, "application/json")
+            assert json.loads(content)["initial"]["amplitude_mm"] == amplitude
+            assert "server" not in headers
+            assert page.get("/")[0] == 200
+        assert page.get("/point?amplitude_mm=x")[0] == 400
+        # What is no HTTP at all gets the headers of all responses too.
+        with socket.create_connection(("127.0.0.1", pages[0].port)) as client:
+            client.sendall(b"\x16\x03\x01\r\n\r\n")
+            said = client.makefile("rb").read()
+        assert said.startswith(b"HTTP/1.1 400 ")
+        assert b"\r\nContent-Security-Policy: default-src 'none'" in said
+        # Signals end it at once, whatever it computes for whom.
+        asked = [threading.Thread(target=page.ask, args=("/table.csv?restitution=0.5",)) for page in pages]
+        for thread in asked:
+            thread.start()
+        time.sleep(0.2)
+        first.send_signal(signal.SIGINT)
+        second.send_signal(signal.SIGTERM)
+        ends = [(run.communicate(timeout=60)[1].splitlines(), run.returncode) for run in (first, second)]
+        for thread in asked:
+            thread.join()
+    for page, (echo, code) in zip(pages, ends, strict=True):
+        assert code == 130
+        assert echo[-3:] == [
+            "only this machine reaches it, and one browser; Ctrl-C ends it",
+            f"from elsewhere: ssh -L {page.port}:127.0.0.1:{page.port} host",
+            "error: interrupted",
+        ]
+    taken = [echo for echo, _ in ends if len(echo) == 4]
+    assert taken != []
+    for echo in taken:
+        assert re.fullmatch(r"port 8765 is taken: \d+ it is", echo[0])
+
+
+def test_states_come_from_the_scene_and_options(run: Run, served: list[Any]) -> None:
+    for args in (
+        (),
+        (SCENE,),
+        (SCENE, "-A", "2", "-f", "20"),
+        NUT,
+        (*NUT[4:], "-A", "0.5:2"),
+        (SCENE, "--restitution", "0.3"),
+    ):
+        result = run("explore", *args, "--no-open")
+        assert (result.exit_code, result.stdout) == (0, f"{URL}\n")
+    nut, scene, moved, typed, swept, hopping = (state.texts for state in served)
+    assert nut["amplitude_mm"] == scene["amplitude_mm"] == typed["amplitude_mm"] == "1"
+    assert (moved["amplitude_mm"], moved["frequency_hz"]) == ("2", "20")
+    assert (moved["static_friction"], typed["static_friction"]) == ("0.74", "0.74")
+    assert "0.5:2" in (swept["x_range"], swept["y_range"])
+    assert hopping["restitution"] == "0.3"
+
+
+def test_notes_go_to_stderr(run: Run, served: list[Any]) -> None:
+    notes = "only this machine reaches it, and one browser; Ctrl-C ends it\n"
+    tunnel = "from elsewhere: ssh -L 8765:127.0.0.1:8765 host\n"
+    assert run("explore", "--no-open").stderr == notes + tunnel
+    taken = run("explore", "--no-open", "--port", "8764").stderr
+    assert taken == "port 8764 is taken: 8765 it is\n" + notes + tunnel
+    assert run("explore", "--no-open", "-q").stderr == ""
+
+
+@pytest.mark.parametrize(("opens", "said"), [(True, False), (False, True)])
+def test_a_browser_is_opened(
+    run: Run, served: list[Any], monkeypatch: pytest.MonkeyPatch, opens: bool, said: bool
+) -> None:
+    opened = []
+
+    def open_(url: str) -> bool:
+        opened.append(url)
+        return opens
+
+    monkeypatch.setattr(webbrowser, "open", open_)
+    monkeypatch.setattr(threading, "Thread", AtOnce)
+    monkeypatch.setenv("BROWSER", "firefox")
+    result = run("explore")
+    assert opened == [URL]
+    assert ("no browser could be opened" in result.stderr) == said
+    assert "ssh" not in result.stderr
+
+
+@pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="there is always a screen")
+def test_no_browser_is_opened_without_a_screen(
+    run: Run, served: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Python would start one that draws text into the terminal."""
+    monkeypatch.setattr(webbrowser, "open", None)
+    monkeypatch.setattr(threading, "Thread", AtOnce)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
+        monkeypatch.delenv(name, raising=False)
+    assert "no browser could be opened: open the address above in one\n" in run("explore").stderr
+
+
+class AtOnce:
+    """A thread that is over when it has begun."""
+
+    def __init__(self, target: Callable[..., object], args: tuple[object, ...], daemon: bool) -> None:
+        self._run = lambda: target(*args)
+
+    def start(self) -> None:
+        self._run()
+
+
+@pytest.mark.parametrize("missing", ["starlette", "uvicorn"])
+def test_without_the_extra(run: Run, monkeypatch: pytest.MonkeyPatch, missing: str) -> None:
+    monkeypatch.setitem(sys.modules, missing, None)
+    result = run("explore")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == (
+        "error: vibro explore needs starlette and uvicorn\nhint: pip install 'vibro[explore]'\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("args", "problem"),
+    [
+        (["--port", "80"], "--port 80: must be in [1024, 65535]"),
+        (["--port", "65536"], "--port 65536: must be in [1024, 65535]"),
+        (["--port", "x"], "--port = 'x': not a number"),
+        (["--port", "8765.5"], "--port = 8765.5: not a whole number"),
+        (["-A", "x"], "amplitude = 'x': not a number"),
+        (["-A", "1"], "missing: drive angle"),
+        (["--json"], "No such option: --json"),
+        (["-o", "out"], "No such option: -o"),
+        (["--force"], "No such option: --force"),
+    ],
+)
+def test_wrong_arguments_are_refused(run: Run, served: list[Any], args: list[str], problem: str) -> None:
+    result = run("explore", *args)
+    assert (result.exit_code, result.stdout, served) == (2, "", [])
+    assert f"error: {problem}" in result.stderr
+
+
+@pytest.mark.parametrize("debug", [False, True])
+def test_what_nobody_expected_is_told_on_stderr(
+    run: Run, monkeypatch: pytest.MonkeyPatch, debug: bool
+) -> None:
+    def serve(*_: object, report: Callable[[Exception], None], **__: object) -> None:
+        try:
+            raise ZeroDivisionError("oops")
+        except ZeroDivisionError as exc:
+            report(exc)
+
+    monkeypatch.setattr(server, "serve", serve)
+    result = run("explore", *["--debug"] * debug)
+    assert result.stderr.endswith(
+        "error: unexpected ZeroDivisionError: oops\nhint: please report it with the output of --debug\n"
+    )
+    assert ("Traceback" in result.stderr) == debug
