@@ -96,7 +96,7 @@ class Answers:
         """Return the motion of the operating point, as ``packed_history`` does."""
         return packed_history(state)
 
-    def table(self, state: State) -> Iterator[str]:
+    def table(self, state: State) -> Iterator[bytes]:
         """Solve what is left of a map, and yield its cells as CSV, piece by piece.
 
         The columns are those of ``vibro map``; with bands what is certain at every cell.
@@ -119,8 +119,8 @@ class Answers:
                 Column("guaranteed_speed_mm_s", "mm/s", lambda block: np.asarray(1e3 * found.speed_min)),
             )
         form = CsvFormat()
-        yield form.header(columns)
-        yield form.rows(columns, Block(values, cycle, grid.length))
+        yield form.header(columns).encode()
+        yield form.rows(columns, Block(values, cycle, grid.length)).encode()
 
     def _kept(self, state: State) -> _Kept:
         """Return the cells of a state's map, which may have been worked on already."""

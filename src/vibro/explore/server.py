@@ -168,7 +168,7 @@ class _Routes:
             raise InputError(f"advance = {shown(advance)}: must be 1 or 0", fields=["advance"])
         state = self._read(query)
         turns = self._advancing if advance == "1" else self._quick
-        return _binary(await turns.take(request, lambda: self._answers.map(state, advance == "1")))
+        return _binary(await turns.take(request, lambda: self._answers.map(state, advance=advance == "1")))
 
     async def _point(self, request: Request) -> Response:
         state = self._read(query_of(request.scope))
