@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 import vibro
-from vibro.core.codes import Regime, Status
+from vibro.core.codes import Regime
 from vibro.explore.bands import certain_of
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
 from vibro.explore.histories import packed_history
 from vibro.explore.levels import MapCells
-from vibro.explore.maps import MARKS, packed_map
+from vibro.explore.maps import MARKS, STYLES, packed_map
 from vibro.explore.points import point_of
 from vibro.files.tables import CsvFormat
-from vibro.plots.style import NO_ANSWER_HATCH, REGIME_COLOURS
 from vibro.quantities import QUANTITIES, SWEPT
 from vibro.results.sweep import Block, Column
 from vibro.sweeps.columns import columns_of
@@ -66,20 +65,7 @@ class Answers:
             ],
             "views": [{"name": name, "label": label} for name, label in VIEWS.items()],
             "presets": [{"name": name, "label": p.label, "state": p.state} for name, p in PRESETS.items()],
-            "regimes": [
-                {"code": int(regime), "label": regime.label, "colour": colour}
-                for regime, colour in REGIME_COLOURS.items()
-            ],
-            "statuses": [
-                {
-                    "code": int(status),
-                    "label": status.label.replace("-", " "),
-                    "message": status.message,
-                    "hatch": NO_ANSWER_HATCH.get(status, "")[:1],
-                    "answered": status.answered,
-                }
-                for status in Status
-            ],
+            **STYLES,
             "marks": MARKS,
         }
 

@@ -15,7 +15,7 @@ from vibro.explore.packing import pack
 from vibro.inverse.certain import Certain
 from vibro.plots.fields import Fields, hiding_fields, without_hidden, zero_lines
 from vibro.plots.scales import scale_of, time_scale
-from vibro.plots.style import CURVES, INK, ZERO_SPEED, CurveStyle
+from vibro.plots.style import CURVES, INK, NO_ANSWER_HATCH, REGIME_COLOURS, ZERO_SPEED, CurveStyle
 from vibro.plots.view import choose_view, panels
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import SweepResult
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Curves = list[tuple[str, CurveStyle, list[Floats]]]
 
-__all__ = ["MARKS", "packed_map"]
+__all__ = ["MARKS", "STYLES", "packed_map"]
 
 # Bits of what is marked in a cell.
 BACKWARDS, AVERAGED, COEXISTS, PREVIEW, UNKNOWN, MEETS, COVERED, UNPROVED = (1 << i for i in range(8))
@@ -47,6 +47,24 @@ MARKS: Final = {
     "meets": MEETS,
     "covered": COVERED,
     "unproved": UNPROVED,
+}
+
+#: How regimes and statuses look and are called, for the page.
+STYLES: Final = {
+    "regimes": [
+        {"code": int(regime), "label": regime.label, "colour": colour}
+        for regime, colour in REGIME_COLOURS.items()
+    ],
+    "statuses": [
+        {
+            "code": int(status),
+            "label": status.label.replace("-", " "),
+            "message": status.message,
+            "hatch": NO_ANSWER_HATCH.get(status, "")[:1],
+            "answered": status.answered,
+        }
+        for status in Status
+    ],
 }
 
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
@@ -103,6 +121,7 @@ def packed_map(state: State, cells: Shown) -> bytes:
         "bands": drawn.certain is not None,
         "progress": {"done": cells.is_done, "share": cells.share, "text": cells.text},
         "notes": drawn.notes(),
+        **STYLES,
     }
     return pack(header, arrays)
 

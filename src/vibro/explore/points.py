@@ -43,6 +43,7 @@ def point_of(state: State) -> dict[str, Any]:
         facts.append(("traverse time", told))
     return {
         "state": dict(state.texts),
+        "values": {QUANTITIES[name].column: value for name, value in one.given.items()},
         "regime": one.regime.label,
         "facts": facts,
         "begins": _table(beginnings(one)),
