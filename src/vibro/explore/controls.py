@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from vibro.quantities import LINEAR, QUANTITIES, SWEPT
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
 
 __all__ = ["CONTROLS", "DRIVES", "PRESETS", "VIEWS", "Control", "Drive", "drive_named"]
 
@@ -125,7 +128,7 @@ PRESETS: Final = {
 }
 
 
-def drive_named(quantities: tuple[str, ...]) -> str:
+def drive_named(quantities: Collection[str]) -> str:
     """Name the drive that quantities tell; empty if the page has none such."""
     for name, drive in DRIVES.items():
         if set(quantities) <= set(drive.quantities):

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.axes import AxisSpec, axis_of, parse_axis
 from vibro.errors import InputError, SceneError, cut, shown
 from vibro.explore.controls import CONTROLS, DRIVES, VIEWS, drive_named
-from vibro.quantities import AMPLITUDES, BY_COLUMN, LEAST_SPEED, QUANTITIES, SWEPT, exact_number
+from vibro.quantities import (
+    AMPLITUDES,
+    BY_COLUMN,
+    LEAST_SPEED,
+    QUANTITIES,
+    SWEPT,
+    exact_number,
+    kinetic_friction,
+)
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.request import Request, gather
 
@@ -152,20 +160,24 @@ def initial_state(request: Request | None = None) -> State:
     """
     if request is None:
         return _state({**_USUAL, **_OTHERS})
-    drive = drive_named(request.drive)
+    point = request.fixed | ({} if request.length is None else {"trough_length": request.length})
+    if not point.get("along_phase"):  # where phases are counted from
+        point.pop("along_phase", None)
+    drive = drive_named([name for name in request.drive if name in {*point, *request.varying}])
     if not drive:
         raise InputError(
             "the page shows drives of at most two harmonics, the first along the trough without a phase",
             hint="vibro solve takes all harmonics that a scene file can give",
         )
     texts = {**_USUAL, **_OTHERS, "drive": drive, "trough_length_mm": ""}
-    point = request.fixed | ({} if request.length is None else {"trough_length": request.length})
+    texts |= {QUANTITIES[name].column: "0" for name in DRIVES[drive].quantities}  # unless it is given
     for name in request.varying:
         values = request.axes()[name].values
         point[name] = request.own.get(name, float(values[len(values) // 2]))
     if "friction_ratio" in point:
-        texts["follow"] = "1"
-        point.setdefault("kinetic_friction", point.pop("friction_ratio") * point["static_friction"])
+        mu_d = float(kinetic_friction(point.pop("friction_ratio"), point["static_friction"]))
+        own = request.own if "friction_ratio" in request.varying else {}
+        point["kinetic_friction"] = own.get("kinetic_friction", mu_d)
     texts |= {QUANTITIES[name].column: number_text(value) for name, value in point.items()}
     drawn = [name for name in request.varying if name in CONTROLS]
     if "frequency" in drawn and drawn[0] in AMPLITUDES:  # as pictures have it

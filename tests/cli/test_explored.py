@@ -1,0 +1,87 @@
+"""What the explorer tells is what the commands say, and its commands and files make its maps."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+from commands import Run, rows_of
+
+from vibro.explore.answers import Answers
+from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, read_state
+from vibro.quantities import QUANTITIES
+from vibro.sweeps.whole import request_of_call
+
+NOT_IN_FILES = ("view", "target", "follow", "x", "y", "x_range", "y_range")
+STATES = {
+    "nut": {},
+    "log": {"x_range": "5:60:log", "restitution": "0", "trough_angle_deg": "-3.3", "trough_length_mm": ""},
+    "turned": {"x": "amplitude_mm", "y": "frequency_hz", "target": "30", "view": "speed"},
+    "frictions": {"x": "static_friction", "y": "drive_angle_deg", "y_range": "0:60"},
+    "ratio": {"x": "friction_ratio", "y": "amplitude_mm", "gravity_m_s2": "1.62"},
+    "both": {"x": "kinetic_friction", "y": "static_friction", "follow": "0"},
+    "ellipse": {"drive": "ellipse", "view": "speed"},
+    "harmonics": {"drive": "harmonics", "normal_amplitude_2_mm": "0.1", "normal_phase_2_deg": "-30"},
+}
+
+
+def state_of(**query: str) -> State:
+    return read_state(query, initial_state())
+
+
+@pytest.fixture
+def answers() -> Answers:
+    return Answers(initial_state())
+
+
+def table_of(answers: Answers, state: State) -> str:
+    return b"".join(answers.table(state)).decode()
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_command_and_scene_file_make_the_same_map(
+    name: str, answers: Answers, run: Run, tmp_path: Path
+) -> None:
+    state = state_of(**STATES[name])
+    told = answers.point(state)
+    table = table_of(answers, state)
+    assert len(rows_of(table)) == WIDTH * HEIGHT
+    words = shlex.split(told["command"])
+    assert words[:2] == ["vibro", "map"]
+    assert words[-2:] == ["-o", "out/map"]
+    typed = run(*words[1:-1], "-")
+    assert typed.exit_code == 0
+    assert typed.stdout == table
+    file = tmp_path / "scene.toml"
+    file.write_text(told["toml"], encoding="utf-8")
+    stored = run("map", str(file), "-o", "-")
+    assert stored.exit_code == 0
+    assert stored.stdout == table
+    explored = initial_state(request_of_call(file, {}))
+    kept = {key: text for key, text in state.texts.items() if key not in NOT_IN_FILES}
+    assert kept.items() <= explored.texts.items()
+
+
+def test_the_operating_point_is_told_as_solve_does(answers: Answers, run: Run) -> None:
+    cases = {
+        "line": {"restitution": "0.2", "amplitude_mm": "3", "frequency_hz": "30"},
+        "rest": {"amplitude_mm": "0.1"},
+        "ellipse": {"drive": "ellipse"},
+        "harmonics": {"drive": "harmonics"},
+    }
+    for query in cases.values():
+        state = state_of(**query)
+        told = answers.point(state)
+        json.dumps(told, allow_nan=False)
+        options = [f"{QUANTITIES[name].options[-1]}={value!r}" for name, value in state.point.fixed.items()]
+        said = run("solve", *options).stdout
+        lines = [" ".join(line.split()) for line in said.splitlines()]
+        for fact in told["facts"][:-1]:
+            assert " ".join(" ".join(fact).split()) in lines
+        for table in (told["begins"], told["phases"]):
+            for row in [table["head"], *table["rows"]]:
+                assert " ".join(" ".join(row).split()) in lines
+        assert told["facts"][-1][0] == "traverse time"
+        assert told["state"] == state.texts

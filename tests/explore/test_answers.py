@@ -1,0 +1,136 @@
+"""What the page is told of the operating point, its motion and its map, beside what the commands say."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from commands import rows_of
+from pages import unpacked
+
+import vibro
+from vibro.explore.answers import Answers
+from vibro.explore.state import State, initial_state, read_state
+from vibro.plots.phases import PHASE_STYLES
+
+
+def state_of(**query: str) -> State:
+    return read_state(query, initial_state())
+
+
+@pytest.fixture
+def answers() -> Answers:
+    return Answers(initial_state())
+
+
+def table_of(answers: Answers, state: State) -> str:
+    return b"".join(answers.table(state)).decode()
+
+
+def test_what_holds_for_bands_is_told(answers: Answers) -> None:
+    point = answers.point(state_of(static_friction_band="0.7:0.75"))
+    assert point["guaranteed"].startswith("forward-slip, at least ")
+    least = float(point["guaranteed"].split()[-2])
+    scene = state_of().point.scene()
+    box = vibro.guarantee(scene, static_friction=(0.7, 0.75), friction_ratio=(0.57 / 0.74, 0.57 / 0.74))
+    assert least == pytest.approx(1e3 * box.speed_min, rel=1e-5)
+    assert answers.point(state_of())["guaranteed"] == ""
+    wide = answers.point(state_of(static_friction_band="0.3:1.2"))["guaranteed"]
+    assert wide.startswith("from ")
+    assert "no least speed is proved" in wide
+
+
+def test_a_table_of_bands_says_what_is_certain(answers: Answers) -> None:
+    rows = rows_of(table_of(answers, state_of(static_friction_band="0.6:0.8")))
+    assert [*rows[0]] == [
+        "amplitude_mm", "frequency_hz", "lowest_regime", "highest_regime", "guaranteed_speed_mm_s",
+    ]  # fmt: skip
+    assert {row["lowest_regime"] for row in rows} == {"no-slip", "forward-slip", "back-slip", "hopping"}
+    assert any(row["guaranteed_speed_mm_s"] for row in rows)
+
+
+def test_a_table_of_a_map_that_is_not_done_is_exact(answers: Answers) -> None:
+    state = state_of(x="drive_angle_deg", y="static_friction", amplitude_mm="1.5", frequency_hz="30")
+    before = table_of(answers, state)
+    for _ in range(200):
+        header, _ = unpacked(answers.map(state, advance=True))
+        if header["progress"]["done"]:
+            break
+    assert header["progress"]["done"]
+    assert table_of(answers, state) == before
+
+
+def test_maps_are_kept_between_requests(answers: Answers) -> None:
+    state = state_of(restitution="0.4", x="drive_angle_deg")
+    shares = [unpacked(answers.map(state, advance=True))[0]["progress"]["share"] for _ in range(2)]
+    others = {"view": "speed", "target": "3", "drive_angle_deg": "7", "cycles": "9"}
+    other = state_of(restitution="0.4", x="drive_angle_deg", **others)
+    assert 0.0 < shares[0] < shares[1]
+    assert unpacked(answers.map(other))[0]["progress"]["share"] == shares[1]
+    for friction in range(20):  # as many as are kept, and more
+        answers.map(state_of(kinetic_friction=str(friction / 40)))
+    assert unpacked(answers.map(state))[0]["progress"]["share"] == 0.0
+
+
+def test_several_may_ask_at_once(answers: Answers) -> None:
+    states = [state_of(drive_angle_deg=str(angle)) for angle in (10, 20, 30)] * 4
+    wanted = [Answers(initial_state()).map(state) for state in states[:3]] * 4
+    with ThreadPoolExecutor(8) as threads:
+        found = list(threads.map(answers.map, states))
+    assert found == wanted
+
+
+def test_a_history_is_what_simulate_gives(answers: Answers) -> None:
+    state = state_of(cycles="2", drive_angle_deg="35", amplitude_mm="2.5")
+    header, arrays = unpacked(answers.history(state))
+    history = vibro.simulate(state.point.scene(), cycles=2)
+    assert header["duration_ms"] == 1e3 * history.end
+    assert [phase["kind"] for phase in header["phases"]] == [phase.kind for phase in history.phases]
+    assert header["phases"][0]["name"] == PHASE_STYLES[history.phases[0].kind].label
+    assert [panel["name"] for panel in header["panels"]] == [
+        "trough",
+        "forces",
+        "velocity",
+        "position",
+        "gap",
+    ]
+    times = np.clip(arrays["time"].astype(float) * 1e-3, 0.0, history.end)
+    inside = np.ones(times.shape, np.bool_)
+    for phase in history.phases:  # times are single: at an event either side will do
+        inside &= np.abs(times - phase.start) > 1e-6
+    sample = history.sample(times[inside])
+    assert np.allclose(arrays["position"][inside], 1e3 * sample.position, rtol=1e-3, atol=1e-4)
+    assert np.allclose(arrays["gap"][inside], 1e3 * sample.gap, rtol=1e-3, atol=1e-4)
+    flies = arrays["gap"] > 1e-3
+    assert flies.any()
+    assert np.isnan(arrays["inertial"][flies]).all()
+    assert {curve["array"] for panel in header["panels"] for curve in panel["curves"]} <= {*arrays}
+
+
+def test_histories_of_other_drives(answers: Answers) -> None:
+    header, arrays = unpacked(answers.history(state_of(drive="ellipse")))
+    assert [curve["array"] for curve in header["panels"][0]["curves"]] == ["trough_normal", "trough_along"]
+    assert "gap" not in arrays
+    header, arrays = unpacked(answers.history(state_of(drive="harmonics")))
+    assert (header["panels"], arrays) == ([], {})
+    assert "not followed" in header["note"]
+
+
+def test_a_schema_describes_every_control(answers: Answers) -> None:
+    schema = json.loads(json.dumps(answers.schema(), allow_nan=False))
+    assert schema["initial"] == initial_state().texts
+    columns = [quantity["column"] for quantity in schema["quantities"]]
+    for drive in schema["drives"]:
+        assert {*drive["quantities"], drive["x"], drive["y"]} <= {*columns}
+    for quantity in schema["quantities"]:
+        drive, column = {"drive": quantity["drives"][0]}, quantity["column"]
+        assert quantity["low"] < quantity["high"]
+        if quantity["point"] and column != "kinetic_friction":  # which is at most the static one
+            frictions = {} if column == "static_friction" else {"static_friction": "2"}
+            for value in (quantity["low"], quantity["high"]):
+                state_of(**{"kinetic_friction": "0", **frictions, column: str(value)}, **drive)
+        if quantity["swept"]:
+            other = {"y": "restitution" if column != "restitution" else "frequency_hz"}
+            state_of(x=column, x_range=quantity["range"], **other, **drive)

@@ -1,0 +1,214 @@
+"""What stands in the page's address, and what becomes of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vibro.axes import axis_of
+from vibro.errors import InputError
+from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
+from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, number_text, read_state
+from vibro.files.scene_files import read_scene_file
+from vibro.quantities import QUANTITIES, SWEPT
+from vibro.sweeps.request import RANGES, gather
+from vibro.sweeps.whole import read_scene, request_of_call
+
+INITIAL = initial_state()
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCENES = sorted(path for path in EXAMPLES.glob("*.toml") if not path.stem.startswith("design"))
+
+
+def changed(**query: str) -> State:
+    return read_state(query, INITIAL)
+
+
+def wrong(**query: str) -> dict[str, str]:
+    with pytest.raises(InputError) as caught:
+        changed(**query)
+    return dict(zip(caught.value.fields, caught.value.problems, strict=True))
+
+
+def test_it_begins_with_the_nut_of_the_example() -> None:
+    request = request_of_call(EXAMPLES / "safety_nut.toml", {})
+    assert initial_state(request).texts == INITIAL.texts
+    assert (INITIAL.texts["x"], INITIAL.texts["y"]) == ("frequency_hz", "amplitude_mm")  # as in pictures
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("view", VIEWS)
+def test_texts_say_all_of_a_state(drive: str, view: str) -> None:
+    state = changed(drive=drive, view=view, frequency_hz="33.3", target="12", cycles="7")
+    assert read_state(state.texts, INITIAL) == state
+    assert read_state(state.texts, state) == state
+    frictions = {"static_friction": 0.4, "kinetic_friction": 0.2}
+    other = request_of_call(None, {"amplitude_mm": 3, "frequency_hz": 9, "drive_angle_deg": 3, **frictions})
+    assert read_state(state.texts, initial_state(other)).texts == state.texts
+
+
+def test_numbers_may_have_units_and_come_back_as_they_are_typed() -> None:
+    texts = changed(
+        amplitude_mm=" 800um", frequency_hz="900rpm", drive_angle_deg="0.5rad", target="2cm/s"
+    ).texts
+    assert (texts["amplitude_mm"], texts["frequency_hz"], texts["target"]) == ("0.8", "15", "20")
+    assert float(texts["drive_angle_deg"]) == float(np.degrees(0.5))
+    assert changed(x_range="100um:3", x="amplitude_mm", y="frequency_hz").texts["x_range"] == "0.1:3"
+
+
+@pytest.mark.parametrize("value", [0.1, 1 / 3, 1e-300, 5e-324, 1.7976931348623157e308, 123456789.123456789])
+def test_a_number_is_read_as_it_was(value: float) -> None:
+    assert float(number_text(value)) == value
+    assert len(number_text(0.1 + 0.2)) > len(number_text(0.3))
+
+
+def test_the_map_has_the_cells_that_its_axes_say() -> None:
+    grid = changed(x_range="5:60:log", drive_angle_deg="25").grid()
+    assert grid.shape == (HEIGHT, WIDTH)
+    assert [(axis.name, axis.spacing) for axis in grid.axes.values()] == [
+        ("amplitude", "linear"),
+        ("frequency", "log"),
+    ]
+    assert grid.fixed["drive_angle"] == 25.0
+    assert grid.fixed["kinetic_friction"] == 0.57
+
+
+def test_kinetic_friction_follows_an_axis_of_static_friction() -> None:
+    follows = changed(x="static_friction").grid()
+    assert follows.fixed["friction_ratio"] == 0.57 / 0.74
+    assert "kinetic_friction" not in follows.fixed
+    stays = changed(x="static_friction", follow="0").grid()
+    assert stays.fixed["kinetic_friction"] == 0.57
+    ratio = changed(x="friction_ratio").grid()
+    assert not ratio.fixed.keys() & {"kinetic_friction", "friction_ratio"}
+    both = changed(x="static_friction", y="kinetic_friction").grid()
+    assert {*both.axes} == {"static_friction", "kinetic_friction"}
+
+
+def test_a_drive_without_friction_has_a_ratio() -> None:
+    still = changed(static_friction="0", kinetic_friction="0", x="static_friction", x_range="0:1")
+    assert still.grid().fixed["friction_ratio"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("query", "field", "said"),
+    [
+        ({"amplitude_mm": "-1"}, "amplitude_mm", "amplitude = -1 mm: must be finite and > 0 mm"),
+        ({"amplitude_mm": "x"}, "amplitude_mm", "not a number"),
+        ({"amplitude_mm": ""}, "amplitude_mm", "not a number"),
+        ({"amplitude_mm": "1:2"}, "amplitude_mm", "it takes one value"),
+        ({"amplitude_mm": "1,2"}, "amplitude_mm", "it takes one value"),
+        ({"amplitude_mm": "1s"}, "amplitude_mm", "'s' is no unit of amplitude"),
+        ({"frequency_hz": "1e999"}, "frequency_hz", "finite"),
+        ({"kinetic_friction": "0.8"}, "kinetic_friction", "at most static friction = 0.74"),
+        ({"drive_angle_deg": "89", "trough_angle_deg": "2"}, "drive_angle_deg", "less than 90 deg together"),
+        ({"restitution": "1"}, "restitution", "must be in [0, 1)"),
+        ({"trough_length_mm": "0"}, "trough_length_mm", "must be finite and > 0 mm"),
+        ({"trough_length_mm": "", "view": "traverse"}, "trough_length_mm", "needs the length"),
+        ({"drive": "circle"}, "drive", "must be line, ellipse, harmonics"),
+        ({"view": "colour"}, "view", "must be regime, speed"),
+        ({"follow": "yes"}, "follow", "must be 0, 1"),
+        ({"cycles": "0"}, "cycles", "whole number from 1 to 20"),
+        ({"cycles": "21"}, "cycles", "whole number from 1 to 20"),
+        ({"cycles": "٣"}, "cycles", "whole number from 1 to 20"),
+        ({"x": "gravity_m_s2"}, "x", "no axis of this drive"),
+        ({"x": "normal_phase_deg"}, "x", "no axis of this drive"),
+        ({"x": "amplitude_mm"}, "y", "x and y are both amplitude"),
+        ({"x": "friction_ratio", "y": "kinetic_friction"}, "y", "stand for the same"),
+        ({"x_range": "5"}, "x_range", "must be a range"),
+        ({"x_range": "5,6,7"}, "x_range", "must be a range"),
+        ({"x_range": "5:6:99"}, "x_range", "must be a range"),
+        ({"x_range": "60:5"}, "x_range", "does not ascend"),
+        ({"x_range": "0:60:log"}, "x_range", "must start above 0"),
+        ({"x_range": "0:60"}, "x_range", "must be finite and > 0 Hz"),
+        ({"x": "restitution", "x_range": "0:1"}, "x_range", "must be in [0, 1)"),
+        ({"static_friction_band": "0.5:0.3"}, "static_friction_band", "does not ascend"),
+        ({"static_friction_band": "-0.5:0.3"}, "static_friction_band", "must be finite and >= 0"),
+        ({"static_friction_band": "0.5:"}, "static_friction_band", "not a number"),
+        ({"static_friction_band": "1:2", "x": "static_friction"}, "static_friction_band", "has no band"),
+        ({"kinetic_friction_band": "0:1", "x": "static_friction"}, "kinetic_friction_band", "has no band"),
+        ({"static_friction_band": "1:2", "drive": "ellipse"}, "static_friction_band", "not known of drives"),
+        ({"target": "0"}, "target", "must be finite and > 0 mm/s"),
+        ({"target": "fast"}, "target", "not a number"),
+        ({"colour": "red"}, "", "unknown key 'colour'"),
+        ({"stroke_mm": "2"}, "", "unknown key 'stroke_mm'"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_told_beside_its_field(query: dict[str, str], field: str, said: str) -> None:
+    told = wrong(**query)
+    assert [*told] == [field]
+    assert said in told[field]
+
+
+def test_all_that_is_wrong_is_told_at_once() -> None:
+    assert [*wrong(amplitude_mm="-1", frequency_hz="x")] == ["amplitude_mm", "frequency_hz"]
+    assert [*wrong(static_friction_band="3:2", target="0")] == ["static_friction_band", "target"]
+
+
+def test_axes_go_with_their_drive_and_ranges_with_their_axes() -> None:
+    ellipse = changed(drive="ellipse")
+    assert {ellipse.texts["x"], ellipse.texts["y"]} <= {QUANTITIES[n].column for n in SWEPT}
+    assert changed(x="drive_angle_deg").texts["x_range"] == CONTROLS["drive_angle"].axis
+    assert changed(x="drive_angle_deg", x_range="3:4").texts["x_range"] == "3:4"
+    assert changed(x="frequency_hz").texts["x_range"] == INITIAL.texts["x_range"]
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_are_states(name: str) -> None:
+    state = changed(**PRESETS[name].state)
+    for key, axis in (("x", state.x), ("y", state.y)):
+        low, high = (float(end) for end in axis.values)
+        assert low < float(state.texts[state.texts[key]]) < high
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_every_scene_of_the_examples_can_be_explored(path: Path) -> None:
+    request = gather({}, read_scene_file(path), _Call(), reads_map=True, takes_axes=True, ranges=RANGES)
+    state = initial_state(request)
+    scene, own = state.point.scene(), {name: request.own.get(name) for name in request.varying}
+    if None not in own.values():
+        pairs = zip(scene.arrays(), read_scene(path).arrays(), strict=True)
+        assert all(np.array_equal(np.asarray(a), np.asarray(b)) for a, b in pairs)
+    assert len(state.grid().axes) == 2
+    assert state.point.name == path.stem
+    assert read_state(state.texts, INITIAL).texts == state.texts
+
+
+def test_what_the_page_cannot_show_is_refused() -> None:
+    names = {"along_amplitude": 1.0, "along_phase": 3.0, "normal_amplitude": 0.0, "normal_phase": 0.0,
+             "frequency": 20.0, "static_friction": 0.4, "kinetic_friction": 0.3}  # fmt: skip
+    given = {name: axis_of(value, QUANTITIES[name]) for name, value in names.items()}
+    with pytest.raises(InputError, match="at most two harmonics"):
+        initial_state(gather(given, None, _Call()))
+
+
+def test_one_axis_of_a_scene_gets_another_beside_it() -> None:
+    state = initial_state(
+        request_of_call(
+            None,
+            {"amplitude_mm": "0.5:2:9", "frequency_hz": 20, "drive_angle_deg": 20, "static_friction": 0.4,
+             "friction_ratio": 0.8},
+        )
+    )  # fmt: skip
+    assert (state.texts["x"], state.texts["x_range"], state.texts["y"]) == (
+        "amplitude_mm",
+        "0.5:2",
+        "frequency_hz",
+    )
+    assert float(state.texts["amplitude_mm"]) == 1.25
+    assert state.texts["kinetic_friction"] == "0.32"
+
+
+class _Call:
+    gives = "the call"
+    takes_one_value = ("one value", "")
+
+    def axis(self, quantity: object) -> str:
+        return ""
+
+    def name(self, quantity: object) -> str:
+        return ""
+
+    def example(self, values: object, *, from_scratch: bool) -> str:
+        return ""
