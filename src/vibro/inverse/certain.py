@@ -1,0 +1,205 @@
+"""Regimes and speeds that hold for every body of a band of frictions, for a whole map of operating points."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.core.groups import take
+from vibro.errors import Problem, SceneError
+from vibro.inverse.bands import line_box_of
+from vibro.scene import LinearFields, Scene
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from vibro.core.groups import Loads
+    from vibro.inverse.boxes import Box
+    from vibro.inverse.specs import Span
+
+    Bools = NDArray[np.bool_]
+    Codes = NDArray[np.int8]
+    Floats = NDArray[np.float64]
+
+__all__ = ["Certain", "certain"]
+
+# Rounds of halving a band of static friction on declines; each halves the sliver that is not told.
+_HALVINGS: Final = 12
+
+# [1] Share of the weight down the trough by which kinetic friction must outweigh it: without, rounding alone
+# makes bodies run away.
+_BRAKED: Final = 1e-12
+
+# Some operating point: bands of frictions are read beside one.
+_ANY: Final = {"amplitude": 1e-3, "frequency": 50.0, "drive_angle": 0.3}
+
+
+class Certain(NamedTuple):
+    """What holds for every body of a box of frictions, at every operating point.
+
+    Attributes
+    ----------
+    lowest, highest : int8 array
+        Codes of ``Regime`` that bound the regimes of all bodies; both -1 where the drive and the trough angle
+        cannot be together. A ``lowest`` of -1 alone: bodies without friction have no regime.
+    speed_min : array
+        Mean speed that no body falls short of [m/s]; NaN where that is not proved.
+    """
+
+    lowest: Codes
+    highest: Codes
+    speed_min: Floats
+
+
+def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ratio: bool) -> Certain:
+    """Regimes and speeds that are certain while friction is known as a band, at every operating point.
+
+    For bodies that start from rest on a drive along a line.
+
+    Parameters
+    ----------
+    scene : Scene
+        Operating points of any shape; their own frictions do not count.
+    static_friction : pair of float
+        Smallest and largest static friction [1].
+    second_friction : pair of float
+        Smallest and largest kinetic friction, or ratio of it to static friction [1]. The box is cut at
+        mu_d <= mu_s.
+    is_ratio : bool
+        Which of the two it is.
+
+    Returns
+    -------
+    Certain
+        Arrays of the shape of the operating points.
+
+    Raises
+    ------
+    SceneError
+        If the drive does not move along a line, or a band cannot be; it lists all that is wrong.
+
+    Notes
+    -----
+    The bounds are regimes of ``vibro.solve`` at corners of the box, equality at thresholds included. A body
+    leaves them nowhere, unless its friction and that of a corner are the same but for the last digits, and
+    rounding puts them on different sides. Where the bounds differ there are bodies of either regime, but for
+    two cases. On declines where the largest or the least kinetic friction changes with static friction (a
+    ratio, or the cut) no corner need be the first or the last to slip back: there that edge of the box is
+    halved until all its parts are proved, and a sliver beside the threshold stays open
+    (tests/inverse/test_certain.py counts its cells). And of a box that holds bodies without static friction
+    ``lowest`` is -1 and ``highest`` back slip, where they do not hop.
+
+    ``speed_min`` is the speed of the roughest body, where none slips back and kinetic friction of all
+    outweighs the weight down the trough (theory.md, section 14), or where all rest; of a single body its own.
+    It is NaN where bodies may slip back or hop.
+
+    Why corners: both onsets, Eq. (5), rise with mu_s. Of its speed over A w a forward slide keeps
+    cos p - cos q - k (q - p) until the back window closes, where sin p = s_f and sin q = -s_b, Eq. (17). That
+    falls with k, and so with mu_d. With mu_s it rises by (s_b + k) s_b'/cos q - (s_f - k) s_f'/cos p, which
+    is positive for 0 <= k and s_f < s_b; elsewhere the slide lasts always, or never. At a given ratio r of
+    frictions the sign of Eq. (22) over kappa follows (S_b^2 - S_f^2)/kappa; with T = tan(beta) and
+    t = tan(alpha) that goes as mu_s (mu_s^2 t - T) (1 + r mu_s t) / ((r mu_s + T) (1 - mu_s^2 t^2)^2), which
+    rises with mu_s for T >= 0.
+
+    Examples
+    --------
+    >>> import math, vibro
+    >>> line = vibro.Scene(amplitude=[0.6e-3, 0.7e-3, 0.9e-3, 1.1e-3, 1.4e-3, 4e-3], frequency=15,
+    ...                    drive_angle=math.radians(20), static_friction=0.74, kinetic_friction=0.57)
+    >>> found = certain(line, static_friction=(0.65, 0.8), second_friction=(0.5, 0.6), is_ratio=False)
+    >>> found.lowest.tolist(), found.highest.tolist()
+    ([0, 0, 1, 1, 2, 3], [0, 1, 1, 2, 2, 3])
+    """
+    if not isinstance(scene.arrays(), LinearFields):
+        allowed = "amplitude and drive_angle: for other drives this is not known"
+        raise SceneError((Problem("drive", "an ellipse or harmonics", allowed),))
+    second = "friction_ratio" if is_ratio else "kinetic_friction"
+    bands = {"static_friction": static_friction, second: second_friction}
+    box = line_box_of(Scene(**_ANY, static_friction=1.0, kinetic_friction=0.0), bands)
+    low, high = (np.asarray(end) for end in box.static_span)
+    least, most = box.kinetic_span(low), box.kinetic_span(high)
+
+    roughest = solve(_bodies(scene, high, most[1]), flight=False)
+    lowest = np.asarray(roughest.regime) if most[0] == most[1] else _regimes(scene, high, most[0])
+    highest = _regimes(scene, low, least[1])
+    if low == 0.0 < high:
+        lost = (highest == Regime.UNDEFINED) & (lowest >= 0)
+        lowest = np.where(lost, np.int8(Regime.UNDEFINED), lowest)
+        highest = np.where(lost, np.int8(Regime.BACK_SLIP), highest)
+    if least[0] < most[0]:  # all bodies may have more kinetic friction than the one that was looked at
+        _settle(scene, lowest, box, was=Regime.BACK_SLIP, otherwise=Regime.FORWARD_SLIP)
+    if least[1] < most[1]:
+        _settle(scene, highest, box, was=Regime.FORWARD_SLIP, otherwise=Regime.BACK_SLIP)
+
+    speed = np.asarray(roughest.mean_velocity)
+    if low < high or least[0] < most[1]:
+        lean = np.sin(scene.trough_angle)
+        braked = least[0] * np.cos(scene.trough_angle) + lean >= _BRAKED * np.abs(lean)
+        proved = (highest == Regime.NO_SLIP) | ((highest == Regime.FORWARD_SLIP) & braked)
+        speed = np.where(proved & (lowest >= 0), speed, np.nan)
+    return Certain(lowest, highest, speed)
+
+
+def _bodies(scene: Scene, static_friction: Floats, kinetic_friction: Floats) -> Scene:
+    """Put one body at every operating point."""
+    fields = scene.arrays()._asdict()
+    fields.update(static_friction=static_friction, kinetic_friction=kinetic_friction)
+    return Scene.allowing_infeasible(**fields)
+
+
+def _regimes(scene: Scene, static_friction: Floats, kinetic_friction: Floats) -> Codes:
+    return np.asarray(solve(_bodies(scene, static_friction, kinetic_friction), accuracy="regimes").regime)
+
+
+def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Regime) -> None:
+    """Change a bound, in place, where on a decline not all bodies are proved to keep to it.
+
+    A body slips back more readily the less its static and the larger its kinetic friction. So every part of
+    the band of static friction is proved by a body beyond the last one there, refuted by the one in
+    its middle, and halved where neither does.
+    """
+    slips_back = was is Regime.BACK_SLIP
+    last = 0 if slips_back else 1  # the end of kinetic friction
+    cells = np.flatnonzero((scene.trough_angle < 0.0) & (codes == was))
+    loads = take(_bodies(scene, *(np.zeros(()),) * 2).flat(), cells).loads()
+    which = np.arange(cells.size)  # the cells of all open parts
+    start, end = (np.full(cells.size, value) for value in box.static_span)
+    fails = np.zeros(cells.size, np.bool_)
+    for _ in range(_HALVINGS):
+        if not which.size:
+            break
+        part = take(loads, which)
+        near, far = (end, start) if slips_back else (start, end)
+        proved = _slips_back(part, near, box.kinetic_span(far)[last]) == slips_back
+        middle = 0.5 * (start + end)
+        fails[which[_slips_back(part, middle, box.kinetic_span(middle)[last]) != slips_back]] = True
+        left = ~(proved | fails[which])
+        which, start, middle, end = (np.tile(x[left], 2) for x in (which, start, middle, end))
+        half = which.size // 2
+        start[half:], end[:half] = middle[half:], middle[:half]
+    fails[which] = True
+    codes.reshape(-1)[cells[fails]] = otherwise
+
+
+def _slips_back(loads: Loads, static_friction: Floats, kinetic_friction: Floats) -> Bools:
+    """Tell which bodies on a decline slip back, by Eqs. (5) and (22).
+
+    One that static friction does not hold runs away forward, as does one that it barely holds and that
+    kinetic friction does not brake.
+    """
+    barely = np.abs(loads.tangential) / loads.normal
+    mu_s = np.maximum(static_friction, barely)
+    hold, lift = mu_s * loads.normal, mu_s * loads.across
+    k = (kinetic_friction * loads.normal + loads.tangential) / (loads.along + kinetic_friction * loads.across)
+    s_f = (hold + loads.tangential) / (loads.along + lift)
+    with np.errstate(divide="ignore"):
+        s_b = (hold - loads.tangential) / np.maximum(loads.along - lift, 0.0)
+    opens = s_b < 1.0  # and so does the forward window: on declines s_f < s_b
+    s_f, s_b = (np.where(opens, s, 0.0) for s in (s_f, s_b))
+    cosines = np.sqrt((1.0 - s_f) * (1.0 + s_f)) + np.sqrt((1.0 - s_b) * (1.0 + s_b))
+    gain = (s_b - s_f) * (s_b + s_f) / cosines
+    back: Bools = opens & (gain < k * (np.pi + np.arccos(s_f) + np.arccos(s_b)))
+    return back
