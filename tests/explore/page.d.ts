@@ -20,12 +20,12 @@ type AxisInfo = {
   column: string; label: string; symbol: string; unit: string; from: number; to: number; log: boolean; count: number;
 };
 type ScaleInfo = {
-  kind: "linear" | "log" | "asinh"; low: number; high: number; width?: number; colours: string; ticks: number[];
+  kind: "linear" | "log" | "asinh"; low: number; high: number; width: number; colours: string; ticks: number[];
 };
 type CurveInfo = { name: string; label: string; dash: number[]; width: number; colour: "ink" | "white"; pieces: number[] };
 type MapHeader = {
   view: string; label: string; title: string; x: AxisInfo; y: AxisInfo; scale: ScaleInfo | null; curves: CurveInfo[];
-  regimes: RegimeStyle[]; statuses: StatusStyle[]; bands: boolean;
+  bands: boolean;
   progress: { done: boolean; share: number; text: string }; notes: string[];
 };
 type Numbers = Float32Array | Int8Array | Uint8Array;
@@ -45,3 +45,13 @@ type PointAnswer = {
   state: State; values: Record<string, number>; facts: [string, string][]; begins: TableInfo; phases: TableInfo;
   command: string; command_note: string; toml: string; guaranteed: string; hints: Record<string, string>;
 };
+
+type ArrayInfo = { name: string; type: "f4" | "i1" | "u1"; shape: number[]; offset: number };
+type Span = { from: number; to: number; log: boolean };
+type Box = { left: number; top: number; width: number; height: number };
+type Sample = { sample: SVGElement; text: string };
+type Cells = {
+  first: ArrayLike<number>; second: ArrayLike<number>; over: ArrayLike<number>; nx: number; ny: number;
+  edges: Map<number, number[][]>;
+};
+type Cover = (bits: number, first: number, second: number, x: number, y: number) => number;

@@ -1,120 +1,153 @@
-// @ts-check
-/** The cells of a map as pixels: colours, and hatches drawn at the resolution of the screen. */
+/** The cells of a map as pixels: their colours, and hatches at the resolution of the screen. */
 
-const NO_ANSWER = 0xffe9e9e9; // colours are AABBGGRR, as the bytes of an image lie in memory
-const FAINT = 0xff8a8a8a;
-const INK = 0xff222222;
-const WHITE = 0xffffffff;
+const [NO_ANSWER, FAINT, INK, WHITE] = [0xffe9e9e9, 0xff8a8a8a, 0xff222222, 0xffffffff]; // AABBGGRR, as in memory
 
-export const MARK = { backwards: 1, averaged: 2, coexists: 4, preview: 8, missing: 16, meets: 32 };
+/** Bits of what lies over a cell's colour: those of the server's marks, then our own. */
+export const OVER = {
+  backwards: 1, averaged: 2, coexists: 4, preview: 8, missing: 16, meets: 32, covered: 64, unproved: 128,
+  either: 256, veil: 512, "////": 1024, "\\\\\\\\": 2048, xxx: 4096, "---": 8192, "+++": 16384,
+};
+const hatchBit = (/** @type {StatusStyle} */ { hatch }) => /** @type {Record<string, number>} */ (OVER)[hatch] ?? 0;
 
-/** Bits of what lies over a cell's colour; those of a map's marks keep their places. */
-export const OVER = { either: 64, "////": 128, "\\\\\\\\": 256, xxx: 512, "---": 1024, "+++": 2048, veil: 4096 };
-const UNANSWERED = 128 + 256 + 512 + 1024 + 2048;
+/** What the legend calls bits, and on which colour it shows them. */
+const NAMES = /** @type {[number, string, number][]} */ ([
+  [OVER.backwards, "moves backwards", WHITE], [OVER.averaged, "mean of motion without a short period", WHITE],
+  [OVER.coexists, "another motion exists", WHITE], [OVER.preview, "preview, not exact yet", 0xff808080],
+  [OVER.missing, "not computed yet", NO_ANSWER], [OVER.unproved, "no speed is guaranteed", NO_ANSWER],
+  [OVER.either, "either regime, as friction may be", 0xffcc9966], [OVER.veil, "misses the target speed", 0xff808080],
+]);
 
 /** @param {string} colour #RRGGBB */
-export function pixel(colour) {
+function pixel(colour) {
   const n = parseInt(colour.slice(1), 16);
   return (0xff000000 | ((n & 255) << 16) | (n & 0xff00) | (n >> 16)) >>> 0;
 }
 
 /** Where a number lies on its scale, 0 to 1. @param {ScaleInfo} scale @param {number} value */
-export function onScale({ kind, low, high, width = 1 }, value) {
-  const of = kind === "log" ? Math.log : kind === "asinh" ? (/** @type {number} */ v) => Math.asinh(v / width) : Number;
-  const share = (of(kind === "log" ? Math.max(value, low) : value) - of(low)) / (of(high) - of(low));
-  return Math.min(Math.max(share, 0), 1);
+export function onScale({ kind, low, high, width }, value) {
+  const even = (/** @type {number} */ v) => (kind === "log" ? Math.log(v) : kind === "asinh" ? Math.asinh(v / width) : v);
+  return Math.min(Math.max((even(Math.max(value, low)) - even(low)) / (even(high) - even(low)), 0), 1);
 }
 
 /** 256 colours of a scale, the lowest first. @param {ScaleInfo} scale */
 export function scaleColours(scale) {
   const bytes = Uint8Array.from(atob(scale.colours), (c) => c.charCodeAt(0));
-  return Uint32Array.from({ length: 256 }, (_, n) => 0xff000000 + (bytes[3 * n + 2] << 16) + (bytes[3 * n + 1] << 8) + bytes[3 * n]);
+  return Array.from({ length: 256 }, (_, n) => 0xff000000 + bytes[3 * n] + 256 * bytes[3 * n + 1] + 65536 * bytes[3 * n + 2]);
 }
 
-/** The colour of every cell, a second one where the regime is uncertain, and what lies over them. @param {MapAnswer} map */
-export function looks({ header, arrays }) {
+/** How every cell looks, and what is seen there. @param {MapAnswer} map @param {Schema} schema */
+export function looks(map, { regimes, statuses }) {
+  const { header: { scale, bands, curves, x, y }, arrays } = map;
   const { regime, status, marks, values, lowest, highest } = arrays;
-  const faces = new Map(header.regimes.map((r) => [r.code, pixel(r.colour)]));
-  const hatches = header.statuses.map((s) => (s.answered ? 0 : OVER[/** @type {keyof typeof OVER} */ (s.hatch)] ?? 0));
-  const palette = header.scale && scaleColours(header.scale);
-  const target = header.curves.some((c) => c.name === "target") || marks.some((m) => m & MARK.meets);
-  const count = regime.length;
-  const [first, second, over] = [new Uint32Array(count), new Uint32Array(count), new Uint16Array(count)];
-  for (let i = 0; i < count; i++) {
+  const faces = new Map(regimes.map((r) => [r.code, pixel(r.colour)]));
+  const hatches = new Map(statuses.map((s) => [s.code, hatchBit(s)]));
+  const palette = scale ? scaleColours(scale) : [];
+  const target = curves.some((c) => c.name === "target") || marks.some((mark) => mark & OVER.meets);
+  const [first, second] = [new Uint32Array(regime.length).fill(NO_ANSWER), new Uint32Array(regime.length)];
+  const over = new Uint16Array(regime.length);
+  regime.forEach((code, i) => {
     const mark = marks[i];
-    let face = faces.get(regime[i]) ?? NO_ANSWER;
-    let bits = mark & (MARK.backwards | MARK.coexists);
-    if (header.scale && palette && regime[i] !== 0) {
-      const value = values[i];
-      if (!Number.isNaN(value)) {
-        face = palette[Math.round(255 * onScale(header.scale, value))];
-        bits |= mark & (MARK.averaged | MARK.preview);
-      } else if (mark & MARK.missing) [face, bits] = [NO_ANSWER, MARK.missing];
-      else if (hatches[status[i]] || regime[i] < 0) [face, bits] = [NO_ANSWER, hatches[status[i]]];
-      else face = WHITE;
-    } else if (regime[i] < 0) bits = hatches[status[i]];
-    first[i] = second[i] = face;
-    if (!header.scale && header.bands && lowest[i] !== highest[i] && lowest[i] >= 0) {
-      first[i] = faces.get(lowest[i]) ?? NO_ANSWER;
-      second[i] = faces.get(highest[i]) ?? NO_ANSWER;
-      bits |= OVER.either;
-    }
-    over[i] = target && !(mark & MARK.meets) ? bits | OVER.veil : bits;
-  }
-  return { first, second, over };
+    const hatch = hatches.get(status[i]) ?? 0;
+    over[i] = mark & (OVER.backwards | OVER.coexists);
+    if (!scale && bands && lowest[i] >= 0) {
+      [first[i], second[i]] = [faces.get(lowest[i]) ?? WHITE, faces.get(highest[i]) ?? WHITE];
+      if (lowest[i] !== highest[i]) over[i] |= OVER.either;
+    } else if (!scale && code >= 0) first[i] = faces.get(code) ?? WHITE;
+    else if (mark & OVER.covered) first[i] = WHITE;
+    else if (scale && !Number.isNaN(values[i])) {
+      first[i] = palette[Math.round(255 * onScale(scale, values[i]))];
+      over[i] |= mark & (OVER.averaged | OVER.preview);
+    } else over[i] = mark & (OVER.missing | OVER.unproved) || hatch;
+    if (target && !(mark & OVER.meets)) over[i] |= OVER.veil;
+  });
+  const bits = over.reduce((all, some) => all | some, 0);
+  const seen = new Set(bands && !scale ? [...lowest, ...highest] : regime);
+  const rests = marks.some((mark) => mark & OVER.covered);
+  const known = new Set(status);
+  const names = [
+    ...regimes.filter((r) => (scale ? rests && r.code === 0 && seen.has(0) : seen.has(r.code))).sort((a, b) => a.code - b.code)
+      .map(({ label, colour }) => ({ text: label, face: pixel(colour), bit: 0 })),
+    ...statuses.filter((s) => hatchBit(s) & bits && known.has(s.code))
+      .map((s) => ({ text: s.label.replaceAll("-", " "), face: NO_ANSWER, bit: hatchBit(s) })),
+    ...NAMES.filter(([bit]) => bit & bits).map(([bit, text, face]) => ({ text, face, bit })),
+  ];
+  return { first, second, over, names, nx: x.count, ny: y.count, edges: cuts(map) };
 }
 
-/** One pixel where something lies over the colour; x, y [CSS px] downwards. */
-function covered(/** @type {number} */ bits, first = 0, second = 0, x = 0, y = 0) {
-  const [rising, falling] = [(x + y) % 14, (x - y + 1e5) % 9];
+/** A pixel where something lies over the colour; x and y [CSS px] run right and down. @type {Cover} */
+function covered(bits, first, second, x, y) {
+  const [rising, falling] = [(x + y) % 14, (x - y + 9e4) % 9];
+  const steep = (bits & (OVER["////"] | OVER.xxx) && (x + y) % 9 < 1) || (bits & (OVER["\\\\\\\\"] | OVER.xxx) && falling < 1);
+  const level = (bits & (OVER["---"] | OVER["+++"]) && y % 8 < 1) || (bits & OVER["+++"] && x % 8 < 1);
+  const dots = (bits & OVER.coexists && x % 7 < 1.6 && y % 7 < 1.6) || (bits & (OVER.missing | OVER.unproved) && x % 10 < 1 && y % 10 < 1);
   let colour = bits & OVER.either && rising < 7 ? second : first;
-  if (bits & UNANSWERED) {
-    const lines =
-      (bits & (OVER["////"] | OVER.xxx) && (x + y) % 9 < 1) || (bits & (OVER["\\\\\\\\"] | OVER.xxx) && falling < 1) ||
-      (bits & (OVER["---"] | OVER["+++"]) && y % 8 < 1) || (bits & OVER["+++"] && x % 8 < 1);
-    if (lines) colour = FAINT;
-  }
-  if (bits & MARK.backwards && x % 12 < 1) colour = INK;
-  if (bits & MARK.averaged && rising < 3.6) colour = rising >= 1.2 && rising < 2.4 ? INK : WHITE;
-  if (bits & MARK.coexists && x % 7 < 1.6 && y % 7 < 1.6) colour = FAINT;
-  if (bits & MARK.preview && x % 5 < 1 && y % 5 < 1) colour = WHITE;
-  if (bits & MARK.missing && x % 10 < 1 && y % 10 < 1) colour = FAINT;
-  if (bits & OVER.veil) colour = 0xff000000 + ((colour >> 2) & 0x3f3f3f) + 0xbfbfbf; // three quarters white
-  return colour;
+  if (steep || level || dots) colour = FAINT;
+  if (bits & OVER.backwards && x % 12 < 1) colour = INK;
+  if (bits & OVER.averaged && rising < 3.6) colour = rising >= 1.2 && rising < 2.4 ? INK : WHITE;
+  if (bits & OVER.preview && x % 5 < 1 && y % 5 < 1) colour = WHITE;
+  return bits & OVER.veil ? 0xff000000 + ((colour >> 1) & 0x7f7f7f) + 0x7f7f7f : colour; // half white
 }
 
-/**
- * Paint cells over a whole canvas; rows lie from the lowest up.
- * @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel
- * @param {{first: Uint32Array, second: Uint32Array, over: Uint16Array}} cells @param {number} nx @param {number} ny
- */
-export function paint(canvas, zoom, { first, second, over }, nx, ny) {
+/** Pieces of curves by the square of four cells that they cross. @param {MapAnswer} map @returns {Map<number, number[][]>} */
+function cuts({ header: { curves, x, y }, arrays: { points } }) {
+  const found = new Map();
+  let at = 0;
+  for (const count of curves.flatMap((c) => c.pieces)) {
+    for (let n = 1; n < count; n++) {
+      const [ax, ay, bx, by] = [...points.slice(at + 2 * n - 2, at + 2 * n + 2)].map((v, k) => v * ((k % 2 ? y : x).count - 1));
+      for (let j = Math.floor(Math.min(ay, by)); j <= Math.max(ay, by); j++) {
+        for (let i = Math.floor(Math.min(ax, bx)); i <= Math.max(ax, bx); i++) {
+          found.set(j * x.count + i, [...(found.get(j * x.count + i) ?? []), [ax, ay, bx, by]]);
+        }
+      }
+    }
+    at += 2 * count;
+  }
+  return found;
+}
+
+/** The nearest of four cells on a place's own side of the curves. @param {number[][]} pieces @param {number} x @param {number} y */
+function ownCell(pieces, x, y) {
+  const [i, j] = [Math.round(x), Math.round(y)];
+  const [k, l] = [2 * Math.floor(x) + 1 - i, 2 * Math.floor(y) + 1 - j];
+  return [[i, j], [k, j], [i, l], [k, l]].find(([cx, cy]) => !pieces.some(([ax, ay, bx, by]) => {
+    const side = (/** @type {number} */ px, /** @type {number} */ py) => (bx - ax) * (py - ay) - (by - ay) * (px - ax);
+    const turn = (/** @type {number} */ px, /** @type {number} */ py) => (cx - x) * (py - y) - (cy - y) * (px - x);
+    return side(x, y) * side(cx, cy) < 0 && turn(ax, ay) * turn(bx, by) < 0;
+  })) ?? [i, j];
+}
+
+/** Paint cells, rows from the lowest up, over a whole canvas; curves divide the squares between cells exactly.
+ * @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel @param {Cells} cells */
+export function paint(canvas, zoom, { first, second, over, nx, ny, edges }) {
   const { width, height } = canvas;
   const image = new ImageData(width, height);
   const pixels = new Uint32Array(image.data.buffer);
-  const columns = Int32Array.from({ length: width }, (_, px) => Math.round(((px + 0.5) / width) * (nx - 1)));
+  const divided = new Uint8Array(nx * ny);
+  for (const square of edges.keys()) divided[square] = 1;
   for (let py = 0, at = 0; py < height; py++) {
-    const row = nx * Math.round((1 - (py + 0.5) / height) * (ny - 1));
+    const y = (1 - (py + 0.5) / height) * (ny - 1);
     for (let px = 0; px < width; px++, at++) {
-      const cell = row + columns[px];
+      const x = ((px + 0.5) / width) * (nx - 1);
+      const square = Math.floor(y) * nx + Math.floor(x);
+      const [i, j] = divided[square] ? ownCell(edges.get(square) ?? [], x, y) : [Math.round(x), Math.round(y)];
+      const cell = j * nx + i;
       pixels[at] = over[cell] ? covered(over[cell], first[cell], second[cell], px / zoom, py / zoom) : first[cell];
     }
   }
   canvas.getContext("2d")?.putImageData(image, 0, 0);
 }
 
-/** @type {Map<string, string>} */
-const painted = new Map();
+const drawn = /** @type {Map<string, string>} */ (new Map());
 
-/** Cells as the address of a picture, for samples and colour bars. @param {number[]} first @param {number} bits */
-export function picture(first, bits, second = 0, width = 24, height = 14) {
-  const key = [bits, second, width, height, ...first].join();
-  if (!painted.has(key)) {
-    const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [2 * width, 2 * height];
-    const all = { first: Uint32Array.from(first), second: Uint32Array.from(first, () => second), over: new Uint16Array(first.length).fill(bits) };
-    paint(canvas, 2, all, 1, first.length);
-    painted.set(key, canvas.toDataURL());
-  }
-  return painted.get(key) ?? "";
+/** A column of cells as the address of a picture, for samples and colour bars. @param {number[]} column @param {number} bits */
+export function picture(column, bits = 0, width = 24, height = 14) {
+  const key = `${bits} ${width} ${height} ${column}`;
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [2 * width, 2 * height];
+  const over = column.map(() => bits);
+  const cells = { first: column, second: column.map(() => 0xff66ccee), over, nx: 1, ny: column.length, edges: new Map() };
+  if (!drawn.has(key)) paint(canvas, 2, cells);
+  if (!drawn.has(key)) drawn.set(key, canvas.toDataURL());
+  return drawn.get(key) ?? "";
 }

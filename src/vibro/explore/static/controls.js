@@ -1,208 +1,160 @@
-// @ts-check
 /** The settings, built from the server's schema. */
 
-import { byId, html } from "./draw.js";
+import { byId, html, input, place, select, set } from "./draw.js";
 
-const INPUT = HTMLInputElement;
-const BANDED = ["static_friction", "kinetic_friction"];
-const WIDTH = 0.1; // of a new band, to either side
-
-/** @typedef {(patch: State, control: string, finished: boolean) => void} Change */
+const FRICTIONS = ["static_friction", "kinetic_friction"];
+const BANDS = FRICTIONS.map((column) => `${column}_band`);
+const NO_BANDS = Object.fromEntries(BANDS.map((key) => [key, ""]));
 
 export class Controls {
-  /** @param {import("./state.js").Store} store @param {Change} change */
+  /** @param {import("./state.js").Store} store @param {(patch: State, control: string, finished: boolean) => void} change */
   constructor(store, change) {
     this.store = store;
     this.change = change;
-    /** @type {Record<string, string>} */
-    this.ranges = {}; // that an axis had, by column
-    /** @type {Record<string, string>} */
-    this.hints = {};
-    /** @type {Problem[]} */
-    this.problems = [];
-    /** @type {Record<string, HTMLInputElement[]>} */
-    this.inputs = { x_range: ["x-from", "x-to", "x-log"].map((id) => byId(id, INPUT)), y_range: ["y-from", "y-to", "y-log"].map((id) => byId(id, INPUT)) };
     const { schema } = store;
-    for (const { name, label } of schema.views) byId("view", HTMLSelectElement).append(new Option(label, name));
-    for (const { name, label } of schema.drives) byId("drive", HTMLSelectElement).append(new Option(label, name));
-    for (const { name, label } of schema.presets) byId("preset", HTMLSelectElement).append(new Option(label, name));
-    for (const quantity of schema.quantities) this.addQuantity(quantity);
-    for (const column of BANDED) this.addBand(column);
-    this.listen();
+    this.problems = /** @type {Problem[]} */ ([]);
+    this.hints = /** @type {Record<string, string>} */ ({});
+    this.inputs = /** @type {Record<string, HTMLInputElement[]>} */ ({
+      x_range: ["x-from", "x-to", "x-log"].map(input), y_range: ["y-from", "y-to", "y-log"].map(input),
+      target: [input("target")], cycles: [input("cycles")],
+    });
+    this.quantities = schema.quantities.filter((q) => q.column !== "friction_ratio");
+    for (const quantity of this.quantities) this.addQuantity(quantity);
+    for (const key of BANDS) this.addBand(key);
+    for (const axis of ["x", "y"]) {
+      const [from, to, log] = this.inputs[`${axis}_range`];
+      const range = () => [from.value, to.value, ...(log.checked ? ["log"] : [])].join(":");
+      for (const part of [from, to, log]) this.onText(part, () => ({ [`${axis}_range`]: range() }), axis);
+    }
+    for (const key of ["target", "cycles"]) this.onText(input(key), (text) => ({ [key]: text }), key);
+    const presets = schema.presets.map((p) => [p.name, p.state]);
+    this.onSelect("view", schema.views, (view) => ({ view }));
+    this.onSelect("drive", schema.drives, (drive) => ({ drive, x: "", y: "", x_range: "", y_range: "", ...NO_BANDS }));
+    this.onSelect("preset", schema.presets, (name) => ({ ...NO_BANDS, ...Object.fromEntries(presets)[name] }));
+    this.onSelect("x", [], (column) => this.axisPatch("x", "y", column));
+    this.onSelect("y", [], (column) => this.axisPatch("y", "x", column));
+    const [follow, bands] = [input("follow"), input("bands")];
+    const frictions = () => ({ follow: follow.checked ? "1" : "0", ...this.bandPatch(bands.checked, follow.checked) });
+    for (const box of [follow, bands]) box.addEventListener("change", () => change(frictions(), box.id, true));
+    place("controls").addEventListener("submit", (event) => event.preventDefault());
   }
 
   /** A text with a unit, and a slider. @param {Quantity} quantity */
-  addQuantity(quantity) {
-    const { column, label, symbol, unit, meaning, low, high, step, drives } = quantity;
-    const text = html("input", { id: column, inputmode: "decimal", spellcheck: "false", "aria-describedby": `note-${column}` });
-    const slider = html("input", { type: "range", min: `${low}`, max: `${high}`, step: `${step}`, "aria-label": `${label}, slider` });
-    const name = html("label", { for: column, title: meaning }, `${label} `, html("i", {}, symbol));
-    const row = html("div", { class: "quantity", id: `row-${column}` }, name, html("span", { class: "measure" }, text, html("i", {}, unit)), slider,
-      html("p", { id: `note-${column}`, class: "note" }));
-    const place = BANDED.includes(column) ? "of-friction" : column === "frequency_hz" || drives.length < this.store.schema.drives.length ? "of-drive" : "of-trough";
-    const group = byId(place, HTMLElement);
-    group.insertBefore(row, place === "of-friction" ? group.querySelector(".tick") : null);
+  addQuantity({ column, label, symbol, unit, meaning, low, high, step, drives }) {
+    const text = html("input", { id: column, spellcheck: "false" });
+    const slider = html("input", { type: "range", min: low, max: high, step, "aria-label": `${label}, slider` });
+    const row = html("div", { class: "quantity", id: `row-${column}` },
+      html("label", { for: column, title: meaning }, `${label} `, html("i", {}, symbol)),
+      html("span", { class: "measure" }, text, html("i", {}, unit)), slider, html("p", { id: `note-${column}`, class: "note" }));
+    const isOfDrive = column === "frequency_hz" || drives.length < this.store.schema.drives.length;
+    if (FRICTIONS.includes(column)) place("follow-row").before(row);
+    else place(isOfDrive ? "of-drive" : "of-trough").append(row);
     this.inputs[column] = [text, slider];
-    this.bindText(text, (value) => ({ [column]: value }), column);
-    this.bindSlider(slider, () => {
-      const most = column === "kinetic_friction" ? Number(this.store.state.static_friction) : NaN;
-      return { [column]: slider.valueAsNumber > most ? String(most) : slider.value };
-    }, column);
+    this.onText(text, (value) => ({ [column]: value }), column);
+    const most = () => (column === FRICTIONS[1] ? this.store.value(FRICTIONS[0]) : Infinity);
+    this.onSlider(slider, () => ({ [column]: slider.valueAsNumber > most() ? `${most()}` : slider.value }), column);
   }
 
-  /** Two handles; neither passes the other. @param {string} column */
-  addBand(column) {
-    const key = `${column}_band`;
-    const quantity = /** @type {Quantity} */ (this.store.schema.quantities.find((q) => q.column === column));
-    const ends = ["least", "most"].map((end) => html("input", { type: "range", min: `${quantity.low}`, max: `${quantity.high}`, step: `${quantity.step}`, "aria-label": `${end} ${quantity.label}` }));
-    const row = html("div", { class: "quantity band", id: `row-${key}` }, html("span", {}, `${quantity.label} `), html("output"), ...ends, html("p", { id: `note-${key}`, class: "note" }));
-    byId("band-rows", HTMLElement).append(row);
+  /** Two handles, of which none passes the other. @param {string} key */
+  addBand(key) {
+    const { column, label, low, high, step } = /** @type {Quantity} */ (this.quantities.find((q) => key.startsWith(q.column)));
+    const look = { type: "range", min: low, max: high, step };
+    const ends = ["least", "largest"].map((end) => html("input", { ...look, "aria-label": `${end} ${label}` }));
+    const row = html("div", { class: "quantity", id: `row-${key}` }, html("span", {}, label), html("output", { for: column }),
+      ...ends, html("p", { id: `note-${key}`, class: "note" }));
+    place("of-friction").append(row);
     this.inputs[key] = ends;
-    ends.forEach((end, n) => this.bindSlider(end, () => {
+    ends.forEach((end, n) => this.onSlider(end, () => {
       const pair = ends.map((e) => e.valueAsNumber);
-      const held = n ? Math.min(pair[0], pair[1]) : Math.max(pair[0], pair[1]);
-      return { [key]: n ? `${held}:${pair[1]}` : `${pair[0]}:${held}` };
+      if (pair[0] > pair[1]) pair[1 - n] = pair[n];
+      return { [key]: pair.join(":") };
     }, key));
   }
 
-  /** @param {HTMLInputElement} input @param {(value: string) => State} patch @param {string} control */
-  bindText(input, patch, control) {
-    input.addEventListener("input", () => input.classList.add("edited"));
-    input.addEventListener("change", () => {
-      input.classList.remove("edited");
-      this.change(patch(input.value.trim()), control, true);
+  /** @param {HTMLInputElement} box @param {(text: string) => State} patch @param {string} control */
+  onText(box, patch, control) {
+    box.addEventListener("input", () => box.classList.add("edited")); // and not overwritten until it is done
+    box.addEventListener("blur", () => box.classList.remove("edited"));
+    box.addEventListener("change", () => {
+      box.classList.remove("edited");
+      this.change(patch(box.value.trim()), control, true);
     });
-    input.addEventListener("blur", () => input.classList.remove("edited"));
   }
 
   /** @param {HTMLInputElement} slider @param {() => State} patch @param {string} control */
-  bindSlider(slider, patch, control) {
+  onSlider(slider, patch, control) {
     slider.addEventListener("input", () => this.change(patch(), control, false));
     slider.addEventListener("change", () => this.change(patch(), control, true));
   }
 
-  listen() {
-    const { schema } = this.store;
-    byId("controls", HTMLFormElement).addEventListener("submit", (event) => event.preventDefault());
-    for (const key of ["target", "cycles"]) {
-      this.inputs[key] = [byId(key, INPUT)];
-      this.bindText(this.inputs[key][0], (value) => ({ [key]: value || (schema.initial[key] ?? "") }), key);
-    }
-    for (const axis of ["x", "y"]) {
-      const [from, to, log] = this.inputs[`${axis}_range`];
-      const range = () => ({ [`${axis}_range`]: [from.value.trim(), to.value.trim(), ...(log.checked ? ["log"] : [])].join(":") });
-      for (const input of [from, to, log]) this.bindText(input, range, `${axis}_range`);
-      const select = byId(axis, HTMLSelectElement);
-      select.addEventListener("change", () => this.change(this.axisPatch(axis, select.value), axis, true));
-    }
-    const onChange = (/** @type {string} */ id, /** @type {(value: string) => State} */ patch) => {
-      const select = byId(id, HTMLSelectElement);
-      select.addEventListener("change", () => this.change(patch(select.value), id, true));
-    };
-    onChange("view", (view) => ({ view }));
-    onChange("drive", (drive) => this.drivePatch(drive));
-    onChange("preset", (name) => {
-      const state = schema.presets.find((p) => p.name === name)?.state ?? {};
-      return { ...(state.drive ? this.drivePatch(state.drive) : {}), ...state };
-    });
-    const [follow, bands] = [byId("follow", INPUT), byId("bands", INPUT)];
-    follow.addEventListener("change", () => this.change({ follow: follow.checked ? "1" : "0", ...this.bandPatch(bands.checked, follow.checked) }, "follow", true));
-    bands.addEventListener("change", () => this.change(this.bandPatch(bands.checked, follow.checked), "bands", true));
+  /** @param {string} id @param {Choice[]} choices @param {(name: string) => State} patch */
+  onSelect(id, choices, patch) {
+    select(id).append(...choices.map(({ name, label }) => new Option(label, name)));
+    select(id).addEventListener("change", () => this.change(patch(select(id).value), id, true));
   }
 
-  /** Choose an axis; the other's quantity swaps them. @param {string} axis @param {string} column @returns {State} */
-  axisPatch(axis, column) {
-    const { x, y, x_range, y_range, [axis]: before } = this.store.state;
-    if (column === (axis === "x" ? y : x)) return { x: y, y: x, x_range: y_range, y_range: x_range };
-    this.ranges[before] = this.store.state[`${axis}_range`];
-    const quantity = this.store.schema.quantities.find((q) => q.column === column);
-    const range = this.ranges[column] ?? `${quantity?.low}:${quantity?.high}`;
-    return { [axis]: column, [`${axis}_range`]: range, ...(BANDED.includes(column) ? this.bandPatch(false, true) : {}) };
+  /** Choose an axis; the other's quantity swaps them. @param {string} axis @param {string} other @param {string} column */
+  axisPatch(axis, other, column) {
+    const { state } = this.store;
+    const bands = column.includes("friction") ? NO_BANDS : {};
+    if (column !== state[other]) return { [axis]: column, [`${axis}_range`]: "", ...bands };
+    return { [axis]: column, [other]: state[axis], [`${axis}_range`]: state[`${other}_range`], [`${other}_range`]: state[`${axis}_range`] };
   }
 
-  /** Choose a drive; axes that it lacks give way to others. @param {string} drive @returns {State} */
-  drivePatch(drive) {
-    const able = this.store.schema.quantities.filter((q) => q.swept && q.drives.includes(drive)).map((q) => q.column);
-    const { x, y } = this.store.state;
-    /** @type {State} */
-    let patch = { drive, ...(drive === "line" ? {} : this.bandPatch(false, true)) };
-    for (const [axis, column] of [["x", x], ["y", y]]) {
-      const taken = axis === "x" ? y : (patch.x ?? x);
-      if (!able.includes(column)) patch = { ...patch, ...this.axisPatch(axis, able.find((c) => c !== taken) ?? "") };
-    }
-    return patch;
-  }
-
-  /** Bands about the frictions as they are, or none. @param {boolean} on @param {boolean} follow @returns {State} */
+  /** Bands of a tenth to either side, where there are none yet. @param {boolean} on @param {boolean} follow @returns {State} */
   bandPatch(on, follow) {
-    return Object.fromEntries(BANDED.map((column, n) => {
-      const [key, about] = [`${column}_band`, Number(this.store.state[column])];
-      const ends = [1 - WIDTH, 1 + WIDTH].map((share) => Number((share * about).toPrecision(2)));
-      return [key, on && !(n && follow) ? (this.store.state[key] ?? ends.join(":")) : ""];
+    return Object.fromEntries(FRICTIONS.map((column, n) => {
+      const ends = [0.9, 1.1].map((share) => Number((share * this.store.value(column)).toPrecision(3)));
+      return [BANDS[n], on && !(n && follow) ? this.store.state[BANDS[n]] || ends.join(":") : ""];
     }));
   }
 
-  /** Show the state, the server's hints, and what it refused; what is being typed stays. */
   render() {
     const { state, schema } = this.store;
-    for (const id of ["view", "drive"]) byId(id, HTMLSelectElement).value = state[id];
-    byId("preset", HTMLSelectElement).value = "";
-    const swept = schema.quantities.filter((q) => q.swept && this.store.counts(q));
+    const swept = schema.quantities.filter((q) => q.swept && this.store.isOfDrive(q));
     for (const axis of ["x", "y"]) {
-      const select = byId(axis, HTMLSelectElement);
-      if (swept.map((q) => q.column).join() !== [...select.options].map((o) => o.value).join()) {
-        select.replaceChildren(...swept.map((q) => new Option(q.unit ? `${q.label} [${q.unit}]` : q.label, q.column)));
-      }
-      select.value = state[axis];
-      const [from, to, log] = state[`${axis}_range`].split(":");
-      this.fill(`${axis}_range`, [from ?? "", to ?? ""]);
-      this.inputs[`${axis}_range`][2].checked = log === "log";
+      const options = swept.map((q) => new Option(q.unit ? `${q.label} [${q.unit}]` : q.label, q.column));
+      if (swept.map((q) => q.column).join() !== [...select(axis).options].map((o) => o.value).join()) select(axis).replaceChildren(...options);
+      const [from = "", to = "", log] = (state[`${axis}_range`] ?? "").split(":");
+      this.fill(`${axis}_range`, [from, to]);
+      input(`${axis}-log`).checked = log === "log";
     }
-    for (const quantity of schema.quantities) {
+    for (const id of ["view", "drive", "x", "y"]) select(id).value = state[id] ?? "";
+    select("preset").value = "";
+    for (const quantity of this.quantities) {
       const { column, unit } = quantity;
-      byId(`row-${column}`, HTMLElement).hidden = !this.store.counts(quantity);
+      place(`row-${column}`).hidden = !this.store.isOfDrive(quantity);
       this.fill(column, [state[column], state[column]]);
-      this.inputs[column][1].setAttribute("aria-valuetext", `${state[column]} ${unit}`);
+      set(this.inputs[column][1], { "aria-valuetext": `${state[column]} ${unit}` });
     }
-    for (const key of ["target", "cycles"]) this.fill(key, [state[key] ?? ""]);
-    const [follow, bands] = [byId("follow", INPUT), byId("bands", INPUT)];
-    follow.checked = state.follow === "1";
-    bands.checked = "static_friction_band" in state;
-    bands.disabled = state.drive !== "line" || BANDED.some((c) => c === state.x || c === state.y);
-    for (const key of BANDED.map((column) => `${column}_band`)) {
-      const row = byId(`row-${key}`, HTMLElement);
-      row.hidden = !(key in state);
-      const ends = (state[key] ?? "").split(":");
-      this.fill(key, ends);
-      row.getElementsByTagName("output")[0].textContent = ends.join(" to ");
+    for (const key of ["target", "cycles"]) this.fill(key, [state[key]]);
+    for (const key of BANDS) {
+      place(`row-${key}`).hidden = !state[key];
+      place(`row-${key}`).getElementsByTagName("output")[0].value = (state[key] ?? "").replace(":", " to ");
+      if (state[key]) this.fill(key, state[key].split(":"));
     }
+    input("follow").checked = state.follow === "1";
+    input("bands").checked = Boolean(state[BANDS[0]]);
+    input("bands").disabled = state.drive !== "line" || `${state.x} ${state.y}`.includes("friction");
     this.renderNotes();
   }
 
-  /** @param {string} key @param {string[]} texts */
+  /** @param {string} key @param {(string | undefined)[]} texts */
   fill(key, texts) {
-    texts.forEach((text, n) => {
-      const input = this.inputs[key][n];
-      if (!input.classList.contains("edited") && input.value !== text) input.value = text;
+    this.inputs[key].slice(0, texts.length).forEach((box, n) => {
+      if (!box.classList.contains("edited") && box.value !== (texts[n] ?? "")) box.value = texts[n] ?? "";
     });
   }
 
+  /** Show what the server refused beside its field, else what it hints at. */
   renderNotes() {
-    const beside = Object.keys(this.inputs);
-    for (const key of beside) {
-      const problem = this.problems.find((p) => p.field === key);
-      const note = byId(`note-${key}`, HTMLElement);
-      note.textContent = problem?.text ?? this.hints[key] ?? "";
-      note.classList.toggle("error", Boolean(problem));
-      for (const input of this.inputs[key]) {
-        input.setAttribute("aria-describedby", note.id);
-        if (problem) input.setAttribute("aria-invalid", "true");
-        else input.removeAttribute("aria-invalid");
-      }
+    for (const [key, boxes] of Object.entries(this.inputs)) {
+      const wrong = this.problems.find((p) => p.field === key);
+      place(`note-${key}`).textContent = wrong?.text ?? this.hints[key] ?? "";
+      place(`note-${key}`).classList.toggle("error", Boolean(wrong));
+      for (const box of boxes) set(box, { "aria-invalid": String(Boolean(wrong)), "aria-describedby": `note-${key}` });
     }
-    const others = this.problems.filter((p) => !beside.includes(p.field)).map((p) => p.text);
-    const place = byId("problems", HTMLElement);
-    place.textContent = others.join(" ");
-    place.hidden = !others.length;
+    const others = this.problems.filter((p) => !(p.field in this.inputs)).map((p) => p.text);
+    byId("problems", HTMLElement).textContent = others.join(" ");
   }
 }

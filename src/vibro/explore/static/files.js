@@ -1,58 +1,53 @@
-// @ts-check
 /** What can be taken along: pictures of the map, and texts. */
 
-import { INK, byId, svg } from "./draw.js";
+import { INK, place, set, svg } from "./draw.js";
 
-/** The map as it is seen, on its own: on white, with the canvas as an image inside. @param {import("./map.js").MapView} view */
-function wholeFigure({ svg: seen, canvas, box }) {
-  const figure = /** @type {SVGElement} */ (seen.cloneNode(true));
-  const { left: x, top: y, width, height } = box;
-  figure.querySelectorAll(".surface, .reach, .focus").forEach((part) => part.remove());
-  figure.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-  figure.setAttribute("color", INK);
-  figure.prepend(
-    svg("rect", { width: "100%", height: "100%", fill: "#FFFFFF" }),
-    svg("image", { href: canvas.toDataURL(), x, y, width, height, preserveAspectRatio: "none" }));
-  return new XMLSerializer().serializeToString(figure);
+/** @typedef {import("./map.js").MapView} MapView */
+const nameOf = (/** @type {MapView} */ { map }) => `vibro-${map?.header.view}`;
+
+/** The map as it is seen, dark on white, with its canvas as an image inside. @param {MapView} view */
+function figure({ svg: seen, canvas, box: { left, top, width, height } }) {
+  const whole = /** @type {SVGElement} */ (seen.cloneNode(true));
+  whole.querySelectorAll(".surface, .reach, .focus").forEach((part) => part.remove());
+  const image = svg("image", { href: canvas.toDataURL(), x: left, y: top, width, height, preserveAspectRatio: "none" });
+  whole.prepend(svg("rect", { width: "100%", height: "100%", fill: "#FFFFFF" }), image);
+  return new Blob([new XMLSerializer().serializeToString(set(whole, { color: INK }))], { type: "image/svg+xml" });
 }
 
-/** @param {BlobPart} content @param {string} type @param {string} name */
-function save(content, type, name) {
+/** @param {Blob | null} blob @param {string} name */
+function save(blob, name) {
+  if (!blob) return;
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([content], { type }));
-  link.download = name;
+  [link.href, link.download] = [URL.createObjectURL(blob), name];
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** @param {import("./map.js").MapView} view */
+/** @param {MapView} view */
 async function savePng(view) {
   const image = new Image();
-  const address = URL.createObjectURL(new Blob([wholeFigure(view)], { type: "image/svg+xml" }));
-  image.src = address;
+  image.src = URL.createObjectURL(figure(view));
   await image.decode();
-  URL.revokeObjectURL(address);
+  URL.revokeObjectURL(image.src);
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [2 * image.width, 2 * image.height];
   canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
-  canvas.toBlob((blob) => blob && save(blob, "image/png", `${name(view)}.png`));
+  canvas.toBlob((blob) => save(blob, `${nameOf(view)}.png`));
 }
 
-/** @param {import("./map.js").MapView} view */
-const name = (view) => `vibro-${view.map?.header.view ?? "map"}`;
+/** @param {string} id @param {(text: string) => void} say */
+async function copy(id, say) {
+  getSelection()?.selectAllChildren(place(id));
+  const done = await navigator.clipboard.writeText(place(id).textContent ?? "").then(() => true, () => false);
+  say(done ? "copied" : "selected, to be copied by hand");
+}
 
-/** @param {import("./map.js").MapView} view @param {(text: string) => void} say */
+/** @param {MapView} view @param {(text: string) => void} say */
 export function offerFiles(view, say) {
-  const on = (/** @type {string} */ id, /** @type {() => unknown} */ act) => byId(id, HTMLButtonElement).addEventListener("click", act);
-  on("png", () => savePng(view));
-  on("svg", () => save(wholeFigure(view), "image/svg+xml", `${name(view)}.svg`));
-  on("save-toml", () => save(byId("toml", HTMLElement).textContent ?? "", "application/toml", "scene.toml"));
-  for (const id of ["command", "toml"]) {
-    on(`copy-${id}`, async () => {
-      const text = byId(id, HTMLElement);
-      const done = await navigator.clipboard.writeText(text.textContent ?? "").then(() => true, () => false);
-      getSelection()?.selectAllChildren(text);
-      say(done ? "copied" : "selected: copy it by Ctrl+C");
-    });
-  }
+  const acts = {
+    png: () => savePng(view), svg: () => save(figure(view), `${nameOf(view)}.svg`),
+    "save-toml": () => save(new Blob([place("toml").textContent ?? ""]), "scene.toml"),
+    "copy-command": () => copy("command", say), "copy-toml": () => copy("toml", say),
+  };
+  for (const [id, act] of Object.entries(acts)) place(id).addEventListener("click", act);
 }
