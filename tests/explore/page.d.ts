@@ -6,7 +6,7 @@ type Refusal = { problems: Problem[]; hint?: string };
 
 type Quantity = {
   column: string; label: string; symbol: string; unit: string; meaning: string;
-  low: number; high: number; step: number; drives: string[]; swept: boolean;
+  low: number; high: number; step: number; drives: string[]; swept: boolean; point: boolean;
 };
 type Choice = { name: string; label: string };
 type RegimeStyle = { code: number; label: string; colour: string };
@@ -33,17 +33,17 @@ type Packed<Header> = { header: Header; arrays: Record<string, Numbers> };
 type MapAnswer = Packed<MapHeader>;
 
 type PanelCurve = { label: string; colour: string; dash: number[]; width: number; array: string; mirrored: boolean };
-type Panel = { name: string; label: string; unit: string; curves: PanelCurve[] };
+type Panel = { name: string; label: string; unit: string; height: number; most: number | null; curves: PanelCurve[] };
 type HistoryHeader = {
-  title: string; duration_ms: number; settled: string; note?: string; panels: Panel[];
-  phases: { kind: string; name: string; start: number; end: number }[];
+  title: string; duration_ms: number; note: string; panels: Panel[];
+  phases: { kind: string; name: string; colour: string; start: number; end: number }[];
 };
 type HistoryAnswer = Packed<HistoryHeader>;
 
 type TableInfo = { head: string[]; rows: string[][] };
 type PointAnswer = {
-  state: State; values: Record<string, number>; facts: [string, string][]; begins: TableInfo; phases: TableInfo;
-  command: string; command_note: string; toml: string; guaranteed: string; hints: Record<string, string>;
+  state: State; regime: string; facts: [string, string][]; begins: TableInfo; phases: TableInfo;
+  command: string; toml: string; guaranteed: string;
 };
 
 type ArrayInfo = { name: string; type: "f4" | "i1" | "u1"; shape: number[]; offset: number };

@@ -5,7 +5,7 @@ const [NO_ANSWER, FAINT, INK, WHITE] = [0xffe9e9e9, 0xff8a8a8a, 0xff222222, 0xff
 /** Bits of what lies over a cell's colour: those of the server's marks, then our own. */
 export const OVER = {
   backwards: 1, averaged: 2, coexists: 4, preview: 8, missing: 16, meets: 32, covered: 64, unproved: 128,
-  either: 256, veil: 512, "////": 1024, "\\\\\\\\": 2048, xxx: 4096, "---": 8192, "+++": 16384,
+  either: 256, veil: 512, "/": 1024, "\\": 2048, x: 4096, "-": 8192, "+": 16384,
 };
 const hatchBit = (/** @type {StatusStyle} */ { hatch }) => /** @type {Record<string, number>} */ (OVER)[hatch] ?? 0;
 
@@ -35,14 +35,13 @@ export function scaleColours(scale) {
   return Array.from({ length: 256 }, (_, n) => 0xff000000 + bytes[3 * n] + 256 * bytes[3 * n + 1] + 65536 * bytes[3 * n + 2]);
 }
 
-/** How every cell looks, and what is seen there. @param {MapAnswer} map @param {Schema} schema */
-export function looks(map, { regimes, statuses }) {
-  const { header: { scale, bands, curves, x, y }, arrays } = map;
+/** How every cell looks, and what is seen there. @param {MapAnswer} map @param {Schema} schema @param {boolean} target whether there is one */
+export function looks(map, { regimes, statuses }, target) {
+  const { header: { scale, bands, x, y }, arrays } = map;
   const { regime, status, marks, values, lowest, highest } = arrays;
   const faces = new Map(regimes.map((r) => [r.code, pixel(r.colour)]));
   const hatches = new Map(statuses.map((s) => [s.code, hatchBit(s)]));
   const palette = scale ? scaleColours(scale) : [];
-  const target = curves.some((c) => c.name === "target") || marks.some((mark) => mark & OVER.meets);
   const [first, second] = [new Uint32Array(regime.length).fill(NO_ANSWER), new Uint32Array(regime.length)];
   const over = new Uint16Array(regime.length);
   regime.forEach((code, i) => {
@@ -68,7 +67,7 @@ export function looks(map, { regimes, statuses }) {
     ...regimes.filter((r) => (scale ? rests && r.code === 0 && seen.has(0) : seen.has(r.code))).sort((a, b) => a.code - b.code)
       .map(({ label, colour }) => ({ text: label, face: pixel(colour), bit: 0 })),
     ...statuses.filter((s) => hatchBit(s) & bits && known.has(s.code))
-      .map((s) => ({ text: s.label.replaceAll("-", " "), face: NO_ANSWER, bit: hatchBit(s) })),
+      .map((s) => ({ text: s.label, face: NO_ANSWER, bit: hatchBit(s) })),
     ...NAMES.filter(([bit]) => bit & bits).map(([bit, text, face]) => ({ text, face, bit })),
   ];
   return { first, second, over, names, nx: x.count, ny: y.count, edges: cuts(map) };
@@ -77,8 +76,8 @@ export function looks(map, { regimes, statuses }) {
 /** A pixel where something lies over the colour; x and y [CSS px] run right and down. @type {Cover} */
 function covered(bits, first, second, x, y) {
   const [rising, falling] = [(x + y) % 14, (x - y + 9e4) % 9];
-  const steep = (bits & (OVER["////"] | OVER.xxx) && (x + y) % 9 < 1) || (bits & (OVER["\\\\\\\\"] | OVER.xxx) && falling < 1);
-  const level = (bits & (OVER["---"] | OVER["+++"]) && y % 8 < 1) || (bits & OVER["+++"] && x % 8 < 1);
+  const steep = (bits & (OVER["/"] | OVER.x) && (x + y) % 9 < 1) || (bits & (OVER["\\"] | OVER.x) && falling < 1);
+  const level = (bits & (OVER["-"] | OVER["+"]) && y % 8 < 1) || (bits & OVER["+"] && x % 8 < 1);
   const dots = (bits & OVER.coexists && x % 7 < 1.6 && y % 7 < 1.6) || (bits & (OVER.missing | OVER.unproved) && x % 10 < 1 && y % 10 < 1);
   let colour = bits & OVER.either && rising < 7 ? second : first;
   if (steep || level || dots) colour = FAINT;

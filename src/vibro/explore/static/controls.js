@@ -1,6 +1,6 @@
 /** The settings, built from the server's schema. */
 
-import { byId, html, input, place, select, set } from "./draw.js";
+import { html, input, place, select, set, symbolText, unitText } from "./draw.js";
 
 const FRICTIONS = ["static_friction", "kinetic_friction"];
 const BANDS = FRICTIONS.map((column) => `${column}_band`);
@@ -13,12 +13,11 @@ export class Controls {
     this.change = change;
     const { schema } = store;
     this.problems = /** @type {Problem[]} */ ([]);
-    this.hints = /** @type {Record<string, string>} */ ({});
     this.inputs = /** @type {Record<string, HTMLInputElement[]>} */ ({
       x_range: ["x-from", "x-to", "x-log"].map(input), y_range: ["y-from", "y-to", "y-log"].map(input),
       target: [input("target")], cycles: [input("cycles")],
     });
-    this.quantities = schema.quantities.filter((q) => q.column !== "friction_ratio");
+    this.quantities = schema.quantities.filter((q) => q.point);
     for (const quantity of this.quantities) this.addQuantity(quantity);
     for (const key of BANDS) this.addBand(key);
     for (const axis of ["x", "y"]) {
@@ -44,8 +43,8 @@ export class Controls {
     const text = html("input", { id: column, spellcheck: "false" });
     const slider = html("input", { type: "range", min: low, max: high, step, "aria-label": `${label}, slider` });
     const row = html("div", { class: "quantity", id: `row-${column}` },
-      html("label", { for: column, title: meaning }, `${label} `, html("i", {}, symbol)),
-      html("span", { class: "measure" }, text, html("i", {}, unit)), slider, html("p", { id: `note-${column}`, class: "note" }));
+      html("label", { for: column, title: meaning }, `${label} `, html("i", {}, symbolText(symbol))),
+      html("span", { class: "measure" }, text, html("i", {}, unitText(unit))), slider, html("p", { id: `note-${column}`, class: "note" }));
     const isOfDrive = column === "frequency_hz" || drives.length < this.store.schema.drives.length;
     if (FRICTIONS.includes(column)) place("follow-row").before(row);
     else place(isOfDrive ? "of-drive" : "of-trough").append(row);
@@ -113,7 +112,7 @@ export class Controls {
     const { state, schema } = this.store;
     const swept = schema.quantities.filter((q) => q.swept && this.store.isOfDrive(q));
     for (const axis of ["x", "y"]) {
-      const options = swept.map((q) => new Option(q.unit ? `${q.label} [${q.unit}]` : q.label, q.column));
+      const options = swept.map((q) => new Option(q.unit ? `${q.label} [${unitText(q.unit)}]` : q.label, q.column));
       if (swept.map((q) => q.column).join() !== [...select(axis).options].map((o) => o.value).join()) select(axis).replaceChildren(...options);
       const [from = "", to = "", log] = (state[`${axis}_range`] ?? "").split(":");
       this.fill(`${axis}_range`, [from, to]);
@@ -125,7 +124,7 @@ export class Controls {
       const { column, unit } = quantity;
       place(`row-${column}`).hidden = !this.store.isOfDrive(quantity);
       this.fill(column, [state[column], state[column]]);
-      set(this.inputs[column][1], { "aria-valuetext": `${state[column]} ${unit}` });
+      set(this.inputs[column][1], { "aria-valuetext": `${state[column]} ${unitText(unit)}` });
     }
     for (const key of ["target", "cycles"]) this.fill(key, [state[key]]);
     for (const key of BANDS) {
@@ -146,15 +145,15 @@ export class Controls {
     });
   }
 
-  /** Show what the server refused beside its field, else what it hints at. */
+  /** Show what the server refused beside its field. */
   renderNotes() {
     for (const [key, boxes] of Object.entries(this.inputs)) {
       const wrong = this.problems.find((p) => p.field === key);
-      place(`note-${key}`).textContent = wrong?.text ?? this.hints[key] ?? "";
+      place(`note-${key}`).textContent = wrong?.text ?? "";
       place(`note-${key}`).classList.toggle("error", Boolean(wrong));
       for (const box of boxes) set(box, { "aria-invalid": String(Boolean(wrong)), "aria-describedby": `note-${key}` });
     }
     const others = this.problems.filter((p) => !(p.field in this.inputs)).map((p) => p.text);
-    byId("problems", HTMLElement).textContent = others.join(" ");
+    place("problems").textContent = others.join(" ");
   }
 }

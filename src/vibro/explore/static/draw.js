@@ -40,6 +40,12 @@ export const place = (/** @type {string} */ id) => byId(id, HTMLElement);
 /** A number in few digits, with a proper minus. @param {number} value */
 export const numberText = (value, digits = 4) => String(Number(value.toPrecision(digits))).replace("-", "\u2212");
 
+const GREEK = /** @type {Record<string, string>} */ ({ alpha: "α", beta: "β", eta: "η", mu: "μ", phi: "φ", xi: "ξ" });
+/** @param {string} letter */
+export const symbolText = (letter) => letter.replace(/alpha|beta|eta|mu|phi|xi/, (name) => GREEK[name]);
+/** @param {string} unit */
+export const unitText = (unit) => unit.replace("deg", "°").replace("^2", "²");
+
 /** @param {string} text @param {number} [size] [px] */
 export function textWidth(text, size = 12) {
   pen.font = `${size}px ${FONT}`;
@@ -98,5 +104,5 @@ export function legend(items, left, top, width) {
     group.append(sample, svg("text", { x: x + 31, y: y + 11.5, fill: "currentColor" }, text));
     x += wide + 18;
   }
-  return { group, height: y + 20 - top };
+  return { group, height: items.length ? y + 20 - top : 0 };
 }

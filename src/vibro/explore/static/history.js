@@ -1,23 +1,21 @@
 /** The motion in time: panels of curves over the phases. */
 
-import { FONT, INK, axisBelow, axisBeside, html, legend, numberText, svg, textWidth } from "./draw.js";
+import { FONT, INK, axisBelow, axisBeside, html, legend, set, svg, textWidth } from "./draw.js";
 
-const SHADES = /** @type {Record<string, string>} */ ({ F: "#6699CC", B: "#EECC66", H: "#994455", h: "#994455" });
-const HEIGHT = 104; // [px] of a panel
+const UNIT = 88; // [px] of a panel whose height is 1
 const LEFT = 58;
 
 /** @param {HTMLElement} place @param {HistoryAnswer} answer */
 export function drawHistory(place, { header, arrays }) {
   const width = place.clientWidth - LEFT - 16;
   const span = { from: 0, to: header.duration_ms, log: false };
-  const told = `Motion over ${numberText(header.duration_ms)} ms. ${header.settled}`;
-  const picture = svg("svg", { role: "img", "aria-label": told, "font-family": FONT, "font-size": 12 });
-  const box = { left: LEFT, top: 0, width, height: HEIGHT };
+  const picture = svg("svg", { role: "img", "aria-label": header.title, "font-family": FONT, "font-size": 12 });
+  const box = { left: LEFT, top: 0, width, height: UNIT };
   const phases = header.phases.map((p) => ({ ...p, x: LEFT + width * p.start, wide: width * (p.end - p.start) }));
   for (const { name, x, wide } of phases.filter((p) => textWidth(p.name) < p.wide - 4)) {
     picture.append(svg("text", { x: x + wide / 2, y: 12, "text-anchor": "middle", fill: "currentColor" }, name));
   }
-  for (const { label, unit, curves } of header.panels) {
+  for (const { label, unit, curves, height, most } of header.panels) {
     const title = { x: LEFT, y: box.top + 34, "font-weight": 600, fill: "currentColor" };
     const lines = curves.map((c) => {
       const look = { stroke: c.colour, "stroke-width": c.width, "stroke-dasharray": c.dash.join(" "), fill: "none" };
@@ -28,16 +26,15 @@ export function drawHistory(place, { header, arrays }) {
     const samples = lines.map(({ look, text }) => {
       return { text, sample: svg("g", {}, svg("rect", paper), svg("path", { d: "M0 7H24", ...look })) };
     });
-    const names = legend(samples, LEFT, box.top + 42, width);
-    box.top += 44 + names.height;
+    const names = legend(samples.filter(({ text }) => text), LEFT, box.top + 42, width);
+    box.top += 42 + names.height;
+    box.height = UNIT * height;
     const known = lines.flatMap(({ sides }) => sides.flatMap((side) => [...side].filter((v) => !Number.isNaN(v))));
-    const [low, high] = [Math.min(0, ...known), Math.max(0, ...known)];
+    const [low, high] = [Math.max(Math.min(0, ...known), -(most ?? Infinity)), Math.min(Math.max(0, ...known), most ?? Infinity)];
     const margin = 0.06 * (high - low || 1);
-    const y = (/** @type {number} */ v) => box.top + (HEIGHT * (high + margin - v)) / (high - low + 2 * margin);
-    const area = { x: LEFT, y: box.top, width, height: HEIGHT };
-    const shades = phases.filter(({ kind }) => kind in SHADES).map(({ kind, x, wide }) => {
-      return svg("rect", { ...area, x, width: wide, fill: SHADES[kind], "fill-opacity": 0.35 });
-    });
+    const y = (/** @type {number} */ v) => box.top + (box.height * (high + margin - v)) / (high - low + 2 * margin);
+    const area = { x: LEFT, y: box.top, width, height: box.height };
+    const shades = phases.map(({ colour, x, wide }) => svg("rect", { ...area, x, width: wide, fill: colour, "fill-opacity": 0.35 }));
     const zero = svg("path", { d: `M${LEFT} ${y(0)}h${width}`, stroke: INK, "stroke-width": 0.7 });
     const drawn = lines.flatMap(({ look, sides }) => sides.map((side) => {
       let d = "";
@@ -45,15 +42,15 @@ export function drawHistory(place, { header, arrays }) {
         const pen = n && !Number.isNaN(side[n - 1]) ? "L" : "M";
         if (!Number.isNaN(v)) d += `${pen}${(LEFT + (width * arrays.time[n]) / span.to).toFixed(1)} ${y(v).toFixed(1)}`;
       });
-      return svg("path", { d, ...look });
+      return svg("path", { d, ...look, transform: `translate(0 ${-box.top})` });
     }));
+    const paths = svg("svg", area, svg("g", { transform: `translate(${-LEFT} 0)` }, ...drawn)); // cut at its edges
     picture.append(svg("text", title, unit ? `${label} [${unit}]` : label), names.group, svg("rect", { ...area, fill: "#FFFFFF" }),
-      ...shades, zero, ...drawn, svg("rect", { ...area, fill: "none", stroke: "currentColor" }),
+      ...shades, zero, paths, svg("rect", { ...area, fill: "none", stroke: "currentColor" }),
       axisBeside(box, { from: low - margin, to: high + margin, log: false }));
-    box.top += HEIGHT - 10;
+    box.top += box.height - 10;
   }
-  box.top -= HEIGHT - 10;
-  picture.append(axisBelow(box, span, "time [ms]"));
-  for (const [name, value] of [["width", place.clientWidth], ["height", box.top + HEIGHT + 44]]) picture.setAttribute(`${name}`, `${value}`);
-  place.replaceChildren(...(header.panels.length ? [picture] : []), html("p", {}, header.note || header.settled));
+  picture.append(axisBelow({ ...box, top: box.top + 10 - box.height }, span, "time [ms]"));
+  set(picture, { width: place.clientWidth, height: box.top + 54 });
+  place.replaceChildren(...(header.panels.length ? [picture] : []), html("p", {}, header.note));
 }

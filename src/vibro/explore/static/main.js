@@ -46,8 +46,8 @@ function start(/** @type {Schema} */ schema) {
       showProblems();
     }, (refusal) => refuse(kind, refusal), report);
   }
-  const map = lane("map", unpack, (/** @type {MapAnswer} */ answer) => {
-    view.show(answer);
+  const map = lane("map", unpack, (/** @type {MapAnswer} */ answer, query) => {
+    view.show(answer, Boolean(new URLSearchParams(query).get("target")));
     if (!answer.header.progress.done && map.waiting === null) map.ask(`${store.query()}&advance=1`);
   });
   const past = lane("history", unpack, (/** @type {HistoryAnswer} */ answer) => drawHistory(place("history"), (motion = answer)));
@@ -95,17 +95,14 @@ function start(/** @type {Schema} */ schema) {
 
   /** @param {PointAnswer} answer @param {string} query */
   function showPoint(answer, query) {
-    const facts = Object.fromEntries(answer.facts);
-    const regime = (facts.regime ?? "").split(",")[0];
-    const told = [regime, facts["mean speed"] ?? "", answer.guaranteed];
+    const told = [answer.regime, Object.fromEntries(answer.facts)["mean speed"] ?? "", answer.guaranteed];
     ["regime", "speed", "guaranteed"].forEach((id, n) => (place(id).textContent = told[n]));
-    place("chip").style.backgroundColor = schema.regimes.find((r) => r.label === regime)?.colour ?? "transparent";
+    place("chip").style.backgroundColor = schema.regimes.find((r) => r.label === answer.regime)?.colour ?? "transparent";
     document.title = `${told.slice(0, 2).filter(Boolean).join(", ")} – vibro`;
-    for (const id of /** @type {const} */ (["command", "command_note", "toml"])) place(id).textContent = answer[id];
+    for (const id of /** @type {const} */ (["command", "toml"])) place(id).textContent = answer[id];
     place("tables").replaceChildren(table("What the body does", [], answer.facts),
       ...(answer.begins.rows.length ? [table("What begins when", answer.begins.head, answer.begins.rows)] : []),
       ...(answer.phases.rows.length ? [table("Phases of a steady cycle", answer.phases.head, answer.phases.rows)] : []));
-    controls.hints = answer.hints;
     if (query !== store.query()) return;
     store.adopt(answer.state);
     if (asked.map) asked.map = store.mapKey();

@@ -1,7 +1,7 @@
 /** The map: a canvas of cells, and over it axes, curves, the operating point, and what they mean. */
 
 import { OVER, looks, onScale, paint, picture, scaleColours } from "./cells.js";
-import { FONT, INK, axisBelow, axisBeside, html, legend, numberText, place, set, shareAt, svg } from "./draw.js";
+import { FONT, INK, axisBelow, axisBeside, html, legend, numberText, place, set, shareAt, svg, symbolText, unitText } from "./draw.js";
 
 const [STEP, LEAP] = [0.01, 0.1]; // of an axis, by an arrow key, and with Shift
 const KEYS = /** @type {Record<string, number[]>} */ ({
@@ -14,9 +14,8 @@ function valueAt({ from, to, log }, share) {
   return Number((from + (to - from) * share).toFixed(Math.min(Math.max(Math.ceil(3 - Math.log10(to - from)), 0), 12)));
 }
 
-const unitOf = (/** @type {AxisInfo} */ { unit }) => unit.replace("deg", "°").replace("m/s^2", "m/s²");
-const axisLabel = (/** @type {AxisInfo} */ axis) => `${axis.label} ${axis.symbol}${axis.unit && ` [${unitOf(axis)}]`}`;
-const valueText = (/** @type {AxisInfo} */ axis, /** @type {number} */ v) => `${numberText(v, 5)} ${unitOf(axis)}`.trim();
+const axisLabel = (/** @type {AxisInfo} */ axis) => `${axis.label} ${symbolText(axis.symbol)}${axis.unit && ` [${unitText(axis.unit)}]`}`;
+const valueText = (/** @type {AxisInfo} */ axis, /** @type {number} */ v) => `${numberText(v, 5)} ${unitText(axis.unit)}`.trim();
 const within = (/** @type {number} */ share) => Math.min(Math.max(share, 0), 1);
 
 export class MapView {
@@ -49,9 +48,9 @@ export class MapView {
     this.listen();
   }
 
-  /** @param {MapAnswer} map */
-  show(map) {
-    [this.map, this.cells] = [map, looks(map, this.schema)];
+  /** @param {MapAnswer} map @param {boolean} target whether there is one */
+  show(map, target) {
+    [this.map, this.cells] = [map, looks(map, this.schema, target)];
     this.draw();
     place("notes").replaceChildren(...map.header.notes.map((note) => html("p", {}, note)));
   }
@@ -67,7 +66,8 @@ export class MapView {
     const under = top + this.box.height;
     const names = legend(this.samples(), 12, under + 50, width - 24);
     const height = under + 50 + names.height;
-    const title = header.progress.text ? `${header.title} (${header.progress.text})` : header.title;
+    const name = header.title[0].toUpperCase() + header.title.slice(1);
+    const title = header.progress.text ? `${name} (${header.progress.text})` : name;
     const turned = { transform: `translate(14 ${top + this.box.height / 2}) rotate(-90)`, "text-anchor": "middle", "font-size": 13, fill: "currentColor" };
     const area = { x: left, y: top, width: this.box.width, height: this.box.height };
     this.frame.replaceChildren(
