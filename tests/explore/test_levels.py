@@ -170,7 +170,15 @@ def test_ellipses_have_critical_loads_after_a_while_and_harmonics_never() -> Non
     ellipse = MapCells(grid_of({"drive": "ellipse"}))
     assert ellipse.shown.limits is None
     assert "boundaries" in ellipse.shown.text
-    assert followed(ellipse)[-1].limits is not None
+    grid = grid_of({"drive": "ellipse"})
+    wanted = vibro.critical_loads(scene_of(grid.values()))
+    found = followed(ellipse)[-1].limits
+    assert found is not None
+    assert all(np.array_equal(a, b) for a, b in zip(found, wanted, strict=True))
+    phases = grid_of({"drive": "ellipse", "y": "frequency_hz"})
+    alike = followed(MapCells(phases))[-1].limits
+    assert alike is not None
+    assert alike.hop.shape == (1, 50)
     assert followed(MapCells(grid_of({"drive": "harmonics"})))[-1].limits is None
     assert MapCells(grid_of({})).shown.limits is not None
 
