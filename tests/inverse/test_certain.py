@@ -121,8 +121,9 @@ def test_no_body_leaves_the_bounds(slope: float, is_ratio: bool) -> None:
         open_ += np.count_nonzero(same & (found.lowest < found.highest))
     assert alike > 1000
     assert known > 200
-    # What is not certain though all bodies seen are alike, also because none was met that is not: measured.
-    assert open_ <= {-1.0: 0.01}.get(slope, 0.0) * alike
+    # On declines a sliver stays open, or none of its bodies is met that differs: measured, .0002 of the cells
+    # with a rectangle and .002 with a ratio.
+    assert open_ <= (0.005 if slope < 0.0 else 0.0) * alike
 
 
 @pytest.mark.parametrize("is_ratio", [False, True], ids=["rectangle", "ratio"])
@@ -188,7 +189,7 @@ def test_the_guarantee_of_a_box_is_the_same(trough_deg: float, bands: dict[str, 
         assert (min(whole.regimes), max(whole.regimes)) == (found.lowest[i], found.highest[i])
 
 
-def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
+def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline(monkeypatch: pytest.MonkeyPatch) -> None:
     ratio, shares = (0.41, 0.48), np.linspace(0.0, 1.0, 401)
     beta = math.radians(-8.0)
     mu_s = 0.2 + shares * 0.6
@@ -196,10 +197,29 @@ def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
     first = int(np.argmin(known))
     assert 0 < first < 400
     assert known[first] < 0.99 * min(known[0], known[-1])
-    for load, highest in ((0.999 * known[first], 1), (1.001 * known[first], 2), (0.999 * known[-1], 2)):
+    box, loads = Frictions((0.2, 0.8), ratio, True), np.array([0.999, 1.001]) * known[first]
+    amplitude = loads * GRAVITY / (2.0 * math.pi * FREQUENCY) ** 2
+    points = {"amplitude": amplitude, "frequency": FREQUENCY, "drive_angle": ALPHA, "trough_angle": beta}
+    assert box.certain_of(points).highest.tolist() == [Regime.FORWARD_SLIP, Regime.BACK_SLIP]
+    monkeypatch.setattr("vibro.inverse.certain._HALVINGS", 1)
+    assert box.certain_of(points).highest.tolist() == [Regime.BACK_SLIP] * 2  # what is not proved is not said
+
+
+def test_equality_on_declines() -> None:
+    rng = np.random.default_rng(23)
+    open_ = 0
+    for _ in range(40):
+        mu_s, ratio = float(rng.uniform(0.1, 1.0)), float(rng.uniform(0.1, 0.95))
+        box = Frictions((mu_s, mu_s * (1.0 + 1e-15)), (ratio, ratio), True)
+        alpha, beta = rng.uniform(0.0, 1.0, CELLS), -np.arctan(ratio * mu_s * rng.random(CELLS))
+        load = critical_loads(alpha, mu_s, ratio * mu_s, beta).back_slip
+        load = np.where(np.isfinite(load), load, 1.0)
         amplitude = load * GRAVITY / (2.0 * math.pi * FREQUENCY) ** 2
-        points = {"amplitude": amplitude, "frequency": FREQUENCY, "drive_angle": ALPHA, "trough_angle": beta}
-        assert Frictions((0.2, 0.8), ratio, True).certain_of(points).highest == highest
+        found = box.certain_of(
+            {"amplitude": amplitude, "frequency": FREQUENCY, "drive_angle": alpha, "trough_angle": beta}
+        )
+        open_ += np.count_nonzero(found.lowest < found.highest)
+    assert open_ <= 120  # of 1600, measured 66: rounding puts the ends of such a band on different sides
 
 
 def test_bodies_that_run_away() -> None:
