@@ -125,6 +125,7 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
         ({"x": "restitution", "x_range": "0:1"}, "x_range", "must be in [0, 1)"),
         ({"static_friction_band": "0.5:0.3"}, "static_friction_band", "does not ascend"),
         ({"static_friction_band": "-0.5:0.3"}, "static_friction_band", "must be finite and >= 0"),
+        ({"static_friction_band": "0:0.3"}, "static_friction_band", "have no regime"),
         ({"static_friction_band": "0.5:"}, "static_friction_band", "not a number"),
         ({"static_friction_band": "1:2", "x": "static_friction"}, "static_friction_band", "has no band"),
         ({"kinetic_friction_band": "0:1", "x": "static_friction"}, "kinetic_friction_band", "has no band"),

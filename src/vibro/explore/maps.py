@@ -14,6 +14,7 @@ from vibro.explore.controls import VIEWS
 from vibro.explore.packing import pack
 from vibro.inverse.certain import Certain
 from vibro.plots.fields import Fields, hiding_fields, without_hidden, zero_lines
+from vibro.plots.neighbours import fill_unknown
 from vibro.plots.scales import scale_of, time_scale
 from vibro.plots.style import CURVES, INK, NO_ANSWER_HATCH, REGIME_COLOURS, ZERO_SPEED, CurveStyle
 from vibro.plots.view import choose_view, panels
@@ -27,7 +28,8 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.explore.levels import Shown
     from vibro.explore.state import State
-    from vibro.plots.scales import Scale
+    from vibro.plots.neighbours import fill_unknown
+from vibro.plots.scales import Scale
 
     Floats = NDArray[np.float64]
     Curves = list[tuple[str, CurveStyle, list[Floats]]]
@@ -226,8 +228,11 @@ class _Drawn:
         """Positive where bodies go at least as fast as is wanted, and do not hop."""
         fields, target = self._fields, self._state.target or 1.0
         if self.certain is not None:
-            excess = np.nan_to_num(self._speed, nan=0.0) / target - 1.0
-            return np.asarray(np.minimum(excess, -fields.log_ratio["hop"]))
+            proved = np.isfinite(self._speed)
+            if not proved.any():
+                return np.full(proved.shape, -1.0)
+            excess = fill_unknown(self._speed, proved) / target - 1.0  # up to the middle between cells
+            return np.asarray(np.minimum(excess, np.where(proved, 0.5, -0.5)))
         excess = np.nan_to_num(_MILLIMETRE * fields.velocity) / target - 1.0
         missing = [fields.unanswered(status) for status in _WITHOUT_SPEED if status in fields.statuses]
         fails = np.maximum.reduce([fields.log_ratio["hop"], fields.rest, *missing])
@@ -280,7 +285,7 @@ class _Drawn:
             notes.append(
                 "Flights depend on friction: they are those of the operating point's own."
                 if self._state.view in _FLIGHT_ALONE
-                else "Stripes: parts of the bands differ, between the two regimes whose colours they have."
+                else "Curves are of the operating point's own friction; colours are of all bodies of the bands."
             )
         if self._state.view in _FLIGHT_ALONE and (self.cycle["status"] == Status.FLIGHT_NOT_MODELLED).all():
             notes.append("Flights of drives with harmonics are not modelled.")

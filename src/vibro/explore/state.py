@@ -363,6 +363,9 @@ def _band(
     if ends[0] > ends[1]:
         wrong.add(key, f"{quantity.label} = {cut(texts[key])}: the band does not ascend", "swap its ends")
         return None
+    if name == "static_friction" and not ends[0]:
+        wrong.add(key, "bodies without static friction have no regime", "begin the band above 0")
+        return None
     return ends[0], ends[1]
 
 
