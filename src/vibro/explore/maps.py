@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from vibro.axes import Axis
     from vibro.explore.levels import Shown
     from vibro.explore.state import State
-    from vibro.plots.neighbours import fill_unknown
-from vibro.plots.scales import Scale
+    from vibro.plots.scales import Scale
 
     Floats = NDArray[np.float64]
     Curves = list[tuple[str, CurveStyle, list[Floats]]]
@@ -285,7 +284,7 @@ class _Drawn:
             notes.append(
                 "Flights depend on friction: they are those of the operating point's own."
                 if self._state.view in _FLIGHT_ALONE
-                else "Curves are of the operating point's own friction; colours are of all bodies of the bands."
+                else "Curves are of the operating point's own friction, colours of all bodies of the bands."
             )
         if self._state.view in _FLIGHT_ALONE and (self.cycle["status"] == Status.FLIGHT_NOT_MODELLED).all():
             notes.append("Flights of drives with harmonics are not modelled.")
