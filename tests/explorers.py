@@ -27,7 +27,7 @@ class FakeAnswers:
     def schema(self) -> dict[str, Any]:
         return {"version": "0"}
 
-    def map(self, state: Any, advance: bool) -> bytes:
+    def map(self, state: Any, *, advance: bool) -> bytes:
         return repr((state, advance)).encode()
 
     def point(self, state: Any) -> dict[str, Any]:

@@ -13,6 +13,7 @@ import threading
 import time
 import webbrowser
 from contextlib import contextmanager, suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -185,7 +186,7 @@ class AtOnce:
     """A thread that is over when it has begun."""
 
     def __init__(self, target: Callable[..., object], args: tuple[object, ...], daemon: bool) -> None:
-        self._run = lambda: target(*args)
+        self._run = partial(target, *args)
 
     def start(self) -> None:
         self._run()

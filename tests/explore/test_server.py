@@ -36,7 +36,7 @@ class HeldAnswers(FakeAnswers):
         self.begun.append(what)
         assert self.go.wait(timeout=60)
 
-    def map(self, state: Any, advance: bool) -> bytes:
+    def map(self, state: Any, *, advance: bool) -> bytes:
         self._wait("advance" if advance else "map")
         return b""
 

@@ -103,7 +103,7 @@ class Session:
 
 def _same(given: str, wanted: str) -> bool:
     """Compare in a time that tells nothing about where texts differ."""
-    return secrets.compare_digest(given.encode(errors="surrogateescape"), wanted.encode())
+    return secrets.compare_digest(given.encode(), wanted.encode())
 
 
 def query_of(scope: Scope) -> dict[str, str]:

@@ -25,14 +25,15 @@ from starlette.routing import Route, Router
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from vibro.errors import FileError, InputError, shown
+from vibro.explore.answers import Answers
 from vibro.explore.guards import HEADERS, Guarded, RefusedError, Session, query_of
+from vibro.explore.state import read_state
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator, Mapping
 
     from starlette.types import ASGIApp, Receive, Scope, Send
 
-    from vibro.explore.answers import Answers
     from vibro.explore.state import State
 
 __all__ = ["MOST_WAITING", "PORTS", "bind", "create_app", "serve"]
@@ -311,9 +312,6 @@ def serve(
     FileError
         If no port is free.
     """
-    from vibro.explore.answers import Answers
-    from vibro.explore.state import read_state
-
     with bind(port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(32)
