@@ -14,6 +14,7 @@ import time
 import webbrowser
 from contextlib import contextmanager, suppress
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -24,7 +25,6 @@ from vibro.explore import server
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from pathlib import Path
 
     from commands import Run
 
@@ -140,6 +140,15 @@ def test_states_come_from_the_scene_and_options(run: Run, served: list[Any]) -> 
     assert (moved["static_friction"], typed["static_friction"]) == ("0.74", "0.74")
     assert "0.5:2" in (swept["x_range"], swept["y_range"])
     assert hopping["restitution"] == "0.3"
+
+
+def test_the_table_of_a_map_counts(run: Run, served: list[Any], tmp_path: Path) -> None:
+    scene = tmp_path / "nut.toml"
+    own = Path(SCENE).read_text(encoding="utf-8").partition("[map]")[0]
+    scene.write_text(f'{own}[map]\nrestitution = "0:0.5"\n', encoding="utf-8")
+    assert run("explore", scene, "--no-open").exit_code == 0
+    (state,) = served
+    assert "restitution" in (state.texts["x"], state.texts["y"])
 
 
 def test_notes_go_to_stderr(run: Run, served: list[Any]) -> None:

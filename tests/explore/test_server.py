@@ -123,6 +123,7 @@ def test_tables_are_downloads(known: TestClient) -> None:
     assert response.text == "a,b\n1,2\n"
     assert response.headers["content-type"] == "text/csv; charset=utf-8"
     assert response.headers["content-disposition"] == 'attachment; filename="vibro-map.csv"'
+    assert "content-length" not in response.headers  # nobody knows it yet
 
 
 def test_types_are_told(known: TestClient) -> None:
@@ -211,6 +212,7 @@ def test_work_takes_turns() -> None:
         for asked in slow + maps:
             await asked.ended()
             assert asked.status == 200
+            assert not asked.sent[-1].get("more_body")
 
     asyncio.run(ask())
     assert answers.begun.count("advance") == 3
