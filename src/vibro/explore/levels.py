@@ -37,10 +37,10 @@ if TYPE_CHECKING:
 
 __all__ = ["LOADS", "MapCells", "Shown"]
 
-#: Of a line that shows a map over amplitude and frequency. Before them all come some, which take 10 ms where
+#: Of a line that shows a map over amplitude and frequency. Before them all come some, which take 14 ms where
 #: bodies do not bounce and .3 s where they do.
 LOADS: Final = 512
-_FIRST_LOADS: Final = 256
+_FIRST_LOADS: Final = 128
 _FIRST_BOUNCING: Final = 64
 _SPACINGS: Final = (16, 8, 4, 2, 1)  # of the lattices [cells]
 
