@@ -1,7 +1,7 @@
 /** The map: a canvas of cells, and over it axes, curves, the operating point, and what they mean. */
 
 import { OVER, looks, onScale, paint, picture, scaleColours } from "./cells.js";
-import { FONT, INK, axisBelow, axisBeside, html, legend, numberText, place, set, shareAt, svg, symbolText, unitText } from "./draw.js";
+import { FONT, INK, axisBelow, axisBeside, html, legend, numberText, place, set, shareAt, svg, symbolText, textWidth, unitText } from "./draw.js";
 
 const [STEP, LEAP] = [0.01, 0.1]; // of an axis, by an arrow key, and with Shift
 const KEYS = /** @type {Record<string, number[]>} */ ({
@@ -67,16 +67,18 @@ export class MapView {
     const names = legend(this.samples(), 12, under + 50, width - 24);
     const height = under + 50 + names.height;
     const name = header.title[0].toUpperCase() + header.title.slice(1);
-    const title = header.progress.text ? `${name} (${header.progress.text})` : name;
+    const both = [name, header.progress.text].filter(Boolean).join(" – ");
+    const title = textWidth(both, 15) < this.box.width ? both : header.progress.text || name;
+    const size = Math.min(14, (14 * this.box.width) / textWidth(title, 15));
     const turned = { transform: `translate(14 ${top + this.box.height / 2}) rotate(-90)`, "text-anchor": "middle", "font-size": 13, fill: "currentColor" };
     const area = { x: left, y: top, width: this.box.width, height: this.box.height };
     this.frame.replaceChildren(
-      svg("text", { x: left, y: 18, "font-size": 14, "font-weight": 600, fill: "currentColor" }, title),
+      svg("text", { x: left, y: 18, "font-size": size, "font-weight": 600, fill: "currentColor" }, title),
       svg("rect", { ...area, fill: "none", stroke: "currentColor" }), svg("text", turned, axisLabel(header.y)),
       axisBelow(this.box, header.x, axisLabel(header.x)), axisBeside(this.box, header.y),
-      ...(header.scale ? this.bar(header.scale, header.label) : []), svg("svg", area, ...this.curves()), names.group);
+      ...(header.scale ? this.bar(header.scale, header.label) : []), svg("svg", { ...area, class: "curves" }, ...this.curves()), names.group);
     set(this.svg, { width, height, viewBox: `0 0 ${width} ${height}` });
-    set(this.svg, { "aria-label": `Map: ${title}, over ${axisLabel(header.x)} and ${axisLabel(header.y)}` });
+    set(this.svg, { "aria-label": `${name}, over ${axisLabel(header.x)} and ${axisLabel(header.y)}` });
     set(this.surface, area);
     const zoom = window.devicePixelRatio;
     [this.canvas.width, this.canvas.height] = [Math.round(area.width * zoom), Math.round(area.height * zoom)];

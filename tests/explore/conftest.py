@@ -1,0 +1,100 @@
+"""A browser, and the explorer's page in it.
+
+Without a browser the tests that need one are skipped by name; where VIBRO_BROWSER is "required" they fail instead.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import threading
+from pathlib import Path
+from queue import Queue
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import pytest
+
+from vibro.explore.server import serve
+from vibro.explore.state import initial_state
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from playwright.sync_api import Browser, Page
+
+_OPTIONS = (
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+)  # fmt: skip
+_PATIENCE = 5_000  # [ms] of a busy machine
+
+
+def _give_up(reason: str) -> NoReturn:
+    if os.environ.get("VIBRO_BROWSER") == "required":
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """Start the system's Chromium."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
+        _give_up("no Chromium is installed")
+    try:
+        from playwright.sync_api import expect, sync_playwright
+    except ImportError:
+        _give_up("playwright is not installed")
+    expect.set_options(timeout=_PATIENCE)
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=program, args=list(_OPTIONS))
+        yield started
+        started.close()
+
+
+@pytest.fixture(scope="module")
+def session(browser: Browser) -> tuple[str, Any]:
+    """Serve the explorer, and return its address with the cookies of the browser that opened it first."""
+    announced: Queue[str] = Queue()
+    reported: list[Exception] = []
+    job = {"port": 8800, "announce": lambda url, port: announced.put(url), "report": reported.append}
+    threading.Thread(target=serve, args=(initial_state(),), kwargs=job, daemon=True).start()
+    url = announced.get(timeout=60)
+    with browser.new_context() as context:
+        context.new_page().goto(url)
+        return url.partition("?")[0], context.storage_state()
+
+
+@pytest.fixture
+def open_page(browser: Browser, session: tuple[str, Any]) -> Iterator[Callable[..., Page]]:
+    """Return what opens the page at a fragment and waits until all of it is there; options are a context's."""
+    from playwright.sync_api import expect
+
+    url, state = session
+    contexts, errors = [], []
+
+    def opened(fragment: str = "", **options: Any) -> Page:
+        context = browser.new_context(storage_state=state, **{"viewport": {"width": 1200, "height": 800}, **options})
+        context.set_default_timeout(_PATIENCE)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: errors.append(error))
+        page.goto(url + fragment)
+        expect(page.locator("#tables caption").first).to_be_visible()
+        expect(page.locator(".curves [data-curve]").first).to_be_attached()
+        expect(page.locator("#history p")).to_be_attached()
+        return page
+
+    yield opened
+    for context in contexts:
+        context.close()
+    assert not errors
+
+
+@pytest.fixture(scope="module")
+def axe() -> str:
+    """Return the script of axe-core, which finds what keeps people from using a page."""
+    path = os.environ.get("VIBRO_AXE")
+    if not path:
+        _give_up("VIBRO_AXE does not say where axe.min.js is")
+    return Path(path).read_text(encoding="utf-8")

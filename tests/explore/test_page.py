@@ -1,0 +1,445 @@
+"""The explorer's page in a browser: what moves, what is asked, what is said, and what can be taken along."""
+
+from __future__ import annotations
+
+import re
+import struct
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import parse_qs, urlsplit
+from xml.etree import ElementTree
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from playwright.sync_api import Locator, Page, Request, Route
+
+    Open = Callable[..., Page]
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+expect = sync_api.expect
+
+FREQUENCY, AMPLITUDE = "#frequency_hz", "#amplitude_mm"
+CONTACT = "#view=speed&x_range=5:14"  # a map without bodies that hop is exact at once
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def point(page: Page) -> Locator:
+    return page.get_by_role("slider", name="operating point")
+
+
+def middle(locator: Locator) -> tuple[float, float]:
+    box = locator.bounding_box()
+    assert box
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def asked(page: Page, kind: str) -> list[dict[str, list[str]]]:
+    """Return a list that grows with the queries of a route."""
+    found: list[dict[str, list[str]]] = []
+
+    def note(request: Request) -> None:
+        url = urlsplit(request.url)
+        if url.path == f"/{kind}":
+            found.append(parse_qs(url.query))
+
+    page.on("request", note)
+    return found
+
+
+def until(page: Page, holds: Callable[[], bool]) -> None:
+    """Let the browser go on until something holds; a test that it never does runs into its time limit."""
+    while not holds():
+        page.wait_for_timeout(5)
+
+
+def enter(page: Page, field: str, text: str) -> None:
+    page.locator(field).fill(text)
+    page.locator(field).press("Enter")
+
+
+def speed(page: Page, text: str) -> None:
+    expect(page.locator("#speed")).to_have_text(text)
+
+
+def test_tells_regime_and_speed_in_the_title_and_beside_the_map(open_page: Open) -> None:
+    page = open_page()
+    expect(page).to_have_title("forward-slip, 16.2635 mm/s – vibro")
+    expect(page.locator("#readout")).to_contain_text("forward-slip16.2635 mm/s")
+    expect(page.locator(".curves [data-curve]")).to_have_count(4)
+    expect(page.locator("#says")).to_have_text("")  # nothing has changed
+
+
+def test_the_main_parts_have_roles_and_names(open_page: Open) -> None:
+    page = open_page()
+    expect(page.get_by_role("region", name="Map")).to_match_aria_snapshot("""
+      - region "Map":
+        - group "Regimes, over frequency f [Hz] and amplitude A [mm]":
+          - slider "operating point"
+        - paragraph:
+          - button "PNG"
+          - button "SVG"
+          - link "CSV"
+    """)
+    expect(page.get_by_role("form", name="Settings")).to_match_aria_snapshot("""
+      - form "Settings":
+        - group "Map":
+          - combobox "Show"
+          - group "Horizontal axis":
+            - combobox "Across"
+            - textbox "from": "5"
+            - textbox "to": "60"
+            - checkbox "log"
+        - group "Drive":
+          - combobox "Motion"
+          - textbox "amplitude A": "1"
+          - slider "amplitude, slider"
+        - group "Friction":
+          - textbox "static friction μ_s": "0.74"
+          - checkbox "kinetic friction follows static friction" [checked]
+          - checkbox "friction is not known exactly"
+    """)
+    expect(page.get_by_role("table", name="What begins when")).to_match_aria_snapshot("""
+      - table "What begins when":
+        - rowgroup:
+          - row "begins load now / then amplitude [mm] frequency [Hz]"
+        - rowgroup:
+          - row "forward slip 1.4595 0.685165 12.4162"
+    """)
+    expect(page.get_by_role("img", name=re.compile("from rest"))).to_be_visible()
+
+
+def test_the_point_is_dragged_without_asking_for_the_map(open_page: Open) -> None:
+    page = open_page()
+    maps, points, entries = asked(page, "map"), asked(page, "point"), page.evaluate("history.length")
+    x, y = middle(point(page))
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 60, y - 20, steps=4)
+    expect(page.locator(FREQUENCY)).not_to_have_value("15")
+    page.mouse.up()
+    moved = page.locator(FREQUENCY).input_value()
+    expect(page.locator("#says")).to_contain_text("back-slip, ")
+    assert float(moved) > 15
+    assert points[-1]["frequency_hz"] == [moved]
+    assert middle(point(page)) == pytest.approx((x + 60, y - 20), abs=2)
+    assert maps == []
+    assert page.evaluate("history.length") == entries + 1
+    page.go_back()
+    expect(page.locator(FREQUENCY)).to_have_value("15")
+    expect(page).to_have_title(re.compile("16.2635"))
+
+
+def test_a_click_moves_the_point_and_a_finger_too(open_page: Open) -> None:
+    page = open_page(has_touch=True, viewport={"width": 390, "height": 844})
+    box = page.locator("#cells").bounding_box()
+    assert box
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    expect(page.locator(FREQUENCY)).to_have_value("32.5")
+    page.touchscreen.tap(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
+    expect(page.locator("#says")).to_contain_text("mm/s")
+    assert float(page.locator(FREQUENCY).input_value()) == pytest.approx(18.75, abs=0.2)
+
+
+def test_arrow_keys_move_the_point_and_the_speed_is_said(open_page: Open) -> None:
+    page = open_page()
+    point(page).focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator(FREQUENCY)).to_have_value("15.55")
+    page.keyboard.press("Shift+ArrowUp")
+    expect(page.locator(AMPLITUDE)).to_have_value("1.29")
+    expect(point(page)).to_be_focused()
+    expect(point(page)).to_have_attribute("aria-valuetext", "frequency 15.55 Hz, amplitude 1.29 mm")
+    expect(page.locator("#says")).to_have_text("back-slip, " + page.locator("#speed").inner_text())
+
+
+def test_a_slider_moves_the_map_live_and_is_one_entry(open_page: Open) -> None:
+    page = open_page()
+    maps, entries = asked(page, "map"), page.evaluate("history.length")
+    slider = page.get_by_role("slider", name="drive angle, slider")
+    slider.focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowRight")
+    expect(page.locator("#drive_angle_deg")).to_have_value("20.3")
+    expect(page.locator("#tables")).to_contain_text("drive angle 20.3 deg")
+    until(page, lambda: maps[-1]["drive_angle_deg"] == ["20.3"])
+    assert page.evaluate("history.length") == entries + 1
+
+
+def test_kinetic_friction_follows_static_friction(open_page: Open) -> None:
+    page = open_page()
+    kinetic = page.locator("#kinetic_friction")
+    enter(page, "#static_friction", "0.37")
+    expect(kinetic).to_have_value("0.285")
+    enter(page, "#static_friction", "0.74")
+    expect(kinetic).to_have_value("0.57")  # the ratio was not rounded on the way
+    page.locator("#follow").uncheck()
+    enter(page, "#static_friction", "0.6")
+    expect(kinetic).to_have_value("0.57")
+    enter(page, "#static_friction", "0.5")
+    expect(kinetic).to_have_value("0.5")
+
+
+def test_the_map_over_static_friction_stays_while_the_point_moves(open_page: Open) -> None:
+    page = open_page("#x=static_friction&x_range=0.2:1&y=amplitude_mm")
+    maps = asked(page, "map")
+    point(page).focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#static_friction")).to_have_value("0.748")
+    expect(page.locator("#kinetic_friction")).to_have_value("0.5762")
+    expect(page.locator("#tables")).to_contain_text("kinetic friction 0.5762")
+    assert maps == []
+
+
+def test_units_are_read_and_bad_input_is_told_beside_its_field(open_page: Open) -> None:
+    page = open_page()
+    field = page.locator(AMPLITUDE)
+    enter(page, AMPLITUDE, "800um")
+    expect(field).to_have_value("0.8")
+    expect(page).to_have_url(re.compile("amplitude_mm=0.8&"))
+    shown = page.locator("#speed").inner_text()
+    enter(page, AMPLITUDE, "bla")
+    expect(field).to_have_attribute("aria-invalid", "true")
+    expect(field).to_have_accessible_description(re.compile("'bla': not a number"))
+    expect(page.locator("#says")).to_contain_text("not a number")
+    expect(field).to_have_value("bla")
+    speed(page, shown)
+    expect(page.locator(".curves [data-curve]")).to_have_count(4)
+    enter(page, AMPLITUDE, "1")
+    expect(field).to_have_attribute("aria-invalid", "false")
+    speed(page, "16.2635 mm/s")
+
+
+def test_a_map_that_cannot_be_asked_is_asked_again_once_its_axis_is_mended(open_page: Open) -> None:
+    page = open_page()
+    enter(page, "#x-from", "70")
+    expect(page.locator("#x-to")).to_have_attribute("aria-invalid", "true")
+    expect(page.locator("#note-x_range")).to_contain_text("ascend")
+    enter(page, "#x-from", "5")
+    expect(page.locator("#note-x_range")).to_be_empty()
+    with page.expect_response("**/map?**"):
+        enter(page, "#x-from", "10")
+
+
+def test_what_is_being_typed_stays(open_page: Open) -> None:
+    page = open_page()
+    page.locator(AMPLITUDE).press_sequentially("5")
+    with page.expect_response("**/point?**"):
+        page.evaluate("history.pushState(null, '', '#frequency_hz=20'); dispatchEvent(new PopStateEvent('popstate'))")
+    expect(page.locator(FREQUENCY)).to_have_value("20")
+    expect(page.locator(AMPLITUDE)).to_have_value("51")
+
+
+def test_a_link_shows_the_same(open_page: Open) -> None:
+    page = open_page(CONTACT)
+    page.locator("#view").select_option("traverse")
+    page.locator("#x").select_option("static_friction")
+    enter(page, "#target", "20")
+    enter(page, FREQUENCY, "14")
+    expect(page.get_by_role("group", name="Traverse time, over static friction")).to_contain_text("target")
+    expect(page).to_have_url(re.compile("frequency_hz=14&.*x_range=0.1:1.2|x_range=0.1:1.2.*&frequency_hz=14&"))
+    expect(page.locator("#tables")).to_contain_text("frequency 14 Hz")
+    copy = open_page("#" + urlsplit(page.url).fragment)
+    for part in ("#readout", "#tables", "#command", "#toml", "#stage > svg"):
+        expect(copy.locator(part)).to_have_text(page.locator(part).text_content() or "")
+    for control in ("view", "drive", "x", "y", "x-from", "x-to", "target"):
+        expect(copy.locator(f"#{control}")).to_have_value(page.locator(f"#{control}").input_value())
+
+
+def test_back_and_forward_go_through_the_changes(open_page: Open) -> None:
+    page = open_page()
+    enter(page, FREQUENCY, "16")
+    page.locator("#view").select_option("speed")
+    expect(page.get_by_role("group", name="Mean conveying speed")).to_be_visible()
+    page.go_back()
+    expect(page.get_by_role("group", name="Regimes")).to_be_visible()
+    expect(page.locator(FREQUENCY)).to_have_value("16")
+    page.go_back()
+    expect(page.locator(FREQUENCY)).to_have_value("15")
+    speed(page, "16.2635 mm/s")
+    page.go_forward()
+    expect(page.locator(FREQUENCY)).to_have_value("16")
+
+
+def test_a_bad_link_says_so_and_shows_the_initial_state(open_page: Open) -> None:
+    page = open_page("#frequency_hz=-5&amplitude_mm=2")
+    expect(page.locator("#problems")).to_contain_text("must be finite and > 0 Hz")
+    expect(page.locator("#problems")).to_contain_text("This is the initial one")
+    expect(page.locator(AMPLITUDE)).to_have_value("1")
+    speed(page, "16.2635 mm/s")
+    enter(page, AMPLITUDE, "0.9")
+    expect(page.locator("#problems")).to_be_empty()
+
+
+def test_one_question_at_a_time_and_the_newest_wins(open_page: Open) -> None:
+    page = open_page(CONTACT)
+    held: list[Route] = []
+    page.route("**/map?**", lambda route: held.append(route))
+    angle = page.get_by_role("slider", name="drive angle, slider")
+    angle.focus()
+    with page.expect_request("**/map?**"):
+        page.keyboard.press("ArrowRight")
+    for _ in range(5):
+        page.keyboard.press("ArrowRight")
+    speed_of_last = re.compile("drive angle 20.6 deg")
+    expect(page.locator("#tables")).to_contain_text(speed_of_last)  # other kinds do not wait
+    assert len(held) == 1
+    with page.expect_request("**/map?**") as last:
+        held[0].continue_()
+    assert "drive_angle_deg=20.6" in last.value.url  # of the states between nobody asks
+    until(page, lambda: len(held) == 2)
+    enter(page, "#x-to", "15")
+    held[1].continue_()
+    until(page, lambda: len(held) == 3)
+    held[2].continue_()
+    expect(page.locator("#stage > svg text", has_text=re.compile("^15$"))).to_be_visible()
+
+
+def test_refining_goes_on_until_the_state_moves_on(open_page: Open) -> None:
+    page = open_page()
+    queries = asked(page, "map")
+    with page.expect_request(lambda request: "advance=1" in request.url):
+        enter(page, "#restitution", "0.3")
+        page.locator("#view").select_option("speed")
+    expect(page.locator("#stage > svg text").first).to_contain_text("hopping")  # the picture says what is not exact
+    enter(page, "#x-to", "14")
+    expect(page.locator("#stage > svg text").first).to_have_text("Mean conveying speed")
+    assert queries[-1]["x_range"] == ["5:14"]
+    count = len(queries)
+    enter(page, FREQUENCY, "12")
+    expect(page.locator("#tables")).to_contain_text("frequency 12 Hz")
+    assert len(queries) == count
+
+
+def test_a_server_that_is_gone_is_told_and_awaited(open_page: Open) -> None:
+    page = open_page()
+    page.context.set_offline(True)
+    enter(page, FREQUENCY, "20")
+    banner = page.locator("#gone")
+    expect(banner).to_contain_text("vibro does not answer")
+    expect(page.locator(FREQUENCY)).to_have_value("20")
+    page.context.set_offline(False)
+    expect(banner).to_be_empty()
+    expect(page.locator("#tables")).to_contain_text("frequency 20 Hz")
+    expect(page).to_have_title(re.compile("back-slip"))
+
+
+def test_axes_swap_and_keep_apart(open_page: Open) -> None:
+    page = open_page()
+    page.locator("#x").select_option("amplitude_mm")
+    expect(page.locator("#y")).to_have_value("frequency_hz")
+    expect(page.locator("#x-to")).to_have_value("3")
+    expect(page.get_by_role("group", name="over amplitude A [mm] and frequency")).to_be_visible()
+    page.locator("#y").select_option("friction_ratio")
+    expect(page.get_by_role("group", name="and friction ratio")).to_be_visible()
+    expect(page.locator("#y-to")).to_have_value("1")
+    expect(page.locator("#bands")).to_be_disabled()
+    point(page).focus()
+    page.keyboard.press("ArrowUp")
+    expect(page.locator("#kinetic_friction")).not_to_have_value("0.57")
+    enter(page, FREQUENCY, "100")
+    page.locator("#x").select_option("frequency_hz")
+    expect(page.locator("#outside")).to_be_visible()
+
+
+def test_bands_have_two_handles_that_do_not_pass(open_page: Open) -> None:
+    page = open_page()
+    page.locator("#bands").check()
+    least, most = (page.get_by_role("slider", name=f"{end} static friction") for end in ("least", "largest"))
+    expect(least).to_have_value("0.665")
+    expect(page.locator("#guaranteed")).not_to_be_empty()
+    expect(page.locator("#stage")).to_contain_text("either regime")
+    least.focus()
+    page.keyboard.press("End")
+    expect(most).to_have_value("1.5")
+    expect(page.locator("#row-static_friction_band output")).to_have_text("1.5 to 1.5")
+    expect(page.locator("#row-kinetic_friction_band")).to_be_hidden()
+    page.locator("#follow").uncheck()
+    expect(page.get_by_role("slider", name="least kinetic friction")).to_be_visible()
+    page.locator("#bands").uncheck()
+    expect(least).to_be_hidden()
+    expect(page).to_have_url(re.compile("#(?!.*band)"))
+
+
+def test_a_preset_sets_drive_and_axes(open_page: Open) -> None:
+    page = open_page()
+    page.locator("#drive").select_option("ellipse")
+    expect(page.locator("#x")).to_have_value("normal_phase_deg")
+    expect(page.locator("#row-amplitude_mm")).to_be_hidden()
+    page.locator("#preset").select_option("magnet-50")
+    expect(page.locator(FREQUENCY)).to_have_value("50")
+    expect(page.locator("#drive")).to_have_value("line")
+    expect(page.get_by_role("group", name="over frequency f [Hz] and amplitude")).to_be_visible()
+    expect(page.locator("#preset")).to_have_value("")
+
+
+def test_hovering_tells_the_numbers_of_a_cell(open_page: Open) -> None:
+    page = open_page(CONTACT)
+    x, y = middle(point(page))
+    page.mouse.move(x - 40, y)
+    tip = page.locator("#tip")
+    expect(tip).to_contain_text(re.compile(r"frequency1\d(\.\d+)? Hz"))
+    expect(tip).to_contain_text("mean speed")
+    page.keyboard.press("Escape")
+    expect(tip).to_be_hidden()
+
+
+def test_pictures_and_texts_can_be_saved(open_page: Open, tmp_path: Path) -> None:
+    page = open_page(CONTACT)
+
+    def saved(name: str) -> bytes:
+        with page.expect_download() as download:
+            page.locator(f"#{name}").click()
+        path = tmp_path / download.value.suggested_filename
+        download.value.save_as(path)
+        return path.read_bytes()
+
+    root = ElementTree.fromstring(saved("svg"))
+    width, height = (int(float(root.attrib[side])) for side in ("width", "height"))
+    images = [image.attrib["href"] for image in root.iter(f"{SVG}image")]
+    assert images
+    assert all(address.startswith("data:image/png;base64,") for address in images)
+    texts = "".join(root.itertext())
+    for word in ("Mean conveying speed", "frequency f [Hz]", "operating point", "forward-slip onset", "mm/s"):
+        assert word in texts
+    picture = saved("png")
+    assert picture.startswith(b"\x89PNG")
+    assert struct.unpack(">II", picture[16:24]) == (2 * width, 2 * height)
+    assert saved("csv").startswith(b"amplitude_mm,frequency_hz,")
+    assert saved("save-toml").decode().startswith("[scene]")
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "vibro-speed.svg", "vibro-speed.png", "vibro-map.csv", "scene.toml"
+    }  # fmt: skip
+
+
+def test_the_command_line_can_be_copied(open_page: Open) -> None:
+    page = open_page()
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.locator("#copy-command").click()
+    expect(page.locator("#says")).to_have_text("copied")
+    assert page.evaluate("navigator.clipboard.readText()") == page.locator("#command").inner_text()
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (700, 450), (320, 640)])
+def test_nothing_is_wider_than_the_window(open_page: Open, width: int, height: int) -> None:
+    page = open_page("#view=speed&drive=harmonics", viewport={"width": width, "height": height})
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    for part in ("#stage > svg", "#controls", "#tables", "#toml"):
+        box = page.locator(part).bounding_box()
+        assert box
+        assert box["x"] + box["width"] <= width + 0.5, part
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1200, 390])
+def test_axe_finds_nothing(open_page: Open, axe: str, scheme: str, width: int) -> None:
+    page = open_page(CONTACT, color_scheme=scheme, viewport={"width": width, "height": 844})
+    page.locator("#bands").check()
+    enter(page, AMPLITUDE, "bla")
+    expect(page.locator("#note-amplitude_mm")).not_to_be_empty()
+    page.evaluate(axe)
+    found: dict[str, Any] = page.evaluate("axe.run()")
+    assert len(found["passes"]) > 20
+    assert [(v["id"], [node["target"] for node in v["nodes"]]) for v in found["violations"]] == []
