@@ -1,6 +1,7 @@
 """A browser, and the explorer's page in it.
 
-Without a browser the tests that need one are skipped by name; where VIBRO_BROWSER is "required" they fail instead.
+Without a browser the tests that need one are skipped by name; where VIBRO_BROWSER is "required" they fail.
+VIBRO_AXE is the path of axe.min.js, from the npm package axe-core.
 """
 
 from __future__ import annotations
@@ -67,14 +68,16 @@ def session(browser: Browser) -> tuple[str, Any]:
 
 @pytest.fixture
 def open_page(browser: Browser, session: tuple[str, Any]) -> Iterator[Callable[..., Page]]:
-    """Return what opens the page at a fragment and waits until all of it is there; options are a context's."""
+    """Return what opens the page at a fragment, and waits until all of it is there."""
     from playwright.sync_api import expect
 
     url, state = session
     contexts, errors = [], []
 
     def opened(fragment: str = "", **options: Any) -> Page:
-        context = browser.new_context(storage_state=state, **{"viewport": {"width": 1200, "height": 800}, **options})
+        context = browser.new_context(
+            storage_state=state, **{"viewport": {"width": 1200, "height": 800}, **options}
+        )
         context.set_default_timeout(_PATIENCE)
         contexts.append(context)
         page = context.new_page()

@@ -55,3 +55,4 @@ type Cells = {
   edges: Map<number, number[][]>;
 };
 type Cover = (bits: number, first: number, second: number, x: number, y: number) => number;
+type Marks = (box: Box, side: "below" | "left" | "right", values: number[], share: (value: number) => number) => SVGElement;

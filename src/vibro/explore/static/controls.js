@@ -112,8 +112,9 @@ export class Controls {
     const { state, schema } = this.store;
     const swept = schema.quantities.filter((q) => q.swept && this.store.isOfDrive(q));
     for (const axis of ["x", "y"]) {
-      const options = swept.map((q) => new Option(q.unit ? `${q.label} [${unitText(q.unit)}]` : q.label, q.column));
-      if (swept.map((q) => q.column).join() !== [...select(axis).options].map((o) => o.value).join()) select(axis).replaceChildren(...options);
+      if (swept.map((q) => q.column).join() !== [...select(axis).options].map((o) => o.value).join()) {
+        select(axis).replaceChildren(...swept.map((q) => new Option(q.unit ? `${q.label} [${unitText(q.unit)}]` : q.label, q.column)));
+      }
       const [from = "", to = "", log] = (state[`${axis}_range`] ?? "").split(":");
       this.fill(`${axis}_range`, [from, to]);
       input(`${axis}-log`).checked = log === "log";

@@ -70,27 +70,30 @@ export function shareAt({ from, to, log }, value) {
   return log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
 }
 
-/** Ticks and a label below a box. @param {Box} box @param {Span} axis @param {string} label */
-export function axisBelow({ left, top, width, height }, axis, label) {
-  const name = { x: left + width / 2, y: top + height + 37, "font-size": 13 };
-  const group = svg("g", { fill: "currentColor", "text-anchor": "middle" }, svg("text", name, label));
-  for (const value of ticks(axis, Math.max(width / 80, 2))) {
-    const x = left + width * shareAt(axis, value);
-    group.append(svg("path", { d: `M${x} ${top + height}v5`, stroke: "currentColor" }));
-    group.append(svg("text", { x, y: top + height + 18 }, numberText(value)));
-  }
-  return group;
+const SIDES = { below: [0, 5, 0, 18, "middle"], left: [-5, 0, -8, 4, "end"], right: [4, 0, 7, 4, "start"] };
+
+/** Marks with numbers on a side of a box. @type {Marks} */
+export function marks({ left, top, width, height }, side, values, share) {
+  const [dx, dy, x, y, anchor] = SIDES[side];
+  return svg("g", { "text-anchor": anchor, fill: "currentColor" }, ...values.map((value) => {
+    const along = side === "below" ? left + width * share(value) : side === "left" ? left : left + width;
+    const down = side === "below" ? top + height : top + height * (1 - share(value));
+    const mark = svg("path", { d: `M0 0l${dx} ${dy}`, stroke: "currentColor" });
+    return svg("g", { transform: `translate(${along} ${down})` }, mark, svg("text", { x, y }, numberText(value)));
+  }));
 }
 
-/** Ticks left of a box. @param {Box} box @param {Span} axis */
-export function axisBeside({ left, top, height }, axis) {
-  const group = svg("g", { fill: "currentColor", "text-anchor": "end" });
-  for (const value of ticks(axis, Math.max(height / 50, 3))) {
-    const y = top + height * (1 - shareAt(axis, value));
-    group.append(svg("path", { d: `M${left} ${y}h-5`, stroke: "currentColor" }));
-    group.append(svg("text", { x: left - 8, y: y + 4 }, numberText(value)));
-  }
-  return group;
+/** Marks below a box, or left of it, and what they are. @param {Box} box @param {"below" | "left"} side @param {Span} axis */
+export function axisMarks(box, side, axis, label = "") {
+  const values = ticks(axis, side === "below" ? Math.max(box.width / 80, 2) : Math.max(box.height / 50, 3));
+  return svg("g", {}, marks(box, side, values, (value) => shareAt(axis, value)), sideLabel(box, side, label));
+}
+
+/** Words along a side of a box. @param {Box} box @param {keyof typeof SIDES} side @param {string} text */
+export function sideLabel({ left, top, width, height }, side, text) {
+  const [x, y] = [side === "left" ? 14 : side === "right" ? left + width + 52 : left + width / 2, top + height / 2];
+  const place = side === "below" ? `translate(${x} ${top + height + 37})` : `translate(${x} ${y}) rotate(-90)`;
+  return svg("text", { transform: place, "text-anchor": "middle", "font-size": 13, fill: "currentColor" }, text);
 }
 
 /** Rows of samples, 24 by 14 px, with names. @param {Sample[]} items @param {number} left @param {number} top @param {number} width */

@@ -1,6 +1,6 @@
 /** The motion in time: panels of curves over the phases. */
 
-import { FONT, INK, axisBelow, axisBeside, html, legend, set, svg, textWidth } from "./draw.js";
+import { FONT, INK, axisMarks, html, legend, set, svg, textWidth } from "./draw.js";
 
 const UNIT = 88; // [px] of a panel whose height is 1
 const LEFT = 58;
@@ -47,10 +47,10 @@ export function drawHistory(place, { header, arrays }) {
     const paths = svg("svg", area, svg("g", { transform: `translate(${-LEFT} 0)` }, ...drawn)); // cut at its edges
     picture.append(svg("text", title, unit ? `${label} [${unit}]` : label), names.group, svg("rect", { ...area, fill: "#FFFFFF" }),
       ...shades, zero, paths, svg("rect", { ...area, fill: "none", stroke: "currentColor" }),
-      axisBeside(box, { from: low - margin, to: high + margin, log: false }));
+      axisMarks(box, "left", { from: low - margin, to: high + margin, log: false }));
     box.top += box.height - 10;
   }
-  picture.append(axisBelow({ ...box, top: box.top + 10 - box.height }, span, "time [ms]"));
+  picture.append(axisMarks({ ...box, top: box.top + 10 - box.height }, "below", span, "time [ms]"));
   set(picture, { width: place.clientWidth, height: box.top + 54 });
   place.replaceChildren(...(header.panels.length ? [picture] : []), html("p", {}, header.note));
 }

@@ -41,9 +41,8 @@ function start(/** @type {Schema} */ schema) {
   /** @template A @param {string} kind @param {(response: Response) => Promise<A>} read @param {(answer: A, query: string) => void} show */
   function lane(kind, read, show) {
     return new Lane(kind, read, (answer, query) => {
-      delete problems[kind];
+      if (delete problems[kind] && controls.problems.length) showProblems();
       show(answer, query);
-      showProblems();
     }, (refusal) => refuse(kind, refusal), report);
   }
   const map = lane("map", unpack, (/** @type {MapAnswer} */ answer, query) => {

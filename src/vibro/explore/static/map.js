@@ -1,7 +1,7 @@
 /** The map: a canvas of cells, and over it axes, curves, the operating point, and what they mean. */
 
 import { OVER, looks, onScale, paint, picture, scaleColours } from "./cells.js";
-import { FONT, INK, axisBelow, axisBeside, html, legend, numberText, place, set, shareAt, svg, symbolText, textWidth, unitText } from "./draw.js";
+import { FONT, INK, axisMarks, html, legend, marks, numberText, place, set, shareAt, sideLabel, svg, symbolText, textWidth, unitText } from "./draw.js";
 
 const [STEP, LEAP] = [0.01, 0.1]; // of an axis, by an arrow key, and with Shift
 const KEYS = /** @type {Record<string, number[]>} */ ({
@@ -70,12 +70,11 @@ export class MapView {
     const both = [name, header.progress.text].filter(Boolean).join(" – ");
     const title = textWidth(both, 15) < this.box.width ? both : header.progress.text || name;
     const size = Math.min(14, (14 * this.box.width) / textWidth(title, 15));
-    const turned = { transform: `translate(14 ${top + this.box.height / 2}) rotate(-90)`, "text-anchor": "middle", "font-size": 13, fill: "currentColor" };
     const area = { x: left, y: top, width: this.box.width, height: this.box.height };
     this.frame.replaceChildren(
       svg("text", { x: left, y: 18, "font-size": size, "font-weight": 600, fill: "currentColor" }, title),
-      svg("rect", { ...area, fill: "none", stroke: "currentColor" }), svg("text", turned, axisLabel(header.y)),
-      axisBelow(this.box, header.x, axisLabel(header.x)), axisBeside(this.box, header.y),
+      svg("rect", { ...area, fill: "none", stroke: "currentColor" }), 
+      axisMarks(this.box, "below", header.x, axisLabel(header.x)), axisMarks(this.box, "left", header.y, axisLabel(header.y)),
       ...(header.scale ? this.bar(header.scale, header.label) : []), svg("svg", { ...area, class: "curves" }, ...this.curves()), names.group);
     set(this.svg, { width, height, viewBox: `0 0 ${width} ${height}` });
     set(this.svg, { "aria-label": `${name}, over ${axisLabel(header.x)} and ${axisLabel(header.y)}` });
@@ -89,17 +88,12 @@ export class MapView {
 
   /** The colour bar. @param {ScaleInfo} scale @param {string} label */
   bar(scale, label) {
-    const { left, top, width, height } = this.box;
-    const [x, middle] = [left + width + 14, top + height / 2];
-    const area = { x, y: top, width: 12, height };
+    const box = { ...this.box, left: this.box.left + this.box.width + 14, width: 12 };
+    const area = { x: box.left, y: box.top, width: box.width, height: box.height };
     return [
       svg("image", { ...area, href: picture(scaleColours(scale), 0, 1, 128), preserveAspectRatio: "none" }),
       svg("rect", { ...area, fill: "none", stroke: "currentColor" }),
-      svg("text", { transform: `translate(${x + 64} ${middle}) rotate(-90)`, "text-anchor": "middle", "font-size": 13, fill: "currentColor" }, label),
-      ...scale.ticks.map((value) => {
-        const y = top + height * (1 - onScale(scale, value));
-        return svg("g", { fill: "currentColor" }, svg("path", { d: `M${x + 12} ${y}h4`, stroke: "currentColor" }), svg("text", { x: x + 19, y: y + 4 }, numberText(value)));
-      }),
+      marks(box, "right", scale.ticks, (value) => onScale(scale, value)), sideLabel(box, "right", label),
     ];
   }
 
