@@ -69,15 +69,16 @@ export class Store {
 
   /** Change some keys. @param {State} patch @param {string} control @param {boolean} finished */
   change({ friction_ratio: ratio, ...patch }, control, finished) {
+    const { follow } = this.state;
     this.state = { ...this.state, ...patch };
     const most = this.value("static_friction");
     const least = (/** @type {number} */ wanted) => String(Math.min(Number(wanted.toPrecision(4)), most));
     if (ratio !== undefined) this.state.kinetic_friction = least(Number(ratio) * most);
     else if ("static_friction" in patch && !("kinetic_friction" in patch) && most >= 0) {
-      if (this.state.follow === "1") this.state.kinetic_friction = least(this.ratio * most);
+      if (this.state.follow === "1" && this.ratio >= 0) this.state.kinetic_friction = least(this.ratio * most);
       else if (this.value("kinetic_friction") > most) this.state.kinetic_friction = String(most);
     }
-    if (ratio !== undefined || "kinetic_friction" in patch || "follow" in patch) this.keepRatio();
+    if (ratio !== undefined || "kinetic_friction" in patch || follow !== this.state.follow) this.keepRatio();
     const [now, address] = [performance.now(), `#${this.query()}`];
     const goesOn = control === this.control && now < this.until;
     if (goesOn && !finished && now < this.written + REWRITE) return;
