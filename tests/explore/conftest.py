@@ -21,7 +21,7 @@ from vibro.explore.state import initial_state
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser, BrowserContext, Page
 
 _OPTIONS = (
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
@@ -66,31 +66,44 @@ def session(browser: Browser) -> tuple[str, Any]:
         return url.partition("?")[0], context.storage_state()
 
 
-@pytest.fixture
-def open_page(browser: Browser, session: tuple[str, Any]) -> Iterator[Callable[..., Page]]:
-    """Return what opens the page at a fragment, and waits until all of it is there."""
-    from playwright.sync_api import expect
+@pytest.fixture(scope="module")
+def contexts(browser: Browser, session: tuple[str, Any]) -> Iterator[Callable[..., BrowserContext]]:
+    """Return what makes windows of the browser that may ask; those with the same options are one."""
+    made: dict[str, BrowserContext] = {}
 
-    url, state = session
-    contexts, errors = [], []
+    def context(**options: Any) -> BrowserContext:
+        chosen = {"viewport": {"width": 1200, "height": 800}, **options}
+        if repr(chosen) not in made:
+            made[repr(chosen)] = browser.new_context(storage_state=session[1], **chosen)
+            made[repr(chosen)].set_default_timeout(_PATIENCE)
+        return made[repr(chosen)]
+
+    yield context
+    for context_made in made.values():
+        context_made.close()
+
+
+@pytest.fixture
+def open_page(
+    session: tuple[str, Any], contexts: Callable[..., BrowserContext]
+) -> Iterator[Callable[..., Page]]:
+    """Return what opens the page at a fragment, and waits until all of it is there."""
+    pages, errors = [], []
 
     def opened(fragment: str = "", **options: Any) -> Page:
-        context = browser.new_context(
-            storage_state=state, **{"viewport": {"width": 1200, "height": 800}, **options}
-        )
-        context.set_default_timeout(_PATIENCE)
-        contexts.append(context)
-        page = context.new_page()
+        page = contexts(**options).new_page()
+        pages.append(page)
         page.on("pageerror", lambda error: errors.append(error))
-        page.goto(url + fragment)
-        expect(page.locator("#tables caption").first).to_be_visible()
-        expect(page.locator(".curves [data-curve]").first).to_be_attached()
-        expect(page.locator("#history p")).to_be_attached()
+        page.goto(session[0] + fragment)
+        for part in ("#tables caption", ".curves [data-curve]", "#history p"):
+            page.locator(part).first.wait_for(
+                state="attached"
+            )  # at once, where expect() would look now and then
         return page
 
     yield opened
-    for context in contexts:
-        context.close()
+    for page in pages:
+        page.close()
     assert not errors
 
 
