@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from commands import rows_of
-from pages import unpacked
+from packed import unpacked
 
 import vibro
 from vibro.explore.answers import Answers

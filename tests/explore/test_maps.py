@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from pages import unpacked
+from packed import unpacked
 
 import vibro
 from vibro.core.codes import Regime, Status
