@@ -115,10 +115,10 @@ def test_no_body_leaves_the_bounds(slope: float, is_ratio: bool) -> None:
         largest = 2.0 * math.pi * FREQUENCY * points["amplitude"]
         assert np.all((short <= 1e-9 * np.abs(found.speed_min) + 1e-13 * largest)[:, proved])
         assert box.is_single or np.all(found.highest[proved] <= Regime.FORWARD_SLIP)
-        known += np.count_nonzero(proved)
+        known += int(np.count_nonzero(proved))
         same = bodies.regime.min(axis=0) == bodies.regime.max(axis=0)
-        alike += np.count_nonzero(same)
-        open_ += np.count_nonzero(same & (found.lowest < found.highest))
+        alike += int(np.count_nonzero(same))
+        open_ += int(np.count_nonzero(same & (found.lowest < found.highest)))
     assert alike > 1000
     assert known > 200
     # On declines a sliver stays open, or none of its bodies is met that differs: measured, .0002 of the cells
@@ -218,7 +218,7 @@ def test_equality_on_declines() -> None:
         found = box.certain_of(
             {"amplitude": amplitude, "frequency": FREQUENCY, "drive_angle": alpha, "trough_angle": beta}
         )
-        open_ += np.count_nonzero(found.lowest < found.highest)
+        open_ += int(np.count_nonzero(found.lowest < found.highest))
     assert open_ <= 120  # of 1600, measured 66: rounding puts the ends of such a band on different sides
 
 
@@ -253,7 +253,7 @@ def test_kinetic_friction_that_rounding_alone_tells_from_the_weight() -> None:
         }
         mu_s, kinetic = attackers(rng, box)
         bodies = solved(points, mu_s[:, None], kinetic[:, None])
-        lost += np.count_nonzero(bodies.status == Status.RUNAWAY)
+        lost += int(np.count_nonzero(bodies.status == Status.RUNAWAY))
         proved = ~np.isnan(box.certain_of(points).speed_min)
         assert not np.isnan(bodies.mean_velocity[:, proved]).any()
     assert lost > 1000
@@ -281,7 +281,7 @@ def test_shapes_and_combinations_that_cannot_be() -> None:
     found = certain(scene, static_friction=STATIC, second_friction=KINETIC, is_ratio=False)
     for array in found:
         assert array.shape == (2, 3)
-    assert (found.lowest.dtype, found.highest.dtype) == (np.int8, np.int8)
+    assert found.lowest.dtype == found.highest.dtype == np.int8
     cannot = np.array([[False, False, False], [False, False, True]])
     assert np.array_equal(found.lowest == Regime.UNDEFINED, cannot)
     assert np.array_equal(found.highest == Regime.UNDEFINED, cannot)
