@@ -77,3 +77,10 @@ def test_no_line_of_a_message_is_long_or_obeyed_by_a_terminal() -> None:
     error = InputError("--show " + "9" * 5000, "\x1b[2J", hint="write " + "9" * 5000)
     assert all(len(line) < 600 and line.isprintable() for line in (*error.problems, error.hint))
     assert error.problems[1] == "\\x1b[2J"
+
+
+def test_problems_tell_of_which_fields_they_are() -> None:
+    assert InputError("one", "two", fields=["a", ""]).fields == ("a", "")
+    assert InputError("one").fields == ()
+    many = InputError(*map(str, range(50)), fields=[f"f{n}" for n in range(50)])
+    assert len(many.fields) == MOST_TOLD == len(many.problems) - 1

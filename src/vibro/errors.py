@@ -114,13 +114,13 @@ class InputError(VibroError):
     hint : str
         How to put it right, a line or as many; empty where the problems say it themselves.
     fields : tuple of str
-        Of each problem the name of the quantity that it is of, empty where it is of no single one; or no
-        names at all.
+        Of each problem that is told the name of the quantity that it is of, empty where it is of no single
+        one; or no names at all.
     """
 
     def __init__(self, *problems: str, hint: str = "", fields: Sequence[str] = ()) -> None:
         self.problems = _told(problems, "problems")
-        self.fields = (*fields,)
+        self.fields = (*fields,)[:MOST_TOLD]
         self.hint = "\n".join(_told(hint.splitlines(), "hints"))
         super().__init__("; ".join(self.problems))
         _note(self, self.hint)
