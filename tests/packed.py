@@ -1,4 +1,4 @@
-"""What the tests of the explorer's answers share: reading them as the page does."""
+"""What the tests of the explorer's answers share: states, and reading answers as the page does."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from vibro.explore.answers import Answers
+from vibro.explore.state import State, initial_state, read_state
 
 TYPES = {"f4": "<f4", "i1": "i1", "u1": "u1"}
 
@@ -26,3 +29,13 @@ def unpacked(content: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         arrays[told["name"]] = values.reshape(shape)
     assert len(content) % 8 == 0
     return header, arrays
+
+
+def state_of(**query: str) -> State:
+    """Read a state that differs from the nut's."""
+    return read_state(query, initial_state())
+
+
+def table_of(answers: Answers, state: State) -> str:
+    """Return the cells of a map as CSV."""
+    return b"".join(answers.table(state)).decode()

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 from commands import Run, rows_of
+from packed import state_of, table_of
 
 from vibro.explore.answers import Answers
-from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, read_state
+from vibro.explore.state import HEIGHT, WIDTH, initial_state
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.whole import request_of_call
 
@@ -27,17 +28,9 @@ STATES = {
 }
 
 
-def state_of(**query: str) -> State:
-    return read_state(query, initial_state())
-
-
 @pytest.fixture
 def answers() -> Answers:
     return Answers(initial_state())
-
-
-def table_of(answers: Answers, state: State) -> str:
-    return b"".join(answers.table(state)).decode()
 
 
 @pytest.mark.parametrize("name", STATES)

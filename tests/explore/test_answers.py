@@ -8,25 +8,17 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from commands import rows_of
-from packed import unpacked
+from packed import state_of, table_of, unpacked
 
 import vibro
 from vibro.explore.answers import Answers
-from vibro.explore.state import State, initial_state, read_state
+from vibro.explore.state import initial_state
 from vibro.plots.phases import PHASE_STYLES
-
-
-def state_of(**query: str) -> State:
-    return read_state(query, initial_state())
 
 
 @pytest.fixture
 def answers() -> Answers:
     return Answers(initial_state())
-
-
-def table_of(answers: Answers, state: State) -> str:
-    return b"".join(answers.table(state)).decode()
 
 
 def test_what_holds_for_bands_is_told(answers: Answers) -> None:

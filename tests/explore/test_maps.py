@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from packed import unpacked
+from packed import state_of, unpacked
 
 import vibro
 from vibro.core.codes import Regime, Status
@@ -16,17 +16,13 @@ from vibro.explore.controls import DRIVES, VIEWS
 from vibro.explore.levels import MapCells
 from vibro.explore.maps import MARKS, packed_map
 from vibro.explore.packing import pack
-from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, read_state
+from vibro.explore.state import HEIGHT, WIDTH, State
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import SteadyCycle
 from vibro.sweeps.grid import scene_of
 
 CURVES = ("forward_onset", "back_slip", "rest_vanishes", "hop")
 BAND = {"static_friction_band": "0.6:0.8"}
-
-
-def state_of(**query: str) -> State:
-    return read_state(query, initial_state())
 
 
 def drawn(state: State, *, done: bool = False) -> tuple[dict[str, Any], dict[str, NDArray[Any]], SteadyCycle]:
