@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.explore.bands import certain_of
+from vibro.explore.bands import certain_of, extreme_frictions
 from vibro.explore.controls import VIEWS
 from vibro.explore.packing import pack
 from vibro.inverse.certain import Certain
-from vibro.plots.fields import Fields, hiding_fields, without_hidden, zero_lines
+from vibro.plots.fields import HIDDEN_BY, Fields, hiding_fields, without_hidden, zero_lines
 from vibro.plots.neighbours import fill_unknown
 from vibro.plots.scales import scale_of, time_scale
 from vibro.plots.style import CURVES, INK, NO_ANSWER_HATCH, REGIME_COLOURS, ZERO_SPEED, CurveStyle
@@ -21,6 +22,7 @@ from vibro.plots.view import choose_view, panels
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import SweepResult
 from vibro.sweeps.grid import scene_of
+from vibro.sweeps.run import limits_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -71,6 +73,7 @@ STYLES: Final = {
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
 _COLOURS: Final = 256  # of a scale
 _TARGET: Final = CurveStyle("target speed", "-", 2.6)
+_WIDTHS: Final = {"least": 0.7, "most": 1.3}  # of the curves of bodies of so much friction
 _UNITS: Final = {"speed": "mm/s", "traverse": "s", "impact": "mm/s", "flight": ""}
 _OF_SPEED: Final = ("speed", "traverse")
 _FLIGHT_ALONE: Final = {"impact": "impact_velocity", "flight": "flight_fraction"}
@@ -153,11 +156,11 @@ class _Drawn:
         self.panel = panels(solved, view)[0][0]
         self.cycle: dict[str, NDArray[Any]] = dict(self.panel.cycle)
         self._fields = Fields(self.panel)
-        is_turned = next(iter(grid.axes)) == view.x.name
-        self._known, self._exact = (x.T if is_turned else x for x in (cells.known, cells.exact))
+        self._values, self._is_turned = values, next(iter(grid.axes)) == view.x.name
+        self._known, self._exact = (x.T if self._is_turned else x for x in (cells.known, cells.exact))
         found = certain_of(state, scene_of(values))
         self.certain = found
-        if found is not None and is_turned:
+        if found is not None and self._is_turned:
             self.certain = Certain(found.lowest.T, found.highest.T, found.speed_min.T)
         self.numbers = self._numbers()
 
@@ -232,19 +235,27 @@ class _Drawn:
                 return np.full(proved.shape, -1.0)
             excess = fill_unknown(self._speed, proved) / target - 1.0  # up to the middle between cells
             return np.asarray(np.minimum(excess, np.where(proved, 0.5, -0.5)))
-        excess = np.nan_to_num(_MILLIMETRE * fields.velocity) / target - 1.0
+        # The speed drops where back slip enters: either side has numbers of its own up to there.
+        back, known = fields.log_ratio["back_slip"], np.isfinite(self.cycle["mean_velocity"])
+        known &= self.cycle["regime"] != Regime.NO_SLIP
+        sides = []
+        for beyond in (-back, back):
+            speed = _continued(self.cycle["mean_velocity"], known & (beyond > 0.0))
+            sides.append(np.minimum(_MILLIMETRE * speed / target - 1.0, beyond))
         missing = [fields.unanswered(status) for status in _WITHOUT_SPEED if status in fields.statuses]
         fails = np.maximum.reduce([fields.log_ratio["hop"], fields.rest, *missing])
-        return np.asarray(np.minimum(excess, -fails))
+        return np.asarray(np.minimum(np.maximum(*sides), -fails))
 
     def curves(self) -> Curves:
         """Return the curves, by name: how they are drawn, and their pieces in the units outside."""
         fields, view = self._fields, self._state.view
-        names = ("hop",) if view in _FLIGHT_ALONE else (*CURVES,)
-        found = []
-        for name in names:
+        alone = self.certain is not None or view in _FLIGHT_ALONE
+        found: Curves = []
+        for name in ("hop",) if alone else CURVES:
             lines = zero_lines(fields, fields.log_ratio[name], hiding_fields(fields, name))
             found.append((name, CURVES[name], lines))
+        if self.certain is not None and view not in _FLIGHT_ALONE:
+            found += self._curves_of_bands()
         if view not in _FLIGHT_ALONE and self.certain is None and (self.cycle["mean_velocity"] < 0.0).any():
             hidden = [fields.rest, fields.unknown, -fields.regular]
             lines = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
@@ -252,6 +263,24 @@ class _Drawn:
         if self._state.target is not None:
             found.append(("target", _TARGET, zero_lines(fields, self._meets)))
         return [curve for curve in found if curve[2]]
+
+    def _curves_of_bands(self) -> Curves:
+        """Return where the bodies of least and of most static friction begin to slip, and to slip back."""
+        found: Curves = []
+        for which, (mu_s, mu_d) in extreme_frictions(self._state).items():
+            frictions = {"static_friction": mu_s, "kinetic_friction": mu_d}
+            limits = limits_of(self._values | {name: np.full((1, 1), mu) for name, mu in frictions.items()})
+            assert limits is not None
+            critical = {n: loads.T if self._is_turned else loads for n, loads in limits._asdict().items()}
+            fields = Fields(replace(self.panel, critical=critical))
+            for name in ("forward_onset", "back_slip"):
+                style = CURVES[name]
+                style = style._replace(
+                    label=f"{style.label}, {which} friction", width=_WIDTHS[which] * style.width
+                )
+                hidden = [fields.log_ratio[other] for other in HIDDEN_BY[name]] + [fields.infeasible]
+                found.append((f"{name}_{which}", style, zero_lines(fields, fields.log_ratio[name], hidden)))
+        return found
 
     def shares(self, points: Floats) -> Floats:
         """Turn points in the units outside into shares of the axes, from left to right and from below."""
@@ -284,11 +313,23 @@ class _Drawn:
             notes.append(
                 "Flights depend on friction: they are those of the operating point's own."
                 if self._state.view in _FLIGHT_ALONE
-                else "Curves are of the operating point's own friction, colours of all bodies of the bands."
+                else "Colours are of all bodies of the bands, curves of those of least and of most friction."
             )
         if self._state.view in _FLIGHT_ALONE and (self.cycle["status"] == Status.FLIGHT_NOT_MODELLED).all():
             notes.append("Flights of drives with harmonics are not modelled.")
         return notes
+
+
+def _continued(values: Floats, known: NDArray[np.bool_]) -> Floats:
+    """Continue numbers beyond the points where they are known: straight on by one point, then level."""
+    total, count = np.zeros(values.shape), np.zeros(values.shape)
+    for lines, found, sums, counts in ((values, known, total, count), (values.T, known.T, total.T, count.T)):
+        for way in (slice(None), slice(None, None, -1)):
+            v, k = lines[:, way], found[:, way]
+            ends = ~k[:, 2:] & k[:, 1:-1] & k[:, :-2]
+            sums[:, way][:, 2:][ends] += (2.0 * v[:, 1:-1] - v[:, :-2])[ends]
+            counts[:, way][:, 2:] += ends
+    return fill_unknown(np.where(known, values, total / np.maximum(count, 1.0)), known | (count > 0.0))
 
 
 def _share(axis: Axis, values: Floats) -> Floats:
