@@ -110,6 +110,12 @@ def test_histories_of_other_drives(answers: Answers) -> None:
     assert "not followed" in header["note"]
 
 
+def test_a_history_of_a_body_without_friction_has_forces_of_any_size(answers: Answers) -> None:
+    header, _ = unpacked(answers.history(state_of(static_friction="0", kinetic_friction="0")))
+    assert header["panels"][1]["name"] == "forces"
+    assert header["panels"][1]["most"] is None
+
+
 def test_a_schema_describes_every_control(answers: Answers) -> None:
     schema = json.loads(json.dumps(answers.schema(), allow_nan=False))
     assert schema["initial"] == initial_state().texts

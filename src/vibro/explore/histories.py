@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -46,7 +47,7 @@ def packed_history(state: State) -> bytes:
     rows = trace(history, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
     flies = any(phase.kind == "H" for phase in phases)
     arrays: dict[str, NDArray[Any]] = {"time": _single(1e3 * rows.time)}
-    panels = []
+    panels, most = [], most_force(rows)  # infinite without friction
     for name, panel in panels_of([*choose_panels(_NAMES, flies=flies), *["gap"] * flies], rows).items():
         curves = []
         for curve in panel.curves:
@@ -67,7 +68,7 @@ def packed_history(state: State) -> bytes:
                 "label": panel.label.replace("\n", " "),
                 "unit": panel.unit,
                 "height": panel.height,
-                "most": most_force(rows) if panel is PANELS["forces"] else None,
+                "most": most if panel is PANELS["forces"] and most < math.inf else None,
                 "curves": curves,
             }
         )
