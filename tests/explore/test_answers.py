@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -132,3 +135,18 @@ def test_a_schema_describes_every_control(answers: Answers) -> None:
         if quantity["swept"]:
             other = {"y": "restitution" if column != "restitution" else "frequency_hz"}
             state_of(x=column, x_range=quantity["range"], **other, **drive)
+
+
+def test_what_threads_need_is_imported_before_they_start() -> None:
+    """Threads that import one module at once may see half of it."""
+    tells_new = (
+        "import sys; from packed import state_of; from vibro.explore.answers import Answers;"
+        "from vibro.explore.state import initial_state; answers = Answers(initial_state());"
+        "known = {*sys.modules}; answers.map(state_of(view='speed')); answers.map(state_of(view='traverse'));"
+        "print(*sorted(name for name in {*sys.modules} - known if name.startswith('matplotlib')))"
+    )
+    folder = Path(__file__).parents[1]
+    done = subprocess.run(
+        [sys.executable, "-c", tells_new], cwd=folder, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == []

@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+# Before any thread: where several import it at once, some of them see half of it.
+from matplotlib import colormaps
+from matplotlib.ticker import MaxNLocator
+
 from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of, extreme_frictions
 from vibro.explore.controls import VIEWS
@@ -375,9 +379,6 @@ def dashes_of(style: CurveStyle) -> list[float]:
 
 def _scale(scale: Scale) -> dict[str, Any]:
     """Describe a scale such that the page can turn numbers into colours."""
-    from matplotlib import colormaps
-    from matplotlib.ticker import MaxNLocator
-
     norm: Any = scale.norm
     low, high = float(norm.vmin), float(norm.vmax)
     kind = {"LogNorm": "log", "AsinhNorm": "asinh"}.get(type(norm).__name__, "linear")
