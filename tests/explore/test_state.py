@@ -120,6 +120,8 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
         ({"x_range": "5,6,7"}, "x_range", "must be a range"),
         ({"x_range": "5:6:99"}, "x_range", "must be a range"),
         ({"x_range": "60:5"}, "x_range", "does not ascend"),
+        ({"x_range": "5:5.00000000000001"}, "x_range", "200 values are too close for doubles"),
+        ({"y_range": "1:1.00000000000000001"}, "y_range", "150 values are too close for doubles"),
         ({"x_range": "0:60:log"}, "x_range", "must start above 0"),
         ({"x_range": "0:60"}, "x_range", "must be finite and > 0 Hz"),
         ({"x": "restitution", "x_range": "0:1"}, "x_range", "must be in [0, 1)"),

@@ -263,8 +263,8 @@ def _state(texts: dict[str, str]) -> State:
     shown_names = [name for name in CONTROLS if name not in other and name != "friction_ratio"]
     point = _point(texts, shown_names, wrong)
     axes = {
-        key: _axis(key, usual, texts, [n for n in SWEPT if n in CONTROLS and n not in other], wrong)
-        for key, usual in (("x", drive.x), ("y", drive.y))
+        key: _axis(key, usual, count, texts, [n for n in SWEPT if n in CONTROLS and n not in other], wrong)
+        for key, usual, count in (("x", drive.x, WIDTH), ("y", drive.y, HEIGHT))
     }
     wrong.settle()
     x, y = axes["x"], axes["y"]
@@ -317,7 +317,7 @@ def _point(texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Request
         raise InputError(*exc.problems, hint=exc.hint, fields=fields) from None
 
 
-def _axis(key: str, usual: str, texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Any:
+def _axis(key: str, usual: str, count: int, texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Any:
     """Read an axis of the map; nothing where it is wrong."""
     column, text = texts[key], texts[f"{key}_range"]
     quantity = BY_COLUMN.get(column) if column else QUANTITIES[usual]
@@ -331,7 +331,10 @@ def _axis(key: str, usual: str, texts: Mapping[str, str], names: list[str], wron
     if not spec.is_range or spec.count is not None:
         wrong.add(f"{key}_range", f"{quantity.label} = {cut(text)}: must be a range", "write it like 0.1:3")
         return None
-    values = spec.axis(2).values
+    axis = wrong.read(f"{key}_range", lambda: spec.axis(count))
+    if axis is None:
+        return None
+    values = axis.values
     if not quantity.allows(quantity.to_si(values)).all():
         allowed = quantity.allowed.text(quantity.unit)
         wrong.add(f"{key}_range", f"{quantity.label} = {cut(text)}: must be {allowed}")
