@@ -131,6 +131,8 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
         ({"static_friction_band": "0.5:"}, "static_friction_band", "not a number"),
         ({"static_friction_band": "1:2", "x": "static_friction"}, "static_friction_band", "has no band"),
         ({"kinetic_friction_band": "0:1", "x": "static_friction"}, "kinetic_friction_band", "has no band"),
+        ({"static_friction_band": "0.3:0.5", "follow": "0"}, "static_friction_band", "must reach down to"),
+        ({"kinetic_friction_band": "0.8:1"}, "kinetic_friction_band", "static friction = 0.74"),
         ({"static_friction_band": "1:2", "drive": "ellipse"}, "static_friction_band", "not known of drives"),
         ({"target": "0"}, "target", "must be finite and > 0 mm/s"),
         ({"target": "fast"}, "target", "not a number"),

@@ -278,6 +278,12 @@ def _state(texts: dict[str, str]) -> State:
         for name in _BANDS
         if (band := _band(name, texts, drive.label if texts["drive"] != "line" else "", drawn, wrong))
     }
+    static, kinetic = (bands.get(name, (point.fixed[name],) * 2) for name in _BANDS)
+    follows = texts["follow"] == "1" and "kinetic_friction" not in bands
+    if bands and not follows and kinetic[0] > static[1]:
+        key = next(f"{name}_band" for name in reversed(_BANDS) if name in bands)
+        least, most = number_text(kinetic[0]), number_text(static[1])
+        wrong.add(key, f"kinetic friction = {least} and more: must reach down to static friction = {most}")
     target = None
     if texts["target"]:
         target = wrong.read("target", lambda: _checked(texts["target"], LEAST_SPEED))
