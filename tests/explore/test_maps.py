@@ -219,6 +219,16 @@ def test_traverse_times_are_the_length_over_the_speed() -> None:
     assert np.isnan(arrays["values"][~moves]).all()
 
 
+def test_a_scale_of_numbers_that_are_all_the_same_begins_at_zero() -> None:
+    frictions = {"x": "kinetic_friction", "y": "static_friction", "y_range": "1:2", "gravity_m_s2": "1.62"}
+    header, arrays, _ = drawn(state_of(view="impact", **frictions), done=True)
+    numbers = {*arrays["values"][np.isfinite(arrays["values"])].tolist()}
+    assert len(numbers) == 1
+    assert header["scale"]["low"] == 0.0
+    assert header["scale"]["high"] == pytest.approx(numbers.pop())
+    assert len(header["scale"]["ticks"]) > 2
+
+
 def test_a_header_tells_all_styles() -> None:
     header = drawn(state_of())[0]
     assert [regime["code"] for regime in header["regimes"]] == [0, 2, 1, 3]

@@ -381,6 +381,8 @@ def _scale(scale: Scale) -> dict[str, Any]:
     """Describe a scale such that the page can turn numbers into colours."""
     norm: Any = scale.norm
     low, high = float(norm.vmin), float(norm.vmax)
+    if low == high:  # all numbers are the same: shares of no width are none
+        low, high = min(low, 0.0), max(high, 0.0)
     kind = {"LogNorm": "log", "AsinhNorm": "asinh"}.get(type(norm).__name__, "linear")
     ticks = MaxNLocator(6).tick_values(low, high) if scale.ticks is None else scale.ticks
     colours = colormaps[scale.colours](np.linspace(0.0, 1.0, _COLOURS), bytes=True)[:, :3]
