@@ -119,7 +119,7 @@ def test_web_sockets_are_refused(known: TestClient, path: str, origin: str) -> N
 def test_without_the_cookie_nothing_is_answered(path: str) -> None:
     response = stranger(application()).get(path)
     assert response.status_code == 403
-    assert "start vibro explore again, or use the browser that opened it first" in text_of(response)
+    assert "open the address that vibro explore printed" in text_of(response)
     kind = "text/plain" if path == "/" else "application/json"
     assert response.headers["content-type"].startswith(kind)
 

@@ -183,6 +183,56 @@ def test_bands_show_what_is_certain() -> None:
         assert (regime <= highest[at]).all()
 
 
+def test_curves_of_bands_are_of_their_extreme_bodies() -> None:
+    state = state_of(**BAND)
+    header, arrays, _ = drawn(state)
+    curves = points_of(header, arrays)
+    assert {*curves} == {
+        "hop",
+        *(f"{n}_{w}" for n in ("forward_onset", "back_slip") for w in ("least", "most")),
+    }
+    for which, mu_s in (("least", 0.6), ("most", 0.8)):
+        for name in ("forward_onset", "back_slip"):
+            scene = scene_at(state, curves[f"{name}_{which}"])
+            body = vibro.Scene(
+                amplitude=scene.amplitude,
+                frequency=scene.frequency,
+                drive_angle=scene.drive_angle,
+                static_friction=mu_s,
+                kinetic_friction=mu_s * 0.57 / 0.74,
+            )
+            assert np.abs(body.load / getattr(vibro.critical_loads(body), name) - 1.0).max() < 1e-5
+
+
+def test_a_ratio_may_be_a_band() -> None:
+    narrow = drawn(state_of(**BAND))[1]
+    same = drawn(state_of(**BAND, friction_ratio_band=f"{0.57 / 0.74}:{0.57 / 0.74}"))[1]
+    wide = drawn(state_of(**BAND, friction_ratio_band="0.1:1"))[1]
+    assert np.array_equal(narrow["lowest"], same["lowest"])
+    assert np.array_equal(narrow["highest"], same["highest"])
+    assert (wide["lowest"] <= narrow["lowest"]).all()
+    assert (wide["highest"] >= narrow["highest"]).all()
+    assert (wide["lowest"] < narrow["lowest"]).any()
+
+
+def test_words_say_what_is_held_and_what_is_best() -> None:
+    header, arrays, _ = drawn(state_of(view="speed", x_range="5:14", target="12"))
+    assert header["caption"] == "α = 20°, μ_s = 0.74, μ_d = 0.57, L = 600 mm"
+    row, column = np.unravel_index(np.nanargmax(arrays["values"]), arrays["values"].shape)
+    assert (int(row), int(column)) == (HEIGHT - 1, WIDTH - 1)
+    best = next(note for note in header["notes"] if note.startswith("Largest here: "))
+    assert best.endswith("at frequency 14 Hz and amplitude 3 mm.")
+    assert header["curves"][-1]["label"] == "12 mm/s, without hopping"
+    sure = drawn(state_of(view="speed", target="5", **BAND))[0]
+    assert "μ_s = 0.6 to 0.8" in sure["caption"]
+    assert sure["title"] == "guaranteed mean conveying speed"
+    outside = drawn(state_of(static_friction_band="0.3:0.4"))[0]["notes"]
+    assert any("lies outside of its bands" in note for note in outside)
+    assert drawn(state_of(restitution="0.5"))[0]["progress"]["text"] == ""  # regimes are exact at once
+    flights = drawn(state_of(view="impact", x_range="5:7"))[0]
+    assert flights["scale"]["ticks"] == []
+
+
 def test_guaranteed_speeds_are_told_as_such() -> None:
     header, arrays, _ = drawn(state_of(view="speed", **BAND))
     assert header["label"].startswith("guaranteed")

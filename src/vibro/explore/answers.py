@@ -14,7 +14,8 @@ from vibro.explore.bands import certain_of
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
 from vibro.explore.histories import packed_history
 from vibro.explore.levels import MapCells
-from vibro.explore.maps import MARKS, STYLES, packed_map
+from vibro.explore.looks import STYLES
+from vibro.explore.maps import MARKS, packed_map
 from vibro.explore.points import point_of
 from vibro.files.tables import CsvFormat
 from vibro.quantities import QUANTITIES, SWEPT
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["Answers"]
 
 _KEPT: Final = 16  # maps of about 8 MB
+_PATIENCE: Final = 0.05  # [s] of people who move a slider
 _TURN: Final = 0.1  # [s] that a map is worked on for one request
 
 
@@ -46,6 +48,7 @@ class Answers:
         self._initial = initial
         self._maps: OrderedDict[str, _Kept] = OrderedDict()
         self._lock = Lock()
+        self._pace = _Pace()
 
     def schema(self) -> dict[str, Any]:
         """Return what the page makes its controls from, of what JSON has."""
@@ -121,18 +124,25 @@ class Answers:
             )
         )
         with self._lock:
-            kept = self._maps.setdefault(key, _Kept(state))
+            kept = self._maps.setdefault(key, _Kept(state, self._pace))
             self._maps.move_to_end(key)
             while len(self._maps) > _KEPT:
                 self._maps.popitem(last=False)
         return kept
 
 
+class _Pace:
+    """How long the first loads of the last map took [s]."""
+
+    took = 0.0
+
+
 class _Kept:
     """A map that is kept: several may ask for it, one at a time works on it."""
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state: State, pace: _Pace) -> None:
         self._state = state
+        self._pace = pace
         self._cells: MapCells | None = None
         self._lock = Lock()
 
@@ -142,10 +152,11 @@ class _Kept:
         if cells is None or (seconds and not cells.shown.is_done):
             with self._lock:
                 if self._cells is None:
-                    self._cells = MapCells(self._state.grid())
+                    self._cells = MapCells(self._state.grid(), patience=_PATIENCE, expected=self._pace.took)
                 if seconds:
                     self._cells.advance(seconds)
                 cells = self._cells
+                self._pace.took = cells.took or self._pace.took
         return cells
 
 

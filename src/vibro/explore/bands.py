@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from vibro.inverse.specs import Span
     from vibro.scene import Scene
 
-__all__ = ["certain_of", "extreme_frictions", "guaranteed_text"]
+__all__ = ["certain_of", "extreme_frictions", "guaranteed_text", "is_outside"]
 
 
 def certain_of(state: State, scene: Scene) -> Certain | None:
@@ -42,8 +42,16 @@ def _box(state: State) -> tuple[Span, Span, bool]:
         state.bands.get(name, (state.point.fixed[name],) * 2)
         for name in ("static_friction", "kinetic_friction")
     )
+    if "friction_ratio" in state.bands:
+        return static, state.bands["friction_ratio"], True
     is_ratio = state.follows and "kinetic_friction" not in state.bands
     return static, (state.friction_ratio,) * 2 if is_ratio else second, is_ratio
+
+
+def is_outside(state: State) -> bool:
+    """Whether the operating point's own friction lies outside of the bands."""
+    own = {**state.point.fixed, "friction_ratio": state.friction_ratio}
+    return any(not low <= own[name] <= high for name, (low, high) in state.bands.items())
 
 
 def guaranteed_text(state: State) -> str:
@@ -54,5 +62,9 @@ def guaranteed_text(state: State) -> str:
     lowest, highest = (Regime(int(code)) for code in (found.lowest, found.highest))
     regimes = lowest.label if lowest is highest else f"from {lowest.label or 'no regime'} to {highest.label}"
     speed = 1e3 * float(found.speed_min)
-    least = f"at least {number(speed, 'mm/s')}" if speed == speed else "no least speed is proved"
+    least = (
+        f"at least {number(speed, 'mm/s')}"
+        if speed == speed
+        else "no least speed is proved (vibro.guarantee searches for it)"
+    )
     return f"{regimes}, {least}"

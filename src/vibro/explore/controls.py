@@ -79,8 +79,24 @@ VIEWS: Final = {
 
 _MAP: Final = {"drive": "line", "x": "frequency_hz", "y": "amplitude_mm"}
 # A magnet on mains of 50 Hz pulls at every half-wave, behind a diode at every second one; motors with 4 and 6
-# poles turn 1500 and 1000 times a minute. Amplitudes are of the size that such drives have (docs/makers.md).
+# poles turn 1500 and 1000 times a minute. Amplitudes are of the size that such drives have (docs/makers.md,
+# examples/bowl_feeder.toml).
 PRESETS: Final = {
+    "bowl-50": Preset(
+        "bowl feeder, 50 Hz",
+        {
+            "drive": "ellipse",
+            "along_amplitude_mm": "0.2",
+            "normal_amplitude_mm": "0.08",
+            "normal_phase_deg": "0",
+            "frequency_hz": "50",
+            "trough_angle_deg": "2",
+            "x": "normal_phase_deg",
+            "y": "along_amplitude_mm",
+            "x_range": "-180:180",
+            "y_range": "0.02:0.5",
+        },
+    ),
     "magnet-50": Preset(
         "magnet, 50 Hz",
         {

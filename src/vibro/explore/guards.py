@@ -41,7 +41,10 @@ HEADERS: Final = {
 }
 _RAW_HEADERS: Final = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
 _METHODS: Final = ("GET", "HEAD")
-_NO_SESSION: Final = "no session: start vibro explore again, or use the browser that opened it first"
+_NO_SESSION: Final = (
+    "no session: open the address that vibro explore printed, which counts once; for another browser,"
+    " start vibro explore again"
+)
 
 
 class RefusedError(VibroError):

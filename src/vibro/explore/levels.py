@@ -92,6 +92,11 @@ class MapCells:
     ----------
     grid : Grid
         Of two axes.
+    patience : float, optional
+        How long the first loads may take that show a map over amplitude and frequency [s].
+    expected : float, optional
+        How long they took last: if longer, they are left to ``advance``. Irregular motion takes ten times as
+        long as motion that repeats, and maps that follow each other are much alike.
 
     Attributes
     ----------
@@ -99,7 +104,7 @@ class MapCells:
         All that is there to be seen; every ``advance`` makes a new one.
     """
 
-    def __init__(self, grid: Grid) -> None:
+    def __init__(self, grid: Grid, *, patience: float = math.inf, expected: float = 0.0) -> None:
         self._grid = grid
         self._limits: CriticalLoads | None = None
         self._limit_rows: list[CriticalLoads] = []
@@ -117,11 +122,18 @@ class MapCells:
         if self._harmonic:
             self._solve_more(math.prod(-(-n // _FIRST_HARMONIC) for n in grid.shape))
         self._line = None if self._is_solved else _Line.over(grid, scene, waiting)
+        if self._line is not None and not grid.fixed["restitution"] and expected <= patience:
+            self._line.solve_more()
         self._has_limits = isinstance(scene.arrays(), LinearFields) or self._harmonic
         if isinstance(scene.arrays(), LinearFields):
             self._limits = limits_of(grid.values())
         self._turn = _Turn()
         self._show()
+
+    @property
+    def took(self) -> float | None:
+        """How long the first loads took [s]; None where there are none, or not yet."""
+        return None if self._line is None else self._line.took
 
     def _progress(self) -> tuple[float, str]:
         """Return which share of the cells that take time is exact, and what to say of the others."""
@@ -132,11 +144,10 @@ class MapCells:
             return share, "boundaries of back slip: a preview"
         what = "cells" if self._harmonic else "hopping"
         if self._line is None or not self._line.is_known:
-            return share, f"{what}: {share:.0%} exact, others from their neighbours"
-        told = (
-            f"those of loads within {self._line.spread:.2g} of theirs" if self._line.is_done else "a preview"
-        )
-        return share, f"{what}: {share:.0%} exact, others {told}"
+            return share, f"{what}: {share:.0%} exact, the rest from neighbours or to come"
+        told = f"of loads within {math.ceil(1e4 * self._line.spread) / 100:.4g} %"
+        told = told if self._line.is_done else "a preview"
+        return share, f"{what}: {share:.0%} exact, the rest {told}"
 
     @property
     def is_done(self) -> bool:
@@ -232,6 +243,8 @@ class _Line:
 
     Attributes
     ----------
+    took : float or None
+        How long the first of them took [s].
     spread : float
         How far any load between the ends may be off that of the nearest solved body, as a share.
     """
@@ -256,8 +269,7 @@ class _Line:
         self._found: dict[str, NDArray[Any]] = {}
         self._waiting = waiting
         self._stages = [_FIRST_BOUNCING if grid.fixed["restitution"] else _FIRST_LOADS, LOADS]
-        if not grid.fixed["restitution"]:
-            self.solve_more()
+        self.took: float | None = None
 
     @classmethod
     def over(cls, grid: Grid, scene: Scene, waiting: NDArray[np.bool_]) -> _Line | None:
@@ -288,11 +300,13 @@ class _Line:
 
     def solve_more(self) -> None:
         """Solve the loads of the next stage."""
+        start = time.perf_counter()
         chosen = self._order[self._done : self._stages.pop(0)]
         found = self._grid.solve({**self._given, "amplitude": self._amplitudes[chosen]})
         for name, values in vars(found).items():
             self._found.setdefault(name, np.zeros(LOADS, values.dtype))[chosen] = values
         self._done += chosen.size
+        self.took = time.perf_counter() - start if self.took is None else self.took
 
     def show(self, shown: dict[str, NDArray[Any]], where: NDArray[np.bool_]) -> None:
         """Fill in cells with the numbers of the nearest load."""

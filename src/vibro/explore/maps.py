@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
@@ -10,20 +9,23 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 # Before any thread: where several import it at once, some of them see half of it.
-from matplotlib import colormaps
-from matplotlib.ticker import MaxNLocator
-
 from vibro.core.codes import Regime, Status
-from vibro.explore.bands import certain_of, extreme_frictions
+from vibro.explore.bands import certain_of, extreme_frictions, is_outside
 from vibro.explore.controls import VIEWS
+from vibro.explore.looks import STYLES, caption_of, look_of_axis, look_of_curve, look_of_scale
 from vibro.explore.packing import pack
 from vibro.inverse.certain import Certain
 from vibro.plots.fields import HIDDEN_BY, Fields, hiding_fields, without_hidden, zero_lines
 from vibro.plots.neighbours import fill_unknown
 from vibro.plots.scales import scale_of, time_scale
-from vibro.plots.style import CURVES, INK, NO_ANSWER_HATCH, REGIME_COLOURS, ZERO_SPEED, CurveStyle
+from vibro.plots.style import (
+    CURVES,
+    ZERO_SPEED,
+    CurveStyle,
+    number_text,
+    value_text,
+)
 from vibro.plots.view import choose_view, panels
-from vibro.quantities import QUANTITIES
 from vibro.results.sweep import SweepResult
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.run import limits_of
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Curves = list[tuple[str, CurveStyle, list[Floats]]]
 
-__all__ = ["MARKS", "STYLES", "packed_map"]
+__all__ = ["MARKS", "packed_map"]
 
 # Bits of what is marked in a cell.
 BACKWARDS, AVERAGED, COEXISTS, PREVIEW, UNKNOWN, MEETS, COVERED, UNPROVED = (1 << i for i in range(8))
@@ -56,27 +58,8 @@ MARKS: Final = {
     "unproved": UNPROVED,
 }
 
-#: How regimes and statuses look and are called, for the page.
-STYLES: Final = {
-    "regimes": [
-        {"code": int(regime), "label": regime.label, "colour": colour}
-        for regime, colour in REGIME_COLOURS.items()
-    ],
-    "statuses": [
-        {
-            "code": int(status),
-            "label": status.label.replace("-", " "),
-            "message": status.message,
-            "hatch": NO_ANSWER_HATCH.get(status, "")[:1],
-            "answered": status.answered,
-        }
-        for status in Status
-    ],
-}
-
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
-_COLOURS: Final = 256  # of a scale
-_TARGET: Final = CurveStyle("target speed", "-", 2.6)
+_TARGET_WIDTH: Final = 2.6  # of its curve
 _WIDTHS: Final = {"least": 0.7, "most": 1.3}  # of the curves of bodies of so much friction
 _UNITS: Final = {"speed": "mm/s", "traverse": "s", "impact": "mm/s", "flight": ""}
 _OF_SPEED: Final = ("speed", "traverse")
@@ -120,14 +103,15 @@ def packed_map(state: State, cells: Shown) -> bytes:
     header = {
         "view": state.view,
         "label": drawn.label,
-        "title": VIEWS[state.view],
-        "x": _axis(drawn.panel.x),
-        "y": _axis(drawn.y),
+        "title": drawn.title,
+        "caption": caption_of(state),
+        "x": look_of_axis(drawn.panel.x),
+        "y": look_of_axis(drawn.y),
         "point": drawn.operating_point(),
-        "scale": None if numbers is None else _scale(drawn.scale(numbers)),
-        "curves": [_curve(name, style, lines) for name, style, lines in curves],
+        "scale": None if numbers is None else look_of_scale(drawn.scale(numbers), drawn.seen),
+        "curves": [look_of_curve(name, style, lines) for name, style, lines in curves],
         "bands": drawn.certain is not None,
-        "progress": {"done": cells.is_done, "share": cells.share, "text": cells.text},
+        "progress": {"done": cells.is_done, "share": cells.share, "text": drawn.progress_text(cells)},
         "notes": drawn.notes(),
         **STYLES,
     }
@@ -169,13 +153,21 @@ class _Drawn:
         self.numbers = self._numbers()
 
     @property
+    def title(self) -> str:
+        """What the map shows."""
+        view = self._state.view
+        return f"guaranteed {VIEWS[view]}" if self.certain is not None and view in _OF_SPEED else VIEWS[view]
+
+    @property
     def label(self) -> str:
         """What the numbers are, with their unit."""
-        view, unit = VIEWS[self._state.view], _UNITS.get(self._state.view, "")
-        guaranteed = (
-            "guaranteed " if self.certain is not None and self._state.view in ("speed", "traverse") else ""
-        )
-        return f"{guaranteed}{view}" + (f" [{unit}]" if unit else "")
+        unit = _UNITS.get(self._state.view, "")
+        return self.title + (f" [{unit}]" if unit else "")
+
+    def progress_text(self, cells: Shown) -> str:
+        """Say what is not exact yet; regimes are, but those of drives with harmonics and of ellipses."""
+        is_exact = self._state.view == "regime" and cells.limits is not None
+        return "" if is_exact else cells.text
 
     @property
     def _speed(self) -> Floats:
@@ -196,6 +188,11 @@ class _Drawn:
         with np.errstate(divide="ignore", invalid="ignore"):
             times = (self._state.point.length or np.nan) / self._speed
         return np.where(np.isfinite(times) & (times > 0.0), times, np.nan)
+
+    @property
+    def seen(self) -> Floats:
+        """The numbers that are seen; NaN elsewhere."""
+        return np.where(self._covered, np.nan, np.nan if self.numbers is None else self.numbers)
 
     @property
     def _covered(self) -> NDArray[np.bool_]:
@@ -265,7 +262,10 @@ class _Drawn:
             lines = zero_lines(fields, without_hidden(fields.reversal, hidden), hidden)
             found.append(("zero_speed", ZERO_SPEED, lines))
         if self._state.target is not None:
-            found.append(("target", _TARGET, zero_lines(fields, self._meets)))
+            sure = "without hopping" if self.certain is None else "guaranteed"
+            label = f"{number_text(self._state.target)} mm/s, {sure}"
+            style = CurveStyle(label, "-", _TARGET_WIDTH)
+            found.append(("target", style, zero_lines(fields, self._meets)))
         return [curve for curve in found if curve[2]]
 
     def _curves_of_bands(self) -> Curves:
@@ -308,11 +308,27 @@ class _Drawn:
         reverses = self.certain is None and self._state.view == "speed" and self._fields.reverses
         return scale_of(numbers[seen], numbers[regular], numbers[calm], reverses=reverses)
 
+    def _best(self, numbers: Floats) -> str:
+        """Say where the largest number is, of times the least."""
+        is_time = self._state.view == "traverse"
+        best = int(np.nanargmin(numbers) if is_time else np.nanargmax(numbers))
+        row, column = np.unravel_index(best, numbers.shape)
+        places = ((self.panel.x, column), (self.y, row))
+        where = " and ".join(f"{axis.label} {value_text(axis.name, axis.values[i])}" for axis, i in places)
+        unit = _UNITS[self._state.view]
+        so_far = "" if self._exact.all() else " so far"
+        what = "Shortest" if is_time else "Largest"
+        return f"{what} here{so_far}: {number_text(numbers[row, column])} {unit}".rstrip() + f", at {where}."
+
     def notes(self) -> list[str]:
         """Return what else is to be said."""
         notes = []
         if not all(0.0 <= share <= 1.0 for share in self.operating_point()):
             notes.append("The operating point lies outside of this map.")
+        if np.isfinite(self.seen).any():
+            notes.append(self._best(self.seen))
+        if self.certain is not None and is_outside(self._state):
+            notes.append("The operating point's own friction lies outside of its bands.")
         if self.certain is not None:
             notes.append(
                 "Flights depend on friction: they are those of the operating point's own."
@@ -346,51 +362,3 @@ def _share(axis: Axis, values: Floats) -> Floats:
 def _single(values: Floats) -> NDArray[np.float32]:
     """Round to single precision; numbers beyond its range are the largest that it has."""
     return np.clip(values, -_LARGEST, _LARGEST).astype(np.float32)
-
-
-def _axis(axis: Axis) -> dict[str, Any]:
-    first, last = (float(end) for end in axis.values[[0, -1]])
-    described = {"column": axis.column, "label": axis.label, "symbol": QUANTITIES[axis.name].letter}
-    return {
-        **described,
-        "unit": axis.unit,
-        "from": first,
-        "to": last,
-        "log": axis.spacing == "log",
-        "count": len(axis),
-    }
-
-
-def _curve(name: str, style: CurveStyle, lines: list[Floats]) -> dict[str, Any]:
-    return {
-        "name": name,
-        "label": style.label,
-        "dash": dashes_of(style),
-        "width": style.width,
-        "colour": "ink" if style.colour == INK else "white",
-        "pieces": [len(line) for line in lines],
-    }
-
-
-def dashes_of(style: CurveStyle) -> list[float]:
-    """Return the lengths of dashes and gaps [px]; none of a line without."""
-    return [] if isinstance(style.dashes, str) else [length * style.width for length in style.dashes[1]]
-
-
-def _scale(scale: Scale) -> dict[str, Any]:
-    """Describe a scale such that the page can turn numbers into colours."""
-    norm: Any = scale.norm
-    low, high = float(norm.vmin), float(norm.vmax)
-    if low == high:  # all numbers are the same: shares of no width are none
-        low, high = min(low, 0.0), max(high, 0.0)
-    kind = {"LogNorm": "log", "AsinhNorm": "asinh"}.get(type(norm).__name__, "linear")
-    ticks = MaxNLocator(6).tick_values(low, high) if scale.ticks is None else scale.ticks
-    colours = colormaps[scale.colours](np.linspace(0.0, 1.0, _COLOURS), bytes=True)[:, :3]
-    return {
-        "kind": kind,
-        "low": low,
-        "high": high,
-        "width": float(norm.linear_width) if kind == "asinh" else 0.0,
-        "colours": b64encode(colours.tobytes()).decode(),
-        "ticks": [float(tick) for tick in ticks if low <= tick <= high],
-    }

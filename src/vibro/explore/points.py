@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from vibro.explore.bands import guaranteed_text
 from vibro.explore.state import HEIGHT, WIDTH, number_text
@@ -14,6 +14,8 @@ from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
     from vibro.explore.state import State
+
+_APART: Final = "Of the operating point's own friction: commands and scene files know no bands."
 
 __all__ = ["command_of", "point_of", "scene_text"]
 
@@ -31,7 +33,7 @@ def point_of(state: State) -> dict[str, Any]:
     dict
         Of what JSON has: ``state`` in full; ``facts`` and the tables ``begins`` and ``phases`` as
         ``vibro solve`` prints them; ``guaranteed``, what holds for all bodies of the bands; ``command`` and
-        ``toml``, which make the same map.
+        ``toml``, which make the same map, and ``apart``, what sets their map apart.
     """
     grid = Grid({}, state.point.fixed, state.point.length)
     (block,) = sweep_blocks(grid)
@@ -50,6 +52,7 @@ def point_of(state: State) -> dict[str, Any]:
         "phases": _table(phase_rows(one)),
         "guaranteed": guaranteed_text(state),
         "command": command_of(state),
+        "apart": _APART if state.bands else "",
         "toml": scene_text(state),
     }
 

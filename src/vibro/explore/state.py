@@ -34,8 +34,7 @@ WIDTH: Final = 200
 HEIGHT: Final = 150
 
 _MOST_CYCLES: Final = 20  # of a history: of more nobody sees one
-_BANDS: Final = ("static_friction", "kinetic_friction")
-_FRICTIONS: Final = (*_BANDS, "friction_ratio")
+_BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
 # The nut of examples/safety_nut.toml, and drives of other kinds with about its load.
 _USUAL: Final = {
     "amplitude_mm": "1",
@@ -65,6 +64,7 @@ _OTHERS: Final = {
     "follow": "1",
     "static_friction_band": "",
     "kinetic_friction_band": "",
+    "friction_ratio_band": "",
     "target": "",
     "cycles": "3",
 }
@@ -74,7 +74,7 @@ class _Page:
     """How messages speak of what the page gives."""
 
     gives = "the page"
-    takes_one_value = ("it takes one value", "axes are chosen at the map")
+    takes_one_value = ("it takes one value", "a decimal is written with a point; axes are chosen at the map")
 
     def axis(self, quantity: Quantity) -> str:
         return f"{quantity.label} 0.1:3"
@@ -99,7 +99,7 @@ class State:
     x, y : AxisSpec
         Ranges that the map is drawn over.
     bands : mapping of str to pair of float
-        Of static and kinetic friction, where they are not known exactly.
+        Of static friction, and of kinetic friction or of its ratio, where they are not known exactly.
     target : float or None
         Speed that is to be reached [mm/s].
     """
@@ -129,7 +129,7 @@ class State:
     @property
     def friction_ratio(self) -> float:
         """Kinetic over static friction of the operating point."""
-        mu_s, mu_d = (self.point.fixed[name] for name in _BANDS)
+        mu_s, mu_d = (self.point.fixed[name] for name in ("static_friction", "kinetic_friction"))
         return mu_d / mu_s if mu_s else 1.0
 
     def grid(self) -> Grid:
@@ -278,8 +278,12 @@ def _state(texts: dict[str, str]) -> State:
         for name in _BANDS
         if (band := _band(name, texts, drive.label if texts["drive"] != "line" else "", drawn, wrong))
     }
-    static, kinetic = (bands.get(name, (point.fixed[name],) * 2) for name in _BANDS)
-    follows = texts["follow"] == "1" and "kinetic_friction" not in bands
+    if {"kinetic_friction", "friction_ratio"} <= bands.keys():
+        wrong.add("friction_ratio_band", "kinetic friction has a band too", "leave one of them out")
+    static, kinetic = (
+        bands.get(name, (point.fixed[name],) * 2) for name in ("static_friction", "kinetic_friction")
+    )
+    follows = "friction_ratio" in bands or (texts["follow"] == "1" and "kinetic_friction" not in bands)
     if bands and not follows and kinetic[0] > static[1]:
         key = next(f"{name}_band" for name in reversed(_BANDS) if name in bands)
         least, most = number_text(kinetic[0]), number_text(static[1])
@@ -359,7 +363,7 @@ def _band(
         said = f"bands of friction are not known of drives {other_drive}"
         wrong.add(key, said, "take a drive along a line")
         return None
-    if drawn & {*_FRICTIONS}:
+    if drawn & {*_BANDS}:
         wrong.add(
             key, "a friction that is drawn over has no band", "choose other axes, or leave the band out"
         )

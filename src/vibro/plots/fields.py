@@ -113,8 +113,8 @@ class Fields:
             # Infeasible points have no critical load, but contours at the edge of their region need one. What
             # is drawn there is covered up to the exact boundary.
             filled = fill_unknown(critical, ~np.isnan(critical))
-            with np.errstate(divide="ignore"):
-                ratio = np.clip(load / filled, _LEAST_RATIO, 1.0 / _LEAST_RATIO)
+            with np.errstate(divide="ignore", invalid="ignore"):  # what always slides needs no load
+                ratio = np.clip(np.nan_to_num(load / filled, nan=np.inf), _LEAST_RATIO, 1.0 / _LEAST_RATIO)
             ratios[name] = np.log(ratio)
         return ratios
 

@@ -180,9 +180,10 @@ def _onsets(unit: Loads) -> tuple[Floats, Floats]:
     """Return the loads of the forward and the back onset, Eqs. (5) and (55); 0 where it slips without any."""
     ahead, behind = static_lifts(unit)
     hold = unit.static_friction * unit.normal
-    forward = np.maximum(hold + unit.tangential, 0.0) / (unit.along + ahead)
-    back_load = unit.along + behind
-    back = np.maximum(hold - unit.tangential, 0.0) / back_load
+    needed, back_load = np.maximum(hold + unit.tangential, 0.0), unit.along + behind
+    with np.errstate(divide="ignore", invalid="ignore"):  # troughs that stand still
+        forward = np.where(needed > 0.0, needed / (unit.along + ahead), 0.0)
+        back = np.maximum(hold - unit.tangential, 0.0) / back_load
     return forward, np.where(back_load > 0.0, back, np.inf)
 
 
