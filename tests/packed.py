@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vibro.explore.answers import Answers
 from vibro.explore.state import State, initial_state, read_state
 
-TYPES = {"f4": "<f4", "i1": "i1", "u1": "u1"}
+TYPES = {"f4": "<f4", "i1": "i1", "u1": "u1", "u2": "<u2"}
 
 
 def unpacked(content: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:

@@ -8,51 +8,49 @@ type Quantity = {
   column: string; label: string; symbol: string; unit: string; meaning: string;
   low: number; high: number; step: number; drives: string[]; swept: boolean; point: boolean;
 };
-type Choice = { name: string; label: string };
-type RegimeStyle = { code: number; label: string; colour: string };
-type StatusStyle = { code: number; label: string; message: string; hatch: string; answered: boolean };
+type Choice = { name: string; label: string; state: State };
 type Schema = {
   version: string; initial: State; quantities: Quantity[]; drives: Choice[]; views: Choice[];
-  presets: (Choice & { state: State })[]; regimes: RegimeStyle[]; statuses: StatusStyle[];
+  presets: Choice[]; regimes: { code: number; label: string }[]; statuses: { code: number; message: string }[];
+  marks: Record<string, number>;
 };
 
+type Tick = [share: number, text: string];
 type AxisInfo = {
-  column: string; label: string; symbol: string; unit: string; from: number; to: number; log: boolean; count: number;
+  column: string; label: string; title: string; unit: string; from: number; to: number; log: boolean; count: number;
+  ticks: Tick[];
 };
-type ScaleInfo = {
-  kind: "linear" | "log" | "asinh"; low: number; high: number; width: number; colours: string; ticks: number[];
-};
-type CurveInfo = { name: string; label: string; dash: number[]; width: number; colour: "ink" | "white"; pieces: number[] };
+type ScaleInfo = { colours: [first: number, count: number]; ticks: Tick[] };
+type CurveInfo = { name: string; label: string; dash: number[]; width: number; colour: string; halo: string; count: number };
 type MapHeader = {
-  view: string; label: string; title: string; x: AxisInfo; y: AxisInfo; scale: ScaleInfo | null; curves: CurveInfo[];
-  bands: boolean;
+  view: string; label: string; title: string; x: AxisInfo; y: AxisInfo; palette: string; scale: ScaleInfo | null;
+  legend: { text: string; faces: number[]; marks: number }[]; curves: CurveInfo[]; bands: boolean;
   progress: { done: boolean; share: number; text: string }; notes: string[];
 };
-type Numbers = Float32Array | Int8Array | Uint8Array;
+type Numbers = Float32Array | Int8Array | Uint8Array | Uint16Array;
 type Packed<Header> = { header: Header; arrays: Record<string, Numbers> };
 type MapAnswer = Packed<MapHeader>;
 
-type PanelCurve = { label: string; colour: string; dash: number[]; width: number; array: string; mirrored: boolean };
-type Panel = { name: string; label: string; unit: string; height: number; most: number | null; curves: PanelCurve[] };
+type PanelCurve = { label: string; colour: string; dash: number[]; width: number; array: string };
+type Panel = { title: string; height: number; low: number; high: number; ticks: Tick[]; curves: PanelCurve[] };
 type HistoryHeader = {
-  title: string; duration_ms: number; note: string; panels: Panel[];
-  phases: { kind: string; name: string; colour: string; start: number; end: number }[];
+  title: string; duration_ms: number; ticks: Tick[]; note: string; panels: Panel[];
+  phases: { name: string; colour: string; start: number; end: number }[];
 };
 type HistoryAnswer = Packed<HistoryHeader>;
 
 type TableInfo = { head: string[]; rows: string[][] };
 type PointAnswer = {
-  state: State; regime: string; facts: [string, string][]; begins: TableInfo; phases: TableInfo;
+  state: State; title: string; regime: string; colour: string; speed: string; facts: [string, string][]; begins: TableInfo; phases: TableInfo;
   command: string; toml: string; guaranteed: string;
 };
 
-type ArrayInfo = { name: string; type: "f4" | "i1" | "u1"; shape: number[]; offset: number };
-type Span = { from: number; to: number; log: boolean };
+type ArrayInfo = { name: string; type: "f4" | "i1" | "u1" | "u2"; shape: number[]; offset: number };
 type Box = { left: number; top: number; width: number; height: number };
-type Sample = { sample: SVGElement; text: string };
+type Sample = { sample: SVGElement[]; text: string };
+type Pieces = Map<number, number[][]>; // of curves, [ax, ay, bx, by] in cells, by the square that they cross
 type Cells = {
-  first: ArrayLike<number>; second: ArrayLike<number>; over: ArrayLike<number>; nx: number; ny: number;
-  edges: Map<number, number[][]>;
+  palette: Uint32Array | number[]; faces: ArrayLike<number>; others: ArrayLike<number>; marks: ArrayLike<number>;
+  nx: number; ny: number; pieces: Pieces;
 };
-type Cover = (bits: number, first: number, second: number, x: number, y: number) => number;
-type Marks = (box: Box, side: "below" | "left" | "right", values: number[], share: (value: number) => number) => SVGElement;
+type Cover = (marks: number, first: number, second: number, x: number, y: number) => number;

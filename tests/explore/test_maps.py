@@ -14,7 +14,8 @@ import vibro
 from vibro.core.codes import Regime, Status
 from vibro.explore.controls import DRIVES, VIEWS
 from vibro.explore.levels import MapCells
-from vibro.explore.maps import MARKS, packed_map
+from vibro.explore.looks import HATCHES, MARKS
+from vibro.explore.maps import packed_map
 from vibro.explore.packing import pack
 from vibro.explore.state import HEIGHT, WIDTH, State
 from vibro.quantities import QUANTITIES
@@ -22,6 +23,7 @@ from vibro.results.steady import SteadyCycle
 from vibro.sweeps.grid import scene_of
 
 CURVES = ("forward_onset", "back_slip", "rest_vanishes", "hop")
+NO_ANSWER = 4  # in the palette, after the regimes
 BAND = {"static_friction_band": "0.6:0.8"}
 
 
@@ -45,8 +47,10 @@ def points_of(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> dict[s
     """Return the points of every curve, by its name."""
     found, first = {}, 0
     for curve in header["curves"]:
-        last = first + sum(curve["pieces"])
-        found[curve["name"]] = arrays["points"][first:last]
+        last = first + curve["count"]
+        points = arrays["points"][first:last]
+        found[curve["name"]] = points[~np.isnan(points[:, 0])]
+        assert np.isnan(points[-1]).all()
         first = last
     assert first == len(arrays["points"])
     return found
@@ -68,7 +72,7 @@ def scene_at(state: State, points: NDArray[Any]) -> vibro.Scene:
 def test_every_view_of_every_drive_is_drawn(drive: str, view: str) -> None:
     header, arrays, cycle = drawn(state_of(drive=drive, view=view, target="20", frequency_hz="35"))
     shape = (HEIGHT, WIDTH)
-    names = ["speed", "regime", "status", "marks", *["values"] * (view != "regime")]
+    names = ["speed", "regime", "status", "faces", "others", "marks", *["values"] * (view != "regime")]
     cells = {name: x.shape for name, x in arrays.items() if name != "points"}
     assert cells == dict.fromkeys(names, shape)
     assert (header["x"]["count"], header["y"]["count"]) == (WIDTH, HEIGHT)
@@ -76,11 +80,13 @@ def test_every_view_of_every_drive_is_drawn(drive: str, view: str) -> None:
     assert np.array_equal(arrays["regime"], cycle.regime)
     assert np.array_equal(arrays["status"], cycle.status)
     assert (header["scale"] is None) == (view == "regime")
-    if header["scale"]:
-        assert len(b64decode(header["scale"]["colours"])) == 3 * 256
-        assert header["scale"]["low"] < header["scale"]["high"]
-    assert np.isfinite(arrays["points"]).all()
-    assert (np.abs(arrays["points"] - 0.5) < 0.5 + 1e-6).all()
+    first, count = header["scale"]["colours"] if header["scale"] else (6, 0)
+    assert len(b64decode(header["palette"])) == 3 * (first + count)
+    assert arrays["faces"].max() < first + count
+    assert all(0.0 <= share <= 1.0 for axis in ("x", "y") for share, _ in header[axis]["ticks"])
+    for name, points in points_of(header, arrays).items():
+        assert len(points), name
+        assert (np.abs(points - 0.5) < 0.5 + 1e-6).all(), name
 
 
 @pytest.mark.parametrize(
@@ -110,18 +116,6 @@ def test_curves_lie_where_regimes_begin(query: dict[str, str]) -> None:
         assert off.max() < (1e-5 if exact else 0.02), name
 
 
-def test_the_operating_point_lies_where_it_is() -> None:
-    assert drawn(state_of())[0]["point"] == pytest.approx([10 / 55, 0.9 / 2.9])
-    log = drawn(state_of(x_range="5:60:log"))[0]
-    assert log["point"][0] == pytest.approx(np.log(3) / np.log(12))
-    outside = drawn(state_of(amplitude_mm="4"))[0]
-    assert outside["point"][1] > 1.0
-    assert "outside" in outside["notes"][0]
-    assert (
-        drawn(state_of(trough_angle_deg="-3", x="trough_angle_deg", x_range="1:5:log"))[0]["point"][0] < 0.0
-    )
-
-
 @pytest.mark.parametrize("query", [{}, {"trough_angle_deg": "-6", "follow": "0"}, {"drive": "ellipse"}])
 def test_a_target_is_met_where_bodies_are_fast_enough_and_do_not_hop(query: dict[str, str]) -> None:
     state = state_of(view="speed", target="20", **query)
@@ -129,14 +123,14 @@ def test_a_target_is_met_where_bodies_are_fast_enough_and_do_not_hop(query: dict
     with np.errstate(invalid="ignore"):
         fast = (1e3 * cycle.mean_velocity >= 20.0) & (cycle.regime != Regime.HOPPING)
     assert fast.any()
-    assert np.array_equal(marked(arrays, "meets"), fast)
+    assert np.array_equal(marked(arrays, "misses"), ~fast)
     assert "target" in points_of(header, arrays)
 
 
 def test_a_target_is_met_by_all_bodies_of_a_band() -> None:
     state = state_of(view="speed", target="5", **BAND)
     _, arrays, _ = drawn(state)
-    meets = marked(arrays, "meets")
+    meets = ~marked(arrays, "misses")
     assert meets.any()
     points = np.argwhere(meets)[:: max(1, meets.sum() // 50)]
     shares = np.column_stack([points[:, 1] / (WIDTH - 1), points[:, 0] / (HEIGHT - 1)])
@@ -238,7 +232,7 @@ def test_guaranteed_speeds_are_told_as_such() -> None:
     assert header["label"].startswith("guaranteed")
     unproved = marked(arrays, "unproved")
     assert unproved.any()
-    assert not (unproved & marked(arrays, "covered")).any()
+    assert np.array_equal(unproved, arrays["faces"] == NO_ANSWER)
     assert np.isnan(arrays["values"][unproved]).all()
     flights, _, _ = drawn(state_of(view="impact", **BAND))
     assert any("Flights depend on friction" in note for note in flights["notes"])
@@ -249,13 +243,13 @@ def test_marks_tell_what_a_cell_is() -> None:
     backwards = marked(arrays, "backwards")
     assert backwards.any()
     assert (cycle.mean_velocity[backwards] < 0.0).all()
-    assert np.array_equal(marked(arrays, "covered"), cycle.regime == Regime.NO_SLIP)
+    assert np.array_equal(arrays["faces"] == Regime.NO_SLIP, cycle.regime == Regime.NO_SLIP)
     assert not marked(arrays, "preview").any()
     assert "zero_speed" in points_of(header, arrays)
     assert header["progress"] == {"done": True, "share": 1.0, "text": ""}
     flights = drawn(state_of(view="flight"))[1]
-    assert np.array_equal(marked(flights, "covered"), flights["regime"] != Regime.HOPPING)
-    first, arrays, _ = drawn(state_of(restitution="0.5"))
+    assert np.array_equal(flights["faces"] == Regime.NO_SLIP, flights["regime"] != Regime.HOPPING)
+    first, arrays, _ = drawn(state_of(restitution="0.5", view="speed"))
     assert np.array_equal(marked(arrays, "unknown"), arrays["regime"] == Regime.HOPPING)
     assert not first["progress"]["done"]
     steep = drawn(state_of(x="drive_angle_deg", y="static_friction", follow="0"))[1]
@@ -269,25 +263,31 @@ def test_traverse_times_are_the_length_over_the_speed() -> None:
     assert np.isnan(arrays["values"][~moves]).all()
 
 
-def test_a_scale_of_numbers_that_are_all_the_same_begins_at_zero() -> None:
-    frictions = {"x": "kinetic_friction", "y": "static_friction", "y_range": "1:2", "gravity_m_s2": "1.62"}
-    header, arrays, _ = drawn(state_of(view="impact", **frictions), done=True)
-    numbers = {*arrays["values"][np.isfinite(arrays["values"])].tolist()}
-    assert len(numbers) == 1
-    assert header["scale"]["low"] == 0.0
-    assert header["scale"]["high"] == pytest.approx(numbers.pop())
-    assert len(header["scale"]["ticks"]) > 2
+def test_the_legend_tells_what_is_seen() -> None:
+    header, arrays, _ = drawn(state_of(**BAND))
+    told = {item["text"]: item for item in header["legend"]}
+    assert [*told][:4] == ["no-slip", "forward-slip", "back-slip", "hopping"]
+    assert len(told) == 5
+    (either,) = (item for item in header["legend"] if item["marks"])
+    assert np.array_equal(marked(arrays, "either"), arrays["lowest"] < arrays["highest"])
+    assert either["marks"] == MARKS["either"]
+    assert np.array_equal(arrays["faces"], arrays["lowest"])
+    assert np.array_equal(arrays["others"], arrays["highest"])
+    steep, arrays, _ = drawn(state_of(x="drive_angle_deg", y="static_friction", follow="0"))
+    hatched = arrays["status"] == Status.INFEASIBLE
+    assert np.array_equal(marked(arrays, HATCHES[Status.INFEASIBLE]), hatched & (arrays["regime"] < 0))
+    assert "infeasible" in [item["text"] for item in steep["legend"]]
 
 
-def test_a_header_tells_all_styles() -> None:
-    header = drawn(state_of())[0]
-    assert [regime["code"] for regime in header["regimes"]] == [0, 2, 1, 3]
-    assert [status["code"] for status in header["statuses"]] == [*range(8)]
-    assert header["x"] == {
-        "column": "frequency_hz", "label": "frequency", "symbol": "f", "unit": "Hz", "from": 5.0, "to": 60.0,
-        "log": False, "count": WIDTH,
-    }  # fmt: skip
-    assert QUANTITIES["frequency"].column == header["x"]["column"]
+def test_an_axis_is_described_as_it_is_printed() -> None:
+    header = drawn(state_of(x="drive_angle_deg", y_range="0.1:3:log"))[0]
+    x, y = header["x"], header["y"]
+    assert (x["title"], x["unit"], x["count"]) == ("drive angle α [°]", "°", WIDTH)
+    assert (x["from"], x["to"], x["log"]) == (0.0, 80.0, False)
+    assert x["ticks"] == [[n / 8, str(10 * n)] for n in range(9)]
+    assert [text for _, text in y["ticks"]] == ["0.1", "0.2", "0.5", "1", "2"]
+    assert y["ticks"][3][0] == pytest.approx(np.log(10) / np.log(30))
+    assert QUANTITIES["drive_angle"].column == x["column"]
 
 
 def test_arrays_are_packed_where_they_are_told_to_be() -> None:

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 import vibro
-from vibro.core.codes import Regime
+from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
 from vibro.explore.histories import packed_history
 from vibro.explore.levels import MapCells
-from vibro.explore.looks import STYLES
-from vibro.explore.maps import MARKS, packed_map
+from vibro.explore.looks import MARKS
+from vibro.explore.maps import packed_map
 from vibro.explore.points import point_of
+from vibro.explore.words import symbol_of, unit_of
 from vibro.files.tables import CsvFormat
 from vibro.quantities import QUANTITIES, SWEPT
 from vibro.results.sweep import Block, Column
@@ -32,6 +33,7 @@ __all__ = ["Answers"]
 
 _KEPT: Final = 16  # maps of about 8 MB
 _PATIENCE: Final = 0.05  # [s] of people who move a slider
+_NO_BANDS: Final = {"static_friction_band": "", "kinetic_friction_band": "", "friction_ratio_band": ""}
 _TURN: Final = 0.1  # [s] that a map is worked on for one request
 
 
@@ -63,12 +65,23 @@ class Answers:
                     "quantities": [QUANTITIES[quantity].column for quantity in drive.quantities],
                     "x": QUANTITIES[drive.x].column,
                     "y": QUANTITIES[drive.y].column,
+                    "state": {
+                        **dict.fromkeys(("x", "y", "x_range", "y_range"), ""),
+                        **_NO_BANDS,
+                        "drive": name,
+                    },
                 }
                 for name, drive in DRIVES.items()
             ],
-            "views": [{"name": name, "label": label} for name, label in VIEWS.items()],
-            "presets": [{"name": name, "label": p.label, "state": p.state} for name, p in PRESETS.items()],
-            **STYLES,
+            "views": [
+                {"name": name, "label": label, "state": {"view": name}} for name, label in VIEWS.items()
+            ],
+            "presets": [
+                {"name": name, "label": preset.label, "state": {**_NO_BANDS, **preset.state}}
+                for name, preset in PRESETS.items()
+            ],
+            "regimes": [{"code": int(regime), "label": regime.label} for regime in Regime],
+            "statuses": [{"code": int(s), "message": "" if s is Status.OK else s.message} for s in Status],
             "marks": MARKS,
         }
 
@@ -166,8 +179,8 @@ def _described(name: str) -> dict[str, Any]:
     return {
         "column": quantity.column,
         "label": quantity.label,
-        "symbol": quantity.letter,
-        "unit": quantity.unit,
+        "symbol": symbol_of(quantity),
+        "unit": unit_of(quantity),
         "meaning": quantity.meaning,
         "low": control.low,
         "high": control.high,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.explore.packing import pack
+from vibro.explore.words import even_ticks
 from vibro.motion.histories import simulate
 from vibro.motion.trace import trace
 from vibro.plots.history import PANELS, choose_panels, most_force, panels_of, values_of
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["packed_history"]
 
+_MARGIN: Final = 0.06  # of a panel, above and below its curves
+_OTHER_LIMIT: Final = "static_limit_below"
 _SAMPLES: Final = 100  # a drive cycle, beside every event
 _NAMES: Final = "trough,forces,velocity,position"
 
@@ -47,34 +49,40 @@ def packed_history(state: State) -> bytes:
     rows = trace(history, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)
     flies = any(phase.kind == "H" for phase in phases)
     arrays: dict[str, NDArray[Any]] = {"time": _single(1e3 * rows.time)}
-    panels, most = [], most_force(rows)  # infinite without friction
+    panels = []
     for name, panel in panels_of([*choose_panels(_NAMES, flies=flies), *["gap"] * flies], rows).items():
         curves = []
         for curve in panel.curves:
+            described: dict[str, Any] = {
+                "label": curve.label,
+                "colour": curve.colour,
+                "dash": [] if curve.dashes == "-" else [*curve.dashes[1]],
+                "width": curve.width,
+                "array": curve.field,
+            }
             arrays[curve.field] = _single(values_of(curve, panel, rows))
-            curves.append(
-                {
-                    "label": curve.label,
-                    "colour": curve.colour,
-                    "dash": [] if curve.dashes == "-" else [*curve.dashes[1]],
-                    "width": curve.width,
-                    "array": curve.field,
-                    "mirrored": curve.field == "static_limit",
-                }
-            )
+            curves.append(described)
+            if curve.field == "static_limit":  # it holds either way
+                arrays[_OTHER_LIMIT] = -arrays[curve.field]
+                curves.append({**described, "array": _OTHER_LIMIT, "label": ""})
+        most = most_force(rows) if panel is PANELS["forces"] else None
+        low, high = _ends([arrays[curve["array"]] for curve in curves], most)
         panels.append(
             {
                 "name": name,
-                "label": panel.label.replace("\n", " "),
-                "unit": panel.unit,
+                "title": panel.label.replace("\n", " ") + (f" [{panel.unit}]" if panel.unit else ""),
                 "height": panel.height,
-                "most": most if panel is PANELS["forces"] and most < math.inf else None,
+                "low": low,
+                "high": high,
+                "ticks": even_ticks(low, high, most=4),
                 "curves": curves,
             }
         )
+    duration = 1e3 * history.end
     header = {
         "title": f"first {state.cycles} drive cycles from rest",
-        "duration_ms": 1e3 * history.end,
+        "duration_ms": duration,
+        "ticks": even_ticks(0.0, duration),
         "phases": [
             {
                 "kind": phase.kind,
@@ -89,6 +97,16 @@ def packed_history(state: State) -> bytes:
         "note": "",
     }
     return pack(header, arrays)
+
+
+def _ends(curves: list[NDArray[np.float32]], most: float | None) -> tuple[float, float]:
+    """Return the ends of a panel's axis: zero is seen, and forces up to the most that is told."""
+    values = np.concatenate([[0.0], *curves])
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if most is not None:
+        low, high = max(low, -most), min(high, most)
+    margin = _MARGIN * (high - low or 1.0)
+    return low - margin, high + margin
 
 
 def _single(values: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -1,121 +1,165 @@
-"""How a map looks, in words and numbers: regimes, statuses, axes, curves, colours."""
+"""How the cells of a map look: their colours, what is drawn over these, and what the legend calls both."""
 
 from __future__ import annotations
 
 from base64 import b64encode
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.ticker import MaxNLocator
 
-from vibro.core.codes import Status
-from vibro.plots.style import INK, NO_ANSWER_HATCH, REGIME_COLOURS, value_text
-from vibro.quantities import QUANTITIES
+from vibro.core.codes import Regime
+from vibro.plots.style import (
+    AVERAGED_LABEL,
+    BACKWARDS_LABEL,
+    COEXISTS_LABEL,
+    NO_ANSWER_FACE,
+    NO_ANSWER_HATCH,
+    REGIME_COLOURS,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
-    from vibro.axes import Axis
-    from vibro.explore.state import State
     from vibro.plots.scales import Scale
-    from vibro.plots.style import CurveStyle
 
-    Floats = NDArray[np.float64]
+    Mask = NDArray[np.bool_]
 
-__all__ = ["STYLES", "caption_of", "look_of_axis", "look_of_curve", "look_of_scale"]
+__all__ = ["HATCHES", "MARKS", "Looks", "looks_of"]
 
-#: How regimes and statuses look and are called, for the page.
-STYLES: Final = {
-    "regimes": [
-        {"code": int(regime), "label": regime.label, "colour": colour}
-        for regime, colour in REGIME_COLOURS.items()
-    ],
-    "statuses": [
-        {
-            "code": int(status),
-            "label": status.label.replace("-", " "),
-            "message": status.message,
-            "hatch": NO_ANSWER_HATCH.get(status, "")[:1],
-            "answered": status.answered,
-        }
-        for status in Status
-    ],
+# Faces are places in a palette: of regimes their codes, then these, then the colours of the scale.
+_NO_ANSWER, _GREY, _SCALE = 4, 5, 6
+_COLOURS: Final = 250  # of a scale: with those before as many as a byte can tell
+_PLAIN: Final = [REGIME_COLOURS[Regime(code)] for code in range(4)] + [NO_ANSWER_FACE, "#808080"]
+
+#: Bits of what is drawn over a cell, for the page.
+MARKS: Final = {
+    name: 1 << bit
+    for bit, name in enumerate(
+        ("backwards", "averaged", "coexists", "preview", "unknown", "unproved", "either", "misses",
+         "rising", "falling", "crossed", "level", "grid")
+    )
+}  # fmt: skip
+_HATCHES: Final = {"/": "rising", "\\": "falling", "x": "crossed", "-": "level", "+": "grid"}
+#: What is drawn where a status tells why there is no answer.
+HATCHES: Final = {status: _HATCHES[hatch[0]] for status, hatch in NO_ANSWER_HATCH.items()}
+
+# What the legend calls them, and the faces on which it shows them.
+_NAMES: Final = {
+    **{name: (status.label.replace("-", " "), (_NO_ANSWER,)) for status, name in HATCHES.items()},
+    "backwards": (BACKWARDS_LABEL, (Regime.NO_SLIP,)),
+    "averaged": (AVERAGED_LABEL, (Regime.NO_SLIP,)),
+    "coexists": (COEXISTS_LABEL, (Regime.NO_SLIP,)),
+    "preview": ("preview, not exact yet", (_GREY,)),
+    "unknown": ("not computed yet", (_NO_ANSWER,)),
+    "unproved": ("no speed is guaranteed", (_NO_ANSWER,)),
+    "either": ("either regime, or one between, as friction may be", (Regime.FORWARD_SLIP, Regime.BACK_SLIP)),
+    "misses": ("misses the target speed", (_GREY,)),
 }
 
-_COLOURS: Final = 256  # of a scale
-_GREEK: Final = {
-    "alpha": "α", "beta": "β", "varphi": "φ", "mu": "μ", "xi": "ξ", "eta": "η",
-}  # fmt: skip
+
+class Looks(NamedTuple):
+    """How cells look.
+
+    Attributes
+    ----------
+    faces, others : uint8 array
+        Colours of cells, and those of the stripes on them where either regime may be: places in the palette.
+    marks : uint16 array
+        What is drawn over them, as bits.
+    palette : str
+        Red, green and blue of each colour, a byte each, in base64.
+    scale : tuple of int
+        The first place in the palette of the colours of numbers, and how many there are.
+    legend : list of dict
+        What is seen: the ``text``, the ``faces`` of a sample, and the ``marks`` over it.
+    """
+
+    faces: NDArray[np.uint8]
+    others: NDArray[np.uint8]
+    marks: NDArray[np.uint16]
+    palette: str
+    scale: tuple[int, int]
+    legend: list[dict[str, Any]]
 
 
-def caption_of(state: State) -> str:
-    """Say what does not vary over a map and is not as usual, as pictures do: ``α = 20°, μ_s = 0.74``."""
-    grid = state.grid()
-    fixed = {**grid.fixed, "trough_length": grid.length}
-    parts = []
-    for name, quantity in QUANTITIES.items():
-        value = fixed.get(name)
-        if name in state.bands:
-            low, high = (value_text(name, end) for end in state.bands[name])
-            parts.append(f"{_plain(quantity.symbol)} = {low} to {high}")
-        elif value is not None and value != quantity.default:
-            parts.append(f"{_plain(quantity.symbol)} = {value_text(name, value)}")
-    return ", ".join(parts)
+def looks_of(
+    lowest: NDArray[np.int8],
+    highest: NDArray[np.int8],
+    shown: tuple[Scale, NDArray[np.float64], Mask] | None,
+    marked: Mapping[str, Mask],
+    words: Mapping[str, str],
+) -> Looks:
+    """Choose how cells look.
+
+    Parameters
+    ----------
+    lowest, highest : int8 array
+        The regimes that a body may have there, by code; -1: none. The same where friction is known.
+    shown : tuple, optional
+        The scale of the numbers that are shown, they, NaN where there are none, and where the colour of rest
+        covers them; regimes are shown without.
+    marked : mapping of str to bool array
+        Where what of ``MARKS`` is to be told; what says why there is no answer counts where there is none.
+    words : mapping of str to str
+        What the legend calls marks that are called otherwise here, and ``rest``, the colour of that.
+    """
+    palette = np.array([[int(c[n : n + 2], 16) for n in (1, 3, 5)] for c in _PLAIN], np.uint8)
+    if shown is None:
+        faces = np.where(lowest >= 0, lowest, _NO_ANSWER)
+        marked = {**marked, "either": lowest < highest}
+        is_empty = lowest < 0
+    else:
+        scale, numbers, covered = shown
+        palette = np.concatenate([palette, _colours_of(scale)])
+        with np.errstate(all="ignore"):
+            share = np.ma.filled(scale.norm(np.nan_to_num(numbers, nan=scale.norm.vmin or 0.0)), 0.0)
+        faces = _SCALE + np.rint((_COLOURS - 1) * np.clip(share, 0.0, 1.0))
+        faces = np.where(np.isnan(numbers), _NO_ANSWER, faces)
+        faces = np.where(covered, Regime.NO_SLIP, faces)
+        is_empty = np.isnan(numbers) & ~covered
+    told_of_numbers = ("averaged", "preview")
+    bits = np.zeros(lowest.shape, np.uint16)
+    for name, where in marked.items():
+        if name in told_of_numbers:
+            where = where & (faces >= _SCALE)
+        elif name in ("unknown", "unproved", *HATCHES.values()):
+            where = where & is_empty
+        bits |= np.where(where, np.uint16(MARKS[name]), np.uint16(0))
+    # What is not computed yet, or not proved, may have an answer all the same.
+    open_bits = MARKS["unknown"] | MARKS["unproved"]
+    hatches = sum(MARKS[name] for name in HATCHES.values())
+    bits = np.where(bits & open_bits, bits & ~np.uint16(hatches), bits)
+    others = np.where(highest >= 0, highest, _NO_ANSWER).astype(np.uint8)
+    faces = faces.astype(np.uint8)
+    return Looks(
+        faces,
+        others,
+        bits,
+        b64encode(palette.tobytes()).decode(),
+        (_SCALE, _COLOURS),
+        _legend(faces, others, bits, words),
+    )
 
 
-def _plain(symbol: str) -> str:
-    """Turn a symbol in TeX into one that can be read anywhere: ``μ_s``."""
-    for name, letter in _GREEK.items():
-        symbol = symbol.replace(f"\\{name}", letter)
-    return symbol
+def _legend(
+    faces: NDArray[np.uint8], others: NDArray[np.uint8], bits: NDArray[np.uint16], words: Mapping[str, str]
+) -> list[dict[str, Any]]:
+    seen = {*np.unique(faces), *np.unique(others[(bits & MARKS["either"]) > 0])}
+    called = {Regime.NO_SLIP: words.get("rest", Regime.NO_SLIP.label)}
+    regimes = [
+        {"text": called.get(r, r.label), "faces": [int(r)], "marks": 0} for r in Regime if int(r) in seen
+    ]
+    found = int(np.bitwise_or.reduce(bits, axis=None))
+    return regimes + [
+        {"text": words.get(name, text), "faces": [int(face) for face in sample], "marks": MARKS[name]}
+        for name, (text, sample) in _NAMES.items()
+        if found & MARKS[name]
+    ]
 
 
-def look_of_axis(axis: Axis) -> dict[str, Any]:
-    """Describe an axis of a map."""
-    first, last = (float(end) for end in axis.values[[0, -1]])
-    described = {"column": axis.column, "label": axis.label, "symbol": QUANTITIES[axis.name].letter}
-    return {
-        **described,
-        "unit": axis.unit,
-        "from": first,
-        "to": last,
-        "log": axis.spacing == "log",
-        "count": len(axis),
-    }
-
-
-def look_of_curve(name: str, style: CurveStyle, lines: list[Floats]) -> dict[str, Any]:
-    """Describe a curve, and how many points its pieces have."""
-    return {
-        "name": name,
-        "label": style.label,
-        "dash": _dashes_of(style),
-        "width": style.width,
-        "colour": "ink" if style.colour == INK else "white",
-        "pieces": [len(line) for line in lines],
-    }
-
-
-def _dashes_of(style: CurveStyle) -> list[float]:
-    """Return the lengths of dashes and gaps [px]; none of a line without."""
-    return [] if isinstance(style.dashes, str) else [length * style.width for length in style.dashes[1]]
-
-
-def look_of_scale(scale: Scale, numbers: Floats) -> dict[str, Any]:
-    """Describe a scale such that the page can turn numbers into colours; without ticks if there are none."""
-    norm: Any = scale.norm
-    low, high = float(norm.vmin), float(norm.vmax)
-    if low == high:  # all numbers are the same: shares of no width are none
-        low, high = min(low, 0.0), max(high, 0.0)
-    kind = {"LogNorm": "log", "AsinhNorm": "asinh"}.get(type(norm).__name__, "linear")
-    ticks = MaxNLocator(6).tick_values(low, high) if scale.ticks is None else scale.ticks
-    colours = colormaps[scale.colours](np.linspace(0.0, 1.0, _COLOURS), bytes=True)[:, :3]
-    return {
-        "kind": kind,
-        "low": low,
-        "high": high,
-        "width": float(norm.linear_width) if kind == "asinh" else 0.0,
-        "colours": b64encode(colours.tobytes()).decode(),
-        "ticks": [float(tick) for tick in ticks if low <= tick <= high] if np.isfinite(numbers).any() else [],
-    }
+def _colours_of(scale: Scale) -> NDArray[np.uint8]:
+    colours = colormaps[scale.colours](np.linspace(0.0, 1.0, _COLOURS), bytes=True)
+    return np.asarray(colours[:, :3])

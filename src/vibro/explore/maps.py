@@ -8,24 +8,19 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-# Before any thread: where several import it at once, some of them see half of it.
 from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of, extreme_frictions, is_outside
 from vibro.explore.controls import VIEWS
-from vibro.explore.looks import STYLES, caption_of, look_of_axis, look_of_curve, look_of_scale
+from vibro.explore.looks import HATCHES, looks_of
 from vibro.explore.packing import pack
+from vibro.explore.words import caption_of, round_numbers, symbol_of, ticks_of, unit_of
 from vibro.inverse.certain import Certain
 from vibro.plots.fields import HIDDEN_BY, Fields, hiding_fields, without_hidden, zero_lines
 from vibro.plots.neighbours import fill_unknown
 from vibro.plots.scales import scale_of, time_scale
-from vibro.plots.style import (
-    CURVES,
-    ZERO_SPEED,
-    CurveStyle,
-    number_text,
-    value_text,
-)
+from vibro.plots.style import CURVES, INK, ZERO_SPEED, CurveStyle, number_text, value_text
 from vibro.plots.view import choose_view, panels
+from vibro.quantities import QUANTITIES
 from vibro.results.sweep import SweepResult
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.run import limits_of
@@ -41,22 +36,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Curves = list[tuple[str, CurveStyle, list[Floats]]]
 
-__all__ = ["MARKS", "packed_map"]
-
-# Bits of what is marked in a cell.
-BACKWARDS, AVERAGED, COEXISTS, PREVIEW, UNKNOWN, MEETS, COVERED, UNPROVED = (1 << i for i in range(8))
-
-#: What they mean, for the page.
-MARKS: Final = {
-    "backwards": BACKWARDS,
-    "averaged": AVERAGED,
-    "coexists": COEXISTS,
-    "preview": PREVIEW,
-    "unknown": UNKNOWN,
-    "meets": MEETS,
-    "covered": COVERED,
-    "unproved": UNPROVED,
-}
+__all__ = ["packed_map"]
 
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
 _TARGET_WIDTH: Final = 2.6  # of its curve
@@ -83,37 +63,48 @@ def packed_map(state: State, cells: Shown) -> bytes:
     -------
     bytes
         As ``pack`` makes them. Arrays of cells have the shape (y, x), the lowest row first:
-        ``speed`` [mm/s], ``values`` of the view unless that is of regimes, ``regime``, ``status``, ``marks``,
-        with bands ``lowest`` and ``highest`` regime; ``points`` of the curves are shares of the axes.
+        ``speed`` [mm/s], ``values`` of the view unless that is of regimes, ``regime``, ``status``, ``faces``,
+        ``others`` and ``marks`` as ``looks_of`` chooses them, with bands ``lowest`` and ``highest`` regime;
+        ``points`` of the curves, one after the other, are shares of the axes; NaN ends every piece.
     """
     drawn = _Drawn(state, cells)
-    curves, numbers = drawn.curves(), drawn.numbers
+    curves, numbers, cycle = drawn.curves(), drawn.numbers, drawn.cycle
+    scale = None if numbers is None else drawn.scale(numbers)
+    ticks = [] if scale is None else _scale_ticks(scale, drawn.seen)
+    shown = None if numbers is None or scale is None else (scale, numbers, drawn.covered)
+    lowest, highest = (cycle["regime"],) * 2
+    if drawn.certain is not None:
+        lowest, highest = drawn.certain.lowest, drawn.certain.highest
+    looks = looks_of(lowest, highest, shown, drawn.marks(), drawn.words())
     arrays: dict[str, NDArray[Any]] = {
-        "speed": _single(_MILLIMETRE * drawn.cycle["mean_velocity"]),
-        "regime": drawn.cycle["regime"],
-        "status": drawn.cycle["status"],
-        "marks": drawn.marks(),
+        "speed": _single(_MILLIMETRE * cycle["mean_velocity"]),
+        "regime": cycle["regime"],
+        "status": cycle["status"],
+        "faces": looks.faces,
+        "others": looks.others,
+        "marks": looks.marks,
     }
     if numbers is not None:
         arrays["values"] = _single(numbers)
     if drawn.certain is not None:
-        arrays |= {"lowest": drawn.certain.lowest, "highest": drawn.certain.highest}
-    pieces = [drawn.shares(piece) for _, _, lines in curves for piece in lines]
-    arrays["points"] = _single(np.concatenate(pieces) if pieces else np.empty((0, 2)))
+        arrays |= {"lowest": lowest, "highest": highest}
+    gap = np.full((1, 2), np.nan)
+    points = [part for _, _, lines in curves for line in lines for part in (drawn.shares(line), gap)]
+    arrays["points"] = _single(np.concatenate(points) if points else np.empty((0, 2)))
     header = {
         "view": state.view,
         "label": drawn.label,
         "title": drawn.title,
         "caption": caption_of(state),
-        "x": look_of_axis(drawn.panel.x),
-        "y": look_of_axis(drawn.y),
-        "point": drawn.operating_point(),
-        "scale": None if numbers is None else look_of_scale(drawn.scale(numbers), drawn.seen),
-        "curves": [look_of_curve(name, style, lines) for name, style, lines in curves],
+        "x": _axis(drawn.panel.x),
+        "y": _axis(drawn.y),
+        "palette": looks.palette,
+        "scale": None if scale is None else {"colours": looks.scale, "ticks": ticks},
+        "legend": looks.legend,
+        "curves": [_curve(*curve, on_numbers=scale is not None) for curve in curves],
         "bands": drawn.certain is not None,
         "progress": {"done": cells.is_done, "share": cells.share, "text": drawn.progress_text(cells)},
         "notes": drawn.notes(),
-        **STYLES,
     }
     return pack(header, arrays)
 
@@ -192,10 +183,10 @@ class _Drawn:
     @property
     def seen(self) -> Floats:
         """The numbers that are seen; NaN elsewhere."""
-        return np.where(self._covered, np.nan, np.nan if self.numbers is None else self.numbers)
+        return np.where(self.covered, np.nan, np.nan if self.numbers is None else self.numbers)
 
     @property
-    def _covered(self) -> NDArray[np.bool_]:
+    def covered(self) -> NDArray[np.bool_]:
         """Whether the colour of rest covers each cell: nothing moves there, or nothing flies."""
         regime = self.cycle["regime"]
         if self._state.view in _FLIGHT_ALONE:
@@ -203,27 +194,22 @@ class _Drawn:
         rests = regime if self.certain is None else self.certain.highest
         return np.asarray((rests == Regime.NO_SLIP) & (self.numbers is not None))
 
-    def marks(self) -> NDArray[np.uint8]:
-        """Return what is marked in each cell, as bits."""
-        cycle, alone = self.cycle, self.certain is None
-        with np.errstate(invalid="ignore"):
-            backwards = cycle["mean_velocity"] < -_CERTAIN * cycle["mean_velocity_error"]
-        bits: dict[int, Any] = {
-            BACKWARDS: backwards & alone,
-            AVERAGED: (cycle["status"] == int(Status.AVERAGED)) & alone,
-            COEXISTS: (cycle["coexists"] > 0) & alone,
-            PREVIEW: self._known & ~self._exact,
-            UNKNOWN: ~self._known,
-            COVERED: self._covered,
-        }
+    def marks(self) -> dict[str, NDArray[np.bool_]]:
+        """Return where something is to be told of cells, by names of ``MARKS``."""
+        cycle, status = self.cycle, self.cycle["status"]
+        marks = {name: status == int(code) for code, name in HATCHES.items()}
         if self._state.target is not None:
-            bits[MEETS] = self._meets > 0.0
-        if self.certain is not None and self._state.view in _OF_SPEED:
+            marks["misses"] = self._meets <= 0.0
+        if self.certain is None or self._state.view in _FLIGHT_ALONE:
+            marks |= {"preview": self._known & ~self._exact, "unknown": ~self._known}
+        if self.certain is None:
+            with np.errstate(invalid="ignore"):
+                marks["backwards"] = cycle["mean_velocity"] < -_CERTAIN * cycle["mean_velocity_error"]
+            marks["averaged"] = status == int(Status.AVERAGED)
+            marks["coexists"] = cycle["coexists"] > 0
+        elif self._state.view in _OF_SPEED:
             assert self.numbers is not None
-            bits[UNPROVED] = np.isnan(self.numbers) & (self.certain.highest >= 0) & ~self._covered
-        marks = np.zeros(backwards.shape, np.uint8)
-        for bit, where in bits.items():
-            marks |= np.where(where, np.uint8(bit), np.uint8(0))
+            marks["unproved"] = np.isnan(self.numbers) & (self.certain.highest >= 0)
         return marks
 
     @cached_property
@@ -290,17 +276,19 @@ class _Drawn:
         """Turn points in the units outside into shares of the axes, from left to right and from below."""
         return np.column_stack([_share(axis, points[:, i]) for i, axis in enumerate((self.panel.x, self.y))])
 
-    def operating_point(self) -> list[float]:
-        """Return where the operating point lies, in shares of the axes; it may lie outside."""
-        fixed = self._state.point.fixed | {"friction_ratio": self._state.friction_ratio}
-        point = np.array([[fixed[axis.name] for axis in (self.panel.x, self.y)]])
-        with np.errstate(divide="ignore", invalid="ignore"):  # 0 and less on a logarithmic axis
-            place = np.nan_to_num(self.shares(point)[0], nan=-9.0, neginf=-9.0)
-        return [float(share) for share in place.clip(-9.0, 9.0)]
+    def words(self) -> dict[str, str]:
+        """Return what the legend calls things here that are called otherwise elsewhere."""
+        words = {"rest": "no flight"} if self._state.view in _FLIGHT_ALONE else {}
+        if self._state.target is not None:
+            speed = f"{number_text(self._state.target)} mm/s"
+            words["misses"] = (
+                f"not certain to reach {speed}" if self.certain else f"slower than {speed}, or hops"
+            )
+        return words
 
     def scale(self, numbers: Floats) -> Scale:
         """Choose how numbers become colours."""
-        seen = np.isfinite(numbers) & ~self._covered
+        seen = np.isfinite(numbers) & ~self.covered
         if self._state.view == "traverse":
             return time_scale(numbers[seen])
         regular = seen & (self.cycle["period_cycles"] == 1.0)
@@ -323,8 +311,6 @@ class _Drawn:
     def notes(self) -> list[str]:
         """Return what else is to be said."""
         notes = []
-        if not all(0.0 <= share <= 1.0 for share in self.operating_point()):
-            notes.append("The operating point lies outside of this map.")
         if np.isfinite(self.seen).any():
             notes.append(self._best(self.seen))
         if self.certain is not None and is_outside(self._state):
@@ -362,3 +348,48 @@ def _share(axis: Axis, values: Floats) -> Floats:
 def _single(values: Floats) -> NDArray[np.float32]:
     """Round to single precision; numbers beyond its range are the largest that it has."""
     return np.clip(values, -_LARGEST, _LARGEST).astype(np.float32)
+
+
+def _axis(axis: Axis) -> dict[str, Any]:
+    first, last = (float(end) for end in axis.values[[0, -1]])
+    quantity = QUANTITIES[axis.name]
+    unit, is_log = unit_of(quantity), axis.spacing == "log"
+    return {
+        "column": axis.column,
+        "label": axis.label,
+        "title": f"{axis.label} {symbol_of(quantity)}" + (f" [{unit}]" if unit else ""),
+        "unit": unit,
+        "from": first,
+        "to": last,
+        "log": is_log,
+        "count": len(axis),
+        "ticks": ticks_of(
+            round_numbers(first, last, log=is_log), lambda number: _share(axis, np.asarray(number))
+        ),
+    }
+
+
+def _curve(name: str, style: CurveStyle, lines: list[Floats], *, on_numbers: bool) -> dict[str, Any]:
+    return {
+        "name": name,
+        "label": style.label,
+        "dash": dashes_of(style),
+        "width": style.width,
+        "colour": style.colour,
+        "halo": INK if style.colour != INK else "#FFFFFF" if on_numbers else "",
+        "count": sum(len(line) + 1 for line in lines),
+    }
+
+
+def dashes_of(style: CurveStyle) -> list[float]:
+    """Return the lengths of dashes and gaps [px]; none of a line without."""
+    return [] if isinstance(style.dashes, str) else [length * style.width for length in style.dashes[1]]
+
+
+def _scale_ticks(scale: Scale, seen: Floats) -> list[tuple[float, str]]:
+    """Return where numbers stand on a scale; nothing where none is seen."""
+    if not np.isfinite(seen).any():
+        return []
+    low, high = float(scale.norm.vmin or 0.0), float(scale.norm.vmax or 1.0)
+    numbers = round_numbers(low, high, most=6) if scale.ticks is None else scale.ticks
+    return ticks_of((number for number in numbers if low <= number <= high), scale.norm)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["pack"]
 
 _ALIGNED: Final = 8  # bytes: arrays in JavaScript begin at multiples of the size of their numbers
-_TYPES: Final = {"float32": "f4", "int8": "i1", "uint8": "u1"}
+_TYPES: Final = {"float32": "f4", "int8": "i1", "uint8": "u1", "uint16": "u2"}
 
 
 def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -26,7 +26,7 @@ def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes
     header : mapping
         Of what JSON has; no number in it may be NaN or infinite.
     arrays : mapping of str to array
-        By name: float32, int8 or uint8.
+        By name: float32, int8, uint8 or uint16.
 
     Returns
     -------

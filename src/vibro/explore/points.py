@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.explore.bands import guaranteed_text
 from vibro.explore.state import HEIGHT, WIDTH, number_text
+from vibro.plots.style import REGIME_COLOURS
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.one_scene import OneScene, beginnings, estimate, facts_of, phase_rows
@@ -31,9 +32,10 @@ def point_of(state: State) -> dict[str, Any]:
     Returns
     -------
     dict
-        Of what JSON has: ``state`` in full; ``facts`` and the tables ``begins`` and ``phases`` as
-        ``vibro solve`` prints them; ``guaranteed``, what holds for all bodies of the bands; ``command`` and
-        ``toml``, which make the same map, and ``apart``, what sets their map apart.
+        Of what JSON has: ``state`` in full; ``title``, and of that the ``regime`` with its ``colour`` and the
+        ``speed``; ``facts`` and the tables ``begins`` and ``phases`` as ``vibro solve`` prints them;
+        ``guaranteed``, what holds for all bodies of the bands; ``command`` and ``toml``, which make the same
+        map, and ``apart``, what sets theirs apart.
     """
     grid = Grid({}, state.point.fixed, state.point.length)
     (block,) = sweep_blocks(grid)
@@ -43,8 +45,12 @@ def point_of(state: State) -> dict[str, Any]:
         time = one.traverse_time
         told = one.why_never() if time is None else estimate(time, time * one.relative_error, "s")
         facts.append(("traverse time", told))
+    speed = dict(facts).get("mean speed", "")
     return {
         "state": dict(state.texts),
+        "title": ", ".join(filter(None, (one.regime.label, speed))),
+        "colour": REGIME_COLOURS.get(one.regime, "transparent"),
+        "speed": speed,
         "values": {QUANTITIES[name].column: value for name, value in one.given.items()},
         "regime": one.regime.label,
         "facts": facts,

@@ -33,6 +33,7 @@ __all__ = [
     "NO_ANSWER_HATCH",
     "NO_ANSWER_INK",
     "REGIME_COLOURS",
+    "UNIT_SIGNS",
     "ZERO_SPEED",
     "CurveStyle",
     "axis_label",
@@ -127,7 +128,7 @@ _NO_GLYPH: Final = "\N{WHITE SQUARE}"
 _MARKS: Final = ("Mn", "Me")
 _MOST_MARKS: Final = 3  # on one letter: each stands on top of the one before
 
-_UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
+UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
 _EVEN_LUMINANCE: Final = 0.2  # relative luminance of a colour on which INK and white are about as legible
 
 
@@ -227,7 +228,7 @@ def figure_text(text: str, size: float, room: float) -> str:
 
 def axis_label(axis: Axis) -> str:
     """Name, symbol and unit of an axis: ``frequency f [Hz]``."""
-    unit = f" [{_UNIT_SIGNS.get(axis.unit, axis.unit)}]" if axis.unit else ""
+    unit = f" [{UNIT_SIGNS.get(axis.unit, axis.unit)}]" if axis.unit else ""
     return f"{axis.label} ${QUANTITIES[axis.name].symbol}${unit}"
 
 
@@ -239,7 +240,7 @@ def number_text(value: float) -> str:
 def value_text(name: str, value: float) -> str:
     """Write a value of a quantity with its unit."""
     unit = QUANTITIES[name].unit
-    sign = _UNIT_SIGNS.get(unit, unit)
+    sign = UNIT_SIGNS.get(unit, unit)
     return number_text(value) + ("" if sign in ("°", "") else " ") + sign
 
 

@@ -1,7 +1,7 @@
 /** Elements, numbers, axes and legends, the same for the map and the motion. */
 
 export const INK = "#222222";
-export const FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif";
+export const FONT = getComputedStyle(document.body).fontFamily;
 const pen = /** @type {CanvasRenderingContext2D} */ (document.createElement("canvas").getContext("2d"));
 
 /** @template {Element} E @param {E} element @param {Record<string, string | number>} attributes */
@@ -27,8 +27,8 @@ export function html(tag, attributes = {}, ...children) {
   return set(element, attributes);
 }
 
-/** @template {HTMLElement} T @param {string} id @param {new () => T} type */
-export function byId(id, type) {
+/** @template {Element} T @param {string} id @param {new () => T} type */
+function byId(id, type) {
   const element = document.getElementById(id);
   if (element instanceof type) return element;
   throw new Error(`no ${type.name} #${id}`);
@@ -36,15 +36,10 @@ export function byId(id, type) {
 export const input = (/** @type {string} */ id) => byId(id, HTMLInputElement);
 export const select = (/** @type {string} */ id) => byId(id, HTMLSelectElement);
 export const place = (/** @type {string} */ id) => byId(id, HTMLElement);
+export const shape = (/** @type {string} */ id) => byId(id, SVGElement);
 
 /** A number in few digits, with a proper minus. @param {number} value */
 export const numberText = (value, digits = 4) => String(Number(value.toPrecision(digits))).replace("-", "\u2212");
-
-const GREEK = /** @type {Record<string, string>} */ ({ alpha: "α", beta: "β", eta: "η", mu: "μ", phi: "φ", xi: "ξ" });
-/** @param {string} letter */
-export const symbolText = (letter) => letter.replace(/alpha|beta|eta|mu|phi|xi/, (name) => GREEK[name]);
-/** @param {string} unit */
-export const unitText = (unit) => unit.replace("deg", "°").replace("^2", "²");
 
 /** @param {string} text @param {number} [size] [px] */
 export function textWidth(text, size = 12) {
@@ -52,59 +47,67 @@ export function textWidth(text, size = 12) {
   return pen.measureText(text).width;
 }
 
-/** Round numbers along an axis, at most so many. @param {Span} axis @param {number} most */
-function ticks({ from, to, log }, most) {
-  if (log && to / from >= 10) {
-    const powers = Array.from({ length: 64 }, (_, n) => Math.floor(Math.log10(from)) + n);
-    const all = powers.flatMap((p) => [1, 2, 5].map((m) => Number(`${m}e${p}`))).filter((v) => v >= from && v <= to);
-    return all.length <= most ? all : all.filter((v) => Number.isInteger(Math.log10(v)));
+const SIDES = {
+  below: { mark: "M0 0v5", x: 0, y: 18, anchor: "middle", away: 37 },
+  left: { mark: "M0 0h-5", x: -8, y: 4, anchor: "end", away: -44 },
+  right: { mark: "M0 0h4", x: 7, y: 4, anchor: "start", away: 52 },
+};
+
+/** Marks with numbers along a side of a box, and what they are.
+ * @param {Box} box @param {keyof typeof SIDES} side @param {Tick[]} ticks @param {string} [label] */
+export function axis({ left, top, width, height }, side, ticks, label = "") {
+  const { mark, x, y, anchor, away } = SIDES[side];
+  const edge = side === "right" ? left + width : left;
+  const isBelow = side === "below";
+  const move = (/** @type {number} */ share, /** @type {number} */ far) => {
+    if (isBelow) return `translate(${left + width * share} ${top + height + far})`;
+    return `translate(${edge + far} ${top + height * (1 - share)})`;
+  };
+  const middle = move(0.5, away) + (isBelow ? "" : " rotate(-90)");
+  return svg("g", { "text-anchor": anchor, fill: "currentColor" },
+    ...ticks.map(([share, text]) => svg("g", { transform: move(share, 0) },
+      svg("path", { d: mark, stroke: "currentColor" }), svg("text", { x, y }, text))),
+    svg("text", { transform: middle, "text-anchor": "middle", "font-size": 13 }, label));
+}
+
+/** The way of a curve through points, in shares of a plot; NaN interrupts it.
+ * @param {number} count @param {(n: number) => ArrayLike<number>} point */
+export function way(count, point) {
+  let [d, pen] = ["", "M"];
+  for (let n = 0; n < count; n++) {
+    const { 0: x, 1: y } = point(n);
+    const isThere = !Number.isNaN(x + y);
+    if (isThere) d += `${pen}${(1000 * x).toFixed(1)} ${(1000 - 1000 * y).toFixed(1)}`;
+    pen = isThere ? "L" : "M";
   }
-  const power = 10 ** Math.floor(Math.log10((to - from) / most));
-  const step = power * ([1, 2, 2.5, 5].find((m) => (to - from) / (m * power) <= most) ?? 10);
-  const [first, last] = [Math.ceil(from / step - 1e-9), Math.floor(to / step + 1e-9)];
-  return Array.from({ length: last - first + 1 }, (_, n) => Number(((first + n) * step).toPrecision(12)));
+  return d;
 }
 
-/** Where a value lies on an axis, 0 to 1. @param {Span} axis @param {number} value */
-export function shareAt({ from, to, log }, value) {
-  return log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
+/** @param {string} d @param {{ colour: string, width: number, dash: number[] }} look */
+export function curve(d, { colour, width, dash }, more = {}) {
+  const look = { stroke: colour, "stroke-width": width, "stroke-dasharray": dash.join(" "), ...more };
+  return svg("path", { d, fill: "none", "vector-effect": "non-scaling-stroke", ...look });
 }
 
-const SIDES = { below: [0, 5, 0, 18, "middle"], left: [-5, 0, -8, 4, "end"], right: [4, 0, 7, 4, "start"] };
-
-/** Marks with numbers on a side of a box. @type {Marks} */
-export function marks({ left, top, width, height }, side, values, share) {
-  const [dx, dy, x, y, anchor] = SIDES[side];
-  return svg("g", { "text-anchor": anchor, fill: "currentColor" }, ...values.map((value) => {
-    const along = side === "below" ? left + width * share(value) : side === "left" ? left : left + width;
-    const down = side === "below" ? top + height : top + height * (1 - share(value));
-    const mark = svg("path", { d: `M0 0l${dx} ${dy}`, stroke: "currentColor" });
-    return svg("g", { transform: `translate(${along} ${down})` }, mark, svg("text", { x, y }, numberText(value)));
-  }));
+/** What is drawn in a box of 1000 by 1000, cut at its edges, and its frame.
+ * @param {Box} box @param {Record<string, string>} attributes @param {Node[]} children */
+export function plot({ left, top, width, height }, attributes, ...children) {
+  const area = { x: left, y: top, width, height };
+  return svg("g", {}, svg("rect", { ...area, fill: "none", stroke: "currentColor" }),
+    svg("svg", { ...area, viewBox: "0 0 1000 1000", preserveAspectRatio: "none", ...attributes }, ...children));
 }
 
-/** Marks below a box, or left of it, and what they are. @param {Box} box @param {"below" | "left"} side @param {Span} axis */
-export function axisMarks(box, side, axis, label = "") {
-  const values = ticks(axis, side === "below" ? Math.max(box.width / 80, 2) : Math.max(box.height / 50, 3));
-  return svg("g", {}, marks(box, side, values, (value) => shareAt(axis, value)), sideLabel(box, side, label));
-}
-
-/** Words along a side of a box. @param {Box} box @param {keyof typeof SIDES} side @param {string} text */
-export function sideLabel({ left, top, width, height }, side, text) {
-  const [x, y] = [side === "left" ? 14 : side === "right" ? left + width + 52 : left + width / 2, top + height / 2];
-  const place = side === "below" ? `translate(${x} ${top + height + 37})` : `translate(${x} ${y}) rotate(-90)`;
-  return svg("text", { transform: place, "text-anchor": "middle", "font-size": 13, fill: "currentColor" }, text);
-}
-
-/** Rows of samples, 24 by 14 px, with names. @param {Sample[]} items @param {number} left @param {number} top @param {number} width */
+/** Rows of samples on paper, 24 by 14 px, with names.
+ * @param {Sample[]} items @param {number} left @param {number} top @param {number} width */
 export function legend(items, left, top, width) {
   const group = svg("g");
   let [x, y] = [left, top];
   for (const { sample, text } of items) {
     const wide = 31 + textWidth(text);
     if (x > left && x + wide > left + width) [x, y] = [left, y + 20];
-    set(sample, { transform: `translate(${x} ${y})` });
-    group.append(sample, svg("text", { x: x + 31, y: y + 11.5, fill: "currentColor" }, text));
+    const paper = svg("rect", { width: 24, height: 14, fill: "#FFFFFF" });
+    const name = svg("text", { x: 31, y: 11.5, fill: "currentColor" }, text);
+    group.append(svg("g", { transform: `translate(${x} ${y})` }, paper, ...sample, name));
     x += wide + 18;
   }
   return { group, height: items.length ? y + 20 - top : 0 };

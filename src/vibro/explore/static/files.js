@@ -1,6 +1,6 @@
 /** What can be taken along: pictures of the map, and texts. */
 
-import { INK, place, set, svg } from "./draw.js";
+import { FONT, INK, place, set, svg } from "./draw.js";
 
 /** @typedef {import("./map.js").MapView} MapView */
 const nameOf = (/** @type {MapView} */ { map }) => `vibro-${map?.header.view}`;
@@ -8,10 +8,12 @@ const nameOf = (/** @type {MapView} */ { map }) => `vibro-${map?.header.view}`;
 /** The map as it is seen, dark on white, with its canvas as an image inside. @param {MapView} view */
 function figure({ svg: seen, canvas, box: { left, top, width, height } }) {
   const whole = /** @type {SVGElement} */ (seen.cloneNode(true));
-  whole.querySelectorAll(".surface, .reach, .focus").forEach((part) => part.remove());
-  const image = svg("image", { href: canvas.toDataURL(), x: left, y: top, width, height, preserveAspectRatio: "none" });
+  whole.querySelectorAll("#surface, .reach, .focus").forEach((part) => part.remove());
+  const area = { x: left, y: top, width, height };
+  const image = svg("image", { ...area, href: canvas.toDataURL(), preserveAspectRatio: "none" });
   whole.prepend(svg("rect", { width: "100%", height: "100%", fill: "#FFFFFF" }), image);
-  return new Blob([new XMLSerializer().serializeToString(set(whole, { color: INK }))], { type: "image/svg+xml" });
+  set(whole, { color: INK, "font-family": FONT });
+  return new Blob([new XMLSerializer().serializeToString(whole)], { type: "image/svg+xml" });
 }
 
 /** @param {Blob | null} blob @param {string} name */

@@ -5,111 +5,116 @@ import { html, place, set } from "./draw.js";
 import { offerFiles } from "./files.js";
 import { drawHistory } from "./history.js";
 import { MapView } from "./map.js";
-import { Lane, unpack } from "./requests.js";
+import { Lane, pause, unpack } from "./requests.js";
 import { Store } from "./state.js";
 
+const HEAD_START = 150; // [ms] that the question for a new map has at most before the others
+const CALM = 150; // [ms] without a change after which a map is refined
+
 const json = (/** @type {Response} */ response) => response.json();
-const say = (/** @type {string} */ text) => void (place("says").textContent = text);
-
-const troubles = /** @type {Map<string, string>} */ (new Map());
-function report(/** @type {string} */ kind, /** @type {string} */ trouble) {
-  if (trouble) troubles.set(kind, trouble);
-  else troubles.delete(kind);
-  const [text] = troubles.values();
-  const words = text ? `vibro does not answer (${text}). This page keeps its state and tries again by itself.` : "";
-  if (place("gone").textContent !== words) place("gone").textContent = words;
+function say(/** @type {string} */ text, where = "says") {
+  if (place(where).textContent !== text) place(where).textContent = text;
 }
+const warn = (/** @type {string} */ trouble) =>
+  say(trouble && `vibro does not answer (${trouble}). This page keeps its state and tries again by itself.`, "gone");
 
-/** @param {string} caption @param {string[]} head @param {string[][]} rows */
-function table(caption, head, rows) {
+/** A table, unless it is empty. @param {string} caption @param {TableInfo} content @returns {Node[]} */
+function table(caption, { head, rows }) {
+  if (!rows.length) return [];
   const heads = head.map((text) => html("th", { scope: "col" }, text));
-  const body = rows.map(([name, ...texts]) => html("tr", {}, html("th", { scope: "row" }, name), ...texts.map((text) => html("td", {}, text))));
-  const parts = [html("caption", {}, caption), ...(head.length ? [html("thead", {}, html("tr", {}, ...heads))] : [])];
-  return html("table", { class: head.length ? "numeric" : "facts" }, ...parts, html("tbody", {}, ...body));
+  const cells = rows.map(([name, ...texts]) =>
+    html("tr", {}, html("th", { scope: "row" }, name), ...texts.map((text) => html("td", {}, text))));
+  const top = head.length ? [html("thead", {}, html("tr", {}, ...heads))] : [];
+  const kind = head.length ? "numeric" : "facts";
+  return [html("table", { class: kind }, html("caption", {}, caption), ...top, html("tbody", {}, ...cells))];
 }
 
 function start(/** @type {Schema} */ schema) {
   const store = new Store(schema);
-  const view = new MapView(schema, (column) => store.value(column), (patch, finished) => change(patch, "map", finished));
+  const numberOf = (/** @type {string} */ column) => store.value(column);
+  const view = new MapView(schema, numberOf, (patch, isFinished) => change(patch, "map", isFinished));
   const controls = new Controls(store, change);
-  const problems = /** @type {Record<string, Problem[]>} */ ({}); // by the route that found them
   const asked = { map: "", history: "" }; // what the last questions depended on
   let isLinked = true; // the state comes from the address
-  let isFinished = false; // the last change is, and is yet to be told
+  let badLink = /** @type {Problem[]} */ ([]); // what it tells instead of a state
+  let isTold = true; // how the last finished change ended has been said
+  let changed = 0; // [ms] when the state last did
+  let refining = 0; // the timer of the next refinement
   let motion = /** @type {HistoryAnswer | null} */ (null);
 
-  /** @template A @param {string} kind @param {(response: Response) => Promise<A>} read @param {(answer: A, query: string) => void} show */
-  function lane(kind, read, show) {
-    return new Lane(kind, read, (answer, query) => {
-      if (delete problems[kind] && controls.problems.length) showProblems();
-      show(answer, query);
-    }, (refusal) => refuse(kind, refusal), report);
-  }
-  const map = lane("map", unpack, (/** @type {MapAnswer} */ answer, query) => {
-    view.show(answer, Boolean(new URLSearchParams(query).get("target")));
-    if (!answer.header.progress.done && map.waiting === null) map.ask(`${store.query()}&advance=1`);
-  });
-  const past = lane("history", unpack, (/** @type {HistoryAnswer} */ answer) => drawHistory(place("history"), (motion = answer)));
-  const point = lane("point", json, showPoint);
+  const map = new Lane("map", unpack, (/** @type {MapAnswer} */ answer) => (view.show(answer), refine()), tell);
+  const past = new Lane("history", unpack, (answer) => drawHistory((motion = answer)), tell);
+  const point = new Lane("point", json, showPoint, tell);
 
-  /** @param {State} patch @param {string} control @param {boolean} finished */
-  function change(patch, control, finished) {
-    store.change(patch, control, finished);
-    [isLinked, isFinished] = [false, finished];
-    delete problems.address;
+  /** @param {State} patch @param {string} control @param {boolean} isFinished */
+  function change(patch, control, isFinished) {
+    store.change(patch, control, isFinished);
+    const hadBadLink = badLink.length > 0;
+    [isLinked, isTold, badLink] = [false, !isFinished, []];
+    if (hadBadLink) tell(false);
     update();
   }
 
-  function update() {
+  /** Ask for what the state changed: first a map, then the rest, lest they compete. */
+  async function update() {
+    changed = performance.now();
     controls.render();
     view.put();
-    const query = store.query();
-    const keys = { map: store.mapKey(), history: store.historyKey() };
-    if (keys.map !== asked.map || !keys.map) map.ask(query);
-    if (keys.history !== asked.history || !keys.history) past.ask(query);
-    point.ask(query);
-    Object.assign(asked, keys);
-    set(place("csv"), { href: `/table.csv?${query}` });
+    set(place("csv"), { href: `/table.csv?${store.query()}` });
+    refine();
+    if (isDue("map", store.mapKey())) await Promise.race([map.ask(store.query()), pause(HEAD_START)]);
+    if (isDue("history", store.historyKey())) past.ask(store.query());
+    point.ask(store.query());
   }
 
-  /** @param {string} kind @param {Refusal} refusal */
-  function refuse(kind, refusal) {
-    Object.assign(asked, { [kind]: "" }); // to be asked again once the state is mended
-    const hint = refusal.hint ? ` (${refusal.hint})` : "";
-    problems[kind] = refusal.problems.map(({ field, text }) => ({ field, text: text + hint }));
-    if (isLinked && location.hash.length > 1) {
-      const texts = refusal.problems.map((p) => p.text).join("; ");
-      problems.address = [{ field: "", text: `The address tells no state: ${texts}. This is the initial one.` }];
+  /** Whether a route is to be asked, as what its answer depends on has changed, or was refused.
+   * @param {"map" | "history"} kind @param {string} key */
+  function isDue(kind, key) {
+    const isNew = key !== asked[kind] || !key;
+    asked[kind] = key;
+    return isNew;
+  }
+
+  /** Ask for more of a map that is not done, once changes pause. */
+  function refine() {
+    clearTimeout(refining);
+    if (!view.map || view.map.header.progress.done) return;
+    const ask = () => void (map.waiting ?? (map.problems.length || map.ask(`${store.query()}&advance=1`)));
+    refining = setTimeout(ask, Math.max(changed + CALM - performance.now(), 0));
+  }
+
+  /** Tell what is wrong. @param {boolean} isRefused */
+  function tell(isRefused) {
+    const lanes = [map, past, point];
+    warn(lanes.find((lane) => lane.trouble)?.trouble ?? "");
+    if (map.problems.length) asked.map = ""; // to be asked again once the state is mended
+    if (past.problems.length) asked.history = "";
+    const all = lanes.flatMap((lane) => lane.problems);
+    if (isRefused && isLinked && location.hash.length > 1) {
+      const texts = new Set(all.map((p) => p.text));
+      badLink = [{ field: "", text: `The address tells no state: ${[...texts].join("; ")}. This is the initial one.` }];
       follow("");
     }
-    showProblems();
-    say(controls.problems.map((p) => p.text).join(" "));
-  }
-
-  function showProblems() {
-    const all = problems.address ?? Object.values(problems).flat();
-    controls.problems = all.filter((p, n) => all.findIndex((q) => q.text === p.text) === n);
-    controls.renderNotes();
+    const problems = badLink.length ? badLink : all.filter((p, n) => all.findIndex((q) => q.text === p.text) === n);
+    controls.renderNotes(problems);
+    if (isRefused) say(problems.map((p) => p.text).join(" "));
   }
 
   /** @param {PointAnswer} answer @param {string} query */
   function showPoint(answer, query) {
-    const told = [answer.regime, Object.fromEntries(answer.facts)["mean speed"] ?? "", answer.guaranteed];
-    ["regime", "speed", "guaranteed"].forEach((id, n) => (place(id).textContent = told[n]));
-    place("chip").style.backgroundColor = schema.regimes.find((r) => r.label === answer.regime)?.colour ?? "transparent";
-    document.title = `${told.slice(0, 2).filter(Boolean).join(", ")} – vibro`;
-    for (const id of /** @type {const} */ (["command", "toml"])) place(id).textContent = answer[id];
-    place("tables").replaceChildren(table("What the body does", [], answer.facts),
-      ...(answer.begins.rows.length ? [table("What begins when", answer.begins.head, answer.begins.rows)] : []),
-      ...(answer.phases.rows.length ? [table("Phases of a steady cycle", answer.phases.head, answer.phases.rows)] : []));
+    for (const id of /** @type {const} */ (["regime", "speed", "guaranteed", "command", "toml"])) say(answer[id], id);
+    place("chip").style.backgroundColor = answer.colour;
+    document.title = `${answer.title} – vibro`;
+    place("tables").replaceChildren(...table("What the body does", { head: [], rows: answer.facts }),
+      ...table("What begins when", answer.begins), ...table("Phases of a steady cycle", answer.phases));
     if (query !== store.query()) return;
     store.adopt(answer.state);
     if (asked.map) asked.map = store.mapKey();
     if (asked.history) asked.history = store.historyKey();
     controls.render();
     view.put();
-    if (isFinished && !view.dragging) say(told.filter(Boolean).join(", "));
-    isFinished = false;
+    if (!isTold && !view.dragging) say([answer.title, answer.guaranteed].filter(Boolean).join(", "));
+    isTold = true;
   }
 
   /** @param {string} fragment */
@@ -119,8 +124,9 @@ function start(/** @type {Schema} */ schema) {
     update();
   }
   window.addEventListener("popstate", () => follow(location.hash));
-  new ResizeObserver(() => motion && drawHistory(place("history"), motion)).observe(place("history"));
+  new ResizeObserver(() => motion && drawHistory(motion)).observe(place("history"));
   offerFiles(view, say);
   follow(location.hash);
 }
-new Lane("schema", json, start, () => {}, report).ask("");
+const schema = new Lane("schema", json, start, () => warn(schema.trouble));
+schema.ask("");

@@ -1,7 +1,7 @@
 /** The map: a canvas of cells, and over it axes, curves, the operating point, and what they mean. */
 
-import { OVER, looks, onScale, paint, picture, scaleColours } from "./cells.js";
-import { FONT, INK, axisMarks, html, legend, marks, numberText, place, set, shareAt, sideLabel, svg, symbolText, textWidth, unitText } from "./draw.js";
+import { Painter, colours, piecesOf } from "./cells.js";
+import { axis, curve, html, legend, numberText, place, plot, set, shape, svg, textWidth, way } from "./draw.js";
 
 const [STEP, LEAP] = [0.01, 0.1]; // of an axis, by an arrow key, and with Shift
 const KEYS = /** @type {Record<string, number[]>} */ ({
@@ -11,12 +11,26 @@ const KEYS = /** @type {Record<string, number[]>} */ ({
 /** A value at a share of an axis, in as many digits as a hand can set. @param {AxisInfo} axis @param {number} share */
 function valueAt({ from, to, log }, share) {
   if (log) return Number((from * (to / from) ** share).toPrecision(4));
-  return Number((from + (to - from) * share).toFixed(Math.min(Math.max(Math.ceil(3 - Math.log10(to - from)), 0), 12)));
+  const digits = Math.ceil(3 - Math.log10(to - from));
+  return Number((from + (to - from) * share).toFixed(Math.min(Math.max(digits, 0), 12)));
 }
 
-const axisLabel = (/** @type {AxisInfo} */ axis) => `${axis.label} ${symbolText(axis.symbol)}${axis.unit && ` [${unitText(axis.unit)}]`}`;
-const valueText = (/** @type {AxisInfo} */ axis, /** @type {number} */ v) => `${numberText(v, 5)} ${unitText(axis.unit)}`.trim();
+/** Where a value lies on an axis, 0 to 1; beyond where it cannot. @param {AxisInfo} axis @param {number} value */
+function shareAt({ from, to, log }, value) {
+  const share = log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
+  return Number.isFinite(share) ? share : -1;
+}
+
+/** @param {AxisInfo} axis @param {number} value */
+const valueText = (axis, value) => `${numberText(value, 5)} ${axis.unit}`.trim();
 const within = (/** @type {number} */ share) => Math.min(Math.max(share, 0), 1);
+
+/** A curve; a halo parts it from the colours of cells. @param {string} d @param {CurveInfo} info */
+function line(d, info) {
+  const under = { ...info, colour: info.halo, width: info.width + 1.7, dash: [] };
+  const halo = info.halo ? [curve(d, under, { "stroke-opacity": 0.8 })] : [];
+  return [...halo, curve(d, info, { "data-curve": info.name })];
+}
 
 export class MapView {
   /**
@@ -28,120 +42,102 @@ export class MapView {
     this.schema = schema;
     this.numberOf = numberOf;
     this.move = move;
+    this.painter = new Painter(schema.marks);
     this.stage = place("stage");
     this.canvas = /** @type {HTMLCanvasElement} */ (place("cells"));
-    /** @type {MapAnswer | null} */
-    this.map = null;
-    /** @type {ReturnType<typeof looks> | null} */
-    this.cells = null;
+    this.svg = shape("map");
+    this.surface = shape("surface");
+    this.point = shape("point");
+    this.map = /** @type {MapAnswer | null} */ (null);
+    this.cells = /** @type {Cells | null} */ (null);
     this.at = [0, 0]; // the operating point: shares of the axes, perhaps outside of them
     this.box = { left: 58, top: 30, width: 1, height: 1 };
     this.dragging = false;
-    this.frame = svg("g");
-    this.point = svg("g", { class: "point", role: "slider", tabindex: 0, "aria-label": "operating point", "aria-describedby": "point-keys" },
-      svg("circle", { class: "reach", r: 22, fill: "transparent" }), svg("circle", { class: "focus", r: 12, fill: "none" }),
-      svg("circle", { r: 6.5, fill: "#FFFFFF", stroke: "#000000", "stroke-width": 3 }));
-    this.surface = svg("rect", { class: "surface", fill: "transparent" });
-    this.svg = svg("svg", { role: "group", "font-family": FONT, "font-size": 12 }, this.surface, this.frame, this.point);
-    this.stage.append(this.svg);
     new ResizeObserver(() => this.draw()).observe(this.stage);
     this.listen();
   }
 
-  /** @param {MapAnswer} map @param {boolean} target whether there is one */
-  show(map, target) {
-    [this.map, this.cells] = [map, looks(map, this.schema, target)];
+  /** @param {MapAnswer} map */
+  show(map) {
+    const { header: { palette, x, y }, arrays: { faces, others, marks } } = map;
+    this.map = map;
+    this.cells = { palette: colours(palette), faces, others, marks, nx: x.count, ny: y.count, pieces: piecesOf(map) };
     this.draw();
     place("notes").replaceChildren(...map.header.notes.map((note) => html("p", {}, note)));
   }
 
   draw() {
     if (!this.map || !this.cells) return;
-    const { header } = this.map;
-    const width = this.stage.clientWidth;
-    const { left, top } = this.box;
-    this.box.width = width - left - (header.scale ? 84 : 16);
-    const room = window.innerHeight * (width < 600 ? 0.4 : 0.64);
-    this.box.height = Math.round(Math.max(Math.min(0.75 * this.box.width, room), 180));
-    const under = top + this.box.height;
-    const names = legend(this.samples(), 12, under + 50, width - 24);
-    const height = under + 50 + names.height;
-    const name = header.title[0].toUpperCase() + header.title.slice(1);
-    const both = [name, header.progress.text].filter(Boolean).join(" – ");
-    const title = textWidth(both, 15) < this.box.width ? both : header.progress.text || name;
-    const size = Math.min(14, (14 * this.box.width) / textWidth(title, 15));
-    const area = { x: left, y: top, width: this.box.width, height: this.box.height };
-    this.frame.replaceChildren(
-      svg("text", { x: left, y: 18, "font-size": size, "font-weight": 600, fill: "currentColor" }, title),
-      svg("rect", { ...area, fill: "none", stroke: "currentColor" }), 
-      axisMarks(this.box, "below", header.x, axisLabel(header.x)), axisMarks(this.box, "left", header.y, axisLabel(header.y)),
-      ...(header.scale ? this.bar(header.scale, header.label) : []), svg("svg", { ...area, class: "curves" }, ...this.curves()), names.group);
-    set(this.svg, { width, height, viewBox: `0 0 ${width} ${height}` });
-    set(this.svg, { "aria-label": `${name}, over ${axisLabel(header.x)} and ${axisLabel(header.y)}` });
-    set(this.surface, area);
+    const { box, cells, map: { header: { title, label, progress, x, y, scale } } } = this;
+    const wide = this.stage.clientWidth;
+    const room = window.innerHeight * (wide < 600 ? 0.4 : 0.64);
+    box.width = wide - box.left - (scale ? 84 : 16);
+    box.height = Math.round(Math.max(Math.min(0.75 * box.width, room), 180));
+    const under = box.top + box.height + 50;
+    const names = legend(this.samples(cells), 12, under, wide - 24);
+    const name = title[0].toUpperCase() + title.slice(1);
+    const both = [name, progress.text].filter(Boolean).join(" – ");
+    const heading = textWidth(both, 15) < box.width ? both : progress.text || name;
+    shape("frame").replaceChildren(
+      svg("text", { x: box.left, y: 18, "font-size": 14, "font-weight": 600, fill: "currentColor" }, heading),
+      axis(box, "below", x.ticks, x.title), axis(box, "left", y.ticks, y.title),
+      ...(scale ? this.bar(scale, label, cells) : []), plot(box, { class: "curves" }, ...this.curves()), names.group);
+    const [width, height] = [wide, under + names.height];
+    const whole = { width, height, viewBox: `0 0 ${width} ${height}` };
+    set(this.svg, { ...whole, "aria-label": `${name}, over ${x.title} and ${y.title}` });
+    set(this.surface, { x: box.left, y: box.top, width: box.width, height: box.height });
+    for (const [side, length] of Object.entries(box)) this.canvas.style.setProperty(side, `${length}px`);
     const zoom = window.devicePixelRatio;
-    [this.canvas.width, this.canvas.height] = [Math.round(area.width * zoom), Math.round(area.height * zoom)];
-    Object.assign(this.canvas.style, { left: `${left}px`, top: `${top}px`, width: `${area.width}px`, height: `${area.height}px` });
-    paint(this.canvas, zoom, this.cells);
+    [this.canvas.width, this.canvas.height] = [Math.round(box.width * zoom), Math.round(box.height * zoom)];
+    this.painter.paint(this.canvas, zoom, cells);
     this.put();
   }
 
-  /** The colour bar. @param {ScaleInfo} scale @param {string} label */
-  bar(scale, label) {
+  /** The colour bar. @param {ScaleInfo} scale @param {string} label @param {Cells} cells */
+  bar({ colours: [first, count], ticks }, label, { palette }) {
     const box = { ...this.box, left: this.box.left + this.box.width + 14, width: 12 };
-    const area = { x: box.left, y: box.top, width: box.width, height: box.height };
-    return [
-      svg("image", { ...area, href: picture(scaleColours(scale), 0, 1, 128), preserveAspectRatio: "none" }),
-      svg("rect", { ...area, fill: "none", stroke: "currentColor" }),
-      marks(box, "right", scale.ticks, (value) => onScale(scale, value)), sideLabel(box, "right", label),
-    ];
+    const href = this.painter.picture(palette.slice(first, first + count), 1, 128);
+    const image = svg("image", { href, width: 1000, height: 1000, preserveAspectRatio: "none" });
+    return [plot(box, {}, image), axis(box, "right", ticks, label)];
   }
 
   curves() {
     const { header, arrays: { points } } = /** @type {MapAnswer} */ (this.map);
-    const { width, height } = this.box;
-    let at = 0;
-    return header.curves.flatMap((curve) => {
-      let d = "";
-      for (const count of curve.pieces) {
-        for (let n = 0; n < count; n++, at += 2) d += `${n ? "L" : "M"}${(points[at] * width).toFixed(1)} ${((1 - points[at + 1]) * height).toFixed(1)}`;
-      }
-      return this.line(d, curve);
+    let first = 0;
+    return header.curves.flatMap((info) => {
+      const own = points.subarray(first, (first += 2 * info.count));
+      return line(way(info.count, (n) => own.subarray(2 * n)), info);
     });
   }
 
-  /** A curve; a halo parts it from the colours of numbers. @param {string} d @param {CurveInfo} curve */
-  line(d, { name, colour, width, dash }) {
-    const [ink, halo] = colour === "white" ? ["#FFFFFF", INK] : [INK, "#FFFFFF"];
-    const under = { d, fill: "none", stroke: halo, "stroke-width": width + 1.7, "stroke-opacity": colour === "white" ? 1 : 0.7 };
-    const line = svg("path", { d, fill: "none", stroke: ink, "stroke-width": width, "stroke-dasharray": dash.join(" "), "data-curve": name });
-    return colour === "white" || this.map?.header.scale ? [svg("path", under), line] : [line];
-  }
-
-  samples() {
-    const paper = { width: 24, height: 14, fill: "#FFFFFF" };
-    const cells = (this.cells?.names ?? []).map(({ text, face, bit }) => {
-      const edge = { x: 0.5, y: 0.5, width: 23, height: 13, fill: "none", stroke: "#777777" };
-      return { text, sample: svg("g", {}, svg("image", { href: picture([face], bit), width: 24, height: 14 }), svg("rect", edge)) };
+  /** What the legend shows. @param {Cells} cells */
+  samples({ palette }) {
+    const { legend, curves } = /** @type {MapAnswer} */ (this.map).header;
+    const edge = { x: 0.5, y: 0.5, width: 23, height: 13, fill: "none", stroke: "#777777" };
+    const cells = legend.map(({ text, faces, marks }) => {
+      const href = this.painter.picture(faces.map((face) => palette[face]), 24, 14, marks);
+      return { text, sample: [svg("image", { href, width: 24, height: 14 }), svg("rect", edge)] };
     });
-    const curves = (this.map?.header.curves ?? []).map((c) => ({ text: c.label, sample: svg("g", {}, svg("rect", paper), ...this.line("M0 7H24", c)) }));
+    const lines = curves.map((info) => ({ text: info.label, sample: line("M0 7H24", info) }));
     const ring = svg("circle", { cx: 12, cy: 7, r: 4.5, fill: "#FFFFFF", stroke: "#000000", "stroke-width": 2.5 });
-    return [...cells, ...curves, { text: "operating point", sample: svg("g", {}, svg("rect", paper), ring) }];
+    return [...cells, ...lines, { text: "operating point", sample: [ring] }];
   }
 
   /** Put the operating point where the state has it. */
   put() {
     if (!this.map) return;
     const { x, y } = this.map.header;
-    this.at = [x, y].map((axis) => shareAt(axis, this.numberOf(axis.column))).map((share) => (Number.isFinite(share) ? share : -1));
     const { left, top, width, height } = this.box;
+    this.at = [x, y].map((axis) => shareAt(axis, this.numberOf(axis.column)));
     const [u, v] = this.at.map(within);
-    const outside = this.at.some((share) => Math.abs(share - 0.5) > 0.5 + 1e-6);
+    const isOutside = this.at.some((share) => Math.abs(share - 0.5) > 0.5 + 1e-6);
+    const texts = [x, y].map((axis) => `${axis.label} ${valueText(axis, this.numberOf(axis.column))}`);
     set(this.point, {
-      transform: `translate(${left + width * u} ${top + height * (1 - v)})`, "stroke-dasharray": outside ? "3 2.5" : "none",
-      "aria-valuenow": Math.round(100 * u), "aria-valuetext": [x, y].map((axis) => `${axis.label} ${valueText(axis, this.numberOf(axis.column))}`).join(", "),
+      transform: `translate(${left + width * u} ${top + height * (1 - v)})`,
+      "stroke-dasharray": isOutside ? "3 2.5" : "none",
+      "aria-valuenow": Math.round(100 * u), "aria-valuetext": texts.join(", "),
     });
-    place("outside").hidden = !outside;
+    place("outside").hidden = !isOutside;
   }
 
   listen() {
@@ -149,7 +145,9 @@ export class MapView {
       const area = this.canvas.getBoundingClientRect();
       return [within((event.clientX - area.left) / area.width), within(1 - (event.clientY - area.top) / area.height)];
     };
-    const isOver = (/** @type {PointerEvent} */ { target }) => target === this.surface || this.point.contains(/** @type {Node} */ (target));
+    const isOver = (/** @type {PointerEvent} */ { target }) =>
+      target === this.surface || this.point.contains(/** @type {Node} */ (target));
+    const hide = () => (place("tip").hidden = true);
     this.svg.addEventListener("pointerdown", (event) => {
       if (!isOver(event) || event.button) return;
       this.svg.setPointerCapture(event.pointerId);
@@ -160,19 +158,19 @@ export class MapView {
     this.svg.addEventListener("pointermove", (event) => {
       if (this.dragging) this.moveTo(share(event));
       if (this.dragging || isOver(event)) this.hover(event, share(event));
-      else place("tip").hidden = true;
+      else hide();
     });
-    for (const end of /** @type {const} */ (["pointerup", "pointercancel"])) this.svg.addEventListener(end, () => {
-      if (!this.dragging) return;
+    this.svg.addEventListener("lostpointercapture", () => {
       this.dragging = false;
       this.move({}, true);
     });
-    this.svg.addEventListener("pointerleave", () => (place("tip").hidden = true));
-    document.addEventListener("keydown", ({ key }) => key === "Escape" && (place("tip").hidden = true));
+    this.svg.addEventListener("pointerleave", hide);
+    document.addEventListener("keydown", ({ key }) => key === "Escape" && hide());
     this.point.addEventListener("keydown", (event) => {
       if (!(event.key in KEYS) || event.ctrlKey || event.altKey || event.metaKey) return;
       event.preventDefault();
-      this.moveTo(KEYS[event.key].map((way, n) => within(this.at[n] + way * (event.shiftKey ? LEAP : STEP))));
+      const far = event.shiftKey ? LEAP : STEP;
+      this.moveTo(KEYS[event.key].map((way, n) => within(this.at[n] + way * far)));
     });
     this.point.addEventListener("keyup", ({ key }) => key in KEYS && this.move({}, true));
   }
@@ -188,26 +186,26 @@ export class MapView {
   /** Tell the numbers of the cell under a pointer. @param {PointerEvent} event @param {number[]} shares */
   hover({ clientX, clientY }, [u, v]) {
     if (!this.map) return;
-    const { header: { x, y, bands, view, label }, arrays } = this.map;
+    const { header: { x, y, view, bands, label, legend }, arrays } = this.map;
+    const { regime, lowest = regime, highest = regime, status, marks } = arrays;
     const [i, j] = [Math.round(u * (x.count - 1)), Math.round(v * (y.count - 1))];
     const cell = j * x.count + i;
-    const { message = "", code = 0 } = this.schema.statuses.find((s) => s.code === arrays.status[cell]) ?? {};
-    const regime = (/** @type {Numbers} */ codes) => this.schema.regimes.find((r) => r.code === codes[cell])?.label ?? "";
-    const number = (/** @type {Numbers | undefined} */ values) => (!values || Number.isNaN(values[cell]) ? "" : numberText(values[cell]));
-    const differ = bands && arrays.lowest[cell] !== arrays.highest[cell];
-    const mark = arrays.marks[cell];
+    const { regimes, statuses } = this.schema;
+    const names = [lowest, highest].map((codes) => regimes.find((r) => r.code === codes[cell])?.label);
+    const number = (/** @type {Numbers} */ values) => (Number.isNaN(values[cell]) ? "" : numberText(values[cell]));
     const rows = [
       [x.label, valueText(x, valueAt(x, i / (x.count - 1)))], [y.label, valueText(y, valueAt(y, j / (y.count - 1)))],
-      ["regime", differ ? `${regime(arrays.lowest)} to ${regime(arrays.highest)}` : regime(arrays.regime)],
-      ["mean speed", number(arrays.speed) && `${number(arrays.speed)} mm/s`], [label, view === "speed" && !bands ? "" : number(arrays.values)],
-      ["", mark & OVER.missing ? "not computed yet" : mark & OVER.preview ? "preview, not exact yet" : ""], ["", code ? message : ""],
+      ["regime", [...new Set(names)].filter(Boolean).join(" to ")], ["mean speed [mm/s]", number(arrays.speed)],
+      [label, arrays.values && (view !== "speed" || bands) ? number(arrays.values) : ""],
+      ...legend.filter((item) => item.marks & marks[cell]).map((item) => ["", item.text]),
+      ["", statuses.find((s) => s.code === status[cell])?.message ?? ""],
     ];
     const tip = place("tip");
-    tip.replaceChildren(...rows.filter(([, text]) => text).map(([name, text]) => html("div", {}, html("span", {}, name), html("b", {}, text))));
+    tip.replaceChildren(...rows.filter(([, text]) => text).map(([name, text]) =>
+      html("div", {}, html("span", {}, name), html("b", {}, text))));
     tip.hidden = false;
     const area = this.stage.getBoundingClientRect();
-    const [px, py] = [clientX - area.left, clientY - area.top];
-    const before = px + 24 + tip.offsetWidth > area.width ? px - 16 - tip.offsetWidth : px + 16;
-    Object.assign(tip.style, { left: `${Math.max(before, 0)}px`, top: `${Math.max(Math.min(py + 12, area.height - tip.offsetHeight), 0)}px` });
+    tip.style.left = `min(${clientX - area.left + 16}px, 100% - ${tip.offsetWidth}px)`;
+    tip.style.top = `min(${clientY - area.top + 12}px, 100% - ${tip.offsetHeight}px)`;
   }
 }

@@ -3,53 +3,62 @@
 const RETRY = 1200; // [ms] after the server gave no answer
 const PATIENCE = 30000; // [ms] for an answer
 
+export const pause = (/** @type {number} */ time) => new Promise((resume) => setTimeout(resume, time));
+
 /** @template Answer */
 export class Lane {
   /**
    * @param {string} kind the route
    * @param {(response: Response) => Promise<Answer>} read
    * @param {(answer: Answer, query: string) => void} show
-   * @param {(refusal: Refusal) => void} refuse told of input that the server refuses, unless newer waits
-   * @param {(kind: string, trouble: string) => void} report told why there is no answer, or "" once there is one
+   * @param {(refused: boolean) => void} tell called where there are new problems, or none any more
    */
-  constructor(kind, read, show, refuse, report) {
+  constructor(kind, read, show, tell) {
     this.kind = kind;
     this.read = read;
     this.show = show;
-    this.refuse = refuse;
-    this.report = report;
-    /** @type {string | null} */
-    this.waiting = null;
-    this.busy = false;
+    this.tell = tell;
+    this.problems = /** @type {Problem[]} */ ([]); // of the input, that the server told last
+    this.trouble = ""; // why there is no answer
+    this.waiting = /** @type {string | null} */ (null);
+    this.work = /** @type {Promise<void> | null} */ (null);
   }
 
-  /** @param {string} query */
-  async ask(query) {
+  /** Ask, now or after what is under way; resolves once nothing waits. @param {string} query */
+  ask(query) {
     this.waiting = query;
-    if (this.busy) return;
-    this.busy = true;
+    this.work ??= this.answerAll().finally(() => (this.work = null));
+    return this.work;
+  }
+
+  async answerAll() {
     while (this.waiting !== null) {
-      /** @type {string} */
-      const asked = this.waiting;
+      const query = this.waiting;
       this.waiting = null;
-      const act = await this.fetch(asked).catch((error) => this.report(this.kind, String(error.message)));
+      const act = await this.fetch(query).catch((error) => void (this.trouble = String(error.message)));
       if (act) act();
       else {
-        this.waiting ??= asked;
-        await new Promise((resume) => setTimeout(resume, RETRY));
+        this.tell(false);
+        this.waiting ??= query;
+        await pause(RETRY);
       }
     }
-    this.busy = false;
   }
 
   /** Ask once, and tell what to do with the answer. @param {string} query @returns {Promise<() => void>} */
   async fetch(query) {
     const response = await fetch(`/${this.kind}?${query}`, { signal: AbortSignal.timeout(PATIENCE) });
     const answer = response.ok ? await this.read(response) : null;
-    const refusal = answer ? null : /** @type {Refusal} */ (await response.json());
-    if (refusal && response.status !== 400) throw new Error(refusal.problems.map((p) => p.text).join("; "));
-    this.report(this.kind, "");
-    return () => (answer ? this.show(answer, query) : refusal && this.waiting === null && this.refuse(refusal));
+    const { problems, hint } = answer ? { problems: [] } : /** @type {Refusal} */ (await response.json());
+    if (!answer && response.status !== 400) throw new Error(problems.map((p) => p.text).join("; "));
+    const isNews = this.trouble || problems.length || this.problems.length;
+    this.trouble = "";
+    if (!answer && this.waiting !== null) return () => this.tell(false);
+    this.problems = problems.map(({ field, text }) => ({ field, text: hint ? `${text} (${hint})` : text }));
+    return () => {
+      if (isNews) this.tell(!answer);
+      if (answer) this.show(answer, query);
+    };
   }
 }
 
@@ -58,9 +67,8 @@ export async function unpack(response) {
   const buffer = await response.arrayBuffer();
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-  const types = { f4: Float32Array, i1: Int8Array, u1: Uint8Array };
-  const arrays = /** @type {ArrayInfo[]} */ (header.arrays).map(({ name, type, shape, offset }) => {
-    return [name, new types[type](buffer, 4 + length + offset, shape.reduce((a, b) => a * b, 1))];
-  });
+  const types = { f4: Float32Array, i1: Int8Array, u1: Uint8Array, u2: Uint16Array };
+  const arrays = /** @type {ArrayInfo[]} */ (header.arrays).map(({ name, type, shape, offset }) =>
+    [name, new types[type](buffer, 4 + length + offset, shape.reduce((a, b) => a * b, 1))]);
   return { header, arrays: Object.fromEntries(arrays) };
 }

@@ -64,7 +64,8 @@ export class Store {
   adopt(state) {
     this.state = { ...this.state, ...state };
     if (Number.isNaN(this.ratio)) this.keepRatio();
-    if (location.hash.length > 1) history.replaceState(null, "", `#${this.query()}`);
+    const address = `#${this.query()}`;
+    if (location.hash.length > 1 && location.hash !== address) history.replaceState(null, "", address);
   }
 
   /** Change some keys. @param {State} patch @param {string} control @param {boolean} finished */
