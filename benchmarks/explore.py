@@ -69,7 +69,7 @@ MOVE = """
   slider.dispatchEvent(new Event("input", { bubbles: true }));
 })
 """
-TITLE = "() => document.querySelector('#stage svg').getAttribute('aria-label')"
+TITLE = "() => document.querySelector('#stage svg > g > text').textContent"  # which says what is not exact
 
 
 @contextmanager
@@ -96,7 +96,7 @@ def settled(page: Page, wanted: str = "") -> float:
     start = time.perf_counter()
     while time.perf_counter() - start < TIRED:
         title = page.evaluate(TITLE) or ""
-        if (wanted and wanted in title) or (title and "(" not in title):
+        if (wanted and wanted in title) or (title and "% exact" not in title):
             return time.perf_counter() - start
         page.wait_for_timeout(10)
     return float("inf")

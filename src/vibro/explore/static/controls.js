@@ -22,7 +22,7 @@ export class Controls {
     this.quantities = schema.quantities.filter((q) => q.point);
     for (const quantity of this.quantities) this.addQuantity(quantity);
     for (const quantity of this.quantities.filter((q) => FRICTIONS.includes(q.column))) this.addBand(quantity);
-    for (const id of CHOICES) select(id).append(...schema[`${id}s`].map((choice) => new Option(choice.label, choice.name)));
+    for (const id of CHOICES) select(id).append(...schema[`${id}s`].map((known) => new Option(known.label, known.name)));
     this.boxes = /** @type {Box[]} */ ([...form.elements]).filter((box) => box.name);
     const noted = this.boxes.filter((box) => document.getElementById(`note-${box.name}`));
     for (const box of noted) set(box, { "aria-describedby": `note-${box.name}` });

@@ -93,8 +93,9 @@ export function curve(d, { colour, width, dash }, more = {}) {
  * @param {Box} box @param {Record<string, string>} attributes @param {Node[]} children */
 export function plot({ left, top, width, height }, attributes, ...children) {
   const area = { x: left, y: top, width, height };
-  return svg("g", {}, svg("rect", { ...area, fill: "none", stroke: "currentColor" }),
-    svg("svg", { ...area, viewBox: "0 0 1000 1000", preserveAspectRatio: "none", ...attributes }, ...children));
+  const inside = { ...area, viewBox: "0 0 1000 1000", preserveAspectRatio: "none", ...attributes };
+  const frame = svg("rect", { ...area, fill: "none", stroke: "currentColor" });
+  return svg("g", {}, svg("svg", inside, ...children), frame);
 }
 
 /** Rows of samples on paper, 24 by 14 px, with names.

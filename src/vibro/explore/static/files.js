@@ -39,9 +39,8 @@ async function savePng(view) {
 
 /** @param {string} id @param {(text: string) => void} say */
 async function copy(id, say) {
-  getSelection()?.selectAllChildren(place(id));
-  const done = await navigator.clipboard.writeText(place(id).textContent ?? "").then(() => true, () => false);
-  say(done ? "copied" : "selected, to be copied by hand");
+  getSelection()?.selectAllChildren(place(id)); // to be copied by hand where that is refused
+  await navigator.clipboard.writeText(place(id).textContent ?? "").then(() => say("copied"), () => say("selected"));
 }
 
 /** @param {MapView} view @param {(text: string) => void} say */

@@ -49,9 +49,8 @@ function start(/** @type {Schema} */ schema) {
   /** @param {State} patch @param {string} control @param {boolean} isFinished */
   function change(patch, control, isFinished) {
     store.change(patch, control, isFinished);
-    const hadBadLink = badLink.length > 0;
-    [isLinked, isTold, badLink] = [false, !isFinished, []];
-    if (hadBadLink) tell(false);
+    [isLinked, isTold] = [false, !isFinished];
+    if (badLink.splice(0).length) tell(false);
     update();
   }
 
