@@ -118,7 +118,8 @@ def test_histories_of_other_drives(answers: Answers) -> None:
 def test_a_history_of_a_body_without_friction_has_forces_of_any_size(answers: Answers) -> None:
     header, _ = unpacked(answers.history(state_of(static_friction="0", kinetic_friction="0")))
     assert header["panels"][1]["name"] == "forces"
-    assert header["panels"][1]["most"] is None
+    assert header["panels"][1]["low"] < -8.0  # the inertial load [m/s^2], which nothing bounds here
+    assert header["panels"][1]["high"] > 8.0
 
 
 def test_a_schema_describes_every_control(answers: Answers) -> None:
