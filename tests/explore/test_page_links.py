@@ -38,7 +38,9 @@ def test_a_link_shows_the_same(open_page: Open) -> None:
     page.locator("#x").select_option("static_friction")
     enter(page, "#target", "20")
     enter(page, FREQUENCY, "14")
-    expect(page.get_by_role("group", name="Traverse time, over static friction")).to_contain_text("20 mm/s, without hopping")
+    expect(page.get_by_role("group", name="Traverse time, over static friction")).to_contain_text(
+        "20 mm/s, without hopping"
+    )
     expect(page).to_have_url(
         re.compile("frequency_hz=14&.*x_range=0.1:1.2|x_range=0.1:1.2.*&frequency_hz=14&")
     )
