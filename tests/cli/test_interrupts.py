@@ -26,11 +26,15 @@ READY = (
 
 def wait_until_it_writes(run: subprocess.Popen[str], folder: Path, *, at_least: int = 1) -> None:
     """Wait until a run has so many bytes in one of the files that wait."""
-    while not any(
-        path.stat().st_size >= at_least
-        for path in folder.glob(".vibro-*/*")
-        if not path.name.startswith("lock")
-    ):
+
+    def writes() -> bool:
+        waiting = folder.glob(".vibro-*/*")
+        try:
+            return any(p.stat().st_size >= at_least for p in waiting if not p.name.startswith("lock"))
+        except FileNotFoundError:  # a folder that was tried, and removed meanwhile
+            return False
+
+    while not writes():
         assert run.poll() is None
         time.sleep(0.01)
 
