@@ -4,15 +4,9 @@ type State = Record<string, string>;
 type Problem = { field: string; text: string };
 type Refusal = { problems: Problem[]; hint?: string };
 
-type Quantity = {
-  column: string; label: string; symbol: string; unit: string; meaning: string;
-  low: number; high: number; step: number; drives: string[]; swept: boolean; point: boolean;
-};
-type Choice = { name: string; label: string; state: State };
 type Schema = {
-  version: string; initial: State; quantities: Quantity[]; drives: Choice[]; views: Choice[];
-  presets: Choice[]; regimes: { code: number; label: string }[]; statuses: { code: number; message: string }[];
-  marks: Record<string, number>;
+  initial: State; columns: string[]; idle: Record<string, string[]>; marks: Record<string, number>;
+  regimes: { code: number; label: string }[]; statuses: { code: number; message: string }[];
 };
 
 type Tick = [share: number, text: string];
@@ -42,7 +36,7 @@ type HistoryAnswer = Packed<HistoryHeader>;
 type TableInfo = { head: string[]; rows: string[][] };
 type PointAnswer = {
   state: State; title: string; regime: string; colour: string; speed: string; facts: [string, string][]; begins: TableInfo; phases: TableInfo;
-  command: string; toml: string; guaranteed: string;
+  command: string; apart: string; toml: string; guaranteed: string;
 };
 
 type ArrayInfo = { name: string; type: "f4" | "i1" | "u1" | "u2"; shape: number[]; offset: number };

@@ -15,8 +15,10 @@ from packed import state_of, table_of, unpacked
 
 import vibro
 from vibro.explore.answers import Answers
+from vibro.explore.controls import CONTROLS, drives_of
 from vibro.explore.state import initial_state
 from vibro.plots.phases import PHASE_STYLES
+from vibro.quantities import QUANTITIES, SWEPT
 
 
 @pytest.fixture
@@ -122,22 +124,25 @@ def test_a_history_of_a_body_without_friction_has_forces_of_any_size(answers: An
     assert header["panels"][1]["high"] > 8.0
 
 
-def test_a_schema_describes_every_control(answers: Answers) -> None:
+def test_a_schema_tells_what_says_nothing_of_a_drive(answers: Answers) -> None:
     schema = json.loads(json.dumps(answers.schema(), allow_nan=False))
     assert schema["initial"] == initial_state().texts
-    columns = [quantity["column"] for quantity in schema["quantities"]]
-    for drive in schema["drives"]:
-        assert {*drive["quantities"], drive["x"], drive["y"]} <= {*columns}
-    for quantity in schema["quantities"]:
-        drive, column = {"drive": quantity["drives"][0]}, quantity["column"]
-        assert quantity["low"] < quantity["high"]
-        if quantity["point"] and column != "kinetic_friction":  # which is at most the static one
-            frictions = {} if column == "static_friction" else {"static_friction": "2"}
-            for value in (quantity["low"], quantity["high"]):
-                state_of(**{"kinetic_friction": "0", **frictions, column: str(value)}, **drive)
-        if quantity["swept"]:
-            other = {"y": "restitution" if column != "restitution" else "frequency_hz"}
-            state_of(x=column, x_range=quantity["range"], **other, **drive)
+    for drive, idle in schema["idle"].items():
+        assert {*schema["columns"]} & {*state_of(drive=drive).texts} == {*schema["columns"]} - {*idle}
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+def test_the_ends_of_sliders_and_axes_are_taken(name: str) -> None:
+    control, column = CONTROLS[name], QUANTITIES[name].column
+    drive = {"drive": drives_of(name)[0]}
+    assert control.low < control.high
+    if name not in ("friction_ratio", "kinetic_friction"):  # which is at most the static one
+        frictions = {} if name == "static_friction" else {"static_friction": "2"}
+        for value in (control.low, control.high):
+            state_of(**{"kinetic_friction": "0", **frictions, column: str(value)}, **drive)
+    if name in SWEPT:
+        other = {"y": "restitution" if name != "restitution" else "frequency_hz"}
+        state_of(x=column, x_range=control.axis, **other, **drive)
 
 
 def test_what_threads_need_is_imported_before_they_start() -> None:

@@ -155,7 +155,7 @@ def test_units_are_read_and_bad_input_is_told_beside_its_field(open_page: Open) 
     enter(page, AMPLITUDE, "bla")
     expect(field).to_have_attribute("aria-invalid", "true")
     expect(field).to_have_accessible_description(re.compile("'bla': not a number"))
-    expect(page.locator("#says")).to_contain_text("not a number")
+    expect(page.get_by_role("alert")).to_contain_text("not updated: amplitude = 'bla': not a number")
     expect(field).to_have_value("bla")
     speed(page, shown)
     expect(page.locator(".curves [data-curve]")).to_have_count(4)
@@ -196,20 +196,63 @@ def test_axes_swap_and_keep_apart(open_page: Open) -> None:
 def test_bands_have_two_handles_that_do_not_pass(open_page: Open) -> None:
     page = open_page()
     page.locator("#bands").check()
-    least, most = (page.get_by_role("slider", name=f"{end} static friction") for end in ("least", "largest"))
+    least, most = (page.get_by_role("slider", name=f"{end} static friction") for end in ("least", "most"))
     expect(least).to_have_value("0.665")
     expect(page.locator("#guaranteed")).not_to_be_empty()
     expect(page.locator("#stage")).to_contain_text("either regime")
     least.focus()
     page.keyboard.press("End")
     expect(most).to_have_value("1.5")
-    expect(page.locator("#row-static_friction_band output")).to_have_text("1.5 to 1.5")
+    expect(page.locator("#static_friction_band-least")).to_have_value("1.5")
+    expect(page.locator("#static_friction_band-most")).to_have_value("1.5")
     expect(page.locator("#row-kinetic_friction_band")).to_be_hidden()
     page.locator("#follow").uncheck()
     expect(page.get_by_role("slider", name="least kinetic friction")).to_be_visible()
     page.locator("#bands").uncheck()
     expect(least).to_be_hidden()
     expect(page).to_have_url(re.compile("#(?!.*band)"))
+
+
+def test_bands_are_typed_and_that_of_the_ratio_becomes_one_of_kinetic_friction(open_page: Open) -> None:
+    page = open_page()
+    page.locator("#bands").check()
+    ratio = page.get_by_role("group", name="band of friction ratio")
+    expect(ratio.get_by_role("textbox", name="least")).to_have_value("")  # known exactly
+    enter(page, "#friction_ratio_band-least", "0.7")
+    expect(ratio.get_by_role("textbox", name="most")).to_have_value("0.7")
+    enter(page, "#friction_ratio_band-most", "0.9")
+    expect(page).to_have_url(re.compile("friction_ratio_band=0.7:0.9"))
+    expect(page.locator("#apart")).to_contain_text("know no bands")
+    expect(ratio.get_by_role("slider", name="most")).to_have_attribute("aria-valuetext", "0.9")
+    page.locator("#follow").uncheck()
+    expect(ratio).to_be_hidden()
+    expect(page).to_have_url(re.compile("#(?!.*ratio_band).*kinetic_friction_band=0.518:0.666"))
+    page.locator("#follow").check()
+    expect(page).to_have_url(re.compile("#(?!.*kinetic_friction_band).*friction_ratio_band=0.7:0.9"))
+    page.locator("#friction_ratio_band-most").fill("0.6")
+    page.locator("#friction_ratio_band-most").press("Enter")
+    expect(page.get_by_role("alert")).to_contain_text("the band does not ascend")
+
+
+def test_where_there_are_no_bands_is_said(open_page: Open) -> None:
+    page = open_page("#drive=ellipse")
+    expect(page.locator("#bands")).to_be_disabled()
+    expect(page.locator("#no-bands")).to_be_visible()
+    page.locator("#drive").select_option("line")
+    expect(page.locator("#no-bands")).to_be_hidden()
+
+
+def test_a_refusal_is_told_in_the_header_and_leads_to_its_field(open_page: Open) -> None:
+    page = open_page()
+    alert = page.get_by_role("alert")
+    enter(page, "#kinetic_friction", "0.9")
+    alert.get_by_role("button", name="kinetic friction = 0.9").click()
+    expect(page.locator("#kinetic_friction")).to_be_focused()
+    expect(page.locator("#kinetic_friction")).to_have_attribute("aria-invalid", "true")
+    enter(page, FREQUENCY, "16")
+    expect(alert).to_contain_text("not updated: kinetic friction")
+    enter(page, "#kinetic_friction", "0.5")
+    expect(alert).to_be_empty()
 
 
 def test_a_preset_sets_drive_and_axes(open_page: Open) -> None:

@@ -68,13 +68,21 @@ def test_back_and_forward_go_through_the_changes(open_page: Open) -> None:
 
 
 def test_a_bad_link_says_so_and_shows_the_initial_state(open_page: Open) -> None:
-    page = open_page("#frequency_hz=-5&amplitude_mm=2")
-    expect(page.locator("#problems")).to_contain_text("must be finite and > 0 Hz")
-    expect(page.locator("#problems")).to_contain_text("This is the initial one")
+    page = open_page("#amplitude_mm=banana&view=foo")
+    alert = page.get_by_role("alert")
+    expect(alert).to_contain_text("This link could not be read: view = 'foo'")
+    expect(alert).to_contain_text("The initial state is shown.")
     expect(page.locator(AMPLITUDE)).to_have_value("1")
     speed(page, "16.2635 mm/s")
     enter(page, AMPLITUDE, "0.9")
-    expect(page.locator("#problems")).to_be_empty()
+    expect(alert).to_be_empty()
+    page.evaluate("location.hash = '#frequency_hz=-5&amplitude_mm=2'")
+    expect(alert).to_contain_text("must be finite and > 0 Hz")
+    expect(page.locator(AMPLITUDE)).to_have_value("1")
+    speed(page, "16.2635 mm/s")
+    page.evaluate("location.hash = '#amplitude_mm=2'")
+    expect(alert).to_be_empty()
+    expect(page.locator(AMPLITUDE)).to_have_value("2")
 
 
 def test_one_question_at_a_time_and_the_newest_wins(open_page: Open) -> None:
@@ -124,12 +132,23 @@ def test_a_server_that_is_gone_is_told_and_awaited(open_page: Open) -> None:
     page.context.set_offline(True)
     enter(page, FREQUENCY, "20")
     banner = page.locator("#gone")
-    expect(banner).to_contain_text("vibro does not answer")
+    expect(banner).to_contain_text("vibro does not answer: is it still running?")
     expect(page.locator(FREQUENCY)).to_have_value("20")
     page.context.set_offline(False)
     expect(banner).to_be_empty()
     expect(page.locator("#tables")).to_contain_text("frequency 20 Hz")
     expect(page).to_have_title(re.compile("back-slip"))
+
+
+def test_a_server_that_was_started_anew_is_told_and_awaited(open_page: Open) -> None:
+    page = open_page()
+    cookies = page.context.cookies()
+    page.context.clear_cookies()
+    enter(page, FREQUENCY, "20")
+    expect(page.locator("#gone")).to_contain_text("vibro was started anew")
+    page.context.add_cookies(cookies)
+    expect(page.locator("#gone")).to_be_empty()
+    expect(page.locator("#tables")).to_contain_text("frequency 20 Hz")
 
 
 def test_pictures_and_texts_can_be_saved(open_page: Open, tmp_path: Path) -> None:
@@ -165,4 +184,7 @@ def test_the_command_line_can_be_copied(open_page: Open) -> None:
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.locator("#copy-command").click()
     expect(page.locator("#says")).to_have_text("copied")
+    expect(page.locator("#copy-command")).to_have_text("Copied")
+    expect(page.locator("#copy-toml")).to_have_text("Copy")
     assert page.evaluate("navigator.clipboard.readText()") == page.locator("#command").inner_text()
+    expect(page.locator("#copy-command")).to_have_text("Copy")

@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-import vibro
 from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of
-from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
+from vibro.explore.controls import CONTROLS, DRIVES, drives_of
 from vibro.explore.histories import packed_history
 from vibro.explore.levels import MapCells
 from vibro.explore.looks import MARKS
 from vibro.explore.maps import packed_map
 from vibro.explore.points import point_of
-from vibro.explore.words import symbol_of, unit_of
 from vibro.files.tables import CsvFormat
-from vibro.quantities import QUANTITIES, SWEPT
+from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block, Column
 from vibro.sweeps.columns import columns_of
 from vibro.sweeps.grid import scene_of
@@ -33,7 +31,6 @@ __all__ = ["Answers"]
 
 _KEPT: Final = 16  # maps of about 8 MB
 _PATIENCE: Final = 0.05  # [s] of people who move a slider
-_NO_BANDS: Final = {"static_friction_band": "", "kinetic_friction_band": "", "friction_ratio_band": ""}
 _TURN: Final = 0.1  # [s] that a map is worked on for one request
 
 
@@ -53,33 +50,23 @@ class Answers:
         self._pace = _Pace()
 
     def schema(self) -> dict[str, Any]:
-        """Return what the page makes its controls from, of what JSON has."""
+        """Return what the page has to know of the state, of what JSON has.
+
+        Returns
+        -------
+        dict
+            ``initial``, what the page begins with; ``columns``, the keys of quantities; ``idle``, those that
+            say nothing of a drive, by its name; ``regimes`` and ``statuses`` of cells; ``marks``, the bits of
+            what they are marked with.
+        """
+        columns = {name: QUANTITIES[name].column for name in CONTROLS if name != "friction_ratio"}
         return {
-            "version": vibro.__version__,
             "initial": dict(self._initial.texts),
-            "quantities": [_described(name) for name in CONTROLS],
-            "drives": [
-                {
-                    "name": name,
-                    "label": drive.label,
-                    "quantities": [QUANTITIES[quantity].column for quantity in drive.quantities],
-                    "x": QUANTITIES[drive.x].column,
-                    "y": QUANTITIES[drive.y].column,
-                    "state": {
-                        **dict.fromkeys(("x", "y", "x_range", "y_range"), ""),
-                        **_NO_BANDS,
-                        "drive": name,
-                    },
-                }
-                for name, drive in DRIVES.items()
-            ],
-            "views": [
-                {"name": name, "label": label, "state": {"view": name}} for name, label in VIEWS.items()
-            ],
-            "presets": [
-                {"name": name, "label": preset.label, "state": {**_NO_BANDS, **preset.state}}
-                for name, preset in PRESETS.items()
-            ],
+            "columns": [*columns.values()],
+            "idle": {
+                drive: [column for name, column in columns.items() if drive not in drives_of(name)]
+                for drive in DRIVES
+            },
             "regimes": [{"code": int(regime), "label": regime.label} for regime in Regime],
             "statuses": [{"code": int(s), "message": "" if s is Status.OK else s.message} for s in Status],
             "marks": MARKS,
@@ -171,22 +158,3 @@ class _Kept:
                 cells = self._cells
                 self._pace.took = cells.took or self._pace.took
         return cells
-
-
-def _described(name: str) -> dict[str, Any]:
-    quantity, control = QUANTITIES[name], CONTROLS[name]
-    owners = [drive for drive, described in DRIVES.items() if name in described.quantities]
-    return {
-        "column": quantity.column,
-        "label": quantity.label,
-        "symbol": symbol_of(quantity),
-        "unit": unit_of(quantity),
-        "meaning": quantity.meaning,
-        "low": control.low,
-        "high": control.high,
-        "step": control.step,
-        "range": control.axis,
-        "drives": owners or [*DRIVES],
-        "swept": name in SWEPT,
-        "point": name != "friction_ratio",
-    }

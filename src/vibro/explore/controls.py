@@ -9,7 +9,7 @@ from vibro.quantities import LINEAR, QUANTITIES, SWEPT
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-__all__ = ["CONTROLS", "DRIVES", "PRESETS", "VIEWS", "Control", "Drive", "drive_named"]
+__all__ = ["CONTROLS", "DRIVES", "PRESETS", "VIEWS", "Control", "Drive", "drive_named", "drives_of"]
 
 
 class Control(NamedTuple):
@@ -150,3 +150,8 @@ def drive_named(quantities: Collection[str]) -> str:
         if set(quantities) <= set(drive.quantities):
             return name
     return ""
+
+
+def drives_of(quantity: str) -> list[str]:
+    """Name the drives that a quantity says something about."""
+    return [name for name, drive in DRIVES.items() if quantity in drive.quantities] or [*DRIVES]

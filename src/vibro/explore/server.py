@@ -26,6 +26,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from vibro.errors import FileError, InputError, shown
 from vibro.explore.answers import Answers
+from vibro.explore.form import form_html
 from vibro.explore.guards import HEADERS, Guarded, RefusedError, Session, query_of
 from vibro.explore.state import read_state
 
@@ -200,11 +201,14 @@ def _missing() -> RefusedError:
 def _page_files() -> dict[str, tuple[bytes, str]]:
     """Read what the page consists of, with its types."""
     folder = files("vibro.explore") / "static"
-    return {
+    page = {
         file.name: (file.read_bytes(), _TYPES[PurePath(file.name).suffix])
         for file in folder.iterdir()
         if file.is_file()
     }
+    index, kind = page["index.html"]
+    page["index.html"] = (index.replace(b"<!-- form -->", form_html().encode()), kind)
+    return page
 
 
 def create_app(

@@ -1,6 +1,6 @@
 /** What follows on what: changes go to the address and to the server, its answers to the page. */
 
-import { Controls } from "./controls.js";
+import { bindControls, showRefused } from "./controls.js";
 import { html, place, set } from "./draw.js";
 import { offerFiles } from "./files.js";
 import { drawHistory } from "./history.js";
@@ -9,14 +9,25 @@ import { Lane, pause, unpack } from "./requests.js";
 import { Store } from "./state.js";
 
 const HEAD_START = 150; // [ms] that the question for a new map has at most before the others
+const COPIED = 2000; // [ms] that a button says so
 const CALM = 150; // [ms] without a change after which a map is refined
 
 const json = (/** @type {Response} */ response) => response.json();
 function say(/** @type {string} */ text, where = "says") {
   if (place(where).textContent !== text) place(where).textContent = text;
 }
-const warn = (/** @type {string} */ trouble) =>
-  say(trouble && `vibro does not answer (${trouble}). This page keeps its state and tries again by itself.`, "gone");
+const warn = (/** @type {string} */ trouble) => say(trouble, "gone");
+
+let pressed = /** @type {HTMLElement | null} */ (null); // the last button for texts to take along
+place("take").addEventListener("click", ({ target }) => (pressed = /** @type {HTMLElement} */ (target)));
+/** Say what became of a text, for a while on its button too. @param {string} text */
+function sayCopied(text) {
+  say(text);
+  const button = pressed;
+  if (!button || text !== "copied") return;
+  button.textContent = "Copied";
+  setTimeout(() => (button.textContent = "Copy"), COPIED);
+}
 
 /** A table, unless it is empty. @param {string} caption @param {TableInfo} content @returns {Node[]} */
 function table(caption, { head, rows }) {
@@ -33,10 +44,10 @@ function start(/** @type {Schema} */ schema) {
   const store = new Store(schema);
   const numberOf = (/** @type {string} */ column) => store.value(column);
   const view = new MapView(schema, numberOf, (patch, isFinished) => change(patch, "map", isFinished));
-  const controls = new Controls(store, change);
+  const renderControls = bindControls(store, change);
   const asked = { map: "", history: "" }; // what the last questions depended on
   let isLinked = true; // the state comes from the address
-  let badLink = /** @type {Problem[]} */ ([]); // what it tells instead of a state
+  let badLink = ""; // what is said of an address that tells no state
   let isTold = true; // how the last finished change ended has been said
   let changed = 0; // [ms] when the state last did
   let refining = 0; // the timer of the next refinement
@@ -49,15 +60,21 @@ function start(/** @type {Schema} */ schema) {
   /** @param {State} patch @param {string} control @param {boolean} isFinished */
   function change(patch, control, isFinished) {
     store.change(patch, control, isFinished);
-    [isLinked, isTold] = [false, !isFinished];
-    if (badLink.splice(0).length) tell(false);
+    isTold = !isFinished;
+    leave();
     update();
+  }
+
+  /** Leave what a bad link said. */
+  function leave() {
+    isLinked = false;
+    if (badLink) showRefused([], (badLink = ""));
   }
 
   /** Ask for what the state changed: first a map, then the rest, lest they compete. */
   async function update() {
     changed = performance.now();
-    controls.render();
+    renderControls();
     view.put();
     set(place("csv"), { href: `/table.csv?${store.query()}` });
     refine();
@@ -89,19 +106,19 @@ function start(/** @type {Schema} */ schema) {
     if (map.problems.length) asked.map = ""; // to be asked again once the state is mended
     if (past.problems.length) asked.history = "";
     const all = lanes.flatMap((lane) => lane.problems);
+    const problems = all.filter((p, n) => all.findIndex((q) => q.text === p.text) === n);
     if (isRefused && isLinked && location.hash.length > 1) {
-      const texts = new Set(all.map((p) => p.text));
-      badLink = [{ field: "", text: `The address tells no state: ${[...texts].join("; ")}. This is the initial one.` }];
-      follow("");
+      badLink = `This link could not be read: ${problems.map((p) => p.text).join("; ")}. The initial state is shown.`;
+      isLinked = false;
+      store.read("");
+      update();
     }
-    const problems = badLink.length ? badLink : all.filter((p, n) => all.findIndex((q) => q.text === p.text) === n);
-    controls.renderNotes(problems);
-    if (isRefused) say(problems.map((p) => p.text).join(" "));
+    showRefused(badLink ? [] : problems, badLink);
   }
 
   /** @param {PointAnswer} answer @param {string} query */
   function showPoint(answer, query) {
-    for (const id of /** @type {const} */ (["regime", "speed", "guaranteed", "command", "toml"])) say(answer[id], id);
+    for (const id of /** @type {const} */ (["regime", "speed", "guaranteed", "command", "apart", "toml"])) say(answer[id], id);
     place("chip").style.backgroundColor = answer.colour;
     document.title = `${answer.title} – vibro`;
     place("tables").replaceChildren(...table("What the body does", { head: [], rows: answer.facts }),
@@ -110,22 +127,23 @@ function start(/** @type {Schema} */ schema) {
     store.adopt(answer.state);
     if (asked.map) asked.map = store.mapKey();
     if (asked.history) asked.history = store.historyKey();
-    controls.render();
+    renderControls();
     view.put();
     if (!isTold && !view.dragging) say([answer.title, answer.guaranteed].filter(Boolean).join(", "));
     isTold = true;
   }
 
-  /** @param {string} fragment */
-  function follow(fragment) {
-    isLinked = fragment !== "";
-    store.read(fragment);
+  /** Go to what the address tells. */
+  function follow() {
+    leave();
+    isLinked = true;
+    store.read(location.hash);
     update();
   }
-  window.addEventListener("popstate", () => follow(location.hash));
+  window.addEventListener("popstate", follow);
   new ResizeObserver(() => motion && drawHistory(motion)).observe(place("history"));
-  offerFiles(view, say);
-  follow(location.hash);
+  offerFiles(view, sayCopied);
+  follow();
 }
 const schema = new Lane("schema", json, start, () => warn(schema.trouble));
 schema.ask("");

@@ -2,6 +2,10 @@
 
 const RETRY = 1200; // [ms] after the server gave no answer
 const PATIENCE = 30000; // [ms] for an answer
+const GONE = "vibro does not answer: is it still running? This page keeps its state and tries again.";
+const ANEW = "vibro was started anew: open the address that it printed, in another tab; this page then goes on.";
+
+class Trouble extends Error {}
 
 export const pause = (/** @type {number} */ time) => new Promise((resume) => setTimeout(resume, time));
 
@@ -35,7 +39,9 @@ export class Lane {
     while (this.waiting !== null) {
       const query = this.waiting;
       this.waiting = null;
-      const act = await this.fetch(query).catch((error) => void (this.trouble = String(error.message)));
+      const act = await this.fetch(query).catch((error) => {
+        this.trouble = error instanceof Trouble ? error.message : GONE;
+      });
       if (act) act();
       else {
         this.tell(false);
@@ -49,8 +55,10 @@ export class Lane {
   async fetch(query) {
     const response = await fetch(`/${this.kind}?${query}`, { signal: AbortSignal.timeout(PATIENCE) });
     const answer = response.ok ? await this.read(response) : null;
+    if (response.status === 403) throw new Trouble(ANEW);
     const { problems, hint } = answer ? { problems: [] } : /** @type {Refusal} */ (await response.json());
-    if (!answer && response.status !== 400) throw new Error(problems.map((p) => p.text).join("; "));
+    const texts = problems.map((p) => p.text).join("; ");
+    if (!answer && response.status !== 400) throw new Trouble(`vibro says: ${texts}. This page tries again.`);
     const isNews = this.trouble || problems.length || this.problems.length;
     this.trouble = "";
     if (!answer && this.waiting !== null) return () => this.tell(false);

@@ -15,12 +15,13 @@ export class Store {
     this.written = 0; // [ms] when the address was
   }
 
-  /** @param {Quantity} quantity */
-  isOfDrive = (quantity) => quantity.drives.includes(this.state.drive ?? this.schema.initial.drive);
+  get drive() {
+    return this.state.drive ?? this.schema.initial.drive ?? "";
+  }
 
   /** The state as a query. @param {(key: string) => boolean} [keep] */
   query(keep = () => true) {
-    const idle = this.schema.quantities.filter((q) => !this.isOfDrive(q)).map((q) => q.column);
+    const idle = this.schema.idle[this.drive] ?? [];
     const says = (/** @type {[string, string]} */ [key, text]) => text !== "" || this.schema.initial[key];
     const kept = Object.entries(this.state).filter((pair) => says(pair) && !idle.includes(pair[0]) && keep(pair[0]));
     return new URLSearchParams(kept).toString().replaceAll("%3A", ":");
@@ -38,7 +39,7 @@ export class Store {
 
   /** All that the history depends on. */
   historyKey() {
-    const keys = [...this.schema.quantities.map((q) => q.column), "drive", "cycles"];
+    const keys = [...this.schema.columns, "drive", "cycles"];
     return this.query((key) => keys.includes(key));
   }
 

@@ -1,0 +1,197 @@
+"""The settings of the page: boxes that bear keys of the state as their names."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Final
+from urllib.parse import urlencode
+
+from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS, drives_of
+from vibro.explore.words import symbol_of, unit_of
+from vibro.quantities import LEAST_SPEED, QUANTITIES, SWEPT
+
+__all__ = ["form_html"]
+
+_BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
+_NO_BANDS: Final = {f"{name}_band": "" for name in _BANDS}
+_NO_AXES: Final = {"x": "", "y": "", "x_range": "", "y_range": ""}
+
+
+class _Html(str):
+    """Text that is escaped already."""
+
+    __slots__ = ()
+
+
+def form_html() -> str:
+    """Return the fieldsets of the form."""
+    rows = {name: _quantity(name) for name in CONTROLS if name != "friction_ratio"}
+    frictions = [rows.pop("static_friction"), rows.pop("kinetic_friction")]
+    of_drive = {name for drive in DRIVES.values() for name in drive.quantities}
+    return "\n".join(
+        [
+            _fieldset(
+                "Map",
+                _pair("view", "Show", _select("view", [_option(*view) for view in VIEWS.items()])),
+                _axis("x", "Horizontal axis", "Across"),
+                _axis("y", "Vertical axis", "Up"),
+                _pair("target", "Target speed", _measure("target", unit_of(LEAST_SPEED), placeholder="none")),
+            ),
+            _fieldset(
+                "Drive",
+                _pair("preset", "Preset", _select("preset", _presets())),
+                _pair("drive", "Motion", _select("drive", _drives())),
+                *(row for name, row in rows.items() if name in of_drive),
+            ),
+            _fieldset(
+                "Friction",
+                *frictions,
+                _tick("follow", "kinetic friction follows static friction"),
+                _tick("bands", "friction is not known exactly", aria_describedby="no-bands"),
+                _tag(
+                    "p",
+                    "only of drives along a line, and of frictions that are no axis",
+                    id="no-bands",
+                    class_="note",
+                ),
+                *map(_band, _BANDS),
+            ),
+            _fieldset("Trough and body", *(row for name, row in rows.items() if name not in of_drive)),
+        ]
+    )
+
+
+def _tag(kind: str, /, *inside: str, **attributes: object) -> _Html:
+    """Write an element; ``class_`` and ``data_part`` are spelled as HTML does, texts are escaped."""
+    given = [
+        f' {key.rstrip("_").replace("_", "-")}="{escape(str(value))}"' for key, value in attributes.items()
+    ]
+    content = "".join(text if isinstance(text, _Html) else escape(text) for text in inside)
+    end = "" if kind == "input" else f"</{kind}>"
+    return _Html(f"<{kind}{''.join(given)}>{content}{end}")
+
+
+def _fieldset(legend: str, *rows: str) -> _Html:
+    return _tag("fieldset", _tag("legend", legend), *rows)
+
+
+def _input(key: str, **attributes: object) -> _Html:
+    return _tag("input", name=key, aria_describedby=f"note-{key}", spellcheck="false", **attributes)
+
+
+def _measure(key: str, unit: str, **attributes: object) -> _Html:
+    box = _input(key, id=key, **attributes)
+    return _tag("span", box, _tag("i", unit), class_="measure")
+
+
+def _select(key: str, options: list[_Html]) -> _Html:
+    return _tag("select", *options, id=key, name=key, aria_describedby=f"note-{key}")
+
+
+def _option(value: str, label: str, **attributes: object) -> _Html:
+    return _tag("option", label, value=value, **attributes)
+
+
+def _presets() -> list[_Html]:
+    given = [
+        _option(name, preset.label, data_patch=urlencode({**_NO_BANDS, **preset.state}))
+        for name, preset in PRESETS.items()
+    ]
+    return [_option("", "choose one", data_patch=""), *given]
+
+
+def _drives() -> list[_Html]:
+    return [
+        _option(name, drive.label, data_patch=urlencode({**_NO_AXES, **_NO_BANDS, "drive": name}))
+        for name, drive in DRIVES.items()
+    ]
+
+
+def _note(key: str) -> _Html:
+    return _tag("p", id=f"note-{key}", class_="note")
+
+
+def _tick(key: str, label: str, **attributes: object) -> _Html:
+    box = _tag("input", type="checkbox", id=key, name=key, **attributes)
+    return _tag("label", box, label, class_="tick")
+
+
+def _pair(key: str, label: str, box: _Html) -> _Html:
+    return _tag("div", _tag("label", label, for_=key), box, _note(key), class_="pair")
+
+
+def _axis(key: str, name: str, label: str) -> _Html:
+    quantities = [QUANTITIES[name] for name in CONTROLS if name in SWEPT]
+    options = [
+        _option(
+            quantity.column,
+            f"{quantity.label} [{unit_of(quantity)}]" if quantity.unit else quantity.label,
+            data_drives=" ".join(drives_of(quantity.name)),
+        )
+        for quantity in quantities
+    ]
+    ends = [
+        part
+        for number, end in enumerate(("from", "to"))
+        for part in (
+            _tag("label", end, for_=f"{key}-{end}"),
+            _input(f"{key}_range", id=f"{key}-{end}", data_part=number),
+        )
+    ]
+    log = _input(f"{key}_range", type="checkbox", id=f"{key}-log", data_part=2, value="log")
+    return _tag(
+        "div",
+        _tag("label", label, for_=key),
+        _select(key, options),
+        *ends,
+        _tag("label", log, "log", class_="tick"),
+        _note(f"{key}_range"),
+        _note(key),
+        class_="axis",
+        role="group",
+        aria_label=name,
+    )
+
+
+def _slider(key: str, name: str, label: str, **attributes: object) -> _Html:
+    low, high, step, _ = CONTROLS[name]
+    label = f"{label}, slider"
+    return _input(key, type="range", min=low, max=high, step=step, aria_label=label, **attributes)
+
+
+def _quantity(name: str) -> _Html:
+    """Write a text with a unit, and a slider."""
+    quantity = QUANTITIES[name]
+    key, unit = quantity.column, unit_of(quantity)
+    symbol = _tag("i", symbol_of(quantity))
+    return _tag(
+        "div",
+        _tag("label", f"{quantity.label} ", symbol, for_=key, title=quantity.meaning),
+        _measure(key, unit),
+        _slider(key, name, quantity.label, data_unit=unit),
+        _note(key),
+        class_="quantity",
+        id=f"row-{key}",
+        data_drives=" ".join(drives_of(name)),
+    )
+
+
+def _band(name: str) -> _Html:
+    """Write two texts and two sliders: the ends of what is known of a friction."""
+    key, label = f"{name}_band", QUANTITIES[name].label
+    texts, sliders = [], []
+    for number, end in enumerate(("least", "most")):
+        texts.append(_tag("label", end, for_=f"{key}-{end}"))
+        texts.append(_input(key, id=f"{key}-{end}", data_part=number, placeholder="exact"))
+        sliders.append(_slider(key, name, f"{end} {label}", data_part=number, data_unit=""))
+    return _tag(
+        "div",
+        _tag("span", label),
+        *texts,
+        *sliders,
+        _note(key),
+        class_="band",
+        id=f"row-{key}",
+        role="group",
+        aria_label=f"band of {label}",
+    )
