@@ -5,7 +5,7 @@ type Problem = { field: string; text: string };
 type Refusal = { problems: Problem[]; hint?: string };
 
 type Schema = {
-  initial: State; columns: string[]; idle: Record<string, string[]>; marks: Record<string, number>;
+  initial: State; idle: Record<string, string[]>; marks: Record<string, number>;
   regimes: { code: number; label: string }[]; statuses: { code: number; message: string }[];
 };
 
@@ -33,10 +33,10 @@ type HistoryHeader = {
 };
 type HistoryAnswer = Packed<HistoryHeader>;
 
-type TableInfo = { head: string[]; rows: string[][] };
 type PointAnswer = {
-  state: State; title: string; regime: string; colour: string; speed: string; facts: [string, string][]; begins: TableInfo; phases: TableInfo;
-  command: string; apart: string; toml: string; guaranteed: string;
+  state: State; title: string; regime: string; colour: string; speed: string; guaranteed: string; tables: string;
+  bands: State[];
+  command: string; apart: string; toml: string;
 };
 
 type ArrayInfo = { name: string; type: "f4" | "i1" | "u1" | "u2"; shape: number[]; offset: number };

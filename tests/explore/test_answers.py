@@ -41,6 +41,25 @@ def test_what_holds_for_bands_is_told(answers: Answers) -> None:
     assert "no least speed is proved" in wide
 
 
+@pytest.mark.parametrize(
+    ("given", "alone", "following"),
+    [
+        ({}, ("0.666:0.814", "0.513:0.627", None), ("0.666:0.814", None, None)),
+        ({"friction_ratio_band": "0.7:0.9"}, (None, "0.518:0.666", None), (None, None, "0.7:0.9")),
+        ({"kinetic_friction_band": "0.37:0.74"}, (None, "0.37:0.74", None), (None, None, "0.5:1")),
+        ({"kinetic_friction_band": "0.37:0.9"}, (None, "0.37:0.9", None), (None, None, "0.5:1")),
+    ],
+)
+def test_bands_move_between_kinetic_friction_and_its_ratio(
+    answers: Answers, given: dict[str, str], alone: tuple[str | None], following: tuple[str | None]
+) -> None:
+    keys = ("static_friction_band", "kinetic_friction_band", "friction_ratio_band")
+    bands = answers.point(state_of(**given))["bands"]
+    assert [tuple(chosen.get(key) for key in keys) for chosen in bands] == [alone, following]
+    for chosen in bands:
+        state_of(**chosen)
+
+
 def test_a_table_of_bands_says_what_is_certain(answers: Answers) -> None:
     rows = rows_of(table_of(answers, state_of(static_friction_band="0.6:0.8")))
     assert [*rows[0]] == [
@@ -127,8 +146,9 @@ def test_a_history_of_a_body_without_friction_has_forces_of_any_size(answers: An
 def test_a_schema_tells_what_says_nothing_of_a_drive(answers: Answers) -> None:
     schema = json.loads(json.dumps(answers.schema(), allow_nan=False))
     assert schema["initial"] == initial_state().texts
+    columns = {QUANTITIES[name].column for name in CONTROLS} - {"friction_ratio"}
     for drive, idle in schema["idle"].items():
-        assert {*schema["columns"]} & {*state_of(drive=drive).texts} == {*schema["columns"]} - {*idle}
+        assert columns & {*state_of(drive=drive).texts} == columns - {*idle}
 
 
 @pytest.mark.parametrize("name", CONTROLS)

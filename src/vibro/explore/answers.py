@@ -55,14 +55,13 @@ class Answers:
         Returns
         -------
         dict
-            ``initial``, what the page begins with; ``columns``, the keys of quantities; ``idle``, those that
-            say nothing of a drive, by its name; ``regimes`` and ``statuses`` of cells; ``marks``, the bits of
-            what they are marked with.
+            ``initial``, what the page begins with; ``idle``, the keys of quantities that say nothing of
+            a drive, by its name; ``regimes`` and ``statuses`` of cells; ``marks``, the bits of what they are
+            marked with.
         """
         columns = {name: QUANTITIES[name].column for name in CONTROLS if name != "friction_ratio"}
         return {
             "initial": dict(self._initial.texts),
-            "columns": [*columns.values()],
             "idle": {
                 drive: [column for name, column in columns.items() if drive not in drives_of(name)]
                 for drive in DRIVES

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from vibro.inverse.specs import Span
     from vibro.scene import Scene
 
-__all__ = ["certain_of", "extreme_frictions", "guaranteed_text", "is_outside"]
+__all__ = ["bands_if", "certain_of", "extreme_frictions", "guaranteed_text", "is_outside"]
 
 
 def certain_of(state: State, scene: Scene) -> Certain | None:
@@ -22,6 +22,31 @@ def certain_of(state: State, scene: Scene) -> Certain | None:
         return None
     static, second, is_ratio = _box(state)
     return certain(scene, static_friction=static, second_friction=second, is_ratio=is_ratio)
+
+
+def bands_if(state: State, *, follows: bool) -> dict[str, str]:
+    """Return the bands, by keys, of this state if kinetic friction follows static friction, or does not.
+
+    Where it follows, a band of its ratio stands for its own. Where there are none yet they reach a tenth to
+    either side.
+    """
+    mu_s, mu_d = state.point.fixed["static_friction"], state.point.fixed["kinetic_friction"]
+    bands = {**state.bands} or {"static_friction": _scaled((0.9, 1.1), mu_s)}
+    own, ratio = bands.pop("kinetic_friction", None), bands.pop("friction_ratio", None)
+    if not follows:
+        own = _scaled(ratio, mu_s) if ratio else own
+        bands["kinetic_friction"] = own or _scaled((0.9, 1.1), mu_d)
+    elif own and mu_s:
+        low, high = _scaled(own, 1.0 / mu_s)
+        ratio = min(low, 1.0), min(high, 1.0)
+    if follows and ratio:
+        bands["friction_ratio"] = ratio
+    return {f"{name}_band": ":".join(f"{end:.4g}" for end in band) for name, band in bands.items()}
+
+
+def _scaled(band: Span, factor: float) -> Span:
+    low, high = band
+    return low * factor, high * factor
 
 
 def extreme_frictions(state: State) -> dict[str, tuple[float, float]]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import Final
 from urllib.parse import urlencode
 
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS, drives_of
+from vibro.explore.markup import Html, tag
 from vibro.explore.words import symbol_of, unit_of
 from vibro.quantities import LEAST_SPEED, QUANTITIES, SWEPT
 
@@ -17,17 +17,11 @@ _NO_BANDS: Final = {f"{name}_band": "" for name in _BANDS}
 _NO_AXES: Final = {"x": "", "y": "", "x_range": "", "y_range": ""}
 
 
-class _Html(str):
-    """Text that is escaped already."""
-
-    __slots__ = ()
-
-
 def form_html() -> str:
     """Return the fieldsets of the form."""
     rows = {name: _quantity(name) for name in CONTROLS if name != "friction_ratio"}
     frictions = [rows.pop("static_friction"), rows.pop("kinetic_friction")]
-    of_drive = {name for drive in DRIVES.values() for name in drive.quantities}
+    of_drive = {"frequency", *(name for drive in DRIVES.values() for name in drive.quantities)}
     return "\n".join(
         [
             _fieldset(
@@ -48,7 +42,7 @@ def form_html() -> str:
                 *frictions,
                 _tick("follow", "kinetic friction follows static friction"),
                 _tick("bands", "friction is not known exactly", aria_describedby="no-bands"),
-                _tag(
+                tag(
                     "p",
                     "only of drives along a line, and of frictions that are no axis",
                     id="no-bands",
@@ -61,38 +55,28 @@ def form_html() -> str:
     )
 
 
-def _tag(kind: str, /, *inside: str, **attributes: object) -> _Html:
-    """Write an element; ``class_`` and ``data_part`` are spelled as HTML does, texts are escaped."""
-    given = [
-        f' {key.rstrip("_").replace("_", "-")}="{escape(str(value))}"' for key, value in attributes.items()
-    ]
-    content = "".join(text if isinstance(text, _Html) else escape(text) for text in inside)
-    end = "" if kind == "input" else f"</{kind}>"
-    return _Html(f"<{kind}{''.join(given)}>{content}{end}")
+def _fieldset(legend: str, *rows: str) -> Html:
+    return tag("fieldset", tag("legend", legend), *rows)
 
 
-def _fieldset(legend: str, *rows: str) -> _Html:
-    return _tag("fieldset", _tag("legend", legend), *rows)
+def _input(key: str, **attributes: object) -> Html:
+    return tag("input", name=key, aria_describedby=f"note-{key}", spellcheck="false", **attributes)
 
 
-def _input(key: str, **attributes: object) -> _Html:
-    return _tag("input", name=key, aria_describedby=f"note-{key}", spellcheck="false", **attributes)
-
-
-def _measure(key: str, unit: str, **attributes: object) -> _Html:
+def _measure(key: str, unit: str, **attributes: object) -> Html:
     box = _input(key, id=key, **attributes)
-    return _tag("span", box, _tag("i", unit), class_="measure")
+    return tag("span", box, tag("i", unit), class_="measure")
 
 
-def _select(key: str, options: list[_Html]) -> _Html:
-    return _tag("select", *options, id=key, name=key, aria_describedby=f"note-{key}")
+def _select(key: str, options: list[Html]) -> Html:
+    return tag("select", *options, id=key, name=key, aria_describedby=f"note-{key}")
 
 
-def _option(value: str, label: str, **attributes: object) -> _Html:
-    return _tag("option", label, value=value, **attributes)
+def _option(value: str, label: str, **attributes: object) -> Html:
+    return tag("option", label, value=value, **attributes)
 
 
-def _presets() -> list[_Html]:
+def _presets() -> list[Html]:
     given = [
         _option(name, preset.label, data_patch=urlencode({**_NO_BANDS, **preset.state}))
         for name, preset in PRESETS.items()
@@ -100,27 +84,27 @@ def _presets() -> list[_Html]:
     return [_option("", "choose one", data_patch=""), *given]
 
 
-def _drives() -> list[_Html]:
+def _drives() -> list[Html]:
     return [
         _option(name, drive.label, data_patch=urlencode({**_NO_AXES, **_NO_BANDS, "drive": name}))
         for name, drive in DRIVES.items()
     ]
 
 
-def _note(key: str) -> _Html:
-    return _tag("p", id=f"note-{key}", class_="note")
+def _note(key: str) -> Html:
+    return tag("p", id=f"note-{key}", class_="note error")
 
 
-def _tick(key: str, label: str, **attributes: object) -> _Html:
-    box = _tag("input", type="checkbox", id=key, name=key, **attributes)
-    return _tag("label", box, label, class_="tick")
+def _tick(key: str, label: str, **attributes: object) -> Html:
+    box = tag("input", type="checkbox", id=key, name=key, **attributes)
+    return tag("label", box, label, class_="tick")
 
 
-def _pair(key: str, label: str, box: _Html) -> _Html:
-    return _tag("div", _tag("label", label, for_=key), box, _note(key), class_="pair")
+def _pair(key: str, label: str, box: Html) -> Html:
+    return tag("div", tag("label", label, for_=key), box, _note(key), class_="pair")
 
 
-def _axis(key: str, name: str, label: str) -> _Html:
+def _axis(key: str, name: str, label: str) -> Html:
     quantities = [QUANTITIES[name] for name in CONTROLS if name in SWEPT]
     options = [
         _option(
@@ -134,17 +118,17 @@ def _axis(key: str, name: str, label: str) -> _Html:
         part
         for number, end in enumerate(("from", "to"))
         for part in (
-            _tag("label", end, for_=f"{key}-{end}"),
+            tag("label", end, for_=f"{key}-{end}"),
             _input(f"{key}_range", id=f"{key}-{end}", data_part=number),
         )
     ]
     log = _input(f"{key}_range", type="checkbox", id=f"{key}-log", data_part=2, value="log")
-    return _tag(
+    return tag(
         "div",
-        _tag("label", label, for_=key),
+        tag("label", label, for_=key),
         _select(key, options),
         *ends,
-        _tag("label", log, "log", class_="tick"),
+        tag("label", log, "log", class_="tick"),
         _note(f"{key}_range"),
         _note(key),
         class_="axis",
@@ -153,20 +137,20 @@ def _axis(key: str, name: str, label: str) -> _Html:
     )
 
 
-def _slider(key: str, name: str, label: str, **attributes: object) -> _Html:
+def _slider(key: str, name: str, label: str, **attributes: object) -> Html:
     low, high, step, _ = CONTROLS[name]
     label = f"{label}, slider"
     return _input(key, type="range", min=low, max=high, step=step, aria_label=label, **attributes)
 
 
-def _quantity(name: str) -> _Html:
+def _quantity(name: str) -> Html:
     """Write a text with a unit, and a slider."""
     quantity = QUANTITIES[name]
     key, unit = quantity.column, unit_of(quantity)
-    symbol = _tag("i", symbol_of(quantity))
-    return _tag(
+    symbol = tag("i", symbol_of(quantity))
+    return tag(
         "div",
-        _tag("label", f"{quantity.label} ", symbol, for_=key, title=quantity.meaning),
+        tag("label", f"{quantity.label} ", symbol, for_=key, title=quantity.meaning),
         _measure(key, unit),
         _slider(key, name, quantity.label, data_unit=unit),
         _note(key),
@@ -176,17 +160,17 @@ def _quantity(name: str) -> _Html:
     )
 
 
-def _band(name: str) -> _Html:
+def _band(name: str) -> Html:
     """Write two texts and two sliders: the ends of what is known of a friction."""
     key, label = f"{name}_band", QUANTITIES[name].label
     texts, sliders = [], []
     for number, end in enumerate(("least", "most")):
-        texts.append(_tag("label", end, for_=f"{key}-{end}"))
+        texts.append(tag("label", end, for_=f"{key}-{end}"))
         texts.append(_input(key, id=f"{key}-{end}", data_part=number, placeholder="exact"))
         sliders.append(_slider(key, name, f"{end} {label}", data_part=number, data_unit=""))
-    return _tag(
+    return tag(
         "div",
-        _tag("span", label),
+        tag("span", label),
         *texts,
         *sliders,
         _note(key),

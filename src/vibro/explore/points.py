@@ -5,7 +5,8 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.explore.bands import guaranteed_text
+from vibro.explore.bands import bands_if, guaranteed_text
+from vibro.explore.markup import tag
 from vibro.explore.state import HEIGHT, WIDTH, number_text
 from vibro.plots.style import REGIME_COLOURS
 from vibro.quantities import DEFAULTS, QUANTITIES
@@ -14,6 +15,8 @@ from vibro.sweeps.one_scene import OneScene, beginnings, estimate, facts_of, pha
 from vibro.sweeps.run import sweep_blocks
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from vibro.explore.state import State
 
 _APART: Final = "Of the operating point's own friction: commands and scene files know no bands."
@@ -33,9 +36,9 @@ def point_of(state: State) -> dict[str, Any]:
     -------
     dict
         Of what JSON has: ``state`` in full; ``title``, and of that the ``regime`` with its ``colour`` and the
-        ``speed``; ``facts`` and the tables ``begins`` and ``phases`` as ``vibro solve`` prints them;
-        ``guaranteed``, what holds for all bodies of the bands; ``command`` and ``toml``, which make the same
-        map, and ``apart``, what sets theirs apart.
+        ``speed``; ``tables`` with what ``vibro solve`` prints, as HTML; ``guaranteed``, what holds for all
+        bodies of the bands; ``bands``, as they would be with kinetic friction on its own, and following;
+        ``command`` and ``toml``, which make the same map, and ``apart``, what sets theirs apart.
     """
     grid = Grid({}, state.point.fixed, state.point.length)
     (block,) = sweep_blocks(grid)
@@ -53,10 +56,11 @@ def point_of(state: State) -> dict[str, Any]:
         "speed": speed,
         "values": {QUANTITIES[name].column: value for name, value in one.given.items()},
         "regime": one.regime.label,
-        "facts": facts,
-        "begins": _table(beginnings(one)),
-        "phases": _table(phase_rows(one)),
+        "tables": _table("What the body does", [(), *facts])
+        + _table("What begins when", beginnings(one))
+        + _table("Phases of a steady cycle", phase_rows(one)),
         "guaranteed": guaranteed_text(state),
+        "bands": [bands_if(state, follows=follows) for follows in (False, True)],
         "command": command_of(state),
         "apart": _APART if state.bands else "",
         "toml": scene_text(state),
@@ -101,6 +105,14 @@ def _given(state: State) -> dict[str, str]:
     return {name: given[name] for name in QUANTITIES if name in given}
 
 
-def _table(rows: list[tuple[str, ...]]) -> dict[str, Any]:
+def _table(caption: str, rows: Sequence[tuple[str, ...]]) -> str:
+    """Write a table, its first row as heads of columns; nothing where there are no others."""
     head, *body = rows or [()]
-    return {"head": head, "rows": body}
+    if not body:
+        return ""
+    heads = tag("thead", tag("tr", *(tag("th", text, scope="col") for text in head)))
+    lines = [
+        tag("tr", tag("th", name, scope="row"), *(tag("td", text) for text in texts)) for name, *texts in body
+    ]
+    parts = [tag("caption", caption), *([heads] if head else []), tag("tbody", *lines)]
+    return tag("table", *parts, class_="numeric" if head else "facts")

@@ -5,69 +5,61 @@ const PATIENCE = 30000; // [ms] for an answer
 const GONE = "vibro does not answer: is it still running? This page keeps its state and tries again.";
 const ANEW = "vibro was started anew: open the address that it printed, in another tab; this page then goes on.";
 
-class Trouble extends Error {}
-
 export const pause = (/** @type {number} */ time) => new Promise((resume) => setTimeout(resume, time));
 
-/** @template Answer */
-export class Lane {
-  /**
-   * @param {string} kind the route
-   * @param {(response: Response) => Promise<Answer>} read
-   * @param {(answer: Answer, query: string) => void} show
-   * @param {(refused: boolean) => void} tell called where there are new problems, or none any more
-   */
-  constructor(kind, read, show, tell) {
-    this.kind = kind;
-    this.read = read;
-    this.show = show;
-    this.tell = tell;
-    this.problems = /** @type {Problem[]} */ ([]); // of the input, that the server told last
-    this.trouble = ""; // why there is no answer
-    this.waiting = /** @type {string | null} */ (null);
-    this.work = /** @type {Promise<void> | null} */ (null);
-  }
+/**
+ * A way to ask; of what it tells, `problems` are those of the input, `trouble` is why there is no answer.
+ * @template Answer
+ * @param {string} kind the route
+ * @param {(response: Response) => Promise<Answer>} read
+ * @param {(answer: Answer, query: string) => void} show
+ * @param {(refused: boolean) => void} tell called where there are new problems, or none any more
+ */
+export function createLane(kind, read, show, tell) {
+  const lane = { problems: /** @type {Problem[]} */ ([]), trouble: "", waiting: /** @type {string?} */ (null), ask };
+  let work = /** @type {Promise<void> | null} */ (null);
 
   /** Ask, now or after what is under way; resolves once nothing waits. @param {string} query */
-  ask(query) {
-    this.waiting = query;
-    this.work ??= this.answerAll().finally(() => (this.work = null));
-    return this.work;
+  function ask(query) {
+    lane.waiting = query;
+    work ??= answerAll().finally(() => (work = null));
+    return work;
   }
 
-  async answerAll() {
-    while (this.waiting !== null) {
-      const query = this.waiting;
-      this.waiting = null;
-      const act = await this.fetch(query).catch((error) => {
-        this.trouble = error instanceof Trouble ? error.message : GONE;
-      });
-      if (act) act();
-      else {
-        this.tell(false);
-        this.waiting ??= query;
+  async function answerAll() {
+    while (lane.waiting !== null) {
+      const query = lane.waiting;
+      lane.waiting = null;
+      const act = await askOnce(query).catch(() => GONE);
+      if (typeof act === "string") {
+        lane.trouble = act;
+        tell(false);
+        lane.waiting ??= query;
         await pause(RETRY);
-      }
+      } else act();
     }
   }
 
-  /** Ask once, and tell what to do with the answer. @param {string} query @returns {Promise<() => void>} */
-  async fetch(query) {
-    const response = await fetch(`/${this.kind}?${query}`, { signal: AbortSignal.timeout(PATIENCE) });
-    const answer = response.ok ? await this.read(response) : null;
-    if (response.status === 403) throw new Trouble(ANEW);
+  /** Ask, and return what to do with the answer, or why there is none.
+   * @param {string} query @returns {Promise<string | (() => void)>} */
+  async function askOnce(query) {
+    const response = await fetch(`/${kind}?${query}`, { signal: AbortSignal.timeout(PATIENCE) });
+    if (response.status === 403) return ANEW;
+    const answer = response.ok ? await read(response) : null;
     const { problems, hint } = answer ? { problems: [] } : /** @type {Refusal} */ (await response.json());
-    const texts = problems.map((p) => p.text).join("; ");
-    if (!answer && response.status !== 400) throw new Trouble(`vibro says: ${texts}. This page tries again.`);
-    const isNews = this.trouble || problems.length || this.problems.length;
-    this.trouble = "";
-    if (!answer && this.waiting !== null) return () => this.tell(false);
-    this.problems = problems.map(({ field, text }) => ({ field, text: hint ? `${text} (${hint})` : text }));
+    const told = problems.map(({ field, text }) => ({ field, text: hint ? `${text} (${hint})` : text }));
+    if (!answer && response.status !== 400) return `vibro says: ${told[0]?.text}. This page tries again.`;
+    const isNews = lane.trouble || told.length || lane.problems.length;
+    lane.trouble = "";
+    if (!answer && lane.waiting !== null) return () => tell(false);
+    lane.problems = told;
     return () => {
-      if (isNews) this.tell(!answer);
-      if (answer) this.show(answer, query);
+      if (isNews) tell(!answer);
+      if (answer) show(answer, query);
     };
   }
+
+  return lane;
 }
 
 /** @param {Response} response @returns {Promise<any>} */
