@@ -15,9 +15,11 @@ type AxisInfo = {
   ticks: Tick[];
 };
 type ScaleInfo = { colours: [first: number, count: number]; ticks: Tick[] };
+type Stripe = { right: number; down: number; period: number; from: number; to: number };
+type Hatch = { marks: number; face: number | null; stripes: Stripe[] }; // no face: the other colour of the cell
 type CurveInfo = { name: string; label: string; dash: number[]; width: number; colour: string; halo: string; count: number };
 type MapHeader = {
-  view: string; label: string; title: string; x: AxisInfo; y: AxisInfo; palette: string; scale: ScaleInfo | null;
+  view: string; label: string; title: string; x: AxisInfo; y: AxisInfo; palette: string; hatches: Hatch[]; scale: ScaleInfo | null;
   legend: { text: string; faces: number[]; marks: number }[]; curves: CurveInfo[]; bands: boolean;
   progress: { done: boolean; share: number; text: string }; notes: string[];
 };
@@ -44,7 +46,6 @@ type Box = { left: number; top: number; width: number; height: number };
 type Sample = { sample: SVGElement[]; text: string };
 type Pieces = Map<number, number[][]>; // of curves, [ax, ay, bx, by] in cells, by the square that they cross
 type Cells = {
-  palette: Uint32Array | number[]; faces: ArrayLike<number>; others: ArrayLike<number>; marks: ArrayLike<number>;
+  palette: Uint32Array; hatches: Hatch[]; pale: number; faces: ArrayLike<number>; others: ArrayLike<number>; marks: ArrayLike<number>;
   nx: number; ny: number; pieces: Pieces;
 };
-type Cover = (marks: number, first: number, second: number, x: number, y: number) => number;

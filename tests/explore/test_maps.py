@@ -80,7 +80,7 @@ def test_every_view_of_every_drive_is_drawn(drive: str, view: str) -> None:
     assert np.array_equal(arrays["regime"], cycle.regime)
     assert np.array_equal(arrays["status"], cycle.status)
     assert (header["scale"] is None) == (view == "regime")
-    first, count = header["scale"]["colours"] if header["scale"] else (6, 0)
+    first, count = header["scale"]["colours"] if header["scale"] else (9, 0)
     assert len(b64decode(header["palette"])) == 3 * (first + count)
     assert arrays["faces"].max() < first + count
     assert all(0.0 <= share <= 1.0 for axis in ("x", "y") for share, _ in header[axis]["ticks"])

@@ -27,12 +27,16 @@ if TYPE_CHECKING:
 
     Mask = NDArray[np.bool_]
 
-__all__ = ["HATCHES", "MARKS", "Looks", "looks_of"]
+__all__ = ["HATCHES", "MARKS", "STRIPES", "Looks", "looks_of"]
 
 # Faces are places in a palette: of regimes their codes, then these, then the colours of the scale.
-_NO_ANSWER, _GREY, _SCALE = 4, 5, 6
-_COLOURS: Final = 250  # of a scale: with those before as many as a byte can tell
-_PLAIN: Final = [REGIME_COLOURS[Regime(code)] for code in range(4)] + [NO_ANSWER_FACE, "#808080"]
+_NO_ANSWER, _GREY, _FAINT, _INK, _WHITE, _SCALE = range(4, 10)
+_COLOURS: Final = 256 - _SCALE  # of a scale: with those before as many as a byte can tell
+_PLAIN: Final = [
+    *(REGIME_COLOURS[Regime(code)] for code in range(4)),
+    NO_ANSWER_FACE,
+    *("#808080", "#8A8A8A", "#222222", "#FFFFFF"),
+]
 
 #: Bits of what is drawn over a cell, for the page.
 MARKS: Final = {
@@ -45,6 +49,35 @@ MARKS: Final = {
 _HATCHES: Final = {"/": "rising", "\\": "falling", "x": "crossed", "-": "level", "+": "grid"}
 #: What is drawn where a status tells why there is no answer.
 HATCHES: Final = {status: _HATCHES[hatch[0]] for status, hatch in NO_ANSWER_HATCH.items()}
+
+
+def _stripe(right: int, down: int, period: int, to: float, start: float = 0.0) -> dict[str, float]:
+    """Return lines of a width, a period [px] apart, across the direction of so much right and down."""
+    return {"right": right, "down": down, "period": period, "from": start, "to": to}
+
+
+def _dots(period: int, size: float) -> list[dict[str, float]]:
+    return [_stripe(1, 0, period, size), _stripe(0, 1, period, size)]
+
+
+#: How the page draws marks over cells, the last on top: the ``marks``, the ``face`` whose colour it takes,
+#: or none for the cell's other colour, and the ``stripes``: it is seen where all of them overlap.
+STRIPES: Final[list[dict[str, Any]]] = [
+    {"marks": sum(MARKS[name] for name in names.split()), "face": face, "stripes": stripes}
+    for names, face, stripes in (
+        ("either", None, [_stripe(1, 1, 14, 7.0)]),
+        ("rising crossed", _FAINT, [_stripe(1, 1, 9, 1.0)]),
+        ("falling crossed", _FAINT, [_stripe(1, -1, 9, 1.0)]),
+        ("level grid", _FAINT, [_stripe(0, 1, 8, 1.0)]),
+        ("grid", _FAINT, [_stripe(1, 0, 8, 1.0)]),
+        ("coexists", _FAINT, _dots(7, 1.6)),
+        ("unknown unproved", _FAINT, _dots(10, 1.0)),
+        ("backwards", _INK, [_stripe(1, 0, 12, 1.0)]),
+        ("averaged", _WHITE, [_stripe(1, 1, 14, 3.6)]),
+        ("averaged", _INK, [_stripe(1, 1, 14, 2.4, 1.2)]),
+        ("preview", _WHITE, _dots(5, 1.0)),
+    )
+]
 
 # What the legend calls them, and the faces on which it shows them.
 _NAMES: Final = {

@@ -11,7 +11,7 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of, extreme_frictions, is_outside
 from vibro.explore.controls import VIEWS
-from vibro.explore.looks import HATCHES, looks_of
+from vibro.explore.looks import HATCHES, STRIPES, looks_of
 from vibro.explore.packing import pack
 from vibro.explore.words import caption_of, round_numbers, symbol_of, ticks_of, unit_of
 from vibro.inverse.certain import Certain
@@ -99,6 +99,7 @@ def packed_map(state: State, cells: Shown) -> bytes:
         "x": _axis(drawn.panel.x),
         "y": _axis(drawn.y),
         "palette": looks.palette,
+        "hatches": STRIPES,
         "scale": None if scale is None else {"colours": looks.scale, "ticks": ticks},
         "legend": looks.legend,
         "curves": [_curve(*curve, on_numbers=scale is not None) for curve in curves],

@@ -1,7 +1,5 @@
 /** The cells of a map as pixels: their colours, and hatches at the resolution of the screen. */
 
-const [FAINT, INK, WHITE] = [0xff8a8a8a, 0xff222222, 0xffffffff]; // AABBGGRR, as in memory
-
 /** The colours of a palette. @param {string} palette bytes of red, green and blue, in base64 */
 export function colours(palette) {
   const bytes = Uint8Array.from(atob(palette), (c) => c.charCodeAt(0));
@@ -9,26 +7,11 @@ export function colours(palette) {
   return Uint32Array.from({ length: bytes.length / 3 }, (_, n) => colour(3 * n));
 }
 
-/** What tells a pixel's colour where marks lie over a cell; x and y [CSS px] run right and down.
- * @param {Record<string, number>} bits of marks, by name @returns {Cover} */
-function coverOf(bits) {
-  const { backwards, averaged, coexists, preview, unknown, unproved, either, misses } = bits;
-  const [rising, falling, level] = [bits.rising | bits.crossed, bits.falling | bits.crossed, bits.level | bits.grid];
-  return (marks, first, second, x, y) => {
-    const stripe = (x + y) % 14;
-    let colour = marks & either && stripe < 7 ? second : first;
-    if (marks & rising && (x + y) % 9 < 1) colour = FAINT;
-    if (marks & falling && (x - y + 9e4) % 9 < 1) colour = FAINT;
-    if (marks & level && y % 8 < 1) colour = FAINT;
-    if (marks & bits.grid && x % 8 < 1) colour = FAINT;
-    if (marks & coexists && x % 7 < 1.6 && y % 7 < 1.6) colour = FAINT;
-    if (marks & (unknown | unproved) && x % 10 < 1 && y % 10 < 1) colour = FAINT;
-    if (marks & backwards && x % 12 < 1) colour = INK;
-    if (marks & averaged && stripe < 3.6) colour = stripe >= 1.2 && stripe < 2.4 ? INK : WHITE;
-    if (marks & preview && x % 5 < 1 && y % 5 < 1) colour = WHITE;
-    return marks & misses ? 0xff000000 + ((colour >> 1) & 0x7f7f7f) + 0x7f7f7f : colour; // half white
-  };
-}
+/** Whether a place lies in all stripes of a hatch. @param {Stripe[]} stripes @param {number} x @param {number} y */
+const isIn = (stripes, x, y) => stripes.every(({ right, down, period, from, to }) => {
+  const at = (((right * x + down * y) % period) + period) % period;
+  return at >= from && at < to;
+});
 
 /** Pieces of curves by the square of four cells that they cross. @param {MapAnswer} map @returns {Pieces} */
 export function piecesOf({ header: { x, y }, arrays: { points } }) {
@@ -62,53 +45,44 @@ function ownCell(pieces, place) {
   return [[i, j], [k, j], [i, l], [k, l]].find(isOwn) ?? [i, j];
 }
 
-export class Painter {
-  /** @param {Record<string, number>} marks their bits, by name */
-  constructor(marks) {
-    this.cover = coverOf(marks);
-    this.pictures = /** @type {Map<string, string>} */ (new Map());
-  }
-
-  /** Paint cells, rows from the lowest up, over a whole canvas; curves divide the squares between cells exactly.
-   * @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel @param {Cells} cells */
-  paint(canvas, zoom, { palette, faces, others, marks, nx, ny, pieces }) {
-    const { width, height } = canvas;
-    const image = new ImageData(width, height);
-    const pixels = new Uint32Array(image.data.buffer);
-    const isDivided = new Uint8Array(nx * ny);
-    for (const square of pieces.keys()) isDivided[square] = 1;
-    for (let py = 0, at = 0; py < height; py++) {
-      const y = (1 - (py + 0.5) / height) * (ny - 1);
-      const [row, near] = [nx * Math.floor(y), nx * Math.round(y)];
-      for (let px = 0; px < width; px++, at++) {
-        const x = ((px + 0.5) / width) * (nx - 1);
-        const square = row + Math.floor(x);
-        let cell = near + Math.round(x);
-        if (isDivided[square]) {
-          const [i, j] = ownCell(pieces.get(square) ?? [], [x, y]);
-          cell = nx * j + i;
-        }
-        const colour = palette[faces[cell]];
-        const over = marks[cell];
-        pixels[at] = over ? this.cover(over, colour, palette[others[cell]], px / zoom, py / zoom) : colour;
+/** Paint cells, rows from the lowest up, over a whole canvas; curves divide the squares between cells exactly.
+ * @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel @param {Cells} cells */
+export function paint(canvas, zoom, { palette, hatches, pale, faces, others, marks, nx, ny, pieces }) {
+  const { width, height } = canvas;
+  const image = new ImageData(width, height);
+  const pixels = new Uint32Array(image.data.buffer);
+  const isDivided = new Uint8Array(nx * ny);
+  for (const square of pieces.keys()) isDivided[square] = 1;
+  for (let py = 0, at = 0; py < height; py++) {
+    const y = (1 - (py + 0.5) / height) * (ny - 1);
+    const [row, near] = [nx * Math.floor(y), nx * Math.round(y)];
+    for (let px = 0; px < width; px++, at++) {
+      const x = ((px + 0.5) / width) * (nx - 1);
+      const square = row + Math.floor(x);
+      let cell = near + Math.round(x);
+      if (isDivided[square]) {
+        const [i, j] = ownCell(pieces.get(square) ?? [], [x, y]);
+        cell = nx * j + i;
       }
+      const over = marks[cell];
+      let face = faces[cell];
+      if (over) for (const hatch of hatches) {
+        if (over & hatch.marks && isIn(hatch.stripes, px / zoom, py / zoom)) face = hatch.face ?? others[cell];
+      }
+      const colour = palette[face];
+      pixels[at] = over & pale ? 0xff000000 + ((colour >> 1) & 0x7f7f7f) + 0x7f7f7f : colour; // half white
     }
-    canvas.getContext("2d")?.putImageData(image, 0, 0);
   }
+  canvas.getContext("2d")?.putImageData(image, 0, 0);
+}
 
-  /** A column of cells, the lowest first, as the address of a picture. @param {Cells["palette"]} palette of the cells
-   * @param {number} width @param {number} height @param {number} [marks] over them, which may show a last colour */
-  picture(palette, width, height, marks = 0) {
-    const key = [marks, width, height, ...palette].join(" ");
-    const ny = marks ? 1 : palette.length;
-    const canvas = document.createElement("canvas");
-    [canvas.width, canvas.height] = [2 * width, 2 * height];
-    const faces = Array.from({ length: ny }, (_, n) => n);
-    const cells = { palette, faces, others: [palette.length - 1], marks: Array(ny).fill(marks), nx: 1, ny };
-    if (!this.pictures.has(key)) {
-      this.paint(canvas, 2, { ...cells, pieces: new Map() });
-      this.pictures.set(key, canvas.toDataURL());
-    }
-    return this.pictures.get(key) ?? "";
-  }
+/** A column of faces, the lowest first, or marks over one of them, which may show the last: the address of a picture.
+ * @param {Cells} cells @param {number[]} faces @param {number} width @param {number} height @param {number} [over] */
+export function picture(cells, faces, width, height, over = 0) {
+  const ny = over ? 1 : faces.length;
+  const own = { faces, others: faces.slice(-1), marks: Array(ny).fill(over), nx: 1, ny, pieces: new Map() };
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [2 * width, 2 * height];
+  paint(canvas, 2, { ...cells, ...own });
+  return canvas.toDataURL();
 }

@@ -1,6 +1,6 @@
 /** The map: a canvas of cells, and over it axes, curves, the operating point, and what they mean. */
 
-import { Painter, colours, piecesOf } from "./cells.js";
+import { colours, paint, picture, piecesOf } from "./cells.js";
 import { axis, curve, html, legend, numberText, place, plot, set, shape, svg, textWidth, way } from "./draw.js";
 
 const [STEP, LEAP] = [0.01, 0.1]; // of an axis, by an arrow key, and with Shift
@@ -42,7 +42,6 @@ export class MapView {
     this.schema = schema;
     this.numberOf = numberOf;
     this.move = move;
-    this.painter = new Painter(schema.marks);
     this.stage = place("stage");
     this.canvas = /** @type {HTMLCanvasElement} */ (place("cells"));
     this.svg = shape("map");
@@ -59,9 +58,10 @@ export class MapView {
 
   /** @param {MapAnswer} map */
   show(map) {
-    const { header: { palette, x, y }, arrays: { faces, others, marks } } = map;
+    const { header: { palette, hatches, x, y }, arrays: { faces, others, marks } } = map;
+    const looks = { palette: colours(palette), hatches, pale: this.schema.marks.misses };
     this.map = map;
-    this.cells = { palette: colours(palette), faces, others, marks, nx: x.count, ny: y.count, pieces: piecesOf(map) };
+    this.cells = { ...looks, faces, others, marks, nx: x.count, ny: y.count, pieces: piecesOf(map) };
     this.draw();
     place("notes").replaceChildren(...map.header.notes.map((note) => html("p", {}, note)));
   }
@@ -89,14 +89,14 @@ export class MapView {
     for (const [side, length] of Object.entries(box)) this.canvas.style.setProperty(side, `${length}px`);
     const zoom = window.devicePixelRatio;
     [this.canvas.width, this.canvas.height] = [Math.round(box.width * zoom), Math.round(box.height * zoom)];
-    this.painter.paint(this.canvas, zoom, cells);
+    paint(this.canvas, zoom, cells);
     this.put();
   }
 
   /** The colour bar. @param {ScaleInfo} scale @param {string} label @param {Cells} cells */
-  bar({ colours: [first, count], ticks }, label, { palette }) {
+  bar({ colours: [first, count], ticks }, label, cells) {
     const box = { ...this.box, left: this.box.left + this.box.width + 14, width: 12 };
-    const href = this.painter.picture(palette.slice(first, first + count), 1, 128);
+    const href = picture(cells, Array.from({ length: count }, (_, n) => first + n), 1, 128);
     const image = svg("image", { href, width: 1000, height: 1000, preserveAspectRatio: "none" });
     return [plot(box, {}, image), axis(box, "right", ticks, label)];
   }
@@ -111,16 +111,16 @@ export class MapView {
   }
 
   /** What the legend shows. @param {Cells} cells */
-  samples({ palette }) {
+  samples(cells) {
     const { legend, curves } = /** @type {MapAnswer} */ (this.map).header;
     const edge = { x: 0.5, y: 0.5, width: 23, height: 13, fill: "none", stroke: "#777777" };
-    const cells = legend.map(({ text, faces, marks }) => {
-      const href = this.painter.picture(faces.map((face) => palette[face]), 24, 14, marks);
+    const kinds = legend.map(({ text, faces, marks }) => {
+      const href = picture(cells, faces, 24, 14, marks);
       return { text, sample: [svg("image", { href, width: 24, height: 14 }), svg("rect", edge)] };
     });
     const lines = curves.map((info) => ({ text: info.label, sample: line("M0 7H24", info) }));
     const ring = svg("circle", { cx: 12, cy: 7, r: 4.5, fill: "#FFFFFF", stroke: "#000000", "stroke-width": 2.5 });
-    return [...cells, ...lines, { text: "operating point", sample: [ring] }];
+    return [...kinds, ...lines, { text: "operating point", sample: [ring] }];
   }
 
   /** Put the operating point where the state has it. */
