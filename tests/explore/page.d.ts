@@ -19,7 +19,7 @@ type Stripe = { right: number; down: number; period: number; from: number; to: n
 type Hatch = { marks: number; face: number | null; stripes: Stripe[] }; // no face: the other colour of the cell
 type CurveInfo = { name: string; label: string; dash: number[]; width: number; colour: string; halo: string; count: number };
 type MapHeader = {
-  view: string; label: string; title: string; x: AxisInfo; y: AxisInfo; palette: string; hatches: Hatch[]; scale: ScaleInfo | null;
+  view: string; label: string; title: string; caption: string; x: AxisInfo; y: AxisInfo; palette: string; hatches: Hatch[]; scale: ScaleInfo | null;
   legend: { text: string; faces: number[]; marks: number }[]; curves: CurveInfo[]; bands: boolean;
   progress: { done: boolean; share: number; text: string }; notes: string[];
 };
@@ -44,8 +44,8 @@ type PointAnswer = {
 type ArrayInfo = { name: string; type: "f4" | "i1" | "u1" | "u2"; shape: number[]; offset: number };
 type Box = { left: number; top: number; width: number; height: number };
 type Sample = { sample: SVGElement[]; text: string };
-type Pieces = Map<number, number[][]>; // of curves, [ax, ay, bx, by] in cells, by the square that they cross
 type Cells = {
   palette: Uint32Array; hatches: Hatch[]; pale: number; faces: ArrayLike<number>; others: ArrayLike<number>; marks: ArrayLike<number>;
-  nx: number; ny: number; pieces: Pieces;
+  nx: number; ny: number;
+  pieces: number[][][]; // of curves, [ax, ay, bx, by] in cells, by the square that they cross
 };

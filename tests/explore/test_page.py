@@ -273,9 +273,35 @@ def test_hovering_tells_the_numbers_of_a_cell(open_page: Open) -> None:
     page.mouse.move(x - 40, y)
     tip = page.locator("#tip")
     expect(tip).to_contain_text(re.compile(r"frequency1\d(\.\d+)? Hz"))
-    expect(tip).to_contain_text("mean speed")
+    expect(tip).to_contain_text("mean conveying speed")
     page.keyboard.press("Escape")
     expect(tip).to_be_hidden()
+
+
+def test_what_is_told_of_a_cell_is_of_the_map_that_is_shown(open_page: Open) -> None:
+    page = open_page("#restitution=0.5")
+    tip, (x, y) = page.locator("#tip"), middle(page.locator("#cells"))
+    page.mouse.move(x, y)
+    expect(tip).to_contain_text("frequency")
+    page.evaluate("location.hash = '#x=drive_angle_deg&y=static_friction'")
+    expect(tip).to_contain_text("drive angle")
+    page.mouse.down()
+    expect(tip).to_be_hidden()
+    page.mouse.up()
+    expect(tip).to_be_visible()
+    page.evaluate("location.hash = '#static_friction_band=0.6:0.8'")
+    expect(tip).to_contain_text("amplitude")
+    expect(tip).not_to_contain_text("mean speed")
+
+
+def test_what_is_not_computed_yet_is_called_so(open_page: Open) -> None:
+    page = open_page()
+    page.route("**/map?*advance=1*", lambda route: None)  # the first answer stays
+    page.evaluate("location.hash = '#restitution=0.45&view=speed'")
+    x, y = middle(page.locator("#cells"))
+    page.mouse.move(x, y)
+    expect(page.locator("#tip")).to_contain_text("hoppingnot computed yet")
+    expect(page.locator("#tip")).not_to_contain_text("not modelled")
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (700, 450), (320, 640)])

@@ -63,8 +63,9 @@ def packed_map(state: State, cells: Shown) -> bytes:
     -------
     bytes
         As ``pack`` makes them. Arrays of cells have the shape (y, x), the lowest row first:
-        ``speed`` [mm/s], ``values`` of the view unless that is of regimes, ``regime``, ``status``, ``faces``,
-        ``others`` and ``marks`` as ``looks_of`` chooses them, with bands ``lowest`` and ``highest`` regime;
+        ``values`` of the view unless that is of regimes, ``regime``, ``status``, -1 where not known yet,
+        ``faces``, ``others`` and ``marks`` as ``looks_of`` chooses them, with bands ``lowest`` and
+        ``highest`` regime, without ``speed`` [mm/s] unless ``values`` are that;
         ``points`` of the curves, one after the other, are shares of the axes; NaN ends every piece.
     """
     drawn = _Drawn(state, cells)
@@ -77,9 +78,8 @@ def packed_map(state: State, cells: Shown) -> bytes:
         lowest, highest = drawn.certain.lowest, drawn.certain.highest
     looks = looks_of(lowest, highest, shown, drawn.marks(), drawn.words())
     arrays: dict[str, NDArray[Any]] = {
-        "speed": _single(_MILLIMETRE * cycle["mean_velocity"]),
         "regime": cycle["regime"],
-        "status": cycle["status"],
+        "status": np.where(drawn.known, cycle["status"], np.int8(-1)),
         "faces": looks.faces,
         "others": looks.others,
         "marks": looks.marks,
@@ -88,6 +88,8 @@ def packed_map(state: State, cells: Shown) -> bytes:
         arrays["values"] = _single(numbers)
     if drawn.certain is not None:
         arrays |= {"lowest": lowest, "highest": highest}
+    elif state.view != "speed":
+        arrays["speed"] = _single(_MILLIMETRE * cycle["mean_velocity"])
     gap = np.full((1, 2), np.nan)
     points = [part for _, _, lines in curves for line in lines for part in (drawn.shares(line), gap)]
     arrays["points"] = _single(np.concatenate(points) if points else np.empty((0, 2)))
@@ -121,6 +123,8 @@ class _Drawn:
         The one that runs up.
     certain : Certain or None
         What holds for all bodies of the bands of friction, if there are any.
+    known : bool array
+        Whether anything is known of each cell.
     numbers : array or None
         Those of the view, in the units outside; NaN where there are none.
     """
@@ -137,7 +141,7 @@ class _Drawn:
         self.cycle: dict[str, NDArray[Any]] = dict(self.panel.cycle)
         self._fields = Fields(self.panel)
         self._values, self._is_turned = values, next(iter(grid.axes)) == view.x.name
-        self._known, self._exact = (x.T if self._is_turned else x for x in (cells.known, cells.exact))
+        self.known, self._exact = (x.T if self._is_turned else x for x in (cells.known, cells.exact))
         found = certain_of(state, scene_of(values))
         self.certain = found
         if found is not None and self._is_turned:
@@ -202,7 +206,7 @@ class _Drawn:
         if self._state.target is not None:
             marks["misses"] = self._meets <= 0.0
         if self.certain is None or self._state.view in _FLIGHT_ALONE:
-            marks |= {"preview": self._known & ~self._exact, "unknown": ~self._known}
+            marks |= {"preview": self.known & ~self._exact, "unknown": ~self.known}
         if self.certain is None:
             with np.errstate(invalid="ignore"):
                 marks["backwards"] = cycle["mean_velocity"] < -_CERTAIN * cycle["mean_velocity_error"]

@@ -13,24 +13,20 @@ const isIn = (stripes, x, y) => stripes.every(({ right, down, period, from, to }
   return at >= from && at < to;
 });
 
-/** Pieces of curves by the square of four cells that they cross. @param {MapAnswer} map @returns {Pieces} */
+/** Pieces of curves by the square of four cells that each lies in. @param {MapAnswer} map */
 export function piecesOf({ header: { x, y }, arrays: { points } }) {
-  const found = /** @type {Pieces} */ (new Map());
+  const pieces = /** @type {number[][][]} */ (Array(x.count * y.count));
   const cells = points.map((share, n) => share * ((n % 2 ? y : x).count - 1));
   for (let at = 0; at + 3 < cells.length; at += 2) {
     const [ax, ay, bx, by] = cells.subarray(at, at + 4);
-    for (let j = Math.floor(Math.min(ay, by)); j <= Math.max(ay, by); j++) {
-      for (let i = Math.floor(Math.min(ax, bx)); i <= Math.max(ax, bx); i++) {
-        const square = j * x.count + i;
-        if (!found.get(square)?.push([ax, ay, bx, by])) found.set(square, [[ax, ay, bx, by]]);
-      }
-    }
+    const square = Math.floor((ay + by) / 2) * x.count + Math.floor((ax + bx) / 2);
+    if (square >= 0) (pieces[square] ??= []).push([ax, ay, bx, by]); // no square, where a curve is interrupted
   }
-  return found;
+  return pieces;
 }
 
-/** Whether a piece of a curve parts two places.
- * @param {number[]} piece @param {number[]} place @param {number[]} other */
+// Whether a piece of a curve parts two places.
+/** @param {number[]} piece @param {number[]} place @param {number[]} other */
 function parts([ax, ay, bx, by], [x, y], [cx, cy]) {
   const side = (/** @type {number} */ px, /** @type {number} */ py) => (bx - ax) * (py - ay) - (by - ay) * (px - ax);
   const turn = (/** @type {number} */ px, /** @type {number} */ py) => (cx - x) * (py - y) - (cy - y) * (px - x);
@@ -45,23 +41,21 @@ function ownCell(pieces, place) {
   return [[i, j], [k, j], [i, l], [k, l]].find(isOwn) ?? [i, j];
 }
 
-/** Paint cells, rows from the lowest up, over a whole canvas; curves divide the squares between cells exactly.
- * @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel @param {Cells} cells */
+// Paint cells, rows from the lowest up, over a whole canvas; curves divide the squares between cells exactly.
+/** @param {HTMLCanvasElement} canvas @param {number} zoom device pixels a CSS pixel @param {Cells} cells */
 export function paint(canvas, zoom, { palette, hatches, pale, faces, others, marks, nx, ny, pieces }) {
   const { width, height } = canvas;
   const image = new ImageData(width, height);
   const pixels = new Uint32Array(image.data.buffer);
-  const isDivided = new Uint8Array(nx * ny);
-  for (const square of pieces.keys()) isDivided[square] = 1;
   for (let py = 0, at = 0; py < height; py++) {
     const y = (1 - (py + 0.5) / height) * (ny - 1);
     const [row, near] = [nx * Math.floor(y), nx * Math.round(y)];
     for (let px = 0; px < width; px++, at++) {
       const x = ((px + 0.5) / width) * (nx - 1);
-      const square = row + Math.floor(x);
+      const crossing = pieces[row + Math.floor(x)];
       let cell = near + Math.round(x);
-      if (isDivided[square]) {
-        const [i, j] = ownCell(pieces.get(square) ?? [], [x, y]);
+      if (crossing) {
+        const [i, j] = ownCell(crossing, [x, y]);
         cell = nx * j + i;
       }
       const over = marks[cell];
@@ -76,11 +70,11 @@ export function paint(canvas, zoom, { palette, hatches, pale, faces, others, mar
   canvas.getContext("2d")?.putImageData(image, 0, 0);
 }
 
-/** A column of faces, the lowest first, or marks over one of them, which may show the last: the address of a picture.
- * @param {Cells} cells @param {number[]} faces @param {number} width @param {number} height @param {number} [over] */
+// A column of faces, the lowest first, or marks over one of them, which may show the last: the address of a picture.
+/** @param {Cells} cells @param {number[]} faces @param {number} width @param {number} height @param {number} [over] */
 export function picture(cells, faces, width, height, over = 0) {
   const ny = over ? 1 : faces.length;
-  const own = { faces, others: faces.slice(-1), marks: Array(ny).fill(over), nx: 1, ny, pieces: new Map() };
+  const own = { faces, others: faces.slice(-1), marks: Array(ny).fill(over), nx: 1, ny, pieces: [] };
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [2 * width, 2 * height];
   paint(canvas, 2, { ...cells, ...own });

@@ -17,10 +17,8 @@ export function svg(tag, attributes = {}, ...children) {
   return set(element, attributes);
 }
 
-/**
- * @template {keyof HTMLElementTagNameMap} T
- * @param {T} tag @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} children
- */
+/** @template {keyof HTMLElementTagNameMap} T
+ * @param {T} tag @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} children */
 export function html(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   element.append(...children);
@@ -53,8 +51,8 @@ const SIDES = {
   right: { mark: "M0 0h4", x: 7, y: 4, anchor: "start", away: 52 },
 };
 
-/** Marks with numbers along a side of a box, and what they are.
- * @param {Box} box @param {keyof typeof SIDES} side @param {Tick[]} ticks @param {string} [label] */
+// Marks with numbers along a side of a box, and what they are.
+/** @param {Box} box @param {keyof typeof SIDES} side @param {Tick[]} ticks @param {string} [label] */
 export function axis({ left, top, width, height }, side, ticks, label = "") {
   const { mark, x, y, anchor, away } = SIDES[side];
   const edge = side === "right" ? left + width : left;
@@ -70,8 +68,8 @@ export function axis({ left, top, width, height }, side, ticks, label = "") {
     svg("text", { transform: middle, "text-anchor": "middle", "font-size": 13 }, label));
 }
 
-/** The way of a curve through points, in shares of a plot; NaN interrupts it.
- * @param {number} count @param {(n: number) => ArrayLike<number>} point */
+// The way of a curve through points, in shares of a plot; NaN interrupts it.
+/** @param {number} count @param {(n: number) => ArrayLike<number>} point */
 export function way(count, point) {
   let [d, pen] = ["", "M"];
   for (let n = 0; n < count; n++) {
@@ -89,8 +87,8 @@ export function curve(d, { colour, width, dash }, more = {}) {
   return svg("path", { d, fill: "none", "vector-effect": "non-scaling-stroke", ...look });
 }
 
-/** What is drawn in a box of 1000 by 1000, cut at its edges, and its frame.
- * @param {Box} box @param {Record<string, string>} attributes @param {Node[]} children */
+// What is drawn in a box of 1000 by 1000, cut at its edges, and its frame.
+/** @param {Box} box @param {Record<string, string>} attributes @param {Node[]} children */
 export function plot({ left, top, width, height }, attributes, ...children) {
   const area = { x: left, y: top, width, height };
   const inside = { ...area, viewBox: "0 0 1000 1000", preserveAspectRatio: "none", ...attributes };
@@ -98,17 +96,18 @@ export function plot({ left, top, width, height }, attributes, ...children) {
   return svg("g", {}, svg("svg", inside, ...children), frame);
 }
 
-/** Rows of samples on paper, 24 by 14 px, with names.
- * @param {Sample[]} items @param {number} left @param {number} top @param {number} width */
+// Rows of names, each after a sample on paper, 24 by 14 px, if it has one.
+/** @param {Sample[]} items @param {number} left @param {number} top @param {number} width */
 export function legend(items, left, top, width) {
   const group = svg("g");
   let [x, y] = [left, top];
   for (const { sample, text } of items) {
-    const wide = 31 + textWidth(text);
+    const indent = sample.length ? 31 : 0;
+    const wide = indent + textWidth(text);
     if (x > left && x + wide > left + width) [x, y] = [left, y + 20];
-    const paper = svg("rect", { width: 24, height: 14, fill: "#FFFFFF" });
-    const name = svg("text", { x: 31, y: 11.5, fill: "currentColor" }, text);
-    group.append(svg("g", { transform: `translate(${x} ${y})` }, paper, ...sample, name));
+    const paper = sample.length ? [svg("rect", { width: 24, height: 14, fill: "#FFFFFF" })] : [];
+    const name = svg("text", { x: indent, y: 11.5, fill: "currentColor" }, text);
+    group.append(svg("g", { transform: `translate(${x} ${y})` }, ...paper, ...sample, name));
     x += wide + 18;
   }
   return { group, height: items.length ? y + 20 - top : 0 };

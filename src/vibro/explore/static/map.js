@@ -1,12 +1,11 @@
 /** The map: a canvas of cells, and over it axes, curves, the operating point, and what they mean. */
 
 import { colours, paint, picture, piecesOf } from "./cells.js";
-import { axis, curve, html, legend, numberText, place, plot, set, shape, svg, textWidth, way } from "./draw.js";
+import { axis, curve, html, legend, numberText, place, plot, set, shape, svg, way } from "./draw.js";
 
 const [STEP, LEAP] = [0.01, 0.1]; // of an axis, by an arrow key, and with Shift
-const KEYS = /** @type {Record<string, number[]>} */ ({
-  ArrowLeft: [-1, NaN], ArrowRight: [1, NaN], ArrowUp: [NaN, 1], ArrowDown: [NaN, -1],
-});
+/** @type {Record<string, number[]>} */
+const KEYS = { ArrowLeft: [-1, NaN], ArrowRight: [1, NaN], ArrowUp: [NaN, 1], ArrowDown: [NaN, -1] };
 
 /** A value at a share of an axis, in as many digits as a hand can set. @param {AxisInfo} axis @param {number} share */
 function valueAt({ from, to, log }, share) {
@@ -22,7 +21,9 @@ function shareAt({ from, to, log }, value) {
 }
 
 /** @param {AxisInfo} axis @param {number} value */
-const valueText = (axis, value) => `${numberText(value, 5)} ${axis.unit}`.trim();
+const valueText = ({ unit }, value) => (Number.isNaN(value) ? "–" : `${numberText(value, 5)} ${unit}`.trim());
+/** @param {string[]} values */
+const pointText = (values) => `operating point: ${values.join(", ")}`;
 const within = (/** @type {number} */ share) => Math.min(Math.max(share, 0), 1);
 
 /** A curve; a halo parts it from the colours of cells. @param {string} d @param {CurveInfo} info */
@@ -32,12 +33,10 @@ function line(d, info) {
   return [...halo, curve(d, info, { "data-curve": info.name })];
 }
 
+/** @typedef {(patch: State, isFinished: boolean) => void} Move */
 export class MapView {
-  /**
-   * @param {Schema} schema
-   * @param {(column: string) => number} numberOf tells the operating point
-   * @param {(patch: State, finished: boolean) => void} move told where a hand moves it
-   */
+  // The operating point is told by numberOf; move is told where a hand moves it.
+  /** @param {Schema} schema @param {(column: string) => number} numberOf @param {Move} move */
   constructor(schema, numberOf, move) {
     this.schema = schema;
     this.numberOf = numberOf;
@@ -51,7 +50,9 @@ export class MapView {
     this.cells = /** @type {Cells | null} */ (null);
     this.at = [0, 0]; // the operating point: shares of the axes, perhaps outside of them
     this.box = { left: 58, top: 30, width: 1, height: 1 };
+    this.sign = /** @type {Element | null} */ (null); // what tells the operating point's values in words
     this.dragging = false;
+    this.pointer = /** @type {PointerEvent | null} */ (null); // the last event of one that is over the map
     new ResizeObserver(() => this.draw()).observe(this.stage);
     this.listen();
   }
@@ -68,29 +69,33 @@ export class MapView {
 
   draw() {
     if (!this.map || !this.cells) return;
-    const { box, cells, map: { header: { title, label, progress, x, y, scale } } } = this;
+    const { box, cells, map: { header: { title, caption, label, progress, x, y, scale } } } = this;
     const wide = this.stage.clientWidth;
     const room = window.innerHeight * (wide < 600 ? 0.4 : 0.64);
-    box.width = wide - box.left - (scale ? 84 : 16);
+    const hasBar = scale && scale.ticks.length > 0;
+    const texts = [...caption.split(", "), progress.text].filter(Boolean);
+    const facts = legend(texts.map((text) => ({ text, sample: [] })), box.left, 25, wide - box.left);
+    box.top = 30 + facts.height;
+    box.width = wide - box.left - (hasBar ? 84 : 16);
     box.height = Math.round(Math.max(Math.min(0.75 * box.width, room), 180));
     const under = box.top + box.height + 50;
     const names = legend(this.samples(cells), 12, under, wide - 24);
+    this.sign = names.group.querySelector(":scope > :last-child > text");
     const name = title[0].toUpperCase() + title.slice(1);
-    const both = [name, progress.text].filter(Boolean).join(" – ");
-    const heading = textWidth(both, 15) < box.width ? both : progress.text || name;
     shape("frame").replaceChildren(
-      svg("text", { x: box.left, y: 18, "font-size": 14, "font-weight": 600, fill: "currentColor" }, heading),
-      axis(box, "below", x.ticks, x.title), axis(box, "left", y.ticks, y.title),
-      ...(scale ? this.bar(scale, label, cells) : []), plot(box, { class: "curves" }, ...this.curves()), names.group);
-    const [width, height] = [wide, under + names.height];
-    const whole = { width, height, viewBox: `0 0 ${width} ${height}` };
-    set(this.svg, { ...whole, "aria-label": `${name}, over ${x.title} and ${y.title}` });
+      svg("text", { x: box.left, y: 18, "font-size": 14, "font-weight": 600, fill: "currentColor" }, name),
+      facts.group, axis(box, "below", x.ticks, x.title), axis(box, "left", y.ticks, y.title),
+      ...(hasBar ? this.bar(scale, label, cells) : []), plot(box, { class: "curves" }, ...this.curves()), names.group);
+    const height = under + names.height;
+    const called = `${name}, over ${x.title} and ${y.title}`;
+    set(this.svg, { width: wide, height, viewBox: `0 0 ${wide} ${height}`, "aria-label": called });
     set(this.surface, { x: box.left, y: box.top, width: box.width, height: box.height });
     for (const [side, length] of Object.entries(box)) this.canvas.style.setProperty(side, `${length}px`);
     const zoom = window.devicePixelRatio;
     [this.canvas.width, this.canvas.height] = [Math.round(box.width * zoom), Math.round(box.height * zoom)];
     paint(this.canvas, zoom, cells);
     this.put();
+    this.hover();
   }
 
   /** The colour bar. @param {ScaleInfo} scale @param {string} label @param {Cells} cells */
@@ -112,7 +117,7 @@ export class MapView {
 
   /** What the legend shows. @param {Cells} cells */
   samples(cells) {
-    const { legend, curves } = /** @type {MapAnswer} */ (this.map).header;
+    const { legend, curves, x, y } = /** @type {MapAnswer} */ (this.map).header;
     const edge = { x: 0.5, y: 0.5, width: 23, height: 13, fill: "none", stroke: "#777777" };
     const kinds = legend.map(({ text, faces, marks }) => {
       const href = picture(cells, faces, 24, 14, marks);
@@ -120,7 +125,8 @@ export class MapView {
     });
     const lines = curves.map((info) => ({ text: info.label, sample: line("M0 7H24", info) }));
     const ring = svg("circle", { cx: 12, cy: 7, r: 4.5, fill: "#FFFFFF", stroke: "#000000", "stroke-width": 2.5 });
-    return [...kinds, ...lines, { text: "operating point", sample: [ring] }];
+    const text = pointText([x, y].map((axis) => valueText(axis, 0.12345))); // as wide as it becomes
+    return [...kinds, ...lines, { text, sample: [ring] }];
   }
 
   /** Put the operating point where the state has it. */
@@ -131,81 +137,86 @@ export class MapView {
     this.at = [x, y].map((axis) => shareAt(axis, this.numberOf(axis.column)));
     const [u, v] = this.at.map(within);
     const isOutside = this.at.some((share) => Math.abs(share - 0.5) > 0.5 + 1e-6);
-    const texts = [x, y].map((axis) => `${axis.label} ${valueText(axis, this.numberOf(axis.column))}`);
+    const values = [x, y].map((axis) => valueText(axis, this.numberOf(axis.column)));
+    this.sign?.replaceChildren(pointText(values));
     set(this.point, {
       transform: `translate(${left + width * u} ${top + height * (1 - v)})`,
       "stroke-dasharray": isOutside ? "3 2.5" : "none",
-      "aria-valuenow": Math.round(100 * u), "aria-valuetext": texts.join(", "),
+      "aria-valuenow": Math.round(100 * u), "aria-valuetext": `${x.label} ${values[0]}, ${y.label} ${values[1]}`,
     });
     place("outside").hidden = !isOutside;
   }
 
   listen() {
-    const share = (/** @type {PointerEvent} */ event) => {
-      const area = this.canvas.getBoundingClientRect();
-      return [within((event.clientX - area.left) / area.width), within(1 - (event.clientY - area.top) / area.height)];
-    };
-    const isOver = (/** @type {PointerEvent} */ { target }) =>
-      target === this.surface || this.point.contains(/** @type {Node} */ (target));
-    const hide = () => (place("tip").hidden = true);
     this.svg.addEventListener("pointerdown", (event) => {
-      if (!isOver(event) || event.button) return;
+      if (event.button) return;
       this.svg.setPointerCapture(event.pointerId);
       this.dragging = true;
-      if (event.target === this.surface) this.moveTo(share(event));
-      this.hover(event, share(event));
+      if (event.target === this.surface) this.moveTo(this.sharesOf(event));
+      this.hover(event);
     });
     this.svg.addEventListener("pointermove", (event) => {
-      if (this.dragging) this.moveTo(share(event));
-      if (this.dragging || isOver(event)) this.hover(event, share(event));
-      else hide();
+      if (this.dragging) this.moveTo(this.sharesOf(event));
+      this.hover(event);
     });
     this.svg.addEventListener("lostpointercapture", () => {
       this.dragging = false;
       this.move({}, true);
+      this.hover();
     });
-    this.svg.addEventListener("pointerleave", hide);
-    document.addEventListener("keydown", ({ key }) => key === "Escape" && hide());
+    this.svg.addEventListener("pointerleave", () => this.hover(null));
+    document.addEventListener("keydown", ({ key }) => key === "Escape" && this.hover(null));
     this.point.addEventListener("keydown", (event) => {
       if (!(event.key in KEYS) || event.ctrlKey || event.altKey || event.metaKey) return;
       event.preventDefault();
       const far = event.shiftKey ? LEAP : STEP;
-      this.moveTo(KEYS[event.key].map((way, n) => within(this.at[n] + way * far)));
+      this.moveTo(KEYS[event.key].map((way, n) => this.at[n] + way * far));
     });
     this.point.addEventListener("keyup", ({ key }) => key in KEYS && this.move({}, true));
+  }
+
+  /** Where a pointer is: shares of the axes, perhaps outside of them. @param {PointerEvent} event */
+  sharesOf({ clientX, clientY }) {
+    const area = this.canvas.getBoundingClientRect();
+    return [(clientX - area.left) / area.width, 1 - (clientY - area.top) / area.height];
   }
 
   /** Move the point to shares of the axes; NaN leaves a coordinate as it is. @param {number[]} shares */
   moveTo(shares) {
     if (!this.map) return;
     const { x, y } = this.map.header;
-    const moved = [x, y].map((axis, n) => [axis.column, String(valueAt(axis, shares[n]))]);
+    const moved = [x, y].map((axis, n) => [axis.column, String(valueAt(axis, within(shares[n])))]);
     this.move(Object.fromEntries(moved.filter((_, n) => !Number.isNaN(shares[n]))), false);
   }
 
-  /** Tell the numbers of the cell under a pointer. @param {PointerEvent} event @param {number[]} shares */
-  hover({ clientX, clientY }, [u, v]) {
-    if (!this.map) return;
-    const { header: { x, y, view, bands, label, legend }, arrays } = this.map;
-    const { regime, lowest = regime, highest = regime, status, marks } = arrays;
+  // Tell the numbers of the cell under a pointer that is over the map and does not move the point.
+  /** @param {PointerEvent | null} pointer */
+  hover(pointer = this.pointer) {
+    this.pointer = pointer;
+    const tip = place("tip");
+    const [u, v] = pointer && !this.dragging ? this.sharesOf(pointer) : [NaN, NaN];
+    tip.hidden = !(within(u) === u && within(v) === v);
+    if (!this.map || !pointer || tip.hidden) return;
+    const { header: { x, y, bands, label, legend }, arrays } = this.map;
+    const { regime, lowest = regime, highest = regime, status, speed, values, marks } = arrays;
     const [i, j] = [Math.round(u * (x.count - 1)), Math.round(v * (y.count - 1))];
     const cell = j * x.count + i;
     const { regimes, statuses } = this.schema;
     const names = [lowest, highest].map((codes) => regimes.find((r) => r.code === codes[cell])?.label);
-    const number = (/** @type {Numbers} */ values) => (Number.isNaN(values[cell]) ? "" : numberText(values[cell]));
+    const number = (/** @type {Numbers | undefined} */ numbers) =>
+      numbers && !Number.isNaN(numbers[cell]) ? numberText(numbers[cell]) : "";
+    const trouble = statuses.find((s) => s.code === status[cell])?.message ?? "not computed yet";
+    const told = legend.filter((item) => item.marks & marks[cell]).map((item) => item.text);
     const rows = [
       [x.label, valueText(x, valueAt(x, i / (x.count - 1)))], [y.label, valueText(y, valueAt(y, j / (y.count - 1)))],
-      ["regime", [...new Set(names)].filter(Boolean).join(" to ")], ["mean speed [mm/s]", number(arrays.speed)],
-      [label, arrays.values && (view !== "speed" || bands) ? number(arrays.values) : ""],
-      ...legend.filter((item) => item.marks & marks[cell]).map((item) => ["", item.text]),
-      ["", statuses.find((s) => s.code === status[cell])?.message ?? ""],
+      ["regime", [...new Set(names)].filter(Boolean).join(" to ")],
+      ["mean speed [mm/s]", number(speed)], [label, number(values)],
+      ...[...new Set([...told, bands ? "" : trouble])].map((text) => ["", text]),
     ];
-    const tip = place("tip");
     tip.replaceChildren(...rows.filter(([, text]) => text).map(([name, text]) =>
       html("div", {}, html("span", {}, name), html("b", {}, text))));
-    tip.hidden = false;
     const area = this.stage.getBoundingClientRect();
-    tip.style.left = `min(${clientX - area.left + 16}px, 100% - ${tip.offsetWidth}px)`;
-    tip.style.top = `min(${clientY - area.top + 12}px, 100% - ${tip.offsetHeight}px)`;
+    tip.style.left = `min(${pointer.clientX - area.left + 16}px, 100% - ${tip.offsetWidth}px)`;
+    tip.style.top = `min(${pointer.clientY - area.top + 12}px, 100% - ${tip.offsetHeight}px)`;
   }
 }
