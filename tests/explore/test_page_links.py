@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 from xml.etree import ElementTree
 
@@ -141,7 +141,7 @@ def test_a_server_that_is_gone_is_told_and_awaited(open_page: Open) -> None:
 
 def test_a_server_that_was_started_anew_is_told_and_awaited(open_page: Open) -> None:
     page = open_page()
-    cookies = page.context.cookies()
+    cookies: Any = page.context.cookies()
     page.context.clear_cookies()
     enter(page, FREQUENCY, "20")
     expect(page.locator("#gone")).to_contain_text("vibro was started anew")

@@ -51,6 +51,7 @@ def packed_history(state: State) -> bytes:
     arrays: dict[str, NDArray[Any]] = {"time": _single(1e3 * rows.time)}
     panels = []
     for name, panel in panels_of([*choose_panels(_NAMES, flies=flies), *["gap"] * flies], rows).items():
+        most = most_force(rows) if panel is PANELS["forces"] else None
         curves = []
         for curve in panel.curves:
             described: dict[str, Any] = {
@@ -61,11 +62,12 @@ def packed_history(state: State) -> bytes:
                 "array": curve.field,
             }
             arrays[curve.field] = _single(values_of(curve, panel, rows))
+            if most is not None and (np.abs(arrays[curve.field]) > most).any():
+                described["label"] += " (cut off)"
             curves.append(described)
             if curve.field == "static_limit":  # it holds either way
                 arrays[_OTHER_LIMIT] = -arrays[curve.field]
                 curves.append({**described, "array": _OTHER_LIMIT, "label": ""})
-        most = most_force(rows) if panel is PANELS["forces"] else None
         low, high = _ends([arrays[curve["array"]] for curve in curves], most)
         panels.append(
             {

@@ -13,6 +13,7 @@ from vibro.plots.style import (
     AVERAGED_LABEL,
     BACKWARDS_LABEL,
     COEXISTS_LABEL,
+    INK,
     NO_ANSWER_FACE,
     NO_ANSWER_HATCH,
     REGIME_COLOURS,
@@ -24,10 +25,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.plots.scales import Scale
+    from vibro.plots.style import CurveStyle
 
     Mask = NDArray[np.bool_]
 
-__all__ = ["HATCHES", "MARKS", "STRIPES", "Looks", "looks_of"]
+__all__ = ["HATCHES", "MARKS", "STRIPES", "Looks", "curve_look", "looks_of"]
 
 # Faces are places in a palette: of regimes their codes, then these, then the colours of the scale.
 _NO_ANSWER, _GREY, _FAINT, _INK, _WHITE, _SCALE = range(4, 10)
@@ -196,3 +198,23 @@ def _legend(
 def _colours_of(scale: Scale) -> NDArray[np.uint8]:
     colours = colormaps[scale.colours](np.linspace(0.0, 1.0, _COLOURS), bytes=True)
     return np.asarray(colours[:, :3])
+
+
+def curve_look(
+    name: str, style: CurveStyle, lines: list[NDArray[np.float64]], *, on_numbers: bool
+) -> dict[str, Any]:
+    """Describe a curve; on numbers a halo parts it from their colours."""
+    return {
+        "name": name,
+        "label": style.label,
+        "dash": _dashes_of(style),
+        "width": style.width,
+        "colour": style.colour,
+        "halo": INK if style.colour != INK else "#FFFFFF" if on_numbers else "",
+        "count": sum(len(line) + 1 for line in lines),
+    }
+
+
+def _dashes_of(style: CurveStyle) -> list[float]:
+    """Return the lengths of dashes and gaps [px]; none of a line without."""
+    return [] if isinstance(style.dashes, str) else [length * style.width for length in style.dashes[1]]

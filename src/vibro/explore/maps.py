@@ -11,14 +11,14 @@ import numpy as np
 from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of, extreme_frictions, is_outside
 from vibro.explore.controls import VIEWS
-from vibro.explore.looks import HATCHES, STRIPES, looks_of
+from vibro.explore.looks import HATCHES, STRIPES, curve_look, looks_of
 from vibro.explore.packing import pack
 from vibro.explore.words import caption_of, round_numbers, symbol_of, ticks_of, unit_of
 from vibro.inverse.certain import Certain
 from vibro.plots.fields import HIDDEN_BY, Fields, hiding_fields, without_hidden, zero_lines
 from vibro.plots.neighbours import fill_unknown
 from vibro.plots.scales import scale_of, time_scale
-from vibro.plots.style import CURVES, INK, ZERO_SPEED, CurveStyle, number_text, value_text
+from vibro.plots.style import CURVES, ZERO_SPEED, CurveStyle, number_text, value_text
 from vibro.plots.view import choose_view, panels
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import SweepResult
@@ -104,7 +104,7 @@ def packed_map(state: State, cells: Shown) -> bytes:
         "hatches": STRIPES,
         "scale": None if scale is None else {"colours": looks.scale, "ticks": ticks},
         "legend": looks.legend,
-        "curves": [_curve(*curve, on_numbers=scale is not None) for curve in curves],
+        "curves": [curve_look(*curve, on_numbers=scale is not None) for curve in curves],
         "bands": drawn.certain is not None,
         "progress": {"done": cells.is_done, "share": cells.share, "text": drawn.progress_text(cells)},
         "notes": drawn.notes(),
@@ -372,23 +372,6 @@ def _axis(axis: Axis) -> dict[str, Any]:
             round_numbers(first, last, log=is_log), lambda number: _share(axis, np.asarray(number))
         ),
     }
-
-
-def _curve(name: str, style: CurveStyle, lines: list[Floats], *, on_numbers: bool) -> dict[str, Any]:
-    return {
-        "name": name,
-        "label": style.label,
-        "dash": dashes_of(style),
-        "width": style.width,
-        "colour": style.colour,
-        "halo": INK if style.colour != INK else "#FFFFFF" if on_numbers else "",
-        "count": sum(len(line) + 1 for line in lines),
-    }
-
-
-def dashes_of(style: CurveStyle) -> list[float]:
-    """Return the lengths of dashes and gaps [px]; none of a line without."""
-    return [] if isinstance(style.dashes, str) else [length * style.width for length in style.dashes[1]]
 
 
 def _scale_ticks(scale: Scale, seen: Floats) -> list[tuple[float, str]]:

@@ -21,8 +21,8 @@ function patchOf(box, store) {
     return { ...NO_BANDS, follow: `${follow}`, ...(input("bands").checked ? store.bands[follow] : {}) };
   }
   if (box.dataset.part) return { [name]: withPart(/** @type {HTMLInputElement} */ (box), text, store.state[name]) };
-  const isTooLarge = name === "kinetic_friction" && type === "range" && Number(text) > store.value("static_friction");
-  return { [name]: isTooLarge ? `${store.value("static_friction")}` : text };
+  const most = name === "kinetic_friction" && type === "range" ? store.value("static_friction") : Infinity;
+  return { [name]: Number(text) > most ? `${most}` : text };
 }
 
 /** A range or band with a new part: of its handles none passes the other; without an end there is none.

@@ -4,25 +4,24 @@ export const INK = "#222222";
 export const FONT = getComputedStyle(document.body).fontFamily;
 const pen = /** @type {CanvasRenderingContext2D} */ (document.createElement("canvas").getContext("2d"));
 
-/** @template {Element} E @param {E} element @param {Record<string, string | number>} attributes */
-export function set(element, attributes) {
+/** @template {Element} E @param {E} element @param {Record<string, string | number>} attributes
+ * @param {(Node | string)[]} children */
+export function set(element, attributes, ...children) {
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  element.append(...children);
   return element;
 }
 
 /** @param {string} tag @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} children */
 export function svg(tag, attributes = {}, ...children) {
-  const element = /** @type {SVGElement} */ (document.createElementNS("http://www.w3.org/2000/svg", tag));
-  element.append(...children);
-  return set(element, attributes);
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  return set(/** @type {SVGElement} */ (element), attributes, ...children);
 }
 
 /** @template {keyof HTMLElementTagNameMap} T
  * @param {T} tag @param {Record<string, string | number>} [attributes] @param {(Node | string)[]} children */
 export function html(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  element.append(...children);
-  return set(element, attributes);
+  return set(document.createElement(tag), attributes, ...children);
 }
 
 /** @template {Element} T @param {string} id @param {new () => T} type */
@@ -32,7 +31,6 @@ function byId(id, type) {
   throw new Error(`no ${type.name} #${id}`);
 }
 export const input = (/** @type {string} */ id) => byId(id, HTMLInputElement);
-export const select = (/** @type {string} */ id) => byId(id, HTMLSelectElement);
 export const place = (/** @type {string} */ id) => byId(id, HTMLElement);
 export const shape = (/** @type {string} */ id) => byId(id, SVGElement);
 
@@ -57,10 +55,9 @@ export function axis({ left, top, width, height }, side, ticks, label = "") {
   const { mark, x, y, anchor, away } = SIDES[side];
   const edge = side === "right" ? left + width : left;
   const isBelow = side === "below";
-  const move = (/** @type {number} */ share, /** @type {number} */ far) => {
-    if (isBelow) return `translate(${left + width * share} ${top + height + far})`;
-    return `translate(${edge + far} ${top + height * (1 - share)})`;
-  };
+  const move = (/** @type {number} */ share, /** @type {number} */ far) => isBelow
+    ? `translate(${left + width * share} ${top + height + far})`
+    : `translate(${edge + far} ${top + height * (1 - share)})`;
   const middle = move(0.5, away) + (isBelow ? "" : " rotate(-90)");
   return svg("g", { "text-anchor": anchor, fill: "currentColor" },
     ...ticks.map(([share, text]) => svg("g", { transform: move(share, 0) },

@@ -2,15 +2,16 @@
 
 import { FONT, INK, place, set, svg } from "./draw.js";
 
-/** @typedef {import("./map.js").MapView} MapView */
+const COPIED = 2000; // [ms] that a button says so
+
+/** @typedef {import("./map.js").MapView} MapView @typedef {(text: string, where?: string) => void} Say */
 const nameOf = (/** @type {MapView} */ { map }) => `vibro-${map?.header.view}`;
 
 /** The map as it is seen, dark on white, with its canvas as an image inside. @param {MapView} view */
 function figure({ svg: seen, canvas, box: { left, top, width, height } }) {
   const whole = /** @type {SVGElement} */ (seen.cloneNode(true));
   whole.querySelectorAll("#surface, .reach, .focus").forEach((part) => part.remove());
-  const area = { x: left, y: top, width, height };
-  const image = svg("image", { ...area, href: canvas.toDataURL(), preserveAspectRatio: "none" });
+  const image = svg("image", { x: left, y: top, width, height, href: canvas.toDataURL(), preserveAspectRatio: "none" });
   whole.prepend(svg("rect", { width: "100%", height: "100%", fill: "#FFFFFF" }), image);
   set(whole, { color: INK, "font-family": FONT });
   return new Blob([new XMLSerializer().serializeToString(whole)], { type: "image/svg+xml" });
@@ -37,13 +38,17 @@ async function savePng(view) {
   canvas.toBlob((blob) => save(blob, `${nameOf(view)}.png`));
 }
 
-/** @param {string} id @param {(text: string) => void} say */
+/** Copy a text, and say so, on its button too for a while. @param {string} id @param {Say} say */
 async function copy(id, say) {
   getSelection()?.selectAllChildren(place(id)); // to be copied by hand where that is refused
-  await navigator.clipboard.writeText(place(id).textContent ?? "").then(() => say("copied"), () => say("selected"));
+  await navigator.clipboard.writeText(place(id).textContent ?? "").then(() => {
+    say("copied");
+    say("Copied", `copy-${id}`);
+    setTimeout(say, COPIED, "Copy", `copy-${id}`);
+  }, () => say("selected"));
 }
 
-/** @param {MapView} view @param {(text: string) => void} say */
+/** @param {MapView} view @param {Say} say */
 export function offerFiles(view, say) {
   const acts = {
     png: () => savePng(view), svg: () => save(figure(view), `${nameOf(view)}.svg`),

@@ -10,23 +10,10 @@ import { createStore } from "./state.js";
 
 const TEXTS = /** @type {const} */ (["regime", "speed", "guaranteed", "command", "apart", "toml"]); // of the point
 const HEAD_START = 150; // [ms] that the question for a new map has at most before the others
-const COPIED = 2000; // [ms] that a button says so
 const CALM = 150; // [ms] without a change after which a map is refined
 
-const json = (/** @type {Response} */ response) => response.json();
 function say(/** @type {string} */ text, where = "says") {
   if (place(where).textContent !== text) place(where).textContent = text;
-}
-
-let pressed = ""; // the last button for texts to take along
-place("take").addEventListener("click", ({ target }) => (pressed = /** @type {HTMLElement} */ (target).id));
-
-/** Say what became of a text, for a while on its button too. @param {string} text */
-function sayCopied(text) {
-  say(text);
-  if (text !== "copied") return;
-  say("Copied", pressed);
-  setTimeout(say, COPIED, "Copy", pressed);
 }
 
 function start(/** @type {Schema} */ schema) {
@@ -43,7 +30,7 @@ function start(/** @type {Schema} */ schema) {
 
   const map = createLane("map", unpack, (/** @type {MapAnswer} */ answer) => (view.show(answer), refine()), tell);
   const past = createLane("history", unpack, (answer) => drawHistory((motion = answer)), tell);
-  const point = createLane("point", json, showPoint, tell);
+  const point = createLane("point", (response) => response.json(), showPoint, tell);
 
   /** @param {State} patch @param {string} control @param {boolean} isFinished */
   function change(patch, control, isFinished) {
@@ -119,8 +106,8 @@ function start(/** @type {Schema} */ schema) {
   }
   window.addEventListener("popstate", follow);
   new ResizeObserver(() => motion && drawHistory(motion)).observe(place("history"));
-  offerFiles(view, sayCopied);
+  offerFiles(view, say);
   follow();
 }
-const schema = createLane("schema", json, start, () => say(schema.trouble, "gone"));
+const schema = createLane("schema", (response) => response.json(), start, () => say(schema.trouble, "gone"));
 schema.ask("");

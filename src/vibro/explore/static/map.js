@@ -87,8 +87,8 @@ export class MapView {
       facts.group, axis(box, "below", x.ticks, x.title), axis(box, "left", y.ticks, y.title),
       ...(hasBar ? this.bar(scale, label, cells) : []), plot(box, { class: "curves" }, ...this.curves()), names.group);
     const height = under + names.height;
-    const called = `${name}, over ${x.title} and ${y.title}`;
-    set(this.svg, { width: wide, height, viewBox: `0 0 ${wide} ${height}`, "aria-label": called });
+    set(this.svg, { width: wide, height, viewBox: `0 0 ${wide} ${height}` });
+    set(this.svg, { "aria-label": `${name}, over ${x.title} and ${y.title}` });
     set(this.surface, { x: box.left, y: box.top, width: box.width, height: box.height });
     for (const [side, length] of Object.entries(box)) this.canvas.style.setProperty(side, `${length}px`);
     const zoom = window.devicePixelRatio;
@@ -125,8 +125,8 @@ export class MapView {
     });
     const lines = curves.map((info) => ({ text: info.label, sample: line("M0 7H24", info) }));
     const ring = svg("circle", { cx: 12, cy: 7, r: 4.5, fill: "#FFFFFF", stroke: "#000000", "stroke-width": 2.5 });
-    const text = pointText([x, y].map((axis) => valueText(axis, 0.12345))); // as wide as it becomes
-    return [...kinds, ...lines, { text, sample: [ring] }];
+    const widest = [x, y].map((axis) => valueText(axis, 0.12345));
+    return [...kinds, ...lines, { text: pointText(widest), sample: [ring] }];
   }
 
   /** Put the operating point where the state has it. */
@@ -201,11 +201,10 @@ export class MapView {
     const { regime, lowest = regime, highest = regime, status, speed, values, marks } = arrays;
     const [i, j] = [Math.round(u * (x.count - 1)), Math.round(v * (y.count - 1))];
     const cell = j * x.count + i;
-    const { regimes, statuses } = this.schema;
-    const names = [lowest, highest].map((codes) => regimes.find((r) => r.code === codes[cell])?.label);
+    const names = [lowest, highest].map((codes) => this.schema.regimes.find((r) => r.code === codes[cell])?.label);
     const number = (/** @type {Numbers | undefined} */ numbers) =>
       numbers && !Number.isNaN(numbers[cell]) ? numberText(numbers[cell]) : "";
-    const trouble = statuses.find((s) => s.code === status[cell])?.message ?? "not computed yet";
+    const trouble = this.schema.statuses.find((s) => s.code === status[cell])?.message ?? "not computed yet";
     const told = legend.filter((item) => item.marks & marks[cell]).map((item) => item.text);
     const rows = [
       [x.label, valueText(x, valueAt(x, i / (x.count - 1)))], [y.label, valueText(y, valueAt(y, j / (y.count - 1)))],
