@@ -69,7 +69,7 @@ MOVE = """
   slider.dispatchEvent(new Event("input", { bubbles: true }));
 })
 """
-TITLE = "() => document.querySelector('#stage svg > g > text').textContent"  # which says what is not exact
+TEXT = "() => document.querySelector('#stage').textContent"
 
 
 @contextmanager
@@ -95,8 +95,8 @@ def settled(page: Page, wanted: str = "") -> float:
     """Wait until a map is exact, or says what is wanted; return how long it took [s]."""
     start = time.perf_counter()
     while time.perf_counter() - start < TIRED:
-        title = page.evaluate(TITLE) or ""
-        if (wanted and wanted in title) or (title and "% exact" not in title):
+        text = page.evaluate(TEXT)
+        if (wanted and wanted in text) or not ("exact" in text or "preview" in text):
             return time.perf_counter() - start
         page.wait_for_timeout(10)
     return float("inf")
