@@ -222,7 +222,9 @@ def test_words_say_what_is_held_and_what_is_best() -> None:
     assert best.endswith("at frequency 14 Hz and amplitude 3 mm.")
     assert header["curves"][-1]["label"] == "12 mm/s, without hopping"
     sure = drawn(state_of(view="speed", target="5", **BAND))[0]
-    assert "μ_s = 0.6 to 0.8" in sure["caption"]
+    assert sure["caption"] == "α = 20°, μ_s = 0.6 to 0.8, μ_d/μ_s = 0.77027, L = 600 mm"
+    own = drawn(state_of(**BAND, kinetic_friction_band="0.4:0.5"))[0]
+    assert own["caption"] == "α = 20°, μ_s = 0.6 to 0.8, μ_d = 0.4 to 0.5, L = 600 mm"
     assert sure["title"] == "guaranteed mean conveying speed"
     outside = drawn(state_of(static_friction_band="0.3:0.4"))[0]["notes"]
     assert any("lies outside of its bands" in note for note in outside)

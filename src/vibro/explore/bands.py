@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from vibro.inverse.specs import Span
     from vibro.scene import Scene
 
-__all__ = ["bands_if", "certain_of", "extreme_frictions", "guaranteed_text", "is_outside"]
+__all__ = ["bands_if", "box_of", "certain_of", "extreme_frictions", "guaranteed_text", "is_outside"]
 
 
 def certain_of(state: State, scene: Scene) -> Certain | None:
     """Find what is certain at every operating point of a scene; nothing without bands."""
     if not state.bands:
         return None
-    static, second, is_ratio = _box(state)
+    static, second, is_ratio = box_of(state)
     return certain(scene, static_friction=static, second_friction=second, is_ratio=is_ratio)
 
 
@@ -55,13 +55,13 @@ def extreme_frictions(state: State) -> dict[str, tuple[float, float]]:
     Of least static friction it is the one of most kinetic friction, of most static the one of least: on level
     and climbing troughs these are also the first and the last to slip back.
     """
-    static, second, is_ratio = _box(state)
+    static, second, is_ratio = box_of(state)
     low, high = static if is_ratio else (max(static[0], second[0]), static[1])
     kinetic = [mu_s * end if is_ratio else end for mu_s, end in ((low, second[1]), (high, second[0]))]
     return {"least": (low, min(low, kinetic[0])), "most": (high, min(high, kinetic[1]))}
 
 
-def _box(state: State) -> tuple[Span, Span, bool]:
+def box_of(state: State) -> tuple[Span, Span, bool]:
     """Return the bands of static and of kinetic friction, or of its ratio, and whether it is that."""
     static, second = (
         state.bands.get(name, (state.point.fixed[name],) * 2)

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from vibro.explore.state import State
 
-_APART: Final = "Of the operating point's own friction: commands and scene files know no bands."
-
 __all__ = ["command_of", "point_of", "scene_text"]
+
+_APART: Final = "Of the operating point's own friction: commands and scene files know no bands."
 
 
 def point_of(state: State) -> dict[str, Any]:
@@ -54,7 +54,6 @@ def point_of(state: State) -> dict[str, Any]:
         "title": ", ".join(filter(None, (one.regime.label, speed))),
         "colour": REGIME_COLOURS.get(one.regime, "transparent"),
         "speed": speed,
-        "values": {QUANTITIES[name].column: value for name, value in one.given.items()},
         "regime": one.regime.label,
         "tables": _table("What the body does", [(), *facts])
         + _table("What begins when", beginnings(one))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator
 
+from vibro.explore.bands import box_of
 from vibro.plots.style import UNIT_SIGNS, number_text, value_text
 from vibro.quantities import QUANTITIES
 
@@ -40,15 +41,17 @@ def unit_of(quantity: Quantity) -> str:
 def caption_of(state: State) -> str:
     """Say what does not vary over a map and is not as usual, as pictures do: ``α = 20°, μ_s = 0.74``."""
     grid = state.grid()
-    fixed = {**grid.fixed, "trough_length": grid.length}
+    spans = {name: (value, value) for name, value in {**grid.fixed, "trough_length": grid.length}.items()}
+    if state.bands:
+        static, second, is_ratio = box_of(state)
+        del spans["kinetic_friction"]
+        spans |= {"static_friction": static, "friction_ratio" if is_ratio else "kinetic_friction": second}
     parts = []
     for name, quantity in QUANTITIES.items():
-        value = fixed.get(name)
-        if name in state.bands:
-            low, high = (value_text(name, end) for end in state.bands[name])
-            parts.append(f"{symbol_of(quantity)} = {low} to {high}")
-        elif value is not None and value != quantity.default:
-            parts.append(f"{symbol_of(quantity)} = {value_text(name, value)}")
+        low, high = spans.get(name, (None, None))
+        if low is not None and high is not None and (low != high or low != quantity.default):
+            ends = dict.fromkeys((value_text(name, low), value_text(name, high)))
+            parts.append(f"{symbol_of(quantity)} = {' to '.join(ends)}")
     return ", ".join(parts)
 
 
