@@ -9,7 +9,7 @@ from vibro.quantities import LINEAR, QUANTITIES, SWEPT
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-__all__ = ["CONTROLS", "DRIVES", "PRESETS", "VIEWS", "Control", "Drive", "drive_named", "drives_of"]
+__all__ = ["BANDS", "CONTROLS", "DRIVES", "PRESETS", "VIEWS", "Control", "Drive", "drive_named", "drives_of"]
 
 
 class Control(NamedTuple):
@@ -40,7 +40,7 @@ class Preset(NamedTuple):
 _ELLIPSE: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
 _SECOND: Final = ("along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2")
 
-#: By name; quantities of every drive come after those that tell it.
+#: By name.
 DRIVES: Final = {
     "line": Drive("along a line", LINEAR, "frequency", "amplitude"),
     "ellipse": Drive("along an ellipse", _ELLIPSE, "normal_phase", "along_amplitude"),
@@ -68,6 +68,9 @@ CONTROLS: Final = {
     "gravity": Control(1.0, 20.0, 0.01),
 }
 assert set(SWEPT) <= set(CONTROLS) <= set(QUANTITIES)
+
+#: What may be known as a band.
+BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
 
 VIEWS: Final = {
     "regime": "regimes",

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Final
 from urllib.parse import urlencode
 
-from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS, drives_of
+from vibro.explore.controls import BANDS, CONTROLS, DRIVES, PRESETS, VIEWS, drives_of
 from vibro.explore.markup import Html, tag
 from vibro.explore.words import symbol_of, unit_of
 from vibro.quantities import LEAST_SPEED, QUANTITIES, SWEPT
 
 __all__ = ["form_html"]
 
-_BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
-_NO_BANDS: Final = {f"{name}_band": "" for name in _BANDS}
+_NO_BANDS: Final = {f"{name}_band": "" for name in BANDS}
 _NO_AXES: Final = {"x": "", "y": "", "x_range": "", "y_range": ""}
 
 
@@ -48,7 +47,7 @@ def form_html() -> str:
                     id="no-bands",
                     class_="note",
                 ),
-                *map(_band, _BANDS),
+                *map(_band, BANDS),
             ),
             _fieldset("Trough and body", *(row for name, row in rows.items() if name not in of_drive)),
         ]

@@ -20,7 +20,7 @@ from vibro.core.codes import Regime, Status
 from vibro.core.contact.limits import CriticalLoads
 from vibro.core.flight.cycles import MOST_THROW
 from vibro.results.steady import RESULTS, SteadyCycle
-from vibro.scene import HarmonicFields, LinearFields
+from vibro.scene import EllipticalFields, HarmonicFields
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.run import limits_of
 
@@ -108,12 +108,14 @@ class MapCells:
         self._grid = grid
         self._limits: CriticalLoads | None = None
         self._limit_rows: list[CriticalLoads] = []
-        scene = scene_of(grid.values())
-        self._harmonic = isinstance(scene.arrays(), HarmonicFields)
+        values = grid.values()
+        scene = scene_of(values)
+        kind = type(scene.arrays())
+        self._harmonic = kind is HarmonicFields
         if self._harmonic:
             self._solved, waiting = _unsolved(grid.shape), np.ones(grid.shape, np.bool_)
         else:
-            self._solved = replace(grid, flight=False).solve(grid.values())
+            self._solved = replace(grid, flight=False).solve(values)
             waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
             waiting &= self._solved.throw_number <= MOST_THROW
         self._exact = ~waiting
@@ -124,9 +126,9 @@ class MapCells:
         self._line = None if self._is_solved else _Line.over(grid, scene, waiting)
         if self._line is not None and not grid.fixed["restitution"] and expected <= patience:
             self._line.solve_more()
-        self._has_limits = isinstance(scene.arrays(), LinearFields) or self._harmonic
-        if isinstance(scene.arrays(), LinearFields):
-            self._limits = limits_of(grid.values())
+        self._has_limits = kind is not EllipticalFields
+        if self._has_limits:
+            self._limits = limits_of(values)
         self._turn = _Turn()
         self._show()
 
@@ -249,9 +251,7 @@ class _Line:
         How far any load between the ends may be off that of the nearest solved body, as a share.
     """
 
-    def __init__(
-        self, grid: Grid, ends: tuple[float, float], load: Floats, waiting: NDArray[np.bool_]
-    ) -> None:
+    def __init__(self, grid: Grid, ends: tuple[float, float], load: Floats) -> None:
         self._loads = np.geomspace(*ends, LOADS)
         self._load = load
         self._order, self._done = _coarse_to_fine(np.ones((1, LOADS), np.bool_), LOADS), 0
@@ -267,7 +267,6 @@ class _Line:
         self._given = {**fixed, "frequency": np.array([self._reference])}
         self._grid = grid
         self._found: dict[str, NDArray[Any]] = {}
-        self._waiting = waiting
         self._stages = [_FIRST_BOUNCING if grid.fixed["restitution"] else _FIRST_LOADS, LOADS]
         self.took: float | None = None
 
@@ -280,7 +279,7 @@ class _Line:
         ends = float(load[waiting].min()), float(load[waiting].max())
         if not 0.0 < ends[0] < ends[1] < math.inf:
             return None
-        return cls(grid, ends, load, waiting)
+        return cls(grid, ends, load)
 
     @property
     def is_known(self) -> bool:

@@ -286,14 +286,13 @@ class _Drawn:
         words = {"rest": "no flight"} if self._state.view in _FLIGHT_ALONE else {}
         if self._state.target is not None:
             speed = f"{number_text(self._state.target)} mm/s"
-            words["misses"] = (
-                f"not certain to reach {speed}" if self.certain else f"slower than {speed}, or hops"
-            )
+            slow, unsure = f"slower than {speed}, or hops", f"not certain to reach {speed}"
+            words["misses"] = slow if self.certain is None else unsure
         return words
 
     def scale(self, numbers: Floats) -> Scale:
         """Choose how numbers become colours."""
-        seen = np.isfinite(numbers) & ~self.covered
+        seen = np.isfinite(self.seen)
         if self._state.view == "traverse":
             return time_scale(numbers[seen])
         regular = seen & (self.cycle["period_cycles"] == 1.0)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.axes import AxisSpec, axis_of, parse_axis
 from vibro.errors import InputError, SceneError, cut, shown
-from vibro.explore.controls import CONTROLS, DRIVES, VIEWS, drive_named
+from vibro.explore.controls import BANDS, CONTROLS, DRIVES, VIEWS, drive_named
 from vibro.quantities import (
     AMPLITUDES,
     BY_COLUMN,
@@ -34,7 +34,6 @@ WIDTH: Final = 200
 HEIGHT: Final = 150
 
 _MOST_CYCLES: Final = 20  # of a history: of more nobody sees one
-_BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
 # The nut of examples/safety_nut.toml, and drives of other kinds with about its load.
 _USUAL: Final = {
     "amplitude_mm": "1",
@@ -190,7 +189,8 @@ def initial_state(request: Request | None = None) -> State:
         )
     if len(drawn) == 1:
         texts["y"] = next(QUANTITIES[n].column for n in (DRIVES[drive].y, DRIVES[drive].x) if n != drawn[0])
-    return replace(_state(texts), point=replace(_state(texts).point, name=request.name))
+    state = _state(texts)
+    return replace(state, point=replace(state.point, name=request.name))
 
 
 def read_state(query: Mapping[str, str], initial: State) -> State:
@@ -216,9 +216,7 @@ def read_state(query: Mapping[str, str], initial: State) -> State:
             texts[f"{key}_range"] = ""
     unknown = sorted(query.keys() - texts.keys())
     if unknown:
-        raise InputError(
-            *(f"unknown key {shown(key)}" for key in unknown), fields=[""] * len(unknown), hint=""
-        )
+        raise InputError(*(f"unknown key {shown(key)}" for key in unknown), fields=[""] * len(unknown))
     state = _state({**texts, **{key: text.strip() for key, text in query.items()}})
     return replace(state, point=replace(state.point, name=initial.point.name))
 
@@ -275,7 +273,7 @@ def _state(texts: dict[str, str]) -> State:
         wrong.add("y", "friction ratio and kinetic friction stand for the same", "choose one of them")
     bands = {
         name: band
-        for name in _BANDS
+        for name in BANDS
         if (band := _band(name, texts, drive.label if texts["drive"] != "line" else "", drawn, wrong))
     }
     if {"kinetic_friction", "friction_ratio"} <= bands.keys():
@@ -285,7 +283,7 @@ def _state(texts: dict[str, str]) -> State:
     )
     follows = "friction_ratio" in bands or (texts["follow"] == "1" and "kinetic_friction" not in bands)
     if bands and not follows and kinetic[0] > static[1]:
-        key = next(f"{name}_band" for name in reversed(_BANDS) if name in bands)
+        key = next(f"{name}_band" for name in reversed(BANDS) if name in bands)
         least, most = number_text(kinetic[0]), number_text(static[1])
         wrong.add(key, f"kinetic friction = {least} and more: must reach down to static friction = {most}")
     target = None
@@ -363,7 +361,7 @@ def _band(
         said = f"bands of friction are not known of drives {other_drive}"
         wrong.add(key, said, "take a drive along a line")
         return None
-    if drawn & {*_BANDS}:
+    if drawn & {*BANDS}:
         wrong.add(
             key, "a friction that is drawn over has no band", "choose other axes, or leave the band out"
         )
