@@ -54,6 +54,11 @@ def until(page: Page, holds: Callable[[], bool]) -> None:
         page.wait_for_timeout(5)
 
 
+def until_asked(page: Page, queries: list[dict[str, list[str]]], field: str, text: str) -> None:
+    """Wait until the newest query of a route has this text of a field."""
+    until(page, lambda: [query.get(field) for query in queries[-1:]] == [[text]])
+
+
 def enter(page: Page, field: str, text: str) -> None:
     page.locator(field).fill(text)
     page.locator(field).press("Enter")

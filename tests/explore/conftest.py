@@ -27,7 +27,7 @@ _OPTIONS = (
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
 )  # fmt: skip
-_PATIENCE = 5_000  # [ms] of a busy machine
+_PATIENCE = 30_000  # [ms] of a busy machine
 
 
 def _give_up(reason: str) -> NoReturn:
