@@ -316,6 +316,17 @@ def test_nothing_is_wider_than_the_window(open_page: Open, width: int, height: i
         assert box["x"] + box["width"] <= width + 0.5, part
 
 
+def test_names_of_scales_are_no_longer_than_their_scales(open_page: Open) -> None:
+    page = open_page("#view=speed&static_friction_band=0.6:0.8", viewport={"width": 390, "height": 844})
+    lengths = page.evaluate("""[...document.querySelectorAll('#frame text')]
+        .filter((text) => /speed \\[|amplitude A/.test(text.textContent))
+        .map((text) => text.getBoundingClientRect().height)""")
+    cells = page.locator("#cells").bounding_box()
+    assert cells
+    assert len(lengths) == 2
+    assert max(lengths) < cells["height"] + 2
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1200, 390])
 def test_axe_finds_nothing(open_page: Open, axe: str, scheme: str, width: int) -> None:

@@ -53,8 +53,8 @@ const SIDES = {
 /** @param {Box} box @param {keyof typeof SIDES} side @param {Tick[]} ticks @param {string} [label] */
 export function axis({ left, top, width, height }, side, ticks, label = "") {
   const { mark, x, y, anchor, away } = SIDES[side];
-  const edge = side === "right" ? left + width : left;
-  const isBelow = side === "below";
+  const [edge, isBelow] = [side === "right" ? left + width : left, side === "below"];
+  const size = 13 * Math.min(1, (isBelow ? width : height) / textWidth(label, 13)); // on telephones a map is low
   const move = (/** @type {number} */ share, /** @type {number} */ far) => isBelow
     ? `translate(${left + width * share} ${top + height + far})`
     : `translate(${edge + far} ${top + height * (1 - share)})`;
@@ -62,7 +62,7 @@ export function axis({ left, top, width, height }, side, ticks, label = "") {
   return svg("g", { "text-anchor": anchor, fill: "currentColor" },
     ...ticks.map(([share, text]) => svg("g", { transform: move(share, 0) },
       svg("path", { d: mark, stroke: "currentColor" }), svg("text", { x, y }, text))),
-    svg("text", { transform: middle, "text-anchor": "middle", "font-size": 13 }, label));
+    svg("text", { transform: middle, "text-anchor": "middle", "font-size": size }, label));
 }
 
 // The way of a curve through points, in shares of a plot; NaN interrupts it.
