@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.contact.onset import FEW_ULP
+from vibro.core.contact.cycle import slides_forward_only
+from vibro.core.contact.onset import thresholds
 from vibro.core.groups import take
 from vibro.errors import Problem, SceneError
 from vibro.inverse.bands import line_box_of
@@ -33,9 +34,6 @@ _HALVINGS: Final = 12
 # [1] Share of the weight down the trough by which kinetic friction must outweigh it: without, rounding alone
 # makes bodies run away.
 _BRAKED: Final = 1e-12
-
-# [1] Relative difference of what a slide gains and loses below which it lasts, as in ``vibro.solve``.
-_EQUAL: Final = 8.0 * FEW_ULP
 
 # Some operating point: bands of frictions are read beside one.
 _ANY: Final = {"amplitude": 1e-3, "frequency": 50.0, "drive_angle": 0.3}
@@ -189,22 +187,16 @@ def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Reg
 
 
 def _slips_back(loads: Loads, static_friction: Floats, kinetic_friction: Floats) -> Bools:
-    """Tell which bodies on a decline slip back, by Eqs. (5) and (22).
+    """Tell which bodies on a decline slip back, by Eqs. (5) and (17).
 
-    One that static friction does not hold, kinetic friction does not brake: it runs away forward.
+    One that static friction does not hold runs away forward, as one does that it barely holds and kinetic
+    friction does not brake: so it is taken as barely held.
     """
-    mu_s, mu_d = static_friction, kinetic_friction
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a friction that overflows holds
-        hold, lift = mu_s * loads.normal, mu_s * loads.across
-        back_load = loads.along - lift
-        margin = (loads.along - hold) + (loads.tangential - lift)
-        noise = FEW_ULP * (loads.along + lift + hold - loads.tangential)
-        k = (mu_d * loads.normal + loads.tangential) / (loads.along + mu_d * loads.across)
-        s_f = (hold + loads.tangential) / (loads.along + lift)
-        s_b = (hold - loads.tangential) / back_load
-    opens = (back_load > 0.0) & (margin > noise)  # and so does the forward window: on declines s_f < s_b
-    s_f, s_b = (np.where(opens, s, 0.0) for s in (s_f, s_b))
-    cosines = np.sqrt((1.0 - s_f) * (1.0 + s_f)) + np.sqrt((1.0 - s_b) * (1.0 + s_b))
-    gain, loss = (s_b - s_f) * (s_b + s_f) / cosines, k * (np.pi + np.arccos(s_f) + np.arccos(s_b))
-    back: Bools = opens & (gain < (1.0 - _EQUAL) * loss)
+    barely = np.abs(loads.tangential) / loads.normal
+    held = np.maximum(static_friction, barely)
+    bodies = loads._replace(static_friction=held, kinetic_friction=kinetic_friction)
+    at = thresholds(bodies)
+    back = at.back
+    cells = np.flatnonzero(back)
+    back[cells] = ~slides_forward_only(take(bodies, cells), take(at.margins, cells))[0]
     return back
