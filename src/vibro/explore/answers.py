@@ -85,7 +85,7 @@ class Answers:
         return packed_history(state)
 
     def table(self, state: State) -> Iterator[bytes]:
-        """Solve what is left of a map, and yield its cells as CSV, piece by piece.
+        """Yield the cells of a map as CSV, piece by piece; unless all are exact already, it is solved anew.
 
         The columns are those of ``vibro map``; with bands what is certain at every cell.
         """

@@ -91,7 +91,7 @@ _NAMES: Final = {
     "unknown": ("not computed yet", (_NO_ANSWER,)),
     "unproved": ("no speed is guaranteed", (_NO_ANSWER,)),
     "either": ("either regime, or one between, as friction may be", (Regime.FORWARD_SLIP, Regime.BACK_SLIP)),
-    "misses": ("misses the target speed", (_GREY,)),
+    "misses": ("slower than the target speed, or hops", (_GREY,)),
 }
 
 

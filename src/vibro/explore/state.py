@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.axes import AxisSpec, axis_of, parse_axis
+from vibro.axes import AxisSpec, parse_axis
 from vibro.errors import InputError, SceneError, cut, shown
 from vibro.explore.controls import BANDS, CONTROLS, DRIVES, VIEWS, drive_named
 from vibro.quantities import (
@@ -315,7 +315,7 @@ def _point(texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Request
         if name == "trough_length" and not text:
             continue
         try:
-            given[name] = axis_of(text, quantity) if not text else parse_axis(text, quantity)
+            given[name] = parse_axis(text, quantity)
         except InputError as exc:
             given[name] = exc
     try:
