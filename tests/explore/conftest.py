@@ -96,9 +96,8 @@ def open_page(
         page.on("pageerror", lambda error: errors.append(error))
         page.goto(session[0] + fragment)
         for part in ("#tables caption", ".curves [data-curve]", "#history p"):
-            page.locator(part).first.wait_for(
-                state="attached"
-            )  # at once, where expect() would look now and then
+            # This goes on at once, where expect() would look now and then.
+            page.locator(part).first.wait_for(state="attached")
         return page
 
     yield opened

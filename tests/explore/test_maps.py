@@ -56,9 +56,9 @@ def points_of(header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> dict[s
     return found
 
 
-def scene_at(state: State, points: NDArray[Any]) -> vibro.Scene:
-    """Make the scenes of points, which are shares of the axes."""
-    fixed = dict(state.grid().fixed)
+def scene_at(state: State, points: NDArray[Any], **frictions: float) -> vibro.Scene:
+    """Make the scenes of points, which are shares of the axes; ``frictions`` in place of the state's."""
+    fixed = {**state.grid().fixed, **frictions}
     for spec, share in zip((state.x, state.y), points.T, strict=True):
         ends = [float(end) for end in spec.values]
         fixed[spec.quantity.name] = (
@@ -139,14 +139,7 @@ def test_a_target_is_met_by_all_bodies_of_a_band() -> None:
     points = np.argwhere(meets)[:: max(1, meets.sum() // 50)]
     shares = np.column_stack([points[:, 1] / (WIDTH - 1), points[:, 0] / (HEIGHT - 1)])
     for mu_s in (0.6, 0.65, 0.7, 0.75, 0.8):
-        scene = scene_at(state, shares)
-        body = vibro.Scene(
-            amplitude=scene.amplitude,
-            frequency=scene.frequency,
-            drive_angle=scene.drive_angle,
-            static_friction=mu_s,
-            kinetic_friction=mu_s * 0.57 / 0.74,
-        )
+        body = scene_at(state, shares, static_friction=mu_s, kinetic_friction=mu_s * 0.57 / 0.74)
         assert (1e3 * vibro.solve(body).mean_velocity >= 5.0 * (1 - 1e-12)).all()
 
 
@@ -160,7 +153,7 @@ def test_bands_show_what_is_certain() -> None:
     rng = np.random.default_rng(0)
     state = state_of()
     cells = rng.integers(0, [HEIGHT, WIDTH], (300, 2))
-    scene = scene_at(state, np.column_stack([cells[:, 1] / (WIDTH - 1), cells[:, 0] / (HEIGHT - 1)]))
+    shares = np.column_stack([cells[:, 1] / (WIDTH - 1), cells[:, 0] / (HEIGHT - 1)])
     for mu_s, mu_d in [
         (0.6, 0.4),
         (0.6, 0.6),
@@ -168,13 +161,7 @@ def test_bands_show_what_is_certain() -> None:
         (0.8, 0.6),
         *rng.uniform([0.6, 0.4], [0.8, 0.6], (5, 2)),
     ]:
-        body = vibro.Scene(
-            amplitude=scene.amplitude,
-            frequency=scene.frequency,
-            drive_angle=scene.drive_angle,
-            static_friction=mu_s,
-            kinetic_friction=min(mu_d, mu_s),
-        )
+        body = scene_at(state, shares, static_friction=mu_s, kinetic_friction=min(mu_d, mu_s))
         regime = vibro.solve(body, flight=False).regime
         at = tuple(cells.T)
         assert (lowest[at] <= regime).all()
@@ -191,14 +178,8 @@ def test_curves_of_bands_are_of_their_extreme_bodies() -> None:
     }
     for which, mu_s in (("least", 0.6), ("most", 0.8)):
         for name in ("forward_onset", "back_slip"):
-            scene = scene_at(state, curves[f"{name}_{which}"])
-            body = vibro.Scene(
-                amplitude=scene.amplitude,
-                frequency=scene.frequency,
-                drive_angle=scene.drive_angle,
-                static_friction=mu_s,
-                kinetic_friction=mu_s * 0.57 / 0.74,
-            )
+            points = curves[f"{name}_{which}"]
+            body = scene_at(state, points, static_friction=mu_s, kinetic_friction=mu_s * 0.57 / 0.74)
             assert np.abs(body.load / getattr(vibro.critical_loads(body), name) - 1.0).max() < 1e-5
 
 
