@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibro.core.contact.limits import critical_loads
+from vibro.limits import critical_loads_of_lines
 from vibro.plots.labels import Labeller
 
 if TYPE_CHECKING:
@@ -38,12 +38,14 @@ def amplitude_at(load: float, frequency: NDArray[np.float64]) -> NDArray[np.floa
 
 def hop_load(angle: float) -> float:
     """Load above which a body leaves a horizontal trough, at a drive angle [deg]."""
-    return float(critical_loads(math.radians(angle), PAPER_STATIC, PAPER_KINETIC).hop)
+    return float(critical_loads_of_lines(math.radians(angle), PAPER_STATIC, PAPER_KINETIC).hop)
 
 
 def onset_load(static: float) -> float:
     """Load above which a body at rest slips forward."""
-    return float(critical_loads(math.radians(PAPER_ANGLE), static, min(static, PAPER_KINETIC)).forward_onset)
+    return float(
+        critical_loads_of_lines(math.radians(PAPER_ANGLE), static, min(static, PAPER_KINETIC)).forward_onset
+    )
 
 
 def onset_load_as_printed(static: float) -> float:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from harmonic_walk import Drive
 
-from vibro.core.contact.solver import SteadyState
 from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
-from vibro.core.harmonic.solver import harmonic_state
+from vibro.core.harmonic.solver import SteadyState, harmonic_state
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scenes import at_load, loads_of
-
-from vibro import Status, steady
 from vibro.core.flight.cycles import HoppingCycles, unresolved
 from vibro.core.groups import Loads, put, take
+
+from vibro import Status, steady
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

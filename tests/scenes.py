@@ -10,8 +10,8 @@ import numpy as np
 from hypothesis import strategies as st
 
 from vibro import Scene, SteadyCycle, solve
-from vibro.core.groups import Loads, each
-from vibro.scene import LinearFields
+from vibro.core.drives import Loads, directions, ellipse_loads, ellipse_scale, line_loads, weight_over_load
+from vibro.scene import EllipticalFields, LinearFields
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,10 +53,18 @@ def at_load(
     )
 
 
-def loads_of(scene: Scene) -> Loads:
-    """Form the groups of scenes, as 1-D arrays over the flattened grid."""
-    flat: Loads = each(scene.arrays().loads(), lambda x: np.broadcast_to(x, scene.shape).reshape(-1))
-    return flat
+def loads_of(scene: Scene) -> list[Loads]:
+    """Form the groups of scenes, one by one over the flattened grid."""
+    found, fields = [], scene.flat()
+    if isinstance(fields, LinearFields):
+        for a, f, alpha, mu_s, mu_d, beta, g, _ in zip(*(x.tolist() for x in fields), strict=True):
+            found.append(line_loads(weight_over_load(a, f, g), directions(alpha, beta), mu_s, mu_d))
+    elif isinstance(fields, EllipticalFields):
+        for x, y, phase, f, mu_s, mu_d, beta, g, _ in zip(*(x.tolist() for x in fields), strict=True):
+            scale = ellipse_scale(x, y)
+            weight, angles = weight_over_load(scale, f, g), directions(phase, beta)
+            found.append(ellipse_loads(x / scale, y / scale, weight, angles, mu_s, mu_d))
+    return found
 
 
 def line_of(scene: Scene) -> LinearFields:

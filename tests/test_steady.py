@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +16,6 @@ from scenes import (
     at_load,
     contact_groups,
     line_of,
-    loads_of,
     random_scenes,
     scene_with,
     solve_one,
@@ -24,13 +23,9 @@ from scenes import (
 
 from vibro import Regime, Scene, SceneError, Status, VibroError, solve, steady
 from vibro.core.codes import MODELS, PATTERNS
-from vibro.core.contact.cycle_legs import cycle_legs
-from vibro.core.contact.slide import slide
+from vibro.core.compiled import doors
 from vibro.errors import InputError
-from vibro.scene import Fields
-
-if TYPE_CHECKING:
-    from vibro.core.contact.slide import Onset, Slide
+from vibro.motion.settled import cycle_phases
 
 EPS = float(np.finfo(float).eps)
 
@@ -81,16 +76,6 @@ def test_every_status_in_one_array(monkeypatch: pytest.MonkeyPatch) -> None:
     ]  # fmt: skip
     assert len({Status(s).label for s in Status}) == len({Status(s).message for s in Status}) == len(Status)
 
-    # the last one is for slides whose refinement did not settle, which no scene of the tests reaches
-    def unsettled(onset: Onset) -> Slide:
-        return slide(onset)._replace(settled=np.zeros(onset.c.shape, np.bool_))
-
-    monkeypatch.setattr("vibro.core.contact.cycle.slide", unsettled)
-    unproven = solve(scene_with())
-    assert unproven.status == Status.UNRESOLVED
-    assert math.isnan(unproven.mean_velocity)
-    assert str(unproven.pattern) == ""
-
 
 def test_without_static_friction_the_motion_depends_on_its_start() -> None:
     cycle = solve(scene_with(static_friction=0.0, kinetic_friction=0.0, amplitude=[1e-4, 1e-3]))
@@ -126,13 +111,13 @@ def test_phases_agree_with_the_onsets_and_friction_stays_inside_its_cone(one: Gr
     scene = at_load(*one)
     cycle = solve(scene)
     assume(cycle.status == Status.OK)
-    phases = cycle_legs(loads_of(scene), int(cycle.pattern_code))
+    phases = cycle_phases(scene)
     kinds = "".join(phase.kind for phase in phases)
     assert kinds == cycle.pattern
     assert ("F" in kinds) <= (cycle.forward_ratio > 1.0)
     assert ("B" in kinds) <= (cycle.back_ratio > 1.0)
     assert (kinds == "_") == (max(cycle.forward_ratio, cycle.back_ratio) <= 1.0)
-    assert sum(p.end - p.start for p in phases) == pytest.approx(2.0 * math.pi, abs=1e-12)
+    assert sum(p.end - p.start for p in phases) * float(scene.frequency) == pytest.approx(1.0, abs=1e-12)
     moved = float(scene.scale) * sum(p.displacement for p in phases)
     size = float(scene.scale) * sum(abs(p.displacement) for p in phases)
     assert moved == pytest.approx(float(cycle.displacement_per_cycle), abs=1e-12 * size)
@@ -181,10 +166,10 @@ def test_the_peak_is_the_largest_speed_of_the_phases(one: Groups) -> None:
     w = 2.0 * math.pi * float(scene.frequency)
     alpha, beta = float(line_of(scene).drive_angle), float(scene.trough_angle)
     largest = 0.0
-    for phase in cycle_legs(loads_of(scene), int(cycle.pattern_code)):
+    for phase in cycle_phases(scene):
         if phase.kind != "_":
             way = 1.0 if phase.kind == "F" else -1.0
-            p = np.linspace(phase.start, phase.end, 20_001)
+            p = w * np.linspace(phase.start, phase.end, 20_001)
             inertia = one.load * (math.cos(alpha) + way * one.mu_d * math.sin(alpha))
             drag = math.sin(beta) + way * one.mu_d * math.cos(beta)
             speed = inertia * (np.cos(p[0]) - np.cos(p)) - drag * (p - p[0])
@@ -283,7 +268,7 @@ def test_parts_that_hop_leave_no_seam(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = solve(scene)
     assert (whole.regime == Regime.HOPPING).all()
     assert 5 < (whole.status == Status.AVERAGED).sum() < 50
-    monkeypatch.setattr(steady, "_HOPPING", [(stage, 10) for stage, _ in steady._HOPPING])
+    monkeypatch.setattr(steady, "_HOPPING", 10)
     parts = solve(scene)
     for name in FIELDS:
         assert np.array_equal(getattr(parts, name), getattr(whole, name), equal_nan=True), name
@@ -358,35 +343,32 @@ def test_a_length_that_cannot_be_is_refused(length: Any) -> None:
 
 
 @pytest.mark.usefixtures("two_cores")
-def test_what_fails_in_one_part_of_many_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails(*_: object) -> None:
-        raise MemoryError("part")
-
-    monkeypatch.setattr(steady, "_HOPPING", ((fails, 32_768),))
-    scene = scene_with(amplitude=np.linspace(4e-3, 5e-3, 70_000))  # three parts
-    with pytest.raises(MemoryError, match="part"):
-        solve(scene)
-
-
-@pytest.mark.usefixtures("two_cores")
+@pytest.mark.parametrize("door", ["solve_contact", "solve_hops", "find_others"])
 @pytest.mark.parametrize("failing", [0, 36])
-def test_an_error_in_any_block_reaches_the_caller(failing: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    solve_block = steady._solve_block
+def test_an_error_in_any_range_reaches_the_caller(
+    door: str, failing: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = getattr(doors(), door)
 
-    def fail_there(part: dict[str, Any], inputs: Fields, classes_alone: bool) -> None:
-        if inputs.scale[0] == amplitude[failing]:
+    def fail_there(*values: Any) -> None:
+        begin, end = values[3:5] if door == "solve_contact" else values[-2:]
+        if begin <= failing < end:
             raise IndexError(failing)
-        solve_block(part, inputs, classes_alone)
+        run(*values)
 
-    amplitude = np.linspace(1e-4, 1e-3, 40)
-    monkeypatch.setattr(steady, "BLOCK", 4)
-    monkeypatch.setattr(steady, "_solve_block", fail_there)
-    scene = Scene(
-        amplitude=amplitude,
-        frequency=15.0,
-        drive_angle=0.3,
-        static_friction=0.7,
-        kinetic_friction=0.5,
-    )
+    for name in ("_IN_CONTACT", "_HOPPING", "_SEARCHED"):
+        monkeypatch.setattr(steady, name, 4)
+    monkeypatch.setattr(doors(), door, fail_there, raising=False)
+    scene = scene_with(amplitude=np.linspace(4e-3, 4.1e-3, 40))
     with pytest.raises(IndexError, match=str(failing)):
-        solve(scene)
+        solve(scene, coexistence=True)
+
+
+def test_progress_is_told_up_to_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(steady, "_IN_CONTACT", 100)
+    told: list[tuple[int, int]] = []
+    solve(random_scenes(997, seed=4), progress=lambda done, size: told.append((done, size)))
+    assert [size for _, size in told] == [997] * len(told)
+    assert told[-1] == (997, 997)
+    assert sorted(told) == told
+    assert len(told) >= 5

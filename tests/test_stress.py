@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 import pytest
@@ -11,22 +10,13 @@ from extremes import extreme_fields
 from stress import NAMES, against_reference, broken_invariants
 
 import vibro
-from vibro import steady
 from vibro.accuracy.reference import exact_cycle
-from vibro.core.flight.averages import averages
 
 SCENES = 2_000
 REFERENCE_SCENES = 250
 
 # [eps (condition |d| + S)] error of a displacement that rounding alone may cause
 TOLERANCE = 16.0
-
-
-@pytest.fixture(autouse=True)
-def _short_samples(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Average over few flights: what is looked at here does not depend on how many."""
-    means = partial(averages, length=12, longest=True), 256
-    monkeypatch.setattr(steady, "_HOPPING", (*steady._HOPPING[:2], means))
 
 
 def solve(*values: float) -> vibro.SteadyCycle:

@@ -12,6 +12,7 @@ import pytest
 from scenes import assert_same, scene_with
 
 from vibro import Status, solve, steady
+from vibro.core.compiled import doors
 from vibro.errors import InputError
 
 
@@ -23,16 +24,17 @@ def test_any_number_of_threads_gives_the_same_numbers(monkeypatch: pytest.Monkey
     assert (solve(few).coexists != searched.coexists).sum() > 5
     assert len(np.unique(whole.regime)) == 4
     assert (whole.status == Status.AVERAGED).sum() > 3  # more than a part
-    monkeypatch.setattr(steady, "BLOCK", 6)
-    monkeypatch.setattr(steady, "_HOPPING", [(stage, 3) for stage, _ in steady._HOPPING])
-    monkeypatch.setattr(steady, "_LOOKED_AT", 4)
+    monkeypatch.setattr(steady, "_IN_CONTACT", 6)
+    monkeypatch.setattr(steady, "_HOPPING", 3)
+    monkeypatch.setattr(steady, "_SEARCHED", 4)
     one_and_three: list[Any] = [1, np.int64(3)]
     for threads in one_and_three:
         assert_same(solve(few, coexistence=True, threads=threads), searched)
         assert_same(solve(many, threads=threads), whole)
 
 
-@pytest.mark.parametrize("stage", ["_solve_block", "_solve_hops", "_look_for_others"])
+@pytest.mark.skipif(not doors().compiled, reason="the solver is not compiled: one thread")
+@pytest.mark.parametrize("stage", ["solve_contact", "solve_hops", "find_others"])
 @pytest.mark.parametrize(("asked", "expected"), [(None, 2), (1, 1), (3, 3), (100, 5)])
 @pytest.mark.usefixtures("two_cores")
 def test_so_many_threads_share_each_stage(
@@ -46,11 +48,10 @@ def test_so_many_threads_share_each_stage(
             seen.add(get_ident())
             met.wait()
 
-    monkeypatch.setattr(steady, "BLOCK", 4)
-    monkeypatch.setattr(steady, "_HOPPING", [(steady._HOPPING[0][0], 4)])
-    monkeypatch.setattr(steady, "_LOOKED_AT", 4)
+    for ranges in ("_IN_CONTACT", "_HOPPING", "_SEARCHED"):
+        monkeypatch.setattr(steady, ranges, 4)
     scene = scene_with(amplitude=np.linspace(4e-3, 4.1e-3, 20))  # five parts
-    monkeypatch.setattr(steady, stage, wait)
+    monkeypatch.setattr(doors(), stage, wait, raising=False)
     solve(scene, coexistence=True, threads=asked)
     assert len(seen) == expected
 

@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 import pytest
 from two_axis_scenes import compare, displacement, random_drives, rotated
 from two_axis_tables import UNSETTLED_IMPACT, Table, read_table
 
-from vibro import Regime, Status, steady
-from vibro.core.flight.averages import averages
-
-
-@pytest.fixture(autouse=True)
-def _short_samples(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Average irregular motion over few flights: it is not looked at here."""
-    means = partial(averages, length=12, longest=True), 256
-    monkeypatch.setattr(steady, "_HOPPING", (*steady._HOPPING[:2], means))
+from vibro import Regime, Status
 
 
 @pytest.fixture(scope="module")

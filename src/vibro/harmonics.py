@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, NoReturn
 
 import numpy as np
 
-from vibro.core.groups import largest_amplitude
+from vibro.core.harmonic.arrays import largest_amplitude
 from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
 from vibro.errors import InputError, Problem, shown
 from vibro.quantities import MOST_HARMONICS
@@ -15,8 +15,6 @@ from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from vibro.core.groups import Loads
 
     Floats = NDArray[np.float64]
     Harmonics = tuple[tuple[Floats, Floats], ...]
@@ -75,16 +73,12 @@ class HarmonicFields(NamedTuple):
             self.gravity,
         )
 
-    def loads(self) -> Loads:
+    def refuse(self) -> NoReturn:
         """Refuse what is known of drives along lines and ellipses alone."""
         raise InputError(
             "a drive with harmonics: of its bodies the steady cycle in contact alone is known",
             hint="vibro solve and vibro map, or vibro.solve and vibro.sweep, give it",
         )
-
-    def unit_loads(self) -> Loads:
-        """Refuse what is known of drives along lines and ellipses alone."""
-        return self.loads()
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return every array with the name of its field, and of a quantity with the same unit and range."""

@@ -7,20 +7,25 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.contact import limits
-from vibro.core.contact.onset import thresholds
+from vibro.core.codes import Regime
+from vibro.core.compiled import doors
 from vibro.errors import Problem, SceneError
 from vibro.reals import NotRealError, real_array
+from vibro.scene import LinearFields
+from vibro.solver import Grid, over_cells
+from vibro.steady import solve
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.core.contact.limits import CriticalLoads
-    from vibro.scene import Scene
+    from vibro.scene import Fields, Scene
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Transition", "critical_loads", "stays_upright", "tipping_load", "transitions"]
+__all__ = [
+    "CriticalLoads", "Transition", "critical_loads", "critical_loads_of_lines", "stays_upright",
+    "tipping_load", "tipping_load_of_lines", "transitions",
+]  # fmt: skip
 
 _BEGINNINGS: Final = {
     "forward_onset": "forward slip",
@@ -30,6 +35,38 @@ _BEGINNINGS: Final = {
     "hop": "hopping",
 }
 _LATE: Final = "load for forward slip"
+
+
+_RANGE: Final = 8_192  # [cells] so that an interrupt is noticed within a fraction of a second
+
+
+class CriticalLoads(NamedTuple):
+    """Critical loads G = A w^2 / g; inf where a transition never happens, 0 where it always has.
+
+    Attributes
+    ----------
+    hop : array
+        Above, the throw number exceeds 1 and the body leaves the trough.
+    forward_onset, back_onset : array
+        Above, the load of a body at rest exceeds static friction forward, or back.
+    back_slip : array
+        Above, the steady cycle from rest has a back slide; at least ``back_onset``, and more where the
+        forward slide outlasts the back window. Elliptical drives on troughs steeper than the angle of kinetic
+        friction may lose it again.
+    rest_vanishes : array
+        Above, the body slides all the time.
+
+    Notes
+    -----
+    A body starts from rest where its load first exceeds static friction. On inclines phase 0 may lie later
+    than that, and where cycles coexist lead to the other one.
+    """
+
+    hop: Floats
+    forward_onset: Floats
+    back_onset: Floats
+    back_slip: Floats
+    rest_vanishes: Floats
 
 
 class Transition(NamedTuple):
@@ -69,12 +106,12 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     CriticalLoads
         ``hop``, ``forward_onset``, ``back_onset``, ``back_slip`` and ``rest_vanishes``: arrays of the common
         shape of angles and frictions, which broadcasts against the scene's [1]. inf where a transition never
-        happens, 0 where it always has; NaN where the combination is infeasible or mu_s = 0.
+        happens, 0 where it always has; NaN where mu_d > mu_s or mu_s = 0.
 
     Notes
     -----
     Closed forms, Eqs. (4), (5) and (21), and one root in a bracket, Eq. (22). They agree with ``solve`` on
-    both sides of each load (tests/core/contact/test_limits.py).
+    both sides of each load (tests/core/test_limits.py).
 
     Examples
     --------
@@ -84,8 +121,53 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     >>> print(f"{vibro.critical_loads(scene).forward_onset:.6f}")
     0.620395
     """
-    with np.errstate(over="ignore"):  # of frictions at the ends of the range of doubles
-        return limits.critical_loads_of(scene.arrays().unit_loads())
+    fields = scene.arrays()
+    if isinstance(fields, LinearFields):
+        frictions = fields.static_friction, fields.kinetic_friction
+        return critical_loads_of_lines(fields.drive_angle, *frictions, fields.trough_angle)
+    one = np.ones(())  # what has no effect does not broadcast
+    return _critical_loads(Grid(fields._replace(frequency=one, gravity=one, restitution=one - one)))
+
+
+def critical_loads_of_lines(
+    drive_angle: ArrayLike,
+    static_friction: ArrayLike,
+    kinetic_friction: ArrayLike,
+    trough_angle: ArrayLike = 0.0,
+) -> CriticalLoads:
+    """Critical loads of drives along a line, from what they depend on.
+
+    Parameters
+    ----------
+    drive_angle, trough_angle : array_like
+        Drive and trough angle [rad].
+    static_friction, kinetic_friction : array_like
+        mu_s and mu_d [1].
+
+    Returns
+    -------
+    CriticalLoads
+        Arrays of the broadcast shape; else as ``critical_loads``.
+    """
+    return _critical_loads(_lines(drive_angle, static_friction, kinetic_friction, trough_angle))
+
+
+def _lines(*fields: ArrayLike) -> Grid:
+    """Make a grid of drives along lines from their angles and frictions alone."""
+    alpha, mu_s, mu_d, beta = (np.asarray(x, np.float64) for x in fields)
+    one = np.ones(())
+    return Grid(LinearFields(one, one, alpha, mu_s, mu_d, beta, one, one - one))
+
+
+def _critical_loads(grid: Grid) -> CriticalLoads:
+    found = np.empty((len(CriticalLoads._fields), grid.size))
+    rows = doors().rows(found)
+
+    def find(begin: int, end: int) -> None:
+        doors().transition_loads(grid.scenes, grid.place(), rows, begin, end)
+
+    over_cells(find, grid.size, _RANGE, None)
+    return CriticalLoads(*(row.reshape(grid.shape)[()] for row in found))
 
 
 def transitions(scene: Scene) -> tuple[Transition, ...]:
@@ -153,8 +235,7 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     -------
     array
         Of the common shape of angles, static friction and stand ratio [1]. inf where static friction is at
-        most the stand ratio, 0 where the trough alone is too steep for the part, NaN where the angles are
-        infeasible.
+        most the stand ratio, 0 where the trough alone is too steep for the part.
 
     Raises
     ------
@@ -166,7 +247,32 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     Closed form, Eq. (43). Above it an edge lifts before the part first slips: theory.md, section 12, has the
     proof, and tests/test_limits.py integrates Newton's law on both sides of it.
     """
-    return limits.tipping_load_of(scene.arrays().unit_loads(), _stand_ratios(stand_ratio))
+    fields = scene.arrays()
+    one = np.ones(())
+    if isinstance(fields, LinearFields):
+        fields = fields._replace(amplitude=one)
+    return _tipping_load(
+        fields._replace(frequency=one, gravity=one, kinetic_friction=one - one), _stand_ratios(stand_ratio)
+    )
+
+
+def tipping_load_of_lines(
+    drive_angle: ArrayLike, static_friction: ArrayLike, trough_angle: ArrayLike, stand_ratio: ArrayLike
+) -> Floats:
+    """Return ``tipping_load`` of drives along a line, from what it depends on; of the broadcast shape."""
+    alpha, mu_s, beta = (np.asarray(x, np.float64) for x in (drive_angle, static_friction, trough_angle))
+    one = np.ones(())
+    fields = LinearFields(one, one, alpha, mu_s, one - one, beta, one, one - one)
+    return _tipping_load(fields, np.asarray(stand_ratio, np.float64))
+
+
+def _tipping_load(fields: Fields, ratio: Floats) -> Floats:
+    # a field that has no effect brings in the shape of the ratio
+    grid = Grid(fields._replace(restitution=np.zeros(ratio.shape)))
+    ratios = np.ascontiguousarray(np.broadcast_to(ratio, grid.shape))
+    found = np.empty(grid.size)
+    doors().tipping_loads(grid.scenes, grid.place(), doors().row(ratios), doors().row(found), 0, grid.size)
+    return np.asarray(found.reshape(grid.shape)[()])
 
 
 def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
@@ -191,9 +297,10 @@ def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
         If a stand ratio is no number, or not > 0.
     """
     load = tipping_load(scene, stand_ratio)
-    at = thresholds(scene.arrays().loads())
+    hops = solve(scene, accuracy="regimes").regime == int(Regime.HOPPING)
+    unheld = np.abs(np.tan(scene.trough_angle)) >= scene.static_friction
     tips = scene.load > load
-    unknown = np.isnan(load) | np.where(np.isinf(load), at.hops, at.unheld)
+    unknown = np.where(np.isinf(load), hops, unheld)
     return np.where(unknown, -1, ~tips).astype(np.int8)[()]
 
 

@@ -60,7 +60,12 @@ def within(block: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...
     return tuple(slice(None) if n == 1 else part for part, n in zip(block, shape, strict=True))
 
 
-def in_parallel(run: Callable[[Any], None], parts: Sequence[Any], threads: int | None = None) -> None:
+def in_parallel(
+    run: Callable[[Any], None],
+    parts: Sequence[Any],
+    threads: int | None = None,
+    done: Callable[[int], None] | None = None,
+) -> None:
     """Run parts on several threads; after an interrupt the others end with the part they are at.
 
     Parameters
@@ -71,22 +76,31 @@ def in_parallel(run: Callable[[Any], None], parts: Sequence[Any], threads: int |
         In the order in which they are begun.
     threads : int, optional
         How many share the work; without, one a core.
+    done : callable, optional
+        Called in the calling thread, after each part that it has run, with the number of parts that are done.
     """
-    if len(parts) < 2:
-        for part in parts:
+    number = min(cores() if threads is None else threads, len(parts))
+    if number < 2:
+        for count, part in enumerate(parts, 1):
             run(part)
+            if done:
+                done(count)
         return
     retain_freed_memory()
     left = deque(parts)
     failures: list[BaseException] = []
+    finished: list[None] = []
 
-    def work() -> None:
+    def work(tell: Callable[[int], None] | None = None) -> None:
         while True:
             try:
                 part = left.popleft()
             except IndexError:  # none left; another thread may have taken the last
                 return
             run(part)
+            finished.append(None)
+            if tell:
+                tell(len(finished))
 
     def work_along() -> None:
         try:
@@ -95,15 +109,16 @@ def in_parallel(run: Callable[[Any], None], parts: Sequence[Any], threads: int |
             failures.append(exc)
             left.clear()
 
-    number = min(cores() if threads is None else threads, len(parts))
     others = [Thread(target=work_along, daemon=True) for _ in range(number - 1)]
     try:
         for thread in others:
             thread.start()
-        work()
+        work(done)
         for thread in others:
             while thread.is_alive():
                 thread.join(_PATIENCE)
+                if done:
+                    done(len(finished))
     finally:
         left.clear()
     if failures:

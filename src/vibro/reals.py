@@ -65,6 +65,8 @@ def real_array(value: Any, allowed: str = _ALLOWED) -> Floats:
     NotRealError
         With the first value that is no real number.
     """
+    if type(value) is float:
+        return np.array(value)
     if isinstance(value, list | tuple):
         return _of_sequence(value, allowed)
     if isinstance(value, str | bytes | bytearray | memoryview):

@@ -8,16 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.groups import (
-    Loads,
-    angle_excess,
-    each,
-    elliptical_loads,
-    friction_excess,
-    largest_amplitude,
-    loads,
-    unit_loads,
-)
+from vibro.core.harmonic.arrays import each, largest_amplitude
 from vibro.errors import Problem, SceneError
 from vibro.harmonics import HarmonicFields, harmonic_fields, read_harmonics
 from vibro.quantities import DEFAULTS, ELLIPTICAL, LINEAR, QUANTITIES, STANDARD_GRAVITY
@@ -59,14 +50,6 @@ class LinearFields(NamedTuple):
         """Farthest that the trough gets from its middle [m]."""
         return self.amplitude
 
-    def loads(self) -> Loads:
-        """Form the dimensionless groups, all but the restitution."""
-        return loads(*self[:-1])
-
-    def unit_loads(self) -> Loads:
-        """Form the groups at G = 1."""
-        return unit_loads(self.drive_angle, self.static_friction, self.kinetic_friction, self.trough_angle)
-
 
 class EllipticalFields(NamedTuple):
     """A drive along an ellipse: its scene's fields, [m, m, rad, Hz, 1, 1, rad, m/s^2, 1]."""
@@ -93,18 +76,6 @@ class EllipticalFields(NamedTuple):
         # of the sum and the difference of two rotations against each other
         sine, cosine = y * np.sin(self.normal_phase), y * np.cos(self.normal_phase)
         return np.asarray(0.5 * (np.hypot(x + sine, cosine) + np.hypot(x - sine, cosine)))
-
-    def loads(self) -> Loads:
-        """Form the dimensionless groups, all but the restitution."""
-        return elliptical_loads(*self[:-1])
-
-    def unit_loads(self) -> Loads:
-        """Form the groups at G = 1, where the trough's largest acceleration is that of gravity."""
-        here = self.loads()
-        share = self.scale / np.where(self.reach > 0.0, self.reach, 1.0)
-        along, across = share * here.along, share * here.across
-        normal, tangential = np.cos(self.trough_angle), np.sin(self.trough_angle)
-        return here._replace(along=along, across=across, normal=normal, tangential=tangential)
 
 
 Fields = LinearFields | EllipticalFields | HarmonicFields
@@ -185,8 +156,7 @@ class Scene:
     static_friction, kinetic_friction : array_like
         Coefficients of friction mu_s and mu_d, ``0 <= mu_d <= mu_s`` [1].
     trough_angle : array_like, optional
-        Climb of the trough in the conveying direction, in (-pi/2, pi/2), and along a line
-        ``drive_angle + trough_angle < pi/2`` [rad].
+        Climb of the trough in the conveying direction, in (-pi/2, pi/2) [rad].
     gravity : array_like, optional
         Acceleration of gravity, > 0 [m/s^2].
     restitution : array_like, optional
@@ -248,9 +218,8 @@ class Scene:
     def allowing_infeasible(cls, **values: ArrayLike) -> Scene:
         """Make a scene whose fields are valid but whose combinations may be infeasible.
 
-        A sweep over both coefficients of friction, or over both angles, crosses combinations that
-        cannot be (mu_d > mu_s; drive + trough angle of 90 deg or more). ``solve`` gives those cells
-        the status ``INFEASIBLE`` and no numbers.
+        A sweep over both coefficients of friction crosses combinations that cannot be (mu_d > mu_s).
+        ``solve`` gives those cells the status ``INFEASIBLE`` and no numbers.
 
         Parameters
         ----------
@@ -317,11 +286,8 @@ class Scene:
 
     @property
     def infeasible(self) -> NDArray[np.bool_]:
-        """Whether each combination cannot be: mu_d > mu_s, or a line's drive + trough angle >= 90 deg."""
-        bad = friction_excess(self.static_friction, self.kinetic_friction) > 0.0
-        if self.drive_angle is not None:
-            bad = bad | (angle_excess(self.drive_angle, self.trough_angle) >= 0.0)
-        return np.broadcast_to(bad, self.shape)
+        """Whether each combination cannot be: mu_d > mu_s."""
+        return np.broadcast_to(self.kinetic_friction > self.static_friction, self.shape)
 
     def _set(self, values: dict[str, Any]) -> None:
         kind, problems = _kind_of(values), []
@@ -352,6 +318,11 @@ class Scene:
     def _field_problems(self) -> list[Problem]:
         problems = []
         for field, name, x in self._members():
+            if not x.ndim:  # plain numbers take a tenth of the time
+                number = float(x)
+                if not (math.isfinite(number) and QUANTITIES[name].allows(number)):
+                    problems.append(Problem(field, field_text(name, number), field_range(name)))
+                continue
             good = np.isfinite(x) & QUANTITIES[name].allows(x)
             if np.count_nonzero(good) < x.size:
                 problems.append(Problem(field, field_text(name, float(x[~good].flat[0])), field_range(name)))
@@ -365,26 +336,12 @@ class Scene:
         return [(name, name, x) for name, x in fields._asdict().items()]
 
     def _combination_problems(self) -> list[Problem]:
-        problems = []
-        bad = friction_excess(self.static_friction, self.kinetic_friction) > 0.0
-        if np.count_nonzero(bad):
-            mu_d, mu_s = (
-                np.broadcast_to(x, bad.shape) for x in (self.kinetic_friction, self.static_friction)
-            )
-            limit = f"<= static_friction = {mu_s[bad].flat[0]:.15g}"
-            problems.append(Problem("kinetic_friction", f"{mu_d[bad].flat[0]:.15g}", limit))
-        if self.drive_angle is None:
-            return problems
-        with np.errstate(over="ignore", invalid="ignore"):  # of angles that are no angles
-            bad = angle_excess(self.drive_angle, self.trough_angle) >= 0.0
-        if np.count_nonzero(bad):  # what is wrong with either alone has been said
-            drive, trough = (np.broadcast_to(x, bad.shape) for x in (self.drive_angle, self.trough_angle))
-            bad &= QUANTITIES["drive_angle"].allows(drive) & QUANTITIES["trough_angle"].allows(trough)
-        if np.count_nonzero(bad):
-            beside = field_text("trough_angle", trough[bad].flat[0])
-            limit = f"less than 90 deg together with trough_angle = {beside}"
-            problems.append(Problem("drive_angle", field_text("drive_angle", drive[bad].flat[0]), limit))
-        return problems
+        bad = np.asarray(self.kinetic_friction > self.static_friction)
+        if not bad.any():
+            return []
+        mu_d, mu_s = (np.broadcast_to(x, bad.shape) for x in (self.kinetic_friction, self.static_friction))
+        limit = f"<= static_friction = {mu_s[bad].flat[0]:.15g}"
+        return [Problem("kinetic_friction", f"{mu_d[bad].flat[0]:.15g}", limit)]
 
 
 _SI_DEFAULTS: Final = {name: QUANTITIES[name].to_si(value) for name, value in DEFAULTS.items()}

@@ -10,7 +10,6 @@ import pytest
 from mpmath import mp, mpf
 from numpy.typing import NDArray
 from scipy.integrate import quad
-
 from vibro.core.free import free_motion
 
 Floats = NDArray[np.float64]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scenes import scene_with
-
-from vibro import Regime, Status, solve
 from vibro.core.contact.limits import critical_loads
 from vibro.core.groups import cosine_of_sum
+
+from vibro import Regime, Status, solve
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-
 from vibro.core.roots import OpenCells, bisect
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,6 @@ import mpmath
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-
 from vibro.core.free import GAP
 from vibro.core.series import Q, R, sine_gap
 

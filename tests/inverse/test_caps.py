@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import line_of, scene_with
 
-from vibro.core.contact.limits import critical_loads, tipping_load
 from vibro.inverse.bands import line_box_of
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load, tip_load
+from vibro.limits import critical_loads_of_lines, tipping_load_of_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +36,7 @@ def grid_of(box: Box) -> Any:
 
 def criticals_of(box: Box) -> Any:
     points = grid_of(box)
-    return critical_loads(
+    return critical_loads_of_lines(
         points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
     )
 
@@ -69,7 +69,9 @@ def test_back_slip(box: Boxed) -> None:
 def test_tip(box: Boxed, stand_ratio: float) -> None:
     one = line_box_of(box.scene, box.bands)
     points = grid_of(one)
-    loads = tipping_load(points.drive_angle, points.static_friction, points.trough_angle, stand_ratio)
+    loads = tipping_load_of_lines(
+        points.drive_angle, points.static_friction, points.trough_angle, stand_ratio
+    )
     assert_least(tip_load(one, stand_ratio), loads)
     if one.static_friction[1] <= stand_ratio:
         assert math.isinf(tip_load(one, stand_ratio))
@@ -85,7 +87,7 @@ def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
             box = line_box_of(scene, {"static_friction": (0.4, 1.5), "friction_ratio": (0.4, ratio)})
             mu_s = np.linspace(0.4, 1.5, 20001)
             angle = line_of(scene).drive_angle
-            loads = critical_loads(angle, mu_s, ratio * mu_s, scene.trough_angle).back_slip
+            loads = critical_loads_of_lines(angle, mu_s, ratio * mu_s, scene.trough_angle).back_slip
             least = float(np.min(loads))
             assert float(back_slip_load(box)) == pytest.approx(least, rel=1e-6)
             assert float(back_slip_load(box)) <= least * (1 + 1e-12)

@@ -10,8 +10,8 @@ import pytest
 from scenes import scene_with
 
 from vibro import Regime, Scene, SceneError, Status, guarantee, solve
-from vibro.core.contact.limits import critical_loads
 from vibro.inverse.certain import certain
+from vibro.limits import critical_loads_of_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,7 +83,7 @@ def operating_points(rng: np.random.Generator, box: Frictions, slope: float) -> 
     steep = rng.random(CELLS) < 0.3
     beta = slope * np.arctan(np.where(steep, mu_d * rng.choice([0.98, 1.0, 1.02], CELLS), rng.random(CELLS)))
     alpha = rng.uniform(0.0, 1.4, CELLS) * rng.choice([0.1, 1.0], CELLS)
-    known = np.stack(critical_loads(alpha, mu_s, mu_d, beta))
+    known = np.stack(critical_loads_of_lines(alpha, mu_s, mu_d, beta))
     load = known[rng.choice(5, CELLS, p=[0.05, 0.3, 0.2, 0.4, 0.05]), np.arange(CELLS)]
     load = np.where(np.isfinite(load) & (load > 0.0), load, rng.uniform(0.1, 3.0, CELLS))
     load *= 1.0 + rng.choice([1e-9, 1e-6, 1e-3, 0.05, 0.5], CELLS) * rng.uniform(-1.0, 1.0, CELLS)
@@ -166,7 +166,7 @@ def bounds_at(load: float, *, beta: float = 0.0) -> tuple[int, int]:
 def test_bounds_change_at_corners(
     mu_s: float, mu_d: float, kind: str, below: tuple[int, int], above: tuple[int, int]
 ) -> None:
-    load = float(getattr(critical_loads(ALPHA, mu_s, mu_d, 0.0), kind))
+    load = float(getattr(critical_loads_of_lines(ALPHA, mu_s, mu_d, 0.0), kind))
     assert bounds_at(load * (1.0 - 1e-12)) == below
     assert bounds_at(load) == below  # equality belongs to the lower regime
     assert bounds_at(load * (1.0 + 1e-12)) == above
@@ -193,7 +193,7 @@ def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline(monkeypatch: pytes
     ratio, shares = (0.41, 0.48), np.linspace(0.0, 1.0, 401)
     beta = math.radians(-8.0)
     mu_s = 0.2 + shares * 0.6
-    known = critical_loads(ALPHA, mu_s, ratio[1] * mu_s, beta).back_slip
+    known = critical_loads_of_lines(ALPHA, mu_s, ratio[1] * mu_s, beta).back_slip
     first = int(np.argmin(known))
     assert 0 < first < 400
     assert known[first] < 0.99 * min(known[0], known[-1])
@@ -212,7 +212,7 @@ def test_equality_on_declines() -> None:
         mu_s, ratio = float(rng.uniform(0.1, 1.0)), float(rng.uniform(0.1, 0.95))
         box = Frictions((mu_s, mu_s * (1.0 + 1e-15)), (ratio, ratio), True)
         alpha, beta = rng.uniform(0.0, 1.0, CELLS), -np.arctan(ratio * mu_s * rng.random(CELLS))
-        load = critical_loads(alpha, mu_s, ratio * mu_s, beta).back_slip
+        load = critical_loads_of_lines(alpha, mu_s, ratio * mu_s, beta).back_slip
         load = np.where(np.isfinite(load), load, 1.0)
         amplitude = load * GRAVITY / (2.0 * math.pi * FREQUENCY) ** 2
         found = box.certain_of(

@@ -15,7 +15,6 @@ from scenes import Groups, at_load, contact_groups, random_scenes, replaced, sce
 
 import vibro
 from vibro import SceneError, Status
-from vibro.core.walk import arrival
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -135,15 +134,6 @@ def test_long_ways_are_as_exact_as_short_ones() -> None:
     np.testing.assert_allclose((later - first) * 15.0, count, rtol=1e-13, atol=0.0)
 
 
-def test_a_jump_over_a_converging_transient_is_exact(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Low friction: hundreds of cycles to settle; with and without the closed sum of its end."""
-    scene = at_load([2.0, 1.5, 2.5], [10.0, 20.0, 20.0], [0.05, 0.02, 0.3], [0.03, 0.02, 0.01])
-    length = 900.0 * vibro.solve(scene).displacement_per_cycle
-    jumped = vibro.arrival_time(scene, length)
-    monkeypatch.setattr(arrival, "_LINEAR", 0.0)
-    np.testing.assert_allclose(vibro.arrival_time(scene, length), jumped, rtol=1e-13, atol=0.0)
-
-
 def test_the_steady_figure_is_the_limit_for_long_troughs() -> None:
     scene = random_scenes(400, 3, most_trough_deg=6.0)
     cycle = vibro.solve(scene)
@@ -223,6 +213,17 @@ def test_an_arrival_that_rounding_chooses_is_unknown() -> None:
     assert np.isnan(vibro.arrival_time(scene, 4.56280220557782)).all()
     # the first moments are known
     assert np.isfinite(vibro.arrival_time(scene, 1e-3)).all()
+
+
+def test_a_drive_and_a_trough_of_more_than_a_right_angle_are_followed() -> None:
+    """It presses the body down while it pushes: at the end of a slide back the body is thrown into the next."""
+    scene = scene_with(drive_angle=1.2, trough_angle=0.5, amplitude=[5e-4, 3e-3])
+    lengths = 1e-4 * np.array([1.0, 1.0])
+    times = vibro.arrival_time(scene, lengths)
+    assert not np.isnan(times).any()
+    for cell, length, time in zip(cells_of(scene), lengths, times, strict=True):
+        history = vibro.simulate(cell, duration=min(float(time), 0.5))
+        assert math.isinf(time) or history.sample(history.end).position == pytest.approx(length)
 
 
 def test_infeasible_cells_are_unknown() -> None:

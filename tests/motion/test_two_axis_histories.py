@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from integrated import LEAST_BOUNCE, TURN, Body
-from scenes import GRAVITY, Groups
+from scenes import GRAVITY, Groups, loads_of
 from two_axis_scenes import Drives, random_drives
 
 import vibro
-from vibro.core.contact.never_at_rest import likely_never_at_rest
-from vibro.core.contact.onset import thresholds
-from vibro.core.contact.starts import pair_of
+from vibro.core.continuous import likely_sliding
+from vibro.core.drives import Loads
+from vibro.core.windows import resting_start, thresholds
 from vibro.motion.settled import cycle_phases, settled_motion
 
 if TYPE_CHECKING:
@@ -276,15 +276,20 @@ def test_a_trough_that_only_rises_and_falls_moves_no_body() -> None:
     assert np.isinf(vibro.arrival_time(scene, 0.1)).all()
 
 
+def _is_hard(loads: Loads) -> bool:
+    """Whether the cheap search for the cycle without rest finds none."""
+    at = thresholds(loads)
+    starts = [resting_start(loads, at, way).onset for way in (1.0, -1.0)]
+    return math.isnan(likely_sliding(loads, *starts).y)
+
+
 def test_phases_add_up_where_the_cycle_without_rest_is_hard_to_find() -> None:
     some = random_drives(20_000, 91)
     random = np.random.default_rng(4)
     some = some.changed(trough=np.arctan(some.mu_d) * random.uniform(0.6, 0.8, 20_000) * np.sign(some.lead))
     some = Drives(*(x[some.solve().pattern == "FB"] for x in some))
-    groups = some.scene().flat().loads()
-    pair = pair_of(groups, thresholds(groups).margins)
-    hard = np.flatnonzero(np.isnan(likely_never_at_rest(groups, pair.forward, pair.back)[0].y))[:10]
-    assert hard.size == 10
+    hard = [i for i, loads in enumerate(loads_of(some.scene())) if _is_hard(loads)][:10]
+    assert len(hard) == 10
     for scene in (Drives(*(x[[i]] for x in some)).scene() for i in hard):
         one = vibro.Scene(**{name: float(value.item()) for name, value in scene.arrays()._asdict().items()})
         advance = vibro.solve(one).displacement_per_cycle

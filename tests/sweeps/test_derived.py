@@ -8,11 +8,11 @@ import mpmath
 import numpy as np
 import pytest
 from scenes import at_load, loads_of, replaced
+from vibro.core.contact.onset import thresholds
 
 from vibro import Scene, critical_loads, solve
 from vibro.accuracy.reference import DIGITS, exact_cycle
 from vibro.core.codes import PATTERNS, Status
-from vibro.core.contact.onset import thresholds
 from vibro.quantities import QUANTITIES
 from vibro.results.sweep import Block
 from vibro.sweeps.derived import WITH_EXPONENT, throughput

@@ -138,9 +138,10 @@ def best_reference() -> Reference:
 
 def _converged(scene: Scene, tick: Tick) -> Answers:
     """Solve the scenes that stay in contact and can rest, by event-driven simulation."""
-    groups = scene.arrays().loads()
-    holds = np.abs(groups.tangential) < groups.static_friction * groups.normal
-    cells = np.flatnonzero((groups.across <= groups.normal) & holds)
+    holds = np.abs(np.tan(scene.trough_angle)) < scene.static_friction
+    assert scene.drive_angle is not None
+    stays = scene.load * np.sin(scene.drive_angle) <= np.cos(scene.trough_angle)
+    cells = np.flatnonzero(stays & holds)
     found = converged_answers(take_scenes(scene, cells), tick)
     displacement, regime = np.full(scene.shape, np.nan), np.zeros(scene.shape, np.int8)
     displacement[cells], regime[cells] = found.displacement, found.regime

@@ -74,8 +74,10 @@ def print_version(context: typer.Context, wanted: bool) -> None:
     """Print the version and end, if wanted by a run and not by a line that the shell completes."""
     if wanted and not context.resilient_parsing:
         from vibro import __version__
+        from vibro.core.compiled import library_path
 
-        print(f"vibro {__version__}")
+        slow = "" if library_path() else " (solver not compiled: plain Python, 10 to 30 times slower)"
+        print(f"vibro {__version__}{slow}")
         raise typer.Exit
 
 

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.core.contact.limits import CriticalLoads
-from vibro.core.flight.cycles import MOST_THROW
+from vibro.core.hopping import MOST_THROW
+from vibro.limits import CriticalLoads
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.scene import EllipticalFields, HarmonicFields
 from vibro.sweeps.grid import scene_of

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.contact.limits import critical_loads
 from vibro.inverse.boxes import AXES
+from vibro.limits import critical_loads_of_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -121,7 +121,7 @@ def _on_drops(boxes: Box, shares: Floats, axes: NDArray[np.intp]) -> Floats:
 
 def _entry_load(at: Points) -> Floats:
     """Return the load at which back slip enters, or just above."""
-    known = critical_loads(at.drive_angle, at.static_friction, at.kinetic_friction, at.trough_angle)
+    known = critical_loads_of_lines(at.drive_angle, at.static_friction, at.kinetic_friction, at.trough_angle)
     return np.asarray(known.back_slip * (1.0 + _INSIDE))
 
 

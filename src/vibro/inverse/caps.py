@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.contact.limits import critical_loads, tipping_load
+from vibro.limits import critical_loads_of_lines, tipping_load_of_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,7 +48,7 @@ def onset_load(box: Box) -> Floats:
     mu_s, (low, high) = box.static_friction[1], box.trough_angle
     hardest = np.clip(0.5 * np.pi - np.arctan(mu_s), low, high)
     return np.maximum(
-        *(critical_loads(alpha, mu_s, mu_s, hardest).forward_onset for alpha in box.drive_angle)
+        *(critical_loads_of_lines(alpha, mu_s, mu_s, hardest).forward_onset for alpha in box.drive_angle)
     )
 
 
@@ -71,7 +71,7 @@ def _back_slip_load(box: Box, beta: Floats | float) -> Floats:
     low, high = box.static_span
 
     def load(mu_s: Floats) -> Floats:
-        return np.asarray(critical_loads(alpha, mu_s, box.kinetic_span(mu_s)[1], beta).back_slip)
+        return np.asarray(critical_loads_of_lines(alpha, mu_s, box.kinetic_span(mu_s)[1], beta).back_slip)
 
     if np.all(np.asarray(beta) >= 0.0) or np.all(low == high):
         return load(np.asarray(low))
@@ -94,7 +94,7 @@ def tip_load(box: Box, stand_ratio: float) -> Floats:
     least = math.atan(stand_ratio)
     (a_low, a_high), mu_s = box.drive_angle, box.static_friction[1]
     loads = [
-        tipping_load(alpha, mu_s, beta, stand_ratio)
+        tipping_load_of_lines(alpha, mu_s, beta, stand_ratio)
         for alpha in (a_low, a_high, np.clip(least, a_low, a_high))
         for beta in box.trough_angle
     ]

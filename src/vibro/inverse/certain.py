@@ -7,9 +7,6 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.contact.cycle import slides_forward_only
-from vibro.core.contact.onset import thresholds
-from vibro.core.groups import take
 from vibro.errors import Problem, SceneError
 from vibro.inverse.bands import line_box_of
 from vibro.scene import LinearFields, Scene
@@ -18,7 +15,6 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.core.groups import Loads
     from vibro.inverse.boxes import Box
     from vibro.inverse.specs import Span
 
@@ -166,14 +162,14 @@ def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Reg
     slips_back = was is Regime.BACK_SLIP
     last = 0 if slips_back else 1  # the end of kinetic friction
     cells = np.flatnonzero((scene.trough_angle < 0.0) & (codes == was))
-    loads = take(_bodies(scene, *(np.zeros(()),) * 2).flat(), cells).loads()
+    points = [np.asarray(x).take(cells) for x in _bodies(scene, *(np.zeros(()),) * 2).flat()]
     which = np.arange(cells.size)  # the cells of all open parts
     start, end = (np.full(cells.size, value) for value in box.static_span)
     fails = np.zeros(cells.size, np.bool_)
     for _ in range(_HALVINGS):
         if not which.size:
             break
-        part = take(loads, which)
+        part = LinearFields(*(x.take(which) for x in points))
         near, far = (end, start) if slips_back else (start, end)
         proved = _slips_back(part, near, box.kinetic_span(far)[last]) == slips_back
         middle = 0.5 * (start + end)
@@ -186,17 +182,12 @@ def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Reg
     codes.reshape(-1)[cells[fails]] = otherwise
 
 
-def _slips_back(loads: Loads, static_friction: Floats, kinetic_friction: Floats) -> Bools:
-    """Tell which bodies on a decline slip back, by Eqs. (5) and (17).
+def _slips_back(fields: LinearFields, static_friction: Floats, kinetic_friction: Floats) -> Bools:
+    """Tell which bodies on a decline slip back.
 
     One that static friction does not hold runs away forward, as one does that it barely holds and kinetic
-    friction does not brake: so it is taken as barely held.
+    friction does not brake.
     """
-    barely = np.abs(loads.tangential) / loads.normal
-    held = np.maximum(static_friction, barely)
-    bodies = loads._replace(static_friction=held, kinetic_friction=kinetic_friction)
-    at = thresholds(bodies)
-    back = at.back
-    cells = np.flatnonzero(back)
-    back[cells] = ~slides_forward_only(take(bodies, cells), take(at.margins, cells))[0]
-    return back
+    bodies = fields._replace(static_friction=static_friction, kinetic_friction=kinetic_friction)
+    scene = Scene.allowing_infeasible(**bodies._asdict())
+    return np.asarray(solve(scene, accuracy="regimes").regime == int(Regime.BACK_SLIP))

@@ -7,10 +7,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from vibro.core.contact.derivatives import displacement_gradient
-from vibro.core.groups import each
 from vibro.errors import Problem, SceneError
 from vibro.scene import Scene
+from vibro.slopes import displacement_gradient
 from vibro.steady import solve
 
 __all__ = ["speed_costs"]
@@ -56,10 +55,9 @@ def speed_costs(scene: Scene) -> dict[str, float]:
     if scene.amplitude is None:
         return _differences(scene)
     cycle = solve(scene, flight=False)
-    groups = each(scene.arrays().loads(), lambda group: np.reshape(group, 1))
     displacement = float(cycle.displacement_per_cycle / scene.scale) or math.nan
-    gradient = displacement_gradient(groups, np.reshape(cycle.pattern_code, 1))
-    change = {name: float(slope[0]) / displacement for name, slope in gradient._asdict().items()}
+    gradient = displacement_gradient(scene, cycle.pattern_code)
+    change = {name: float(slope) / displacement for name, slope in gradient._asdict().items()}
     angles_and_frictions = ("drive_angle", "static_friction", "kinetic_friction")
     return {
         "amplitude": 1.0 + change["log_load"],

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
-from vibro.core.contact.limits import critical_loads
 from vibro.inverse.boxes import Box, Points
 from vibro.inverse.caps import hop_load
 from vibro.inverse.evolution import evolve, scatter, sobol
+from vibro.limits import critical_loads_of_lines
 from vibro.results.steady import SteadyCycle
 from vibro.steady import solve
 
@@ -204,7 +204,9 @@ def _with_changes(box: Box, points: Points) -> Points:
     ends = box.points(corners(box))
     least_angles = np.clip(np.arctan(ends.static_friction), *box.drive_angle)
     ends = Points(*np.hstack([ends, ends._replace(drive_angle=least_angles)]))
-    loads = critical_loads(ends.drive_angle, ends.static_friction, ends.kinetic_friction, ends.trough_angle)
+    loads = critical_loads_of_lines(
+        ends.drive_angle, ends.static_friction, ends.kinetic_friction, ends.trough_angle
+    )
     for load in loads:
         for side in (1.0 - _BESIDE, 1.0 + _BESIDE):
             within = np.clip(np.nan_to_num(load, posinf=np.inf) * side, *box.load)

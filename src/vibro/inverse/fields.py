@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.contact.limits import critical_loads
 from vibro.inverse.boxes import Box
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load
 from vibro.inverse.ellipses import critical, extreme_ratio
@@ -18,7 +17,7 @@ from vibro.inverse.extremes import corners, counted
 from vibro.inverse.questions import Setting
 from vibro.inverse.rows import nominal_scene
 from vibro.inverse.specs import Drive
-from vibro.limits import tipping_load
+from vibro.limits import critical_loads_of_lines, tipping_load
 from vibro.quantities import LENGTH, SPEED
 from vibro.results.designs import SettingFields, SpeedBand
 from vibro.steady import solve
@@ -203,11 +202,11 @@ def _line_begins(box: Box) -> Begins:
         hops = float(hop_load(box) / most), float(flattest / np.sin(a_low) / least)
     slips_back = (
         float(back_slip_load(box) / most),
-        float(critical_loads(a_high, s_high, box.kinetic_span(s_high)[0], b_low).back_slip / least),
+        float(critical_loads_of_lines(a_high, s_high, box.kinetic_span(s_high)[0], b_low).back_slip / least),
     )
     angles = np.array([a_low, a_high, np.clip(math.atan(s_low), a_low, a_high)])
     slips = (
-        float(np.min(critical_loads(angles, s_low, s_low, b_low).forward_onset) / most),
+        float(np.min(critical_loads_of_lines(angles, s_low, s_low, b_low).forward_onset) / most),
         float(onset_load(box) / least),
     )
     return {Regime.FORWARD_SLIP: slips, Regime.BACK_SLIP: slips_back, Regime.HOPPING: hops}

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.contact.limits import critical_loads
 from vibro.inverse.bodies import Bodies
 from vibro.inverse.caps import onset_load
 from vibro.inverse.crossings import first_crossing
@@ -22,6 +21,7 @@ from vibro.inverse.exchange import Effort, Exchange, Optimum
 from vibro.inverse.extremes import ANY_LANDING, corners, steeper_is_slower
 from vibro.inverse.guarantees import is_braked
 from vibro.inverse.questions import Setting
+from vibro.limits import critical_loads_of_lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -238,7 +238,7 @@ class Optimiser(Exchange):
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""
         boxes = self._question.boxes(Setting(1.0, 1.0, angles[:, None]))
         points = boxes.points(self.bodies.at(boxes))
-        known = critical_loads(
+        known = critical_loads_of_lines(
             points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
         )
         own = points.load / self._question.load(Setting(1.0, 1.0, 0.0))

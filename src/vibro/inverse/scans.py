@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.core.contact.limits import critical_loads
 from vibro.inverse.extremes import counted, least_of
+from vibro.limits import critical_loads_of_lines
 from vibro.results.designs import Interval
 from vibro.steady import solve
 
@@ -154,7 +154,7 @@ class Scan:
         """Nominal amplitudes at which some body changes its regime."""
         boxes = self._boxes(np.ones((1, 1)))
         points = boxes.points(self._bodies.at(boxes))
-        loads = critical_loads(
+        loads = critical_loads_of_lines(
             points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
         )
         found = np.array([np.broadcast_to(load, points.load.shape) for load in loads]) / points.load

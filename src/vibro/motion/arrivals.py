@@ -6,27 +6,22 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.flight.cycles import MOST_THROW
-from vibro.core.groups import each, take
-from vibro.core.walk.arrival import arrival_cycles
-from vibro.core.walk.steps import course_of
+from vibro.core.compiled import doors
+from vibro.core.harmonic.arrays import each
 from vibro.results.steady import lengths_of
+from vibro.solver import Grid, Scratch, over_cells
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.core.groups import Loads
-    from vibro.scene import Scene
+    from vibro.scene import Fields, Scene
 
     Floats = NDArray[np.float64]
 
-__all__ = ["EXTREME", "arrival_time", "arrivals", "unfollowed"]
+__all__ = ["arrival_time", "arrivals"]
 
-_TURN: Final = 2.0 * np.pi
-_BLOCK: Final = 8_192  # scenes walked side by side
-# [1] Of groups, and one over the least: walks form products of up to four, and differences of those.
-EXTREME: Final = 1e50
+_CELLS: Final = 64  # of a range: an interrupt is noticed between two, and a slow transient takes a second
 
 
 def arrival_time(scene: Scene, length: ArrayLike) -> Any:
@@ -55,10 +50,10 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     Notes
     -----
     Exact: within 1e-10 of the reference table, relative (tests/motion/test_arrivals.py). The transient is
-    walked phase by phase. A cycle with a rest in it repeats exactly and is jumped at once, in closed form.
+    followed leg by leg. A cycle with a rest in it repeats exactly and is jumped at once, in closed form.
     One without, in contact or hopping, is approached geometrically; within 1e-7 of it the rest of the
     transient is summed in closed form from the known contraction per cycle and the steady displacement. At
-    low friction the walk to there takes some 20 / (1 - contraction) cycles, all scenes side by side.
+    low friction some 20 / (1 - contraction) cycles have to be followed until then.
 
     Examples
     --------
@@ -73,33 +68,14 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
 
 def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Floats:
     """Arrival times from any start, of the shape of ``length``; velocity in m/s."""
-    with np.errstate(over="ignore"):  # of an amplitude near 0, whose scene is not followed
-        advance = solve(scene).displacement_per_cycle / scene.scale
-    fields = each(scene.arrays(), lambda x: np.broadcast_to(x, length.shape).reshape(-1))
-    advance, reach = (np.broadcast_to(x, length.shape).reshape(-1) for x in (advance, length))
-    groups = fields.loads()
-    out = np.full(length.size, np.nan)
-    followed = np.flatnonzero(~unfollowed(groups))
-    for i in range(0, followed.size, _BLOCK):
-        cells = followed[i : i + _BLOCK]
-        part = take(fields, cells)
-        course = course_of(take(groups, cells), part.restitution)
-        start = velocity / (part.scale * _TURN * part.frequency)
-        target = reach[cells] / part.scale
-        cycles = arrival_cycles(course, target, np.full(cells.size, phase), start, advance[cells])
-        out[cells] = cycles / part.frequency
-    return out.reshape(length.shape)
+    fields: Fields = each(scene.arrays(), lambda x: np.broadcast_to(x, length.shape))
+    grid = Grid(fields)
+    advance = np.broadcast_to(solve(scene).displacement_per_cycle, length.shape).flatten()
+    reach, times = length.flatten(), np.empty(length.size)
+    buffers, scratch = [doors().row(x) for x in (reach, advance, times)], Scratch()
 
+    def follow(begin: int, end: int) -> None:
+        doors().arrivals(grid.scenes, grid.place(), phase, velocity, *buffers, scratch.flights, begin, end)
 
-def unfollowed(scene: Loads) -> NDArray[np.bool_]:
-    """Whether scenes have no motion that could be walked.
-
-    They are infeasible, or thrown so high that the phase of a landing is lost, or of a load or a friction
-    whose products overflow.
-    """
-    with np.errstate(over="ignore"):
-        lost = scene.across > MOST_THROW * scene.normal
-    weight = np.hypot(scene.normal, scene.tangential)
-    extreme = (weight > EXTREME) | (weight < 1.0 / EXTREME) | (scene.static_friction > EXTREME)
-    extreme |= (scene.kinetic_friction > 0.0) & (scene.kinetic_friction < 1.0 / EXTREME)
-    return np.asarray(scene.infeasible | lost | extreme)
+    over_cells(follow, grid.size, _CELLS, None)
+    return times.reshape(length.shape)

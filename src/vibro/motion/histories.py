@@ -7,22 +7,27 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.core.arrival import MOST_CYCLES
+from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.codes import Status
-from vibro.core.walk.arrival import MOST_CYCLES
-from vibro.core.walk.histories import follow
-from vibro.core.walk.steps import course_of
+from vibro.core.compiled import doors
+from vibro.core.motions import EXTREME
 from vibro.errors import Problem, SceneError, VibroError
-from vibro.motion.arrivals import EXTREME, arrivals, unfollowed
+from vibro.motion.arrivals import arrivals
 from vibro.reals import NotRealError, real_number
-from vibro.results.history import History
+from vibro.results.history import History, Legs, Motion
+from vibro.solver import Grid, Scratch
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from vibro.scene import Scene
 
-__all__ = ["simulate"]
+__all__ = ["follow", "is_followed", "simulate"]
 
 _TURN: Final = 2.0 * np.pi
+_FEW: Final = 1024  # legs that there is room for at first; nearly every motion repeats sooner
+_MORE: Final = 4  # factor by which that grows
+_STARTS: Final = MOST_BOUNCES + LONGEST_CYCLE  # flights of a cycle, at most
 
 
 def simulate(
@@ -62,9 +67,9 @@ def simulate(
     Notes
     -----
     The body begins on the trough; where the trough falls away under it, it leaves at once. The motion is
-    walked until it repeats. A cycle that rests repeats exactly; one that never rests has converged to
+    followed until it repeats. A cycle that rests repeats exactly; one that never rests has converged to
     rounding, and its contact form is replaced by the closed form, Eqs. (18)-(20). Its displacement is that of
-    ``solve`` to 1e-12 (tests/motion/test_histories.py). Motion without a short period is walked to the end;
+    ``solve`` to 1e-12 (tests/motion/test_histories.py). Motion without a short period is followed to the end;
     rounding grows in it as in any chaotic motion.
 
     Examples
@@ -94,9 +99,8 @@ def simulate(
     start_velocity = _number("start_velocity", start_velocity, "m/s")
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    fields = scene.flat()
-    groups = fields.loads()
-    if unfollowed(groups).any():
+    grid = Grid(scene.arrays())
+    if not is_followed(grid):
         status = Status(int(solve(scene).status))
         why = "its loads or frictions are too extreme" if status.answered else status.message
         raise VibroError(f"no motion to follow: {why}")
@@ -116,9 +120,34 @@ def simulate(
     if not 0.0 < cycles <= MOST_CYCLES:
         (name, value), limit = *given.items(), f"above 0 and at most {MOST_CYCLES:g} drive cycles"
         raise VibroError(f"{name} = {value:.15g}: comes to {cycles:g} drive cycles: must be {limit}")
-    course = course_of(groups, fields.restitution)
-    motion = follow(course, start_phase, velocity, cycles)
-    return History(scene, end, start_phase, motion, course.track.scene)
+    return History(scene, end, start_phase, follow(grid, start_phase, velocity, cycles), grid)
+
+
+def is_followed(grid: Grid) -> bool:
+    """Whether the body of one scene can be followed."""
+    return bool(doors().followed(grid.scenes, grid.place(), 0))
+
+
+def follow(grid: Grid, phase: float, velocity: float, cycles: float) -> Motion:
+    """Follow the body of one scene until its motion repeats, or for so many drive cycles.
+
+    Phase and velocity [A w] are those of the trough and of the body at the start.
+    """
+    solver, scratch = doors(), Scratch()
+    first, period, advance = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1)
+    row, change = np.empty(_STARTS, np.int64), np.empty(_STARTS)
+    cycle, last = (tuple(solver.row(x) for x in part) for part in ((first, period, advance), (row, change)))
+    rows, number = _FEW, -1
+    while number < 0:
+        legs = Legs.of_size(rows)
+        buffers = tuple(solver.row(x) for x in legs)
+        number = solver.history(
+            grid.scenes, grid.place(), phase, velocity, cycles, buffers, rows, cycle, last, scratch.flights
+        )
+        rows *= _MORE
+    return Motion(
+        Legs._make(x[:number].copy() for x in legs), int(first[0]), int(period[0]), float(advance[0])
+    )
 
 
 def _number(name: str, value: Any, unit: str, least: float = -math.inf) -> float:

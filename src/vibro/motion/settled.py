@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import LETTERS, Mode, Regime, Status
-from vibro.core.contact.cycle_legs import CycleLeg, cycle_legs
+from vibro.core.harmonic.arrays import CycleLeg
 from vibro.core.harmonic.legs import harmonic_legs
-from vibro.core.walk.histories import follow
-from vibro.core.walk.steps import course_of
 from vibro.errors import VibroError
-from vibro.motion.arrivals import unfollowed
-from vibro.motion.histories import simulate
-from vibro.scene import HarmonicFields
+from vibro.motion.histories import follow, is_followed, simulate
+from vibro.results.history import Legs
+from vibro.scene import EllipticalFields, HarmonicFields
+from vibro.slopes import slides_of
+from vibro.solver import Grid
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.core.walk.steps import Course
     from vibro.results.history import History, Phase, Sample
+    from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -76,22 +76,42 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
     if isinstance(fields, HarmonicFields):
         legs = harmonic_legs(fields.harmonic_loads())
     else:
-        groups = fields.loads()
-        if unfollowed(groups).any():
+        grid = Grid(scene.arrays())
+        if not is_followed(grid):
             return ()
         cycle = solve(scene, flight=False)
-        legs = cycle_legs(groups, int(cycle.pattern_code))
         if cycle.regime == Regime.HOPPING:
-            legs = _legs_with_flights(course_of(groups, fields.restitution))
+            lead = fields.normal_phase.item() if isinstance(fields, EllipticalFields) else 0.0
+            legs = _legs_with_flights(grid, math.remainder(lead, _TURN))
+        else:
+            legs = _contact_legs(scene, cycle)
     w, scale = 2.0 * math.pi * float(scene.frequency), float(scene.scale)
     return tuple(CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * scale) for leg in legs)
 
 
-def _legs_with_flights(course: Course) -> list[CycleLeg]:
-    """Legs of the steady cycle of a body that hops; none if they do not repeat soon."""
-    steady = follow(course, 0.0, 0.0, _LONGEST_RUN).steady
-    lead = course.track.scene.lead
-    phases = steady.phase - lead.angle if lead else steady.phase
+def _contact_legs(scene: Scene, cycle: SteadyCycle) -> list[CycleLeg]:
+    """Legs of a steady contact cycle, in the order of its pattern; none if there is none."""
+    pattern = str(cycle.pattern)
+    if pattern in ("", "_"):
+        return [CycleLeg("_", 0.0, _TURN, 0.0)] if pattern else []
+    slides = slides_of(scene, cycle.pattern_code)
+    columns = (x.tolist() for x in (slides.begin, slides.end, slides.displacement))
+    legs = [CycleLeg(kind, *leg) for kind, *leg in zip(pattern.replace("_", ""), *columns, strict=False)]
+    for i, kind in enumerate(pattern):
+        if kind == "_":
+            until = legs[i].start if i < len(legs) else legs[0].start + _TURN
+            legs.insert(i, CycleLeg("_", legs[i - 1].end, until, 0.0))
+    return legs
+
+
+def _legs_with_flights(grid: Grid, lead: float) -> list[CycleLeg]:
+    """Legs of the steady cycle of a body that hops; none if they do not repeat soon.
+
+    ``lead`` is the phase by which the normal motion leads that along the trough [rad].
+    """
+    motion = follow(grid, 0.0, 0.0, _LONGEST_RUN)
+    steady = Legs._make(x[motion.first :] for x in motion.legs)
+    phases = steady.phase - lead
     turns = steady.cycle - steady.cycle[:1] - np.floor(phases[:1] / _TURN)
     starts = _TURN * turns + phases
     columns = (steady.mode, starts, starts + steady.length, steady.displacement)
@@ -166,10 +186,9 @@ def settled_motion(scene: Scene) -> SettledMotion:
     if status is Status.AVERAGED or not status.answered:
         raise VibroError(f"no steady motion to compare with: {status.message}")
     frequency = float(scene.frequency)
-    groups = scene.flat().loads()
-    if unfollowed(groups).any():
+    if not is_followed(Grid(scene.arrays())):
         raise VibroError("no steady motion to compare with: its loads or frictions are too extreme")
-    contact = cycle_legs(groups, int(cycle.pattern_code))
+    contact = [] if cycle.regime == Regime.HOPPING else _contact_legs(scene, cycle)
     if contact:
         # A slide of the cycle begins at a known phase: there is no need to wait for it.
         history = simulate(scene, cycles=1.0, start_phase=contact[0].start)

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.core.groups import angle_excess, friction_excess
 from vibro.plots.neighbours import are_even, dilate, erode, fill_unknown
 from vibro.quantities import scene_fields
 from vibro.scene import Scene
@@ -130,12 +129,8 @@ class Fields:
 
     @cached_property
     def infeasible(self) -> Floats:
-        """Positive where the combination cannot be: mu_d > mu_s, or drive + trough angle above 90 deg."""
-        scene = self._scene
-        excess = friction_excess(scene.static_friction, scene.kinetic_friction)
-        if scene.drive_angle is not None:
-            excess = np.maximum(excess, angle_excess(scene.drive_angle, scene.trough_angle))
-        return np.asarray(excess + self._zeros)
+        """Positive where the combination cannot be: mu_d > mu_s."""
+        return np.asarray(self._scene.kinetic_friction - self._scene.static_friction + self._zeros)
 
     @cached_property
     def rest(self) -> Floats:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.groups import angle_excess, friction_excess
 from vibro.errors import InputError
-from vibro.quantities import AMPLITUDES, QUANTITIES, kinetic_friction
+from vibro.quantities import AMPLITUDES, kinetic_friction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -270,10 +269,7 @@ def _leaves_some(name: str, values: NDArray[np.float64], spans: Mapping[str, _Sp
     if "friction_ratio" in best and "static_friction" in best:
         best["kinetic_friction"] = kinetic_friction(best["friction_ratio"], best["static_friction"])
     if {"static_friction", "kinetic_friction"} <= best.keys():
-        feasible &= friction_excess(best["static_friction"], best["kinetic_friction"]) <= 0.0
-    if {"drive_angle", "trough_angle"} <= best.keys():
-        angles = (QUANTITIES[angle].to_si(best[angle]) for angle in ("drive_angle", "trough_angle"))
-        feasible &= angle_excess(*angles) < 0.0
+        feasible &= best["kinetic_friction"] <= best["static_friction"]
     return feasible
 
 

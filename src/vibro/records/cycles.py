@@ -8,17 +8,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.core.codes import PATTERNS, Pattern, Regime, is_answered
-from vibro.core.contact.cycle_legs import middle_of, zero_of
-from vibro.core.contact.never_at_rest import never_at_rest
-from vibro.core.contact.onset import thresholds
-from vibro.core.contact.slide import slide, start_inside
-from vibro.core.contact.starts import resting_start
-from vibro.core.groups import each, take
+from vibro.core.codes import PATTERNS, Regime, is_answered
 from vibro.errors import VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import computed
-from vibro.scene import Scene
+from vibro.scene import EllipticalFields, LinearFields, Scene
+from vibro.slopes import slides_of
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -26,9 +21,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.core.contact.slide import Onset
-    from vibro.core.groups import Loads
     from vibro.motion.settled import SettledMotion
+    from vibro.results.steady import SteadyCycle
 
     Floats = NDArray[np.float64]
     Labels = NDArray[np.str_]
@@ -148,7 +142,10 @@ class Cycles:
 
 def labels_of(values: Mapping[str, Floats]) -> Labels:
     """Label scenes as ``Cycles`` does, from all their fields, each of shape (M,) [SI]."""
-    cycle = solve(Scene.allowing_infeasible(**values), flight=False)
+    return _labels(solve(Scene.allowing_infeasible(**values), flight=False))
+
+
+def _labels(cycle: SteadyCycle) -> Labels:
     labels = np.where(is_answered(cycle.status), _TEXTS[cycle.pattern_code], "")
     return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
 
@@ -163,48 +160,29 @@ def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
     hops : bool
         Whether scenes that hop are solved; else they have their label, and the signals of a body at rest.
     """
-    labels = labels_of(values)
+    scene = Scene.allowing_infeasible(**values)
+    cycle = solve(scene, flight=False)
+    labels = _labels(cycle)
+    found = slides_of(scene, np.broadcast_to(cycle.pattern_code, labels.shape))
     slides = np.zeros((5, 2, labels.size))
-    fields = Scene.allowing_infeasible(**values).flat()
-    scenes: Loads = each(fields.loads(), lambda member: np.broadcast_to(member, labels.shape))
-    for label in set(labels.tolist()) - {"", "_", HOPS}:
-        cells = np.flatnonzero(labels == label)
-        for row, columns in _slides(take(scenes, cells), label).items():
-            slides[:, row, cells] = columns
+    for row, way in enumerate(_WAYS):
+        for part in range(2):
+            cells = np.flatnonzero(found.way[part] == way)
+            begin, end, zero = (x[part, cells] for x in (found.begin, found.end, found.zero))
+            others = found.load[part, cells], found.resistance[part, cells]
+            slides[:, row, cells] = (zero, begin - zero, end - begin, *others)
     hopping = {}
     for cell in np.flatnonzero(labels == HOPS).tolist() if hops else ():
         try:
             hopping[cell] = settled_motion(Scene(**{name: float(v[cell]) for name, v in values.items()}))
         except VibroError:  # it repeats its motion only every few cycles, or never
             labels[cell] = ""
-    inertias = fields.scale * (_TURN * fields.frequency) ** 2 * scenes.along
+    fields = scene.flat()
+    if isinstance(fields, EllipticalFields):
+        along = fields.along_amplitude
+    else:
+        assert isinstance(fields, LinearFields)
+        along = fields.amplitude * np.cos(fields.drive_angle)
+    scales, inertias = np.asarray(fields.scale), along * (_TURN * fields.frequency) ** 2
     zeros, starts, lengths, sizes, resistances = slides
-    return Cycles(labels, values, fields.scale, inertias, zeros, starts, lengths, sizes, resistances, hopping)
-
-
-def _slides(scene: Loads, pattern: str) -> dict[int, tuple[Floats, ...]]:
-    """Slides of scenes with one pattern, by row; see ``core.contact.cycle_legs``."""
-    margins = thresholds(scene).margins
-    rows = [row for row, kind in enumerate("FB") if kind in pattern]
-    resting = {row: resting_start(scene, margins, _WAYS[row]) for row in rows}
-    zeros = {row: np.broadcast_to(zero_of(scene, _WAYS[row]), scene.along.shape) for row in rows}
-    onsets: dict[int, Onset] = {row: start.onset for row, start in resting.items()}
-
-    def started_at(row: int, phase: Floats) -> Onset:
-        """Onset of a slide that starts at a drive phase, at once after another one."""
-        c = 0.5 * math.pi - (phase - zeros[row])
-        return start_inside(c - _TURN * np.round(c / _TURN), onsets[row].k)
-
-    if pattern == Pattern.FB.name:
-        cycle, _ = never_at_rest(scene, resting[0], resting[1])
-        m, x = middle_of(scene, cycle), 0.5 * math.pi + cycle.y
-        m = m - scene.lead.angle if scene.lead else m
-        onsets = {0: started_at(0, m - x), 1: started_at(1, m + x)}
-    elif pattern in (Pattern.FB_.name, Pattern.F_B.name):
-        first, second = (0, 1) if pattern == Pattern.FB_.name else (1, 0)
-        end = zeros[first] + 0.5 * math.pi - onsets[first].c + 2.0 * slide(onsets[first]).x
-        onsets[second] = started_at(second, end)
-    return {
-        row: (zeros[row], 0.5 * math.pi - onset.c, 2.0 * slide(onset).x, resting[row].load, onset.k)
-        for row, onset in onsets.items()
-    }
+    return Cycles(labels, values, scales, inertias, zeros, starts, lengths, sizes, resistances, hopping)

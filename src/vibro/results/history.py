@@ -16,30 +16,69 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import LETTERS, Mode
-from vibro.core.contact.legs import loads_at
-from vibro.core.free import free_motion
-from vibro.core.walk.histories import Legs, Motion
-from vibro.core.walk.steps import tangential_motion
+from vibro.core.compiled import doors
+from vibro.core.motions import Moments
 from vibro.errors import VibroError, shown
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.core.groups import Loads
     from vibro.scene import Scene
+    from vibro.solver import Grid
 
     Floats = NDArray[np.float64]
 
-__all__ = ["History", "Phase", "Sample"]
+__all__ = ["History", "Legs", "Motion", "Phase", "Sample"]
 
 _TURN: Final = 2.0 * np.pi
 _SLACK: Final = 1e-12  # [1] share of the whole by which a time may lie outside: rounding of the caller's
+
+
+class Legs(NamedTuple):
+    """Legs of one body, one after the other: the fields of ``vibro.core.history.Legs`` as arrays."""
+
+    mode: NDArray[np.int8]
+    cycle: NDArray[np.int64]
+    phase: Floats
+    length: Floats
+    position: Floats
+    velocity: Floats
+    displacement: Floats
+    end_velocity: Floats
+    rate: Floats
+    impact: Floats
+
+    @classmethod
+    def of_size(cls, rows: int) -> Legs:
+        """Make room for legs."""
+        return cls(np.empty(rows, np.int8), np.empty(rows, np.int64), *np.empty((8, rows)))
+
+
+class Motion(NamedTuple):
+    """A whole motion.
+
+    Attributes
+    ----------
+    legs : Legs
+        The transient, then one steady cycle, which follows again and again.
+    first : int
+        The first leg of that cycle; their number where it was not reached.
+    period : int
+        Drive cycles of the steady cycle, 0 without one.
+    advance : float
+        Displacement in it [A].
+    """
+
+    legs: Legs
+    first: int
+    period: int
+    advance: float
 
 
 @dataclass(frozen=True)
@@ -140,20 +179,19 @@ class History:
     end: float
     start_phase: float
     _motion: Motion
-    _loads: Loads
+    _grid: Grid
 
     @property
     def pattern(self) -> str:
         """Kinds of the phases that repeat."""
-        return "".join(LETTERS[mode] for mode in self._motion.steady.mode)
+        return "".join(LETTERS[mode] for mode in self._motion.legs.mode[self._motion.first :])
 
     @property
     def settles_at(self) -> float:
         """Time of the first phase that repeats [s]."""
-        first = self._motion.transient.mode.size
         if not self._motion.period:
             return math.inf
-        return float(self._start(np.array([first]))[0])
+        return float(self._start(np.array([self._motion.first]))[0])
 
     @property
     def period_cycles(self) -> int:
@@ -173,7 +211,7 @@ class History:
         last = int(self._place(np.array([self.end]), "left")[0])
         places = np.arange(last + 1)
         row, count = self._row(places)
-        legs = self._legs
+        legs = self._motion.legs
         length, speed = self._units
         starts = self._start(places)
         final = self.sample(self.end, side="left")
@@ -227,12 +265,6 @@ class History:
         values = self._sample(flat, self._place(flat, side))
         return Sample(time, *(x.reshape(time.shape) for x in values))
 
-    @cached_property
-    def _legs(self) -> Legs:
-        """The transient, then one steady cycle."""
-        pairs: Any = zip(self._motion.transient, self._motion.steady, strict=True)
-        return Legs._make(np.concatenate(pair) for pair in pairs)
-
     @property
     def _units(self) -> tuple[float, float]:
         """A and A w."""
@@ -240,15 +272,16 @@ class History:
         return scale, scale * _TURN * float(self.scene.frequency)
 
     def _row(self, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Rows of ``_legs`` of the phases with these numbers, and how often their cycle was completed."""
-        first, size = self._motion.transient.mode.size, max(self._motion.steady.mode.size, 1)
+        """Legs of the phases with these numbers, and how often their cycle was completed."""
+        first = self._motion.first
+        size = max(self._motion.legs.mode.size - first, 1)
         beyond = np.maximum(places - first, 0)
         return np.where(places < first, places, first + beyond % size), beyond // size
 
     def _start(self, places: NDArray[np.int64]) -> Floats:
         """Start time of the phases with these numbers; inf after the last."""
         row, count = self._row(places)
-        legs = self._legs
+        legs = self._motion.legs
         known = row < legs.mode.size
         row = np.where(known, row, 0)
         cycles = legs.cycle[row] + self._motion.period * count
@@ -257,7 +290,8 @@ class History:
 
     def _place(self, time: Floats, side: Literal["left", "right"]) -> NDArray[np.int64]:
         """Find the number of the phase at each time."""
-        first, size = self._motion.transient.mode.size, self._motion.steady.mode.size
+        first = self._motion.first
+        size = self._motion.legs.mode.size - first
         known = self._start(np.arange(first + size))
         place = np.searchsorted(known, time, side=side).astype(np.int64) - 1
         if size:
@@ -276,39 +310,32 @@ class History:
 
     def _sample(self, time: Floats, place: NDArray[np.int64]) -> tuple[Floats, ...]:
         row, count = self._row(place)
-        at = Legs._make(x[row] for x in self._legs)
-        scene = self._loads
+        legs, scene = self._motion.legs, self.scene
+        since = _TURN * float(scene.frequency) * (time - self._start(place))
+        since = np.clip(since, 0.0, legs.length[row])
+        since = np.where(time >= self._start(place + 1), legs.length[row], since)
+        values, solver = np.empty((len(Moments._fields), time.size)), doors()
+        solver.moments(
+            self._grid.scenes, self._grid.place(), tuple(solver.row(x) for x in legs),
+            solver.row(row), solver.row(since), solver.rows(values), time.size,
+        )  # fmt: skip
+        at = dict(zip(Moments._fields, values, strict=True))
         length, speed = self._units
-        force = speed * _TURN * float(self.scene.frequency)
-        w = _TURN * float(self.scene.frequency)
-        s = np.clip(w * (time - self._start(place)), 0.0, at.length)
-        over = time >= self._start(place + 1)
-        s[over] = at.length[over]
-        rests, flies = at.mode == Mode.REST, at.mode == Mode.FLIGHT
-        phase = at.phase + np.where(rests, np.mod(s, _TURN), s)
-        pull, drag, shift = tangential_motion(scene, at.mode)
-        own = at.phase + shift
-        path, velocity = free_motion(pull, drag, np.sin(own), np.cos(own), at.velocity, s)
-        path = np.where(rests, 0.0, np.where(over, at.displacement, path))
-        velocity = np.where(rests, 0.0, np.where(over, at.end_velocity, velocity))
-        inertial, load = loads_at(scene, phase)
-        acceleration = np.where(rests, 0.0, pull * np.sin(phase + shift) - drag)
-        normal = np.where(flies, 0.0, np.maximum(load, 0.0))
-        start = np.sin(at.phase), np.cos(at.phase)
-        height, _ = free_motion(scene.across, scene.normal, *start, at.rate, s)
+        force = speed * _TURN * float(scene.frequency)
+        flies = legs.mode[row] == Mode.FLIGHT
+        normal = force * at["normal"]
         with np.errstate(over="ignore"):  # no friction that could be measured: inf, which bears everything
-            static_limit = scene.static_friction * (force * normal)
-        along, normally = scene.along_sine(phase), np.sin(phase)
+            static_limit = float(scene.static_friction) * normal
         return (
-            np.full(s.shape, np.nan) if scene.lead else length * normally,
-            length * scene.along * along,
-            length * scene.across * normally,
-            length * (at.position + count * self._motion.advance + path),
-            speed * velocity,
-            force * acceleration,
-            force * inertial,
-            force * np.where(flies, 0.0, acceleration - inertial),
-            force * normal,
+            np.full(time.shape, np.nan) if scene.amplitude is None else length * at["sine"],
+            length * at["trough_along"],
+            length * at["trough_normal"],
+            length * (legs.position[row] + count * self._motion.advance + at["path"]),
+            speed * at["velocity"],
+            force * at["acceleration"],
+            force * at["inertial"],
+            np.where(flies, 0.0, force * (at["acceleration"] - at["inertial"])),
+            normal,
             static_limit,
-            length * np.where(flies & ~over, np.maximum(height, 0.0), 0.0),
+            length * at["gap"],
         )

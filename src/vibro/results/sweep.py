@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
-    from vibro.core.contact.limits import CriticalLoads
+    from vibro.limits import CriticalLoads
     from vibro.results.steady import SteadyCycle
 
     Floats = NDArray[np.float64]

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import SPELT_PATTERNS, Pattern, Status
-from vibro.core.contact.load_slopes import load_slope
-from vibro.core.groups import each, take
 from vibro.limits import stays_upright, tipping_load
 from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.steady import (
@@ -26,6 +24,7 @@ from vibro.results.steady import (
 )
 from vibro.results.sweep import Block, Column
 from vibro.scene import HarmonicFields
+from vibro.slopes import load_slope
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -90,17 +89,15 @@ def _speed_exponent(block: Block) -> Floats:
     cycle, scene = block.cycle, scene_of(block.values)
     if isinstance(scene.arrays(), HarmonicFields):
         return _unknown(block)
-    pattern = cycle.pattern_code.reshape(-1)
-    displacement = (cycle.displacement_per_cycle / scene.scale).reshape(-1)
+    pattern = cycle.pattern_code
+    displacement = cycle.displacement_per_cycle / scene.scale
     one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
     conveyed = np.abs(displacement) > np.where(one_way, 0.0, LEAST_DIFFERENCE)
     slides = (pattern > Pattern.R) & (pattern < SPELT_PATTERNS)
-    cells = np.flatnonzero(slides & conveyed & (cycle.status.reshape(-1) == Status.OK))
-    groups = each(scene.arrays().loads(), lambda x: np.broadcast_to(x, block.shape).reshape(-1))
-    slope = load_slope(take(groups, cells), pattern[cells])
-    exponent = np.full(pattern.size, np.nan)
-    exponent[cells] = 1.0 + slope / displacement[cells]
-    return exponent.reshape(block.shape)
+    known = slides & conveyed & (cycle.status == Status.OK)
+    slope = load_slope(scene, np.where(known, pattern, Pattern.NONE))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(known, 1.0 + slope / displacement, np.nan)
 
 
 def _acceleration(block: Block) -> Floats:

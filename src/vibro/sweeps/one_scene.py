@@ -138,8 +138,8 @@ class OneScene:
     def _other_motions(self) -> str:
         """Say what else a body does that is disturbed; nothing where that was not looked at, or is usual."""
         if self._cycle.coexists > 0:
-            loads = () if self.has_harmonics else self.scene.arrays().loads()
-            if loads and abs(loads.tangential) > loads.kinetic_friction * loads.normal:
+            slope, mu_d = math.tan(float(self.scene.trough_angle)), float(self.scene.kinetic_friction)
+            if not self.has_harmonics and abs(slope) > mu_d:
                 return "a body pushed downhill runs away: gravity along the trough exceeds kinetic friction"
             return "a disturbed body can settle into another steady motion than one from rest"
         if self._cycle.coexists == 0 and self.hops:

@@ -364,7 +364,7 @@ def _check_combinations(specs: Specs, problems: _Problems) -> None:
             problems.add("kinetic_friction", f"{_text(ratio, ratio.values[0])}: must be in [0, 1]")
     if "static_friction" not in least:
         least.pop("kinetic_friction", None)
-    pairs = {"kinetic_friction", "static_friction", "drive_angle", "trough_angle"} & least.keys()
+    pairs = {"kinetic_friction", "static_friction"} & least.keys()
     try:
         Scene(**(_HARMLESS | scene_fields({slot: float(least[slot]) for slot in pairs})))
     except SceneError as exc:
@@ -373,10 +373,6 @@ def _check_combinations(specs: Specs, problems: _Problems) -> None:
             limit = _text(specs["static_friction"], least["static_friction"])
             text = _text(specs["kinetic_friction"], least["kinetic_friction"])
             problems.add("kinetic_friction", f"{text}: must be at most {limit}")
-        if "drive_angle" in fields:
-            text = _text(specs["drive_angle"], least["drive_angle"])
-            other = _text(specs["trough_angle"], least["trough_angle"])
-            problems.add("drive_angle", f"{text}: must be less than 90 deg together with {other}")
 
 
 def _check_missing(required: Sequence[str], merged: Specs, caller: Caller, problems: _Problems) -> None:

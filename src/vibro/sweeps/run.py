@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.core.contact.limits import CriticalLoads
+    from vibro.limits import CriticalLoads
     from vibro.sweeps.grid import Grid
 
     Floats = NDArray[np.float64]

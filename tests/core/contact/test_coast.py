@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 import pytest
-
 from vibro.core.contact.coast import Pull, coast, pull_of
 from vibro.core.groups import Loads, take
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from event_walk import TURN, Body
 from scenes import Groups, at_load, groups_of, random_scenes, replaced, solve_one
+from vibro.core.contact.limits import critical_loads
 
 import vibro
 from vibro import Status
-from vibro.core.contact.limits import critical_loads
 
 EPS = float(np.finfo(float).eps)
 

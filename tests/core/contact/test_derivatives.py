@@ -8,14 +8,14 @@ import mpmath
 import numpy as np
 import pytest
 from scenes import at_load, loads_of
-
-from vibro import Scene, critical_loads, solve
-from vibro.accuracy.reference import DIGITS, exact_cycle
-from vibro.core.codes import PATTERNS, Pattern, Status
 from vibro.core.contact.cycle_legs import cycle_legs
 from vibro.core.contact.derivatives import Gradient, displacement_gradient
 from vibro.core.contact.onset import thresholds
 from vibro.core.groups import take
+
+from vibro import Scene, critical_loads, solve
+from vibro.accuracy.reference import DIGITS, exact_cycle
+from vibro.core.codes import PATTERNS, Pattern, Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from two_axis_scenes import Drives, drives, random_drives
 from two_axis_walk import NeverEndsError
-
 from vibro.core.contact.first_slides import first_from_rest
 from vibro.core.contact.onset import thresholds
 from vibro.core.contact.starts import pair_of

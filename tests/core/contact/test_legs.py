@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 from scenes import at_load, loads_of
+from vibro.core.contact.legs import mode_of, track_of, until
 
 from vibro.core.codes import Mode
-from vibro.core.contact.legs import mode_of, track_of, until
 
 TURN = 2.0 * math.pi
 

@@ -11,15 +11,14 @@ import pytest
 from extremes import extreme_fields
 from mpmath import mpf
 from scenes import GRAVITY, Groups
+from vibro.core.contact.limits import critical_loads
 
 import vibro
 from vibro import Regime, Status
 from vibro.core.codes import Level
-from vibro.core.contact.limits import critical_loads
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
     from vibro.core.contact.limits import CriticalLoads
 
     Floats = NDArray[np.float64]

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 from two_axis_scenes import Drives, random_drives
+from vibro.core.contact.load_slopes import load_slope
 
 from vibro import Status
 from vibro.core.codes import Pattern
-from vibro.core.contact.load_slopes import load_slope
 
 STEP = 1e-6
 

@@ -9,9 +9,9 @@ import mpmath
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from vibro.core.contact.slide import Onset, slide, start_inside
 
 from vibro.core.contact import slide as module
-from vibro.core.contact.slide import Onset, slide, start_inside
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

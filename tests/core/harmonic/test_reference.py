@@ -11,7 +11,7 @@ import pytest
 from harmonics import solved
 
 from vibro.core.codes import Model, Regime, Status, pattern_texts
-from vibro.core.groups import largest_amplitude
+from vibro.core.harmonic.arrays import largest_amplitude
 from vibro.core.harmonic.loads import harmonic_loads
 
 if TYPE_CHECKING:

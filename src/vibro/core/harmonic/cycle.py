@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.contact.legs import until
+from vibro.core.harmonic.arrays import until
 from vibro.core.harmonic.restless import restless_cycles
 from vibro.core.harmonic.slides import slides
 from vibro.core.harmonic.waves import TURN, values, wrapped

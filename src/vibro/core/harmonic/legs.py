@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibro.core.contact.cycle_legs import CycleLeg
+from vibro.core.harmonic.arrays import CycleLeg
 from vibro.core.harmonic.patterns import spelt
 from vibro.core.harmonic.solver import from_rest, lanes_of, scenes_of
 

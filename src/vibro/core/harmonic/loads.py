@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.groups import largest_amplitude, weight_over_load
+from vibro.core.harmonic.arrays import largest_amplitude
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = ["HarmonicLoads", "harmonic_loads"]
+
+# [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
+_WEIGHTS: Final = (1e-307, 1e307)
 
 
 class HarmonicLoads(NamedTuple):
@@ -73,7 +76,9 @@ def harmonic_loads(
         [m/s^2].
     """
     scale = largest_amplitude(*along_amplitudes, *normal_amplitudes)
-    weight = weight_over_load(scale, frequency, gravity)
+    with np.errstate(over="ignore", divide="ignore"):
+        w = 2.0 * np.pi * frequency
+        weight = np.asarray((gravity / w / scale / w).clip(*_WEIGHTS))
 
     def parts(
         amplitudes: tuple[Floats, ...], phases: tuple[Floats, ...]

@@ -15,11 +15,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.contact.onset import FEW_ULP
-from vibro.core.free import GAP
+from vibro.core.harmonic.arrays import FEW_ULP, GAP, R, polynomial
 from vibro.core.harmonic.waves import TURN, crossings, harmonics, in_order, rough_crossings, values, wrapped
 from vibro.core.harmonic.zeros import level_start, zeros
-from vibro.core.series import R, polynomial
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

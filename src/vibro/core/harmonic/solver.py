@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Model, Pattern, Regime, Status
-from vibro.core.contact.onset import FEW_ULP
+from vibro.core.harmonic.arrays import FEW_ULP
 from vibro.core.harmonic.coexistence import coexisting
 from vibro.core.harmonic.cycle import stopped
 from vibro.core.harmonic.patterns import spelt
@@ -18,16 +18,35 @@ from vibro.core.harmonic.waves import turning_points, values
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.core.contact.solver import SteadyState
     from vibro.core.harmonic.loads import HarmonicLoads
     from vibro.core.harmonic.settling import Settled
     from vibro.core.harmonic.slides import Lanes
 
     Floats = NDArray[np.float64]
     Bools = NDArray[np.bool_]
+    Codes = NDArray[np.int8]
     Indices = NDArray[np.intp]
 
-__all__ = ["from_rest", "harmonic_state", "lanes_of", "scenes_of"]
+__all__ = ["SteadyState", "from_rest", "harmonic_state", "lanes_of", "scenes_of"]
+
+
+class SteadyState(NamedTuple):
+    """Steady cycles of scenes, 1-D: codes, lengths in A, speeds in A w, ratios.
+
+    ``coexists`` is 1 where a disturbed body can settle elsewhere or run away, 0 where it cannot, and -1 where
+    there is no cycle to compare with.
+    """
+
+    regime: Codes
+    status: Codes
+    pattern: NDArray[np.int64]
+    model: Codes
+    displacement: Floats
+    peak: Floats
+    throw_number: Floats
+    forward_ratio: Floats
+    back_ratio: Floats
+    coexists: Codes
 
 
 class Scenes(NamedTuple):

@@ -1,0 +1,313 @@
+"""When a body first reaches a position: it is followed, and whole cycles are added once it has settled.
+
+Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w, normal speeds over
+n = cos(beta)/G [A w n], phases of the normal motion in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.codes import Mode
+from vibro.core.drives import Loads, along_cosine, phase_difference
+from vibro.core.elementary import INF, NAN, PI, TURN, free_motion, positive_part, wrap, wrap_around
+from vibro.core.flight import SHARP, Covariance, Flight, propagate, within
+from vibro.core.history import Sections, is_section
+from vibro.core.steps import Course, State, Step, nearest_turn, starting, step
+
+__all__ = ["MOST_CYCLES", "arrival_cycles"]
+
+#: [1] Of so many cycles doubles hold the phase.
+MOST_CYCLES: Final = 1e15
+
+#: [1] Legs after which the search gives up; a transient that long needs mu_d below 1e-5 mu_s.
+_MOST_LEGS: Final = 2_000_000
+
+_SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
+# [rad, A w] Within this distance of the steady cycle changes shrink by a constant factor, Eq. (41); what that
+# neglects is of the square of the distance.
+_LINEAR: Final = 1e-7
+_SAME: Final = 1e-9  # [A] rounding of a cycle's displacement, generously
+_SLACK: Final = 100.0  # [1] factor between a difference of states and of the positions they lead to
+_HALVINGS: Final = 60  # from an interval of several turns down to an ulp
+_FARTHEST: Final = 1e300  # [rad] where the search along a slide without end gives up
+
+
+class Memory(NamedTuple):
+    """The last start at which the body was compared, and what happened since.
+
+    Attributes
+    ----------
+    then : State
+        The body there; its mode is 0 before the first comparison.
+    starts : int
+        Starts of that kind since.
+    gain : float
+        Change of the state now per change of it then.
+    top : float
+        A position that was not passed since.
+    """
+
+    then: State
+    starts: int
+    gain: float
+    top: float
+
+
+class Comparison(NamedTuple):
+    """A body compared with itself a cycle ago.
+
+    Attributes
+    ----------
+    at : State
+        The body, moved on by whole cycles if it has settled.
+    never : bool
+        Whether it never arrives.
+    """
+
+    at: State
+    never: bool
+
+
+def arrival_cycles(
+    course: Course, sections: Sections, length: float, phase: float, velocity: float, steady: float
+) -> float:
+    """Count the drive cycles until a body has moved by a length.
+
+    Parameters
+    ----------
+    course, sections : Course, Sections
+        The scene.
+    length : float
+        Displacement to be reached, > 0.
+    phase, velocity : float
+        Phase of the trough's motion along itself, and how fast the body slides, at the start.
+    steady : float
+        Displacement per drive cycle of the steady cycle, NaN if it is unknown.
+
+    Returns
+    -------
+    float
+        inf if it never arrives; NaN if that is unknown, or takes more than ``MOST_CYCLES``.
+
+    Notes
+    -----
+    A body that has rested repeats its cycle exactly, and whole cycles are added at once. One that never rests
+    approaches its cycle geometrically, by the product of the ratios of its accelerations at each turn: within
+    1e-7 of it the rest of the transient is summed in closed form. Only the way there is followed. In a
+    steady cycle without net advance no later cycle gets farther than the last: it never arrives.
+    """
+    at = starting(course, phase, velocity)
+    origin = at.phase
+    memory = Memory(at._replace(mode=0), 0, 1.0, 0.0)
+    errors = Covariance(0.0, 0.0, 0.0)
+    for _ in range(_MOST_LEGS):
+        never = False
+        if is_section(course, sections, at):
+            then = memory.then
+            same = then.mode == at.mode
+            # a start after which there was none of its kind for two cycles belongs to the transient: take a
+            # newer one
+            stale = then.mode == 0 or at.cycle - then.cycle > 2 * (sections.lag + 1)
+            memory = memory._replace(starts=memory.starts + (1 if same else 0))
+            due = same and memory.starts >= sections.lag
+            if due:
+                at, never = _compare(course, length, steady, at, memory)
+            if due or (stale and not same):
+                memory = Memory(at, 0, 1.0, at.position)
+        leg = step(course, at)
+        reach = _reach(course, length, at, leg)
+        if at.cycle >= MOST_CYCLES:
+            return NAN
+        if math.isfinite(reach):
+            return at.cycle + (at.phase - origin + reach) / TURN
+        if never or not math.isfinite(leg.length):
+            return INF
+        errors = _propagated(course, at, leg, errors)
+        if not within(errors, SHARP):
+            return NAN
+        memory = memory._replace(gain=memory.gain * leg.gain, top=max(memory.top, _highest(course, at, leg)))
+        at = leg.after
+    return NAN
+
+
+def _compare(course: Course, length: float, steady: float, at: State, memory: Memory) -> Comparison:
+    """Compare a body with itself one cycle ago; add cycles if it has settled.
+
+    With the gain g per cycle the change of the state from now to m cycles later is its last change times
+    g (1 - g^m) / (1 - g), and so is the change of the displacement per cycle, Eq. (41).
+    """
+    then, gain = memory.then, memory.gain
+    slides = not math.isfinite(course.track.lift_off)
+    turn = wrap_around(at.phase - then.phase)
+    period = at.cycle - then.cycle + nearest_turn(at.phase - then.phase)
+    push = at.velocity - then.velocity
+    change, other = push, max(abs(at.rate - then.rate), abs(turn))
+    if slides:
+        change, other = turn, max(abs(at.rate - then.rate), abs(push))
+    scale = 1.0 + abs(at.velocity)
+    walked = at.position - then.position
+    advance = steady * period
+    left = 1.0 - gain
+    series = gain / left if left > 0.0 else INF
+    distance = abs(change) * series if change != 0.0 and series != 0.0 else 0.0
+    ours = abs(walked - advance) <= _SLACK * distance + _SAME * (1.0 + abs(advance))
+    linear = ours and other <= _SETTLED and distance <= _LINEAR * scale * math.sqrt(max(left, 0.0))
+    settled = max(abs(change), other) <= _SETTLED * scale
+    if not ours:
+        advance = walked
+    if not linear or change == 0.0:
+        series, distance = 0.0, 0.0
+    tail = (walked - advance) * series
+    # later cycles get farther than the last by _SLACK times the difference of their states at most
+    top = memory.top + abs(tail) + _SLACK * (distance + abs(change))
+    never = advance <= 0.0 and (settled or (linear and top < length))
+    # A hopping body that got no farther in its last cycle, and is no faster than before it, never will: with
+    # trajectories that do not cross each later cycle gets no farther than the one before it, Eq. (36).
+    never = never or (not slides and other <= _SETTLED and walked <= 0.0 and change <= 0.0)
+    if not (settled or linear) or not advance > 0.0:
+        return Comparison(at, never)
+    ahead = min((length - top - walked) / advance, 2.0 * MOST_CYCLES)
+    if not ahead >= 2.0:
+        return Comparison(at, never)
+    cycles = min(math.floor(ahead) - 1.0, MOST_CYCLES)
+    faded = 1.0 - math.exp(cycles * math.log(gain)) if gain > 0.0 else 1.0
+    moved = change * series * faded
+    phase = at.phase + (moved if slides else 0.0)
+    turns = math.floor(phase / TURN)
+    later = State(
+        at.cycle + int(cycles * period + turns),
+        phase - TURN * turns,
+        at.mode,
+        at.position + (cycles * advance + tail * faded),
+        at.velocity + (0.0 if slides else moved),
+        at.rate,
+    )
+    return Comparison(later, never)
+
+
+def _highest(course: Course, now: State, leg: Step) -> float:
+    """Return a position that is not passed during a leg."""
+    if now.mode != Mode.FLIGHT:
+        return max(now.position, leg.after.position)
+    return now.position + _fastest(course.track.loads, now, leg) * leg.length
+
+
+def _fastest(loads: Loads, now: State, leg: Step) -> float:
+    """Return a velocity that is not exceeded during a flight, >= 0."""
+    fastest = now.velocity + loads.drive_tangential * (1.0 + along_cosine(loads, now.phase))
+    return positive_part(fastest + positive_part(-loads.weight_tangential) * leg.length)
+
+
+def _propagated(course: Course, now: State, leg: Step, errors: Covariance) -> Covariance:
+    """Propagate the rounding of flights; a contact ends at the lift-off, whenever it began."""
+    if now.mode != Mode.FLIGHT:
+        return Covariance(0.0, 0.0, 0.0)
+    flown = Flight(leg.length, leg.impact)
+    return propagate(course.throw, course.restitution, now.phase, now.rate, flown, 0.0, errors)
+
+
+class Path(NamedTuple):
+    """Free motion towards a target; see ``free_motion``."""
+
+    amplitude: float
+    drag: float
+    phase: float
+    velocity: float
+    target: float
+
+
+def _missing(path: Path, s: float) -> float:
+    """Return how far the target is after a phase ``s``."""
+    sine, cosine = math.sin(path.phase), math.cos(path.phase)
+    return path.target - free_motion(path.amplitude, path.drag, sine, cosine, path.velocity, s).path
+
+
+def _speed(path: Path, s: float) -> float:
+    """Return the velocity after a phase ``s``."""
+    sine, cosine = math.sin(path.phase), math.cos(path.phase)
+    return free_motion(path.amplitude, path.drag, sine, cosine, path.velocity, s).velocity
+
+
+def _reach(course: Course, length: float, now: State, leg: Step) -> float:
+    """Return the phase from the start of a leg to the arrival; NaN if it does not arrive during it."""
+    loads, target = course.track.loads, length - now.position
+    if now.mode == Mode.FORWARD:
+        if math.isfinite(leg.length) and leg.after.position < length:
+            return NAN
+        at = course.track.forward
+        path = Path(at.amplitude, at.drag, now.phase + at.shift, now.velocity, target)
+        return _reach_sliding(path, leg.length)
+    if now.mode == Mode.FLIGHT and _highest(course, now, leg) >= length:
+        own = now.phase - phase_difference(loads)
+        path = Path(loads.drive_tangential, loads.weight_tangential, own, now.velocity, target)
+        return _reach_flying(path, leg.length, _fastest(loads, now, leg))
+    return NAN
+
+
+def _reach_sliding(path: Path, length: float) -> float:
+    """Return the arrival in a forward slide that passes the target, or never ends."""
+    high = length
+    if not math.isfinite(length):
+        high = TURN
+        while _missing(path, high) > 0.0 and high < _FARTHEST:
+            high *= 2.0
+    return _arrival_between(path, 0.0, high)
+
+
+def _reach_flying(path: Path, length: float, fastest: float) -> float:
+    """Return the arrival in a flight: the velocity is monotone between the zeros of the acceleration."""
+    has_zeros = abs(path.drag) <= path.amplitude and path.amplitude > 0.0
+    kappa = math.asin(path.drag / path.amplitude) if has_zeros else 0.0
+    low = 0.0
+    while low < length:
+        missing = _missing(path, low)
+        if missing > TURN * fastest:  # it cannot arrive in this turn
+            low += missing / fastest
+            continue
+        high = length
+        if has_zeros:
+            high = min(high, _next(kappa - path.phase, low), _next(PI - kappa - path.phase, low))
+        start, end = low, high
+        rises, rises_on = _speed(path, low) > 0.0, _speed(path, high) >= 0.0
+        if rises != rises_on:
+            still = _standstill(path, low, high, rises)
+            if rises:
+                end = still
+            else:
+                start = still
+        elif not rises:
+            end = low
+        if _missing(path, end) <= 0.0:
+            return _arrival_between(path, start, end)
+        low = high
+    return NAN
+
+
+def _next(zero: float, low: float) -> float:
+    """Return where a zero of the acceleration, which comes once a turn, comes next."""
+    nearest = low + wrap(zero - low)
+    return nearest if nearest > low + _SETTLED * (1.0 + low) else nearest + TURN
+
+
+def _standstill(path: Path, low: float, high: float, falls: bool) -> float:
+    """Halve an interval at whose end alone the velocity has the other sign; it falls to 0, or rises."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if (_speed(path, middle) > 0.0) == falls:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _arrival_between(path: Path, low: float, high: float) -> float:
+    """Halve an interval in which the body arrives."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if _missing(path, middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high

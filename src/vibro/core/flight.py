@@ -1,0 +1,295 @@
+"""One flight, from take-off to the first return to the trough, and what follows its landing.
+
+The normal motion is free of friction: a flight depends on K = G sin(alpha) / cos(beta), its take-off phase
+and its take-off speed alone, eta'' / n = K sin p - 1, Eq. (28) of docs/theory.md. Normal speeds are over
+n = cos(beta)/G [A w n], phases in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.elementary import EPS, INF, NAN, PI, QUARTER, TURN, Motion, free_motion, sine_gap, wrap
+
+__all__ = [
+    "ACCUMULATED", "BOUNCE", "LOST", "SHARP", "Covariance", "Flight", "Impact", "TangentMap", "after_landing",
+    "flight", "lift_off_flight", "propagate", "tangent_map", "within",
+]  # fmt: skip
+
+#: [rad] Bounces whose remaining total length is below this are summed as if the load were constant; the error
+#: is of the order of its square.
+ACCUMULATED: Final = 1e-8
+#: [rad] A bounce shorter than this is one of a chain, and a chain that accumulates is one event.
+BOUNCE: Final = 0.1
+#: [rad, A w n] Standard errors up to which a contact closes a cycle, and above which rounding may choose what
+#: comes next.
+SHARP: Final = 1e-9
+LOST: Final = 1e-5
+
+_NEWTON_STEPS: Final = 60  # monotone, quadratic but for grazing landings; few flights need more than 8
+_SETTLED: Final = 1e-8  # [1] a last Newton step below this fraction of the length leaves rounding errors only
+
+# [1] Newton's iteration from the far end of a turn needs many steps to the landing of a short bounce, which
+# lasts 2 v / N. Start it this much of v / N after the take-off, if that is after the landing: half the steps.
+_SHORT_BOUNCE: Final = 2.2
+
+# [A w n] A grazing landing multiplies errors by a factor without bound: no impact counts as slower than this,
+# which is far below those of the shortest flights at K = 1 + 1e-15.
+_GRAZING: Final = 1e-30
+
+
+class Flight(NamedTuple):
+    """End of a flight.
+
+    Attributes
+    ----------
+    length : float
+        Phase from take-off to landing [rad].
+    impact : float
+        Speed towards the trough at landing, >= 0 [A w n].
+    """
+
+    length: float
+    impact: float
+
+
+def lift_off_flight(throw: float, lift_off: float) -> Flight:
+    """Fly from the lift-off of a resting body, sin p = 1/K, at any K > 1.
+
+    Within a drive cycle, c = sqrt(K^2 - 1) <= pi, Eq. (32) for c is a monotone function of the flight's
+    length s. A rational approximation of s(c), within 2.8e-6, and one step of Halley's iteration, in terms
+    that do not cancel for short flights, find s within 4 eps (tests/core/test_flight.py).
+    """
+    c = math.sqrt((throw - 1.0) * (throw + 1.0))
+    if c > PI:
+        return flight(throw, lift_off, lift_off, 0.0)
+    y = c * c
+    s = c * (
+        (((0.000197220998197 * y - 0.00184998921613) * y + 0.374302421072) * y + 3.11355343814) * y
+        + 3.99998941774
+    ) / (((0.00296138121658 * y + 0.220525684131) * y + 1.04494873987) * y + 1.0)  # fmt: skip
+    h, sine, versine, gap = _half_angle(s)
+    level = c * (gap + sine * versine) - gap * (h + sine)  # eta / 2
+    slope = c * sine * sine - gap - sine * versine  # eta' / 2
+    bend = 2.0 * (c * sine * (1.0 - versine) - sine * sine)  # eta''
+    s -= level * slope / (slope * slope - 0.25 * level * bend)
+    h, sine, versine, gap = _half_angle(s)
+    return Flight(s, max(2.0 * (gap + sine * versine - c * sine * sine), 0.0))
+
+
+def _half_angle(s: float) -> tuple[float, float, float, float]:
+    """Return h = s/2, sin h, 1 - cos h and h - sin h, for 0 <= s <= 2 pi."""
+    h = 0.5 * s
+    half_sine = math.sin(0.5 * h)
+    return h, 2.0 * half_sine * math.cos(0.5 * h), 2.0 * half_sine * half_sine, sine_gap(h)
+
+
+class _TakeOff(NamedTuple):
+    """What decides a flight: K, its lift-off phase, sine and cosine of the take-off phase, and the speed."""
+
+    throw: float
+    lift_off: float
+    sine: float
+    cosine: float
+    speed: float
+
+
+def _height(at: _TakeOff, s: float) -> Motion:
+    """Return height and rate of climb over n, a phase s after take-off, Eq. (30)."""
+    return free_motion(at.throw, 1.0, at.sine, at.cosine, at.speed, s)
+
+
+def flight(throw: float, lift_off: float, phase: float, speed: float) -> Flight:
+    """Fly from any take-off to the first landing.
+
+    Seen from the ground the body flies along a parabola, and every crest of the trough that the parabola
+    does not clear ends the flight. So the landing lies in the turn before the first crest, or, if that is
+    cleared, in the turn before the first crest after the parabola's way down. Within such a turn the height
+    is convex, concave and convex again, and in each piece Newton's iteration from the proper end meets the
+    first zero monotonically, or proves that there is none.
+
+    Parameters
+    ----------
+    throw : float
+        Throw number K > 1.
+    lift_off : float
+        asin(1/K) [rad].
+    phase : float
+        Phase of take-off; where the speed is 0 it lies where K sin p >= 1 [rad].
+    speed : float
+        Speed of take-off, >= 0 [A w n].
+    """
+    sine, cosine = math.sin(phase), math.cos(phase)
+    at = _TakeOff(throw, lift_off, sine, cosine, speed)
+    crest = wrap(QUARTER - phase)
+    rise = speed + throw * cosine
+    clearance = rise * rise - 2.0 * throw * (1.0 - sine)  # of the parabola's apex over the crests, doubled
+    down = rise + math.sqrt(clearance) if rise > 0.0 and clearance >= 0.0 else 0.0
+    cleared = down > crest
+    length = NAN
+    if not (cleared and speed == 0.0):  # else it is accelerated off the trough up to the crest
+        length = _landing(at, 0.0, crest)
+    if math.isnan(length):
+        start = down if cleared else crest
+        end = start + wrap(QUARTER - phase - start)
+        length = _landing(at, start, end)
+        if math.isnan(length):
+            length = end
+    return Flight(length, max(-_height(at, length).velocity, 0.0))
+
+
+def _landing(at: _TakeOff, start: float, crest: float) -> float:
+    """Return the first zero of the height after ``start`` and up to the next crest; NaN if there is none."""
+    second = max(start, crest - QUARTER + at.lift_off)
+    first = max(start, crest - 3.0 * QUARTER - at.lift_off)
+    if start > 0.0 and first > start:
+        # where the height at the end of the first piece is positive and still falling, the piece has no zero
+        height, rate = _height(at, first)
+        if height < 0.0 or rate > 0.0:
+            found = _newton(at, start, first)
+            if not math.isnan(found):
+                return found
+    sinks = _height(at, second).path < 0.0
+    load = 1.0 - at.throw * at.sine
+    if sinks and first == 0.0 and at.speed > 0.0 and load > 0.0:
+        near = _SHORT_BOUNCE * at.speed / load
+        if near < second and _height(at, near).path < 0.0:
+            second = near
+    return _newton(at, second, INF if sinks else crest)
+
+
+def _newton(at: _TakeOff, start: float, end: float) -> float:
+    """Return a zero of the height by Newton's iteration; NaN if it turns round or passes ``end`` first."""
+    s = start
+    for _ in range(_NEWTON_STEPS):
+        height, rate = _height(at, s)
+        if rate >= 0.0:
+            return NAN
+        step = -height / rate
+        s += step
+        if s > end:
+            return NAN
+        if abs(step) <= _SETTLED * s:
+            return s
+    return s
+
+
+class Impact(NamedTuple):
+    """What follows a landing.
+
+    Attributes
+    ----------
+    take_off : float
+        Normal speed of the next take-off [A w n].
+    length : float
+        Phase until then: 0, or that of all bounces still to come where they accumulate [rad].
+    impulse : float
+        Normal impulse of the impact and of those bounces [A w n].
+    contact : bool
+        Whether the body stays on the trough.
+    """
+
+    take_off: float
+    length: float
+    impulse: float
+    contact: bool
+
+
+def after_landing(
+    throw: float, phase: float, impact: float, restitution: float, accumulated: float
+) -> Impact:
+    """Apply the impact law, Eq. (31), and sum the bounces that accumulate, Eq. (33).
+
+    Bounces of take-off speed v, e v, e^2 v, ... under the load N last 2 v / (N (1 - e)) altogether and bring
+    the impulse (1 + e) v / (1 - e), the one that starts them not counted. They are summed once they last no
+    longer than ``accumulated`` [rad], and end before the trough can fall away.
+    """
+    load, speed = 1.0 - throw * math.sin(phase), restitution * impact
+    impulse = impact + speed
+    if load >= 0.0 and speed == 0.0:
+        return Impact(0.0, 0.0, impulse, True)
+    if load > 0.0:
+        length = 2.0 * speed / (load * (1.0 - restitution))
+        if length <= accumulated and load >= throw * max(math.cos(phase), 0.0) * length:
+            return Impact(0.0, length, impulse + speed * (1.0 + restitution) / (1.0 - restitution), True)
+    return Impact(speed, 0.0, impulse, False)
+
+
+class TangentMap(NamedTuple):
+    """Derivatives of a take-off's phase and speed with respect to those of the take-off before it."""
+
+    phase_phase: float
+    phase_speed: float
+    speed_phase: float
+    speed_speed: float
+
+
+def tangent_map(throw: float, restitution: float, phase: float, flown: Flight) -> TangentMap:
+    """Form the derivatives of Eq. (34) for a flight that took off at a phase."""
+    lever, climb = free_motion(throw, 0.0, math.cos(phase), -math.sin(phase), 0.0, flown.length)
+    impact = max(flown.impact, _GRAZING)
+    late, late_by_speed = lever / impact, flown.length / impact
+    acceleration = throw * math.sin(phase + flown.length) - 1.0
+    return TangentMap(
+        1.0 + late,
+        late_by_speed,
+        -restitution * (climb + acceleration * late),
+        -restitution * (1.0 + acceleration * late_by_speed),
+    )
+
+
+class Covariance(NamedTuple):
+    """Variances of the rounding in a take-off's phase and speed, and their covariance."""
+
+    phase: float
+    both: float
+    speed: float
+
+
+def within(errors: Covariance, limit: float) -> bool:
+    """Return whether both standard errors are below a limit."""
+    return errors.phase <= limit * limit and errors.speed <= limit * limit
+
+
+def propagate(
+    throw: float,
+    restitution: float,
+    phase: float,
+    speed: float,
+    flown: Flight,
+    tail: float,
+    errors: Covariance,
+) -> Covariance:
+    """Propagate the covariance of a take-off to the next one, and add the rounding of the flight between.
+
+    Irregular motion multiplies small errors by a factor at every flight, and so do grazing landings. A sum of
+    absolute values would grow in every chain of bounces too; variances follow what errors do.
+
+    Parameters
+    ----------
+    throw, restitution : float
+        K and e.
+    phase, speed : float
+        Of the take-off [rad, A w n].
+    flown : Flight
+        That followed.
+    tail : float
+        Length of the bounces summed after its landing [rad].
+    errors : Covariance
+        Of the take-off.
+    """
+    a, b, c, d = tangent_map(throw, restitution, phase, flown)
+    s, climb = flown.length, throw * min(flown.length, 1.0)
+    impact = max(flown.impact, _GRAZING)
+    # a flight from a lift-off within a turn has all digits, however short: see lift_off_flight
+    released = speed == 0.0 and s <= TURN and abs(throw * math.sin(phase) - 1.0) <= 4.0 * EPS
+    terms = 0.0 if released else speed + climb + 0.5 * s
+    late = EPS * (1.0 + s + s * terms / impact)
+    fast = EPS * restitution * (speed + climb + s)
+    of_phase = max(a * (a * errors.phase + 2.0 * b * errors.both) + b * b * errors.speed, 0.0)
+    both = a * c * errors.phase + (a * d + b * c) * errors.both + b * d * errors.speed
+    of_speed = max(c * (c * errors.phase + 2.0 * d * errors.both) + d * d * errors.speed, 0.0)
+    # bounces that accumulate last in proportion to the speed of the first
+    lever = tail / (restitution * impact) if tail > 0.0 else 0.0
+    return Covariance(of_phase + late * late + lever * lever * of_speed, both, of_speed + fast * fast)

@@ -1,0 +1,234 @@
+"""The steady motion of a body that hops: a cycle of flights and slides, or means over long samples.
+
+Friction has no part in the normal motion, so that one unknown is left: the relative velocity at the first
+take-off of the cycle, a fixed point of the return map. Lengths in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from vibro.core.averages import averages
+from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces
+from vibro.core.codes import Mode, Status
+from vibro.core.drives import Loads
+from vibro.core.elementary import NAN, TURN
+from vibro.core.flight import LOST, Covariance, Flight, propagate, within
+from vibro.core.legs import Track, track_of
+from vibro.core.orbits import hopping_cycle, orbit_from
+from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed, write_hop
+
+__all__ = ["MOST_THROW", "Entry", "Hopping", "enter", "hopping"]
+
+#: [1] Throw number above which the phase of a landing is lost to rounding.
+MOST_THROW: Final = 1e6
+
+# Events (flights, of which a chain of short bounces counts as one) in each half of a sample: more of them
+# where few do not suffice.
+_SHORT_SAMPLE: Final = 12
+_MIDDLE_SAMPLE: Final = 48
+_LONG_SAMPLE: Final = 240
+
+
+class Hopping(NamedTuple):
+    """Steady motion of a body that hops, from rest.
+
+    Attributes
+    ----------
+    status : int
+        ``OK``; ``BOUNDARY`` where the motion depends on rounding, or on how the body was released;
+        ``AVERAGED`` where no cycle was found before rounding could choose it, and the numbers are means over
+        many cycles; ``RUNAWAY``, ``INDETERMINATE``, ``FLIGHT_NOT_MODELLED`` or ``UNRESOLVED``, with NaN for
+        numbers.
+    pattern : int
+        Legs of the cycle, as digits of ``Mode`` to base 5; 0 where there are no numbers.
+    displacement : float
+        Mean displacement per drive cycle [A].
+    deviation : float
+        Standard error of that mean [A]; 0 where the cycle repeats.
+    period : float
+        Drive cycles until the motion repeats; NaN where it does not.
+    flight_fraction : float
+        Share of the time spent off the trough; bounces that accumulate count as flight.
+    impact : float
+        Largest normal speed of a landing [A w].
+    peak : float
+        Largest relative speed along the trough, either way [A w].
+    coexists : int
+        1 where a body that is pushed hard enough downhill never stops; -1 elsewhere, as other cycles are not
+        looked for here.
+    """
+
+    status: int
+    pattern: int
+    displacement: float
+    deviation: float
+    period: float
+    flight_fraction: float
+    impact: float
+    peak: float
+    coexists: int
+
+
+def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> Hopping:
+    """Find the steady motion, from rest, of a body whose throw number exceeds 1.
+
+    Parameters
+    ----------
+    loads : Loads
+        Groups of the scene.
+    restitution : float
+        Normal coefficient of restitution, 0 <= e < 1.
+    flights, hops : Flights, Hops
+        Scratch memory; ``BODIES * ROWS`` rows of ``hops``.
+
+    Returns
+    -------
+    Hopping
+        Its motion.
+
+    Notes
+    -----
+    Over a cycle the normal impulse is that of the weight; where gravity along the trough exceeds static
+    friction under it, every cycle adds speed: ``RUNAWAY``.
+    """
+    slope, weight = abs(loads.weight_tangential), loads.weight_normal
+    if loads.drive_normal > MOST_THROW * weight:
+        return _unanswered(Status.FLIGHT_NOT_MODELLED)
+    if loads.static_friction == 0.0:
+        return _unanswered(Status.INDETERMINATE)
+    if slope >= loads.static_friction * weight:
+        return _unanswered(Status.RUNAWAY)
+    track = track_of(loads)
+    out = _cycle(track, restitution, flights, hops)
+    for stage in range(3):
+        if out.status == Status.UNRESOLVED:
+            length = _SHORT_SAMPLE if stage == 0 else (_MIDDLE_SAMPLE if stage == 1 else _LONG_SAMPLE)
+            out = _means(track, restitution, length, stage == 2, flights, hops)
+    if out.status <= Status.BOUNDARY or out.status == Status.AVERAGED:
+        return out._replace(coexists=1 if slope > loads.kinetic_friction * weight else -1)
+    return out
+
+
+def _unanswered(status: int) -> Hopping:
+    return Hopping(status, 0, NAN, NAN, NAN, NAN, NAN, NAN, -1)
+
+
+def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Hopping:
+    """Find the steady cycle; ``UNRESOLVED`` where none was found before rounding could choose it."""
+    entry = enter(track, restitution, flights, hops)
+    motion = entry.motion
+    if not motion.repeats:
+        return _unanswered(Status.UNRESOLVED)
+    first, last, turns = motion.first, motion.first + motion.count, float(motion.cycles)
+    cycle = hopping_cycle(track, first, last, motion.landing, motion.rest, TURN * turns)
+    orbit = orbit_from(cycle, hops, entry.velocity)
+    if orbit.status != Status.OK and orbit.status != Status.BOUNDARY:
+        return _unanswered(orbit.status)
+    aloft, impact = 0.0, 0.0
+    for row in range(first, last):
+        aloft += flights.length[row]
+        impact = max(impact, flights.impact[row])
+    return Hopping(
+        status=orbit.status,
+        pattern=orbit.cycle.pattern,
+        displacement=orbit.cycle.displacement / turns,
+        deviation=0.0,
+        period=turns,
+        flight_fraction=min(aloft / (TURN * turns), 1.0),
+        impact=track.loads.weight_normal * impact,
+        peak=orbit.cycle.peak,
+        coexists=-1,
+    )
+
+
+def _means(
+    track: Track, restitution: float, length: int, longest: bool, flights: Flights, hops: Hops
+) -> Hopping:
+    """Average over samples of a length; ``UNRESOLVED`` where longer ones are needed."""
+    means = averages(track, restitution, length, longest, flights, hops)
+    if means.status != Status.AVERAGED:
+        return _unanswered(means.status)
+    return Hopping(
+        status=Status.AVERAGED,
+        pattern=-Mode.FLIGHT,
+        displacement=means.displacement,
+        deviation=means.deviation,
+        period=NAN,
+        flight_fraction=means.flight_fraction,
+        impact=means.impact,
+        peak=means.peak,
+        coexists=-1,
+    )
+
+
+class Entry(NamedTuple):
+    """The cycle of the normal motion, and how a body from rest enters it.
+
+    Attributes
+    ----------
+    motion : Bounces
+        The cycle, whose flights are in ``Flights`` and, in the same rows, in ``Hops``.
+    velocity : float
+        Relative velocity along the trough at its first take-off.
+    """
+
+    motion: Bounces
+    velocity: float
+
+
+def enter(track: Track, restitution: float, flights: Flights, hops: Hops) -> Entry:
+    """Fly a body from its release until its normal motion repeats, and follow it along the trough.
+
+    A contact forgets the normal motion before it: a body that takes off at its release and comes to contact
+    goes on like one that has rested there. So it does where rounding chooses the flights between, provided
+    that the motion of such a body has contacts; it is taken to keep its velocity over the ground until then.
+    The velocity is arbitrary where the motion does not repeat.
+    """
+    loads = track.loads
+    throw = loads.drive_normal / loads.weight_normal
+    start, known = release(track), True
+    velocity = with_same_ground_speed(loads, start.velocity, start.phase, track.lift_off)
+    if start.aloft:
+        motion = bounces(throw, restitution, flights, MOST_FLIGHTS, start.phase, 0.0, False)
+        known = motion.repeats and motion.approach == 0
+        if known:
+            last = motion.first + motion.count
+            _write_hops(loads, flights, hops, motion.first, last)
+            landed = return_map(track, hops, motion.first, last, motion.landing, motion.rest, start.velocity)
+            velocity = landed.velocity
+        elif motion.repeats and _is_sharp(throw, restitution, flights, motion.approach):
+            return _entered(track, motion, start.velocity, flights, hops)
+    motion = bounces(throw, restitution, flights, MOST_FLIGHTS, track.lift_off, 0.0, True)
+    if not known and motion.rest == 0.0:
+        return Entry(motion._replace(repeats=False), velocity)
+    return _entered(track, motion, velocity, flights, hops)
+
+
+def _entered(track: Track, motion: Bounces, velocity: float, flights: Flights, hops: Hops) -> Entry:
+    """Follow a body along the trough from its first take-off until the cycle begins, and write its hops."""
+    loads = track.loads
+    if motion.repeats and motion.rest == 0.0:
+        _write_hops(loads, flights, hops, 0, motion.approach)
+        velocity = return_map(track, hops, 0, motion.approach, 0.0, 0.0, velocity).velocity
+        # the cycle begins at another phase than the approach ends
+        begin = flights.phase[motion.first]
+        velocity = with_same_ground_speed(loads, velocity, motion.approach_end, begin)
+    _write_hops(loads, flights, hops, motion.first, motion.first + motion.count)
+    return Entry(motion, velocity)
+
+
+def _is_sharp(throw: float, restitution: float, flights: Flights, count: int) -> bool:
+    """Return whether rounding has not chosen what follows flights without contact, Eq. (34)."""
+    errors = Covariance(0.0, 0.0, 0.0)
+    for row in range(count):
+        flown = Flight(flights.length[row], flights.impact[row])
+        errors = propagate(throw, restitution, flights.phase[row], flights.speed[row], flown, 0.0, errors)
+        if not within(errors, LOST):
+            return False
+    return True
+
+
+def _write_hops(loads: Loads, flights: Flights, hops: Hops, first: int, last: int) -> None:
+    for row in range(first, last):
+        write_hop(loads, flights.phase[row], flights.length[row], flights.impulse[row], hops, row)

@@ -1,0 +1,351 @@
+"""Legs of a body in contact: rest until an onset, or a slide until it stops or the trough falls away.
+
+A slide's speed is s(p) = s0 + P (cos p0 - cos p) - Q (p - p0), Eq. (23) of docs/theory.md, with P the
+amplitude of its forcing and Q its drag. Between a maximum of s and the minimum after it s falls, and from one
+minimum to the next it changes by -2 pi Q. So the branch with the first zero follows in closed form, and the
+zero has a proven bracket. Slides from rest in contact scenes have the sharper solution of ``slide.py``.
+
+A rounded phase does not tell on which side of an onset it lies. So each leg names the one that follows,
+instead of asking the loads at a phase again. Lengths in A, speeds in A w, phases of the normal motion in rad.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.codes import Mode
+from vibro.core.drives import Loads, normal_load, tangential_load
+from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, free_motion, wrap, wrap_around
+from vibro.core.windows import load_amplitude, own_phase
+
+__all__ = [
+    "Forcing", "Leg", "SlideEnd", "Track", "contact_leg", "forcing", "mode_of", "slide_from_speed",
+    "track_of", "until",
+]  # fmt: skip
+
+# [rad] The phases of an event and of a body are rounded, so that a body at the event may seem to have just
+# missed it, and would wait for a whole turn. This close after an event it counts as being at the event.
+_AT_EVENT: Final = 1e-9
+
+# [1] Loads beyond this stop a slide at once, and would overflow in the sums and products below.
+_MOST_LOAD: Final = 1e300
+
+# [turn] A slide that outlasts so many turns never ends: a phase has no digit left to say where.
+_MOST_TURNS: Final = 1e15
+
+_HALLEY_STEPS: Final = 4
+# [1] A last step below this fraction of the way from the maximum leaves rounding errors only, at double zeros
+# too: a step leaves a third of the error there, and the speed is of its square.
+_SETTLED: Final = 1e-9
+_HALVINGS: Final = 60  # from an interval of a turn to the last bit
+
+
+def until(event: float, phase: float) -> float:
+    """Return the phase from ``phase`` to the next passage of an event, 0 for a body at the event [rad]."""
+    return max(wrap(event - phase + _AT_EVENT) - _AT_EVENT, 0.0)
+
+
+class Forcing(NamedTuple):
+    """What accelerates and what brakes slides in one direction, s'' = P sin(p + psi) - Q, Eq. (23).
+
+    Attributes
+    ----------
+    shift : float
+        psi of Eq. (55): p + psi is the slide's own phase; 0 or pi for a drive along a line [rad].
+    amplitude, drag : float
+        P >= 0 and Q.
+    kappa : float
+        asin(Q / P), within +- pi/2: the speed's minima lie there in the own phase, its maxima at pi - kappa.
+    bend : float
+        P cos(kappa), the speed's curvature there.
+    excess : float
+        Q - P sin(kappa): where it is not 0, the speed falls, or grows, all the time.
+    """
+
+    shift: float
+    amplitude: float
+    drag: float
+    kappa: float
+    bend: float
+    excess: float
+
+
+def forcing(loads: Loads, way: float) -> Forcing:
+    """Form the forcing of slides forward (+1.0) or back (-1.0)."""
+    friction = loads.kinetic_friction
+    drag = friction * loads.weight_normal + way * loads.weight_tangential
+    drag = max(min(drag, _MOST_LOAD), -_MOST_LOAD)
+    amplitude = min(load_amplitude(loads, way, friction), _MOST_LOAD)
+    shift = own_phase(loads, way, friction)
+    if abs(drag) < amplitude:
+        ratio = drag / amplitude
+        bend = amplitude * math.sqrt((1.0 - ratio) * (1.0 + ratio))
+        return Forcing(shift, amplitude, drag, math.asin(ratio), bend, 0.0)
+    kappa = math.copysign(QUARTER, drag)
+    return Forcing(shift, amplitude, drag, kappa, 0.0, drag - math.copysign(amplitude, drag))
+
+
+class Track(NamedTuple):
+    """A scene with what its legs need again and again.
+
+    Attributes
+    ----------
+    loads : Loads
+        Its groups.
+    forward, back : Forcing
+        Of slides either way.
+    forward_onset, back_onset : float
+        Phase at which a body at rest starts to slide, in [0, 2 pi); NaN where it never starts that way [rad].
+    lift_off : float
+        Phase asin(1/K) at which the trough falls away under the body, Eq. (27); inf where K <= 1 [rad].
+    """
+
+    loads: Loads
+    forward: Forcing
+    back: Forcing
+    forward_onset: float
+    back_onset: float
+    lift_off: float
+
+
+def track_of(loads: Loads) -> Track:
+    """Prepare a scene for its legs."""
+    lift_off = INF
+    if loads.drive_normal > loads.weight_normal:
+        lift_off = math.asin(loads.weight_normal / loads.drive_normal)
+    forward, back = forcing(loads, 1.0), forcing(loads, -1.0)
+    return Track(loads, forward, back, _onset(loads, 1.0), _onset(loads, -1.0), lift_off)
+
+
+def _onset(loads: Loads, way: float) -> float:
+    """Return the phase at which the load begins to exceed static friction; NaN if it never does."""
+    friction = loads.static_friction
+    amplitude, shift = load_amplitude(loads, way, friction), own_phase(loads, way, friction)
+    threshold = friction * loads.weight_normal + way * loads.weight_tangential
+    # a line that presses the body down more than it pushes never starts it back in contact, Eq. (7)
+    pressed = loads.line and way < 0.0 and shift == 0.0
+    if pressed or not abs(threshold) < amplitude:
+        return NAN
+    return wrap(math.asin(threshold / amplitude) - shift)
+
+
+class SlideEnd(NamedTuple):
+    """End of a slide.
+
+    Attributes
+    ----------
+    length : float
+        Phase from its start to its end; inf where it never ends [rad].
+    stopped : bool
+        Whether it ends because the speed is zero, not because the contact does.
+    speed : float
+        Speed at its end, >= 0; NaN where it never ends.
+    top : float
+        Largest speed; NaN where it never ends.
+    settled : bool
+        Whether the end was found to rounding.
+    """
+
+    length: float
+    stopped: bool
+    speed: float
+    top: float
+    settled: bool
+
+
+def _speed_loss(d: float, at: Forcing) -> float:
+    """Return the speed lost a phase d after the maximum, Eq. (25); negative phases are before it."""
+    half_sine = math.sin(0.5 * d)
+    sine = 2.0 * half_sine * math.cos(0.5 * d)
+    return at.bend * (2.0 * half_sine * half_sine) + at.drag * (d - sine) + at.excess * sine
+
+
+def slide_from_speed(at: Forcing, phase: float, speed: float, limit: float) -> SlideEnd:
+    """Follow a slide until it stops or the contact ends.
+
+    Parameters
+    ----------
+    at : Forcing
+        Of the slide's direction.
+    phase : float
+        Phase at the start [rad].
+    speed : float
+        Speed at the start, >= 0; where it is 0 the forcing must exceed the drag.
+    limit : float
+        Phase from the start to the end of the contact, inf where there is none [rad].
+
+    Returns
+    -------
+    SlideEnd
+        NaN speeds for a slide that never ends.
+    """
+    # d counts from the maximum pi - kappa of the turn that begins at the minimum kappa
+    fall = PI + 2.0 * at.kappa
+    d0 = wrap(phase + at.shift - at.kappa) + 2.0 * at.kappa - PI
+    if speed == 0.0:
+        # A slide from rest starts between the minimum and the maximum. Rounding may put its phase a little
+        # before the minimum, and so into the turn before: count from the middle between the two instead.
+        half = QUARTER - at.kappa
+        d0 = wrap_around(d0 + half) - half
+    elif d0 >= fall:
+        d0 -= TURN
+    first_top = speed + _speed_loss(d0, at)
+    over = first_top - (2.0 * at.bend + at.drag * fall)  # speed at the first minimum
+    per_turn = TURN * at.drag
+    turns, endless = 0.0, False
+    if over > 0.0:
+        endless = at.drag <= 0.0 or over / per_turn > _MOST_TURNS
+        if not endless:
+            turns = float(math.ceil(over / per_turn))
+    offset = TURN * turns - d0  # phase from the start to the maximum of the falling branch
+    top = first_top - per_turn * turns
+    low = 0.0 if turns > 0.0 else max(d0, 0.0)
+    high = min(fall, limit - offset)
+    stopped = not endless and high > low and (high == fall or _speed_loss(high, at) >= top)
+    if not stopped and limit == INF:
+        return SlideEnd(INF, False, NAN, NAN, True)
+    length, end_speed = limit, 0.0
+    if stopped:
+        length = min(offset + _zero_of_speed(at, top, low, high), limit)
+    else:
+        end_speed = max(first_top - _speed_loss(d0 + limit, at), 0.0)
+    # of the maxima on the way the first is the highest, or the last where gravity wins over friction
+    next_top, last_top = 0.0 if d0 < 0.0 else 1.0, float(math.floor((length + d0) / TURN))
+    highest = max(speed, end_speed)
+    if last_top >= next_top:
+        highest = max(highest, first_top - per_turn * (last_top if at.drag < 0.0 else next_top))
+    return SlideEnd(length, stopped, end_speed, highest, math.isfinite(length))
+
+
+def _zero_of_speed(at: Forcing, top: float, low: float, high: float) -> float:
+    """Return the phase after a maximum of the speed at which all of it is lost, in [low, high].
+
+    The loss grows monotonically, so the bracket is proven. Halley's iteration starts from the zero of the
+    cubic that is level at both ends, as the loss is. Near a double zero it converges slowly, and halving
+    takes over.
+    """
+    fall = PI + 2.0 * at.kappa
+    whole = 2.0 * at.bend + at.drag * fall
+    share = min(1.0 - 2.0 * top / whole, 1.0) if top < whole else -1.0
+    d = fall * (0.5 - math.sin(math.asin(share) / 3.0))
+    for _ in range(_HALLEY_STEPS):
+        half_sine = math.sin(0.5 * d)
+        versine, sine = 2.0 * half_sine * half_sine, 2.0 * half_sine * math.cos(0.5 * d)
+        left = top - at.bend * versine - at.drag * (d - sine) - at.excess * sine
+        rate = at.bend * sine + at.drag * versine + at.excess * (1.0 - versine)
+        curve = (at.drag - at.excess) * sine + at.bend * (1.0 - versine)
+        scale = rate * rate + 0.5 * left * curve
+        if scale == 0.0:
+            break
+        onward = min(max(d + left * rate / scale, low), high)
+        step, d = onward - d, onward
+        if abs(step) <= _SETTLED * d:
+            return d
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if _speed_loss(middle, at) < top:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def mode_of(loads: Loads, phase: float, velocity: float) -> int:
+    """Return what a body in contact does, a ``Mode``: at zero velocity the loads decide, Eq. (2)."""
+    way = velocity
+    if velocity == 0.0:
+        load = tangential_load(loads, phase)
+        if abs(load) > loads.static_friction * normal_load(loads, phase):
+            way = load
+    if way == 0.0:
+        return Mode.REST
+    return Mode.FORWARD if way > 0.0 else Mode.BACK
+
+
+class Leg(NamedTuple):
+    """One leg in contact.
+
+    Attributes
+    ----------
+    length : float
+        Phase from its start to its end; inf where it never ends [rad].
+    velocity : float
+        Relative velocity at its end; as the next one and ``top`` NaN where it never ends.
+    displacement : float
+        Displacement relative to the trough.
+    next_mode : int
+        The ``Mode`` that follows, as long as the contact lasts.
+    impulse : float
+        Normal impulse while it slides, with the sign of its velocity.
+    gain : float
+        Change of the velocity after the leg per change of it before, in [0, 1], Eq. (26).
+    top : float
+        Largest speed.
+    settled : bool
+        Whether its end was found to rounding.
+    """
+
+    length: float
+    velocity: float
+    displacement: float
+    next_mode: int
+    impulse: float
+    gain: float
+    top: float
+    settled: bool
+
+
+def contact_leg(track: Track, mode: int, phase: float, velocity: float, limit: float) -> Leg:
+    """Follow a body through one leg in contact.
+
+    Parameters
+    ----------
+    track : Track
+        Its scene.
+    mode : int
+        What it does: ``Mode.REST``, ``FORWARD`` or ``BACK``.
+    phase, velocity : float
+        Its state [rad, A w].
+    limit : float
+        Phase from here to the end of the contact; inf where there is none [rad].
+    """
+    if mode == Mode.REST:
+        return _rest(track, phase, limit)
+    if mode == Mode.FORWARD:
+        return _slide(track.loads, track.forward, 1.0, phase, abs(velocity), limit)
+    return _slide(track.loads, track.back, -1.0, phase, abs(velocity), limit)
+
+
+def _rest(track: Track, phase: float, limit: float) -> Leg:
+    """Rest until the nearer onset, which forgets the velocity before."""
+    ahead = INF if math.isnan(track.forward_onset) else until(track.forward_onset, phase)
+    behind = INF if math.isnan(track.back_onset) else until(track.back_onset, phase)
+    next_mode = Mode.FORWARD if ahead <= behind else Mode.BACK
+    return Leg(min(ahead, behind, limit), 0.0, 0.0, next_mode, 0.0, 0.0, 0.0, True)
+
+
+def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, limit: float) -> Leg:
+    """Slide until the body stops or the contact ends."""
+    end = slide_from_speed(at, phase, speed, limit)
+    same = Mode.FORWARD if way > 0.0 else Mode.BACK
+    if end.length == INF:
+        return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
+    sine, cosine = math.sin(phase), math.cos(phase)
+    own_sine, own_cosine = sine, cosine
+    if not loads.line:
+        own_sine, own_cosine = math.sin(phase + at.shift), math.cos(phase + at.shift)
+    elif at.shift > 0.0:
+        own_sine, own_cosine = -sine, -cosine
+    path = free_motion(at.amplitude, at.drag, own_sine, own_cosine, speed, end.length).path
+    # the impulse of the trough takes the normal speed that the body would have in flight
+    impulse = -free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, 0.0, end.length).velocity
+    next_mode, gain = same, 1.0
+    if end.stopped:
+        normal = max(normal_load(loads, phase + end.length), 0.0)
+        against, friction = -way * tangential_load(loads, phase + end.length), loads.kinetic_friction * normal
+        next_mode, gain = Mode.REST, 0.0
+        if against > loads.static_friction * normal:
+            next_mode = Mode.BACK if way > 0.0 else Mode.FORWARD
+            gain = (against - friction) / (against + friction)
+    return Leg(end.length, way * end.speed, way * path, next_mode, way * impulse, gain, end.top, end.settled)

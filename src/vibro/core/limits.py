@@ -1,0 +1,219 @@
+"""Where a scene changes class as the load grows: the critical G = A w^2 / g of each transition.
+
+Equation numbers are those of docs/theory.md. All functions take the loads of a scene at G = 1.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.contact import Pair, outlasts_back, pair_of
+from vibro.core.continuous import continuous_sliding
+from vibro.core.drives import Loads
+from vibro.core.elementary import INF, NAN, PI, QUARTER
+from vibro.core.windows import Thresholds, reaches, thresholds
+
+__all__ = ["CriticalLoads", "critical_loads", "tipping_load"]
+
+# [1] Load over that of the onsets up to which drives are looked at that never make bodies hop.
+_MOST: Final = 1e8
+_HALVINGS: Final = 52  # of the logarithm of a load, down to its rounding
+_STEPS: Final = 200
+_ROOT_NOISE: Final = 4.0 * 2.220446049250313e-16  # [1] of a bracket's width
+
+
+class CriticalLoads(NamedTuple):
+    """Critical loads G = A w^2 / g; inf where a transition never happens, 0 where it always has.
+
+    Attributes
+    ----------
+    hop : float
+        Above, the throw number exceeds 1 and the body leaves the trough.
+    forward_onset, back_onset : float
+        Above, the load of a body at rest exceeds static friction forward, or back.
+    back_slip : float
+        Above, the steady cycle from rest has a back slide; at least ``back_onset``, and more where the
+        forward slide outlasts the back window. Elliptical drives on troughs steeper than the angle of kinetic
+        friction may lose it again.
+    rest_vanishes : float
+        Above, the body slides all the time.
+
+    Notes
+    -----
+    A body starts from rest where its load first exceeds static friction. On inclines phase 0 may lie later
+    than that, and where cycles coexist lead to the other one.
+    """
+
+    hop: float
+    forward_onset: float
+    back_onset: float
+    back_slip: float
+    rest_vanishes: float
+
+
+def critical_loads(unit: Loads) -> CriticalLoads:
+    """Find the critical load of every transition; NaN where mu_d > mu_s or mu_s = 0.
+
+    Hop and onsets are closed forms, Eqs. (4), (5) and (55). Along a line rest vanishes where both slides of
+    continuous sliding start on their onsets, a closed form too, Eq. (21), and back slip enters at its onset
+    or at the root of Eq. (22). Other drives are looked at up to the hop, as classes follow each other in one
+    order there too (section 15).
+    """
+    if unit.kinetic_friction > unit.static_friction or unit.static_friction == 0.0:
+        return CriticalLoads(NAN, NAN, NAN, NAN, NAN)
+    at = thresholds(unit)
+    capacity, t = unit.static_friction * unit.weight_normal, unit.weight_tangential
+    hop = unit.weight_normal / unit.drive_normal if unit.drive_normal > 0.0 else INF
+    forward, back = _onset(capacity + t, at.forward_load), _onset(capacity - t, at.back_load)
+    held = abs(t) < capacity
+    back_slip, vanishes = back, INF
+    if unit.line and unit.drive_tangential > unit.static_friction * unit.drive_normal:
+        braked = unit.kinetic_friction * unit.weight_normal + t > 0.0
+        if held and back > forward:
+            back_slip = _back_slip_of_line(unit, forward, back) if braked else INF
+        if held and braked:
+            vanishes = max(_rest_vanishes_of_line(unit, forward, back), back_slip)
+    elif held and max(forward, back) < hop:
+        if back > forward:
+            back_slip = _back_slip(unit, back, hop)
+        vanishes = max(_rest_vanishes(unit, max(forward, back_slip), hop), back_slip)
+    return CriticalLoads(hop, forward, back, back_slip, vanishes if held else 0.0)
+
+
+def tipping_load(unit: Loads, stand_ratio: float) -> float:
+    """Load up to which no edge of a part lifts that starts from rest, Eq. (43).
+
+    The first of the onsets with the stand ratio in place of mu_s; inf where mu_s is at most that, 0 where the
+    trough alone is too steep for the part.
+    """
+    if not unit.static_friction > stand_ratio:
+        return INF
+    at = thresholds(unit._replace(static_friction=stand_ratio, kinetic_friction=stand_ratio))
+    capacity, t = stand_ratio * unit.weight_normal, unit.weight_tangential
+    return min(_onset(capacity + t, at.forward_load), _onset(capacity - t, at.back_load))
+
+
+def _onset(needed: float, load: float) -> float:
+    """Load at which the drive exceeds static friction, Eqs. (5) and (55); 0 where nothing holds the body."""
+    if not needed > 0.0:
+        return 0.0
+    return needed / load if load > 0.0 else INF
+
+
+def _resistance(unit: Loads) -> float:
+    """G k of the forward slide along a line, Eq. (3)."""
+    mu_d = unit.kinetic_friction
+    drag = mu_d * unit.weight_normal + unit.weight_tangential
+    return drag / (unit.drive_tangential + mu_d * unit.drive_normal)
+
+
+def _speed_at_close(weight: float, forward: float, back: float, resistance: float) -> float:
+    """Speed of a line's forward slide where the back window closes, over 1/G, Eq. (22): monotone in 1/G."""
+    s_f, s_b = weight * forward, min(weight * back, 1.0)
+    cosines = math.sqrt(max((1.0 - s_f) * (1.0 + s_f), 0.0)) + math.sqrt((1.0 - s_b) * (1.0 + s_b))
+    if cosines == 0.0:  # both s are 1 to rounding, at the back onset
+        return INF
+    gain = weight * (back - forward) * (back + forward) / cosines
+    return gain - resistance * (PI + math.acos(min(s_f, 1.0)) + math.acos(s_b))
+
+
+def _back_slip_of_line(unit: Loads, forward: float, back: float) -> float:
+    """Load from which the forward slide ends before the back window closes; at least the back onset."""
+    resistance = _resistance(unit)
+    low, high = 0.0, 1.0 / back
+    below, above = -2.0 * PI * resistance, _speed_at_close(high, forward, back, resistance)
+    if not (above > 0.0 and high < INF):
+        return back
+    x = high
+    # false position that halves the weight of an end which stays (Illinois), in a bracket of both signs
+    for _ in range(_STEPS):
+        if high - low <= _ROOT_NOISE * high:
+            break
+        x = high - above * ((high - low) / (above - below))
+        if not low < x < high:
+            x = 0.5 * (low + high)
+        value = _speed_at_close(x, forward, back, resistance)
+        if value == 0.0:
+            break
+        if value > 0.0:
+            high, above, below = x, value, 0.5 * below
+        else:
+            low, below, above = x, value, 0.5 * above
+    return 1.0 / x
+
+
+def _rest_vanishes_of_line(unit: Loads, forward: float, back: float) -> float:
+    """Load from which a line's cycle without rest is valid, Eq. (21); inf where there is none."""
+    mu_d, a, b = unit.kinetic_friction, unit.drive_tangential, unit.drive_normal
+    n, t = unit.weight_normal, unit.weight_tangential
+    if not mu_d * n > abs(t):
+        return INF
+    y = QUARTER * (mu_d * mu_d * b * n - t * a) / (mu_d * unit.weight_across)
+    cos_y = math.cos(y) if abs(y) < QUARTER else 0.0
+    if cos_y <= 0.0:
+        return INF
+    middle = _resistance(unit) * (QUARTER + y) / cos_y  # G sin m
+    drop = middle * math.sin(y)
+    needed = max(forward + drop, back - drop) / cos_y
+    return math.sqrt(middle * middle + needed * needed)
+
+
+def _at_load(unit: Loads, load: float) -> Loads:
+    return unit._replace(drive_tangential=load * unit.drive_tangential, drive_normal=load * unit.drive_normal)
+
+
+def _pair_at(loads: Loads) -> Pair:
+    """Both slides of a scene whose load reaches both onsets, but for rounding."""
+    at: Thresholds = thresholds(loads)
+    ahead, behind = max(at.forward_margin, 0.0), max(at.back_margin, 0.0)
+    return pair_of(loads, at._replace(forward_margin=ahead, back_margin=behind))
+
+
+def _slips_back_at(unit: Loads, load: float) -> bool:
+    """Whether the forward slide does not outlast the back window."""
+    loads = _at_load(unit, load)
+    return outlasts_back(loads, _pair_at(loads)) < 0
+
+
+def _never_rests_at(unit: Loads, load: float) -> bool:
+    """Whether the cycle is that without rest."""
+    loads = _at_load(unit, load)
+    pair = _pair_at(loads)
+    if outlasts_back(loads, pair) >= 0 or reaches(loads, pair.forward, pair.back, pair.offset) <= 0:
+        return False
+    return continuous_sliding(loads, pair.forward, pair.back).valid
+
+
+def _back_slip(unit: Loads, low: float, hop: float) -> float:
+    """Load from which the forward slide does not outlast the back window; inf where not before the hop."""
+    if _slips_back_at(unit, low):
+        return low
+    high = min(hop, _MOST * low)
+    if not _slips_back_at(unit, high):
+        return INF
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(low) * math.sqrt(high)
+        if _slips_back_at(unit, middle):
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def _rest_vanishes(unit: Loads, low: float, hop: float) -> float:
+    """Load from which the body slides all the time; inf where not before the hop."""
+    if not low < hop:
+        return INF
+    if _never_rests_at(unit, low):
+        return low
+    high = min(hop, _MOST * low)
+    if not _never_rests_at(unit, high):
+        return INF
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(low) * math.sqrt(high)
+        if _never_rests_at(unit, middle):
+            high = middle
+        else:
+            low = middle
+    return high

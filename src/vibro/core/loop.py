@@ -1,0 +1,248 @@
+"""The solver's doors: loops over scenes, from buffers into buffers.
+
+Compiled they hold no lock, so that threads may run them side by side; each cell's numbers depend on its scene
+alone, whatever range it is solved in. Results are in SI units.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from vibro.core.bounces import Flights
+from vibro.core.buffers import Bytes, Doubles, Integers
+from vibro.core.codes import SPELT_PATTERNS, Model, Status
+from vibro.core.coexistence import coexisting
+from vibro.core.contact import ratio_of, regime_alone, steady_cycle
+from vibro.core.cycle_slides import SlideLeg, cycle_slides
+from vibro.core.derivatives import Change, displacement_rate, load_slope
+from vibro.core.elementary import NAN, TURN
+from vibro.core.hopping import hopping
+from vibro.core.limits import critical_loads, tipping_load
+from vibro.core.motions import arrivals, followed, history, moments
+from vibro.core.return_map import Hops
+from vibro.core.scenes import Scenes, advance, no_directions, point_at, seek, unit_point_at
+from vibro.core.windows import thresholds
+
+__all__ = [
+    "arrivals", "cycle_legs", "displacement_gradients", "find_others", "followed", "history", "load_slopes",
+    "moments", "solve_contact", "solve_hops", "tipping_loads", "transition_loads",
+]  # fmt: skip
+
+
+class Answers(NamedTuple):
+    """Results of cells, as ``vibro.SteadyCycle`` has them, one buffer each."""
+
+    regime: Bytes
+    pattern_code: Integers
+    mean_velocity: Doubles
+    displacement_per_cycle: Doubles
+    peak_velocity: Doubles
+    throw_number: Doubles
+    forward_ratio: Doubles
+    back_ratio: Doubles
+    flight_fraction: Doubles
+    impact_velocity: Doubles
+    period_cycles: Doubles
+    mean_velocity_error: Doubles
+    coexists: Bytes
+    model_code: Bytes
+    status: Bytes
+
+
+def solve_contact(
+    scenes: Scenes, place: Integers, out: Answers, begin: int, end: int, classes_alone: bool
+) -> int:
+    """Solve the steady contact cycle of cells; return how many of them hop, which are left unmodelled.
+
+    Buffers that are 0 in contact are expected to be zero. ``place`` is room for 9 numbers more than the grid
+    has axes.
+    """
+    hopping = 0
+    angles = no_directions()
+    seek(scenes, place, begin)
+    for i in range(begin, end):
+        if i > begin:
+            advance(scenes, place)
+        point = point_at(scenes, place, angles)
+        angles = point.angles
+        loads = point.loads
+        at = thresholds(loads)
+        cycle = regime_alone(loads, at) if classes_alone else steady_cycle(loads, at)
+        if cycle.status == Status.INFEASIBLE:
+            out.throw_number[i], out.forward_ratio[i], out.back_ratio[i] = NAN, NAN, NAN
+        else:
+            capacity = loads.static_friction * loads.weight_normal
+            out.throw_number[i] = loads.drive_normal / loads.weight_normal
+            out.forward_ratio[i] = ratio_of(at.forward_load, capacity + loads.weight_tangential)
+            out.back_ratio[i] = ratio_of(at.back_load, capacity - loads.weight_tangential)
+        displacement = point.scale * cycle.displacement
+        out.displacement_per_cycle[i] = displacement
+        out.mean_velocity[i] = displacement * point.frequency
+        out.peak_velocity[i] = cycle.peak * TURN * point.frequency * point.scale
+        out.regime[i], out.status[i], out.model_code[i] = cycle.regime, cycle.status, cycle.model
+        out.pattern_code[i], out.coexists[i] = cycle.pattern, cycle.coexists
+        out.period_cycles[i] = 1.0
+        if cycle.model == Model.NONE:
+            out.flight_fraction[i], out.impact_velocity[i] = NAN, NAN
+            out.period_cycles[i], out.mean_velocity_error[i] = NAN, NAN
+        hopping += cycle.status == Status.FLIGHT_NOT_MODELLED
+    return hopping
+
+
+def solve_hops(
+    scenes: Scenes, place: Integers, out: Answers, cells: Integers, flights: Flights, hops: Hops, begin: int,
+    end: int,
+) -> None:  # fmt: skip
+    """Follow bodies that hop; ``cells`` are listed, ``flights`` and ``hops`` are scratch memory."""
+    for k in range(begin, end):
+        i = cells[k]
+        seek(scenes, place, i)
+        point = point_at(scenes, place, no_directions())
+        found = hopping(point.loads, point.restitution, flights, hops)
+        displacement = point.scale * found.displacement
+        speed = TURN * point.frequency * point.scale
+        out.displacement_per_cycle[i] = displacement
+        out.mean_velocity[i] = displacement * point.frequency
+        out.mean_velocity_error[i] = point.scale * found.deviation * point.frequency
+        out.peak_velocity[i], out.impact_velocity[i] = speed * found.peak, speed * found.impact
+        out.flight_fraction[i], out.period_cycles[i] = found.flight_fraction, found.period
+        out.status[i], out.coexists[i] = found.status, found.coexists
+        out.pattern_code[i], out.model_code[i] = 0, Model.NONE
+        if found.pattern != 0:
+            out.pattern_code[i] = found.pattern + SPELT_PATTERNS if found.pattern > 0 else found.pattern
+            out.model_code[i] = Model.FLIGHT
+
+
+def find_others(
+    scenes: Scenes, place: Integers, out: Answers, cells: Integers, flights: Flights, hops: Hops, begin: int,
+    end: int,
+) -> None:  # fmt: skip
+    """Look whether other motions coexist with those that ``solve_hops`` has found."""
+    for k in range(begin, end):
+        i = cells[k]
+        seek(scenes, place, i)
+        point = point_at(scenes, place, no_directions())
+        impact = out.impact_velocity[i] / (TURN * point.frequency * point.scale)
+        others = coexisting(point.loads, point.restitution, out.period_cycles[i], impact, flights, hops)
+        out.coexists[i] = 1 if others else 0
+
+
+class Limits(NamedTuple):
+    """Critical loads of cells."""
+
+    hop: Doubles
+    forward_onset: Doubles
+    back_onset: Doubles
+    back_slip: Doubles
+    rest_vanishes: Doubles
+
+
+def transition_loads(scenes: Scenes, place: Integers, out: Limits, begin: int, end: int) -> None:
+    """Find the load G at which each kind of motion begins."""
+    angles = no_directions()
+    seek(scenes, place, begin)
+    for i in range(begin, end):
+        if i > begin:
+            advance(scenes, place)
+        point = unit_point_at(scenes, place, angles)
+        angles = point.angles
+        found = critical_loads(point.loads)
+        out.hop[i], out.forward_onset[i], out.back_onset[i] = found.hop, found.forward_onset, found.back_onset
+        out.back_slip[i], out.rest_vanishes[i] = found.back_slip, found.rest_vanishes
+
+
+def tipping_loads(
+    scenes: Scenes, place: Integers, stand_ratio: Doubles, out: Doubles, begin: int, end: int
+) -> None:
+    """Find the load G up to which no edge of parts lifts; one stand ratio a cell."""
+    angles = no_directions()
+    seek(scenes, place, begin)
+    for i in range(begin, end):
+        if i > begin:
+            advance(scenes, place)
+        point = unit_point_at(scenes, place, angles)
+        angles = point.angles
+        out[i] = tipping_load(point.loads, stand_ratio[i])
+
+
+def load_slopes(
+    scenes: Scenes, place: Integers, pattern: Integers, out: Doubles, begin: int, end: int
+) -> None:
+    """Differentiate the displacement over A of contact cycles, of known patterns, with respect to ln G."""
+    for i in range(begin, end):
+        seek(scenes, place, i)
+        out[i] = load_slope(point_at(scenes, place, no_directions()).loads, pattern[i])
+
+
+class Gradients(NamedTuple):
+    """Derivatives of displacements over A: with respect to ln G [1], angles [1/rad] and frictions [1]."""
+
+    log_load: Doubles
+    drive_angle: Doubles
+    static_friction: Doubles
+    kinetic_friction: Doubles
+    trough_angle: Doubles
+
+
+def displacement_gradients(
+    scenes: Scenes, place: Integers, pattern: Integers, out: Gradients, begin: int, end: int
+) -> None:
+    """Differentiate the displacement over A of lines' contact cycles with respect to each input."""
+    for i in range(begin, end):
+        seek(scenes, place, i)
+        loads = point_at(scenes, place, no_directions()).loads
+        a, b = loads.drive_tangential, loads.drive_normal
+        n, t = loads.weight_normal, loads.weight_tangential
+        out.log_load[i] = load_slope(loads, pattern[i])
+        turned = Change(-b, a, 0.0, 0.0, 0.0, 0.0, 0.0)
+        out.drive_angle[i] = displacement_rate(loads, pattern[i], turned)
+        tilted = Change(0.0, 0.0, -t, n, 0.0, 0.0, 0.0)
+        out.trough_angle[i] = displacement_rate(loads, pattern[i], tilted)
+        static = Change(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+        out.static_friction[i] = displacement_rate(loads, pattern[i], static)
+        kinetic = Change(0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+        out.kinetic_friction[i] = displacement_rate(loads, pattern[i], kinetic)
+
+
+class CycleLegs(NamedTuple):
+    """Slides of cells.
+
+    Those of the first slide fill the first half of each buffer, those of the second one the other half.
+
+    Attributes
+    ----------
+    way : Doubles
+        +1 forward, -1 back, 0 where there is no slide.
+    zero, begin, end : Doubles
+        Phases of the trough's motion along itself: at which the slide's load is zero and rises, and at which
+        the slide begins and ends [rad].
+    load, resistance : Doubles
+        C and k of Eq. (3).
+    displacement : Doubles
+        Over A.
+    """
+
+    way: Doubles
+    zero: Doubles
+    begin: Doubles
+    end: Doubles
+    load: Doubles
+    resistance: Doubles
+    displacement: Doubles
+
+
+def cycle_legs(
+    scenes: Scenes, place: Integers, pattern: Integers, out: CycleLegs, begin: int, end: int, half: int
+) -> None:
+    """Solve the slides of contact cycles of known patterns; the second ones go to ``half`` and on."""
+    for i in range(begin, end):
+        seek(scenes, place, i)
+        found = cycle_slides(point_at(scenes, place, no_directions()).loads, pattern[i])
+        _write_leg(found.first, out, i)
+        _write_leg(found.second, out, half + i)
+
+
+def _write_leg(leg: SlideLeg, out: CycleLegs, row: int) -> None:
+    out.way[row], out.zero[row], out.begin[row], out.end[row] = leg.way, leg.zero, leg.begin, leg.end
+    out.load[row], out.resistance[row] = leg.start.onset.load, leg.start.onset.k
+    out.displacement[row] = leg.displacement

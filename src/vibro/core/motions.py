@@ -1,0 +1,203 @@
+"""Doors of single motions: scenes in buffers in, histories, their moments and arrival times out."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.arrival import arrival_cycles
+from vibro.core.bounces import Flights
+from vibro.core.buffers import Doubles, Integers
+from vibro.core.codes import Mode
+from vibro.core.drives import Loads, along_cosine, along_sine, normal_load, tangential_load
+from vibro.core.elementary import NAN, TURN, free_motion, wrap
+from vibro.core.history import LastStarts, Legs, follow, sections_of
+from vibro.core.hopping import MOST_THROW
+from vibro.core.scenes import Point, Scenes, no_directions, point_at, seek
+from vibro.core.steps import course_of
+
+__all__ = ["EXTREME", "Cycle", "Moments", "arrivals", "followed", "history", "moments"]
+
+#: [1] Of loads and frictions, and one over the least: motions form products of up to four of them, and
+#: differences of those.
+EXTREME: Final = 1e50
+
+
+class Cycle(NamedTuple):
+    """Steady cycle of a history: the fields of ``Followed``, one element each."""
+
+    first: Integers
+    period: Integers
+    advance: Doubles
+
+
+class Moments(NamedTuple):
+    """Motion and loads at moments of a history, one element each; lengths in A, speeds in A w.
+
+    Attributes
+    ----------
+    sine : Doubles
+        Of the trough's motion normal to itself.
+    trough_along, trough_normal : Doubles
+        Position of the trough.
+    path, velocity, acceleration : Doubles
+        Of the body along the trough, relative to it; ``path`` since the start of the leg.
+    inertial, normal : Doubles
+        Load along the trough, and force of the trough on the body.
+    gap : Doubles
+        Height above the trough.
+    """
+
+    sine: Doubles
+    trough_along: Doubles
+    trough_normal: Doubles
+    path: Doubles
+    velocity: Doubles
+    acceleration: Doubles
+    inertial: Doubles
+    normal: Doubles
+    gap: Doubles
+
+
+def _is_followed(loads: Loads) -> bool:
+    """Whether a body can be followed.
+
+    It cannot where mu_d > mu_s, where it is thrown so high that the phase of a landing is lost, or where
+    products of its loads and frictions overflow.
+    """
+    n, t = loads.weight_normal, loads.weight_tangential
+    mu_s, mu_d = loads.static_friction, loads.kinetic_friction
+    if mu_d > mu_s or loads.drive_normal > MOST_THROW * n or mu_s > EXTREME:
+        return False
+    weight = max(n, abs(t))
+    return 1.0 / EXTREME <= weight <= EXTREME and (mu_d == 0.0 or mu_d >= 1.0 / EXTREME)
+
+
+def _point(scenes: Scenes, place: Integers, cell: int) -> Point:
+    """Read the scene of a cell."""
+    seek(scenes, place, cell)
+    return point_at(scenes, place, no_directions())
+
+
+def followed(scenes: Scenes, place: Integers, cell: int) -> int:
+    """Return 1 if the body of a cell can be followed, else 0."""
+    return 1 if _is_followed(_point(scenes, place, cell).loads) else 0
+
+
+def arrivals(
+    scenes: Scenes, place: Integers, phase: float, velocity: float, length: Doubles, advance: Doubles,
+    times: Doubles, flights: Flights, begin: int, end: int,
+) -> None:  # fmt: skip
+    """Write the times until bodies have moved by a length; NaN where nobody knows.
+
+    Parameters
+    ----------
+    scenes, place : Scenes, Integers
+        The cells, and room for 9 numbers more than the grid has axes.
+    phase, velocity : float
+        Phase of the trough's motion along itself [rad], and how fast the bodies slide [m/s], at the start.
+    length, advance : Doubles
+        Of each cell, where the body shall arrive, and the displacement per drive cycle of its steady cycle,
+        NaN where that is unknown [m].
+    times : Doubles
+        When it arrives, inf where it never does [s].
+    flights : Flights
+        Scratch memory.
+    begin, end : int
+        Range of the cells.
+    """
+    for i in range(begin, end):
+        times[i] = NAN
+        point = _point(scenes, place, i)
+        if _is_followed(point.loads):
+            course = course_of(point.loads, point.restitution)
+            sections = sections_of(course, flights)
+            start = velocity / (point.scale * TURN * point.frequency)
+            reach, steady = length[i] / point.scale, advance[i] / point.scale
+            times[i] = arrival_cycles(course, sections, reach, phase, start, steady) / point.frequency
+
+
+def history(
+    scenes: Scenes, place: Integers, phase: float, velocity: float, cycles: float, legs: Legs, rows: int,
+    cycle: Cycle, last: LastStarts, flights: Flights,
+) -> int:  # fmt: skip
+    """Follow the body of the first cell; return the number of its legs, -1 if they do not fit.
+
+    Parameters
+    ----------
+    scenes, place : Scenes, Integers
+        The cells, and room for 9 numbers more than the grid has axes.
+    phase, velocity : float
+        Phase of the trough's motion along itself [rad], and how fast the body slides [A w], at the start.
+    cycles : float
+        Drive cycles to be followed.
+    legs, rows : Legs, int
+        Buffers of ``rows`` elements: the legs until the motion repeats.
+    cycle : Cycle
+        The steady cycle.
+    last, flights : LastStarts, Flights
+        Scratch memory.
+    """
+    point = _point(scenes, place, 0)
+    course = course_of(point.loads, point.restitution)
+    sections = sections_of(course, flights)
+    found = follow(course, sections, phase, velocity, cycles, legs, rows, last)
+    cycle.first[0] = found.first
+    cycle.period[0] = found.period
+    cycle.advance[0] = found.advance
+    return found.number
+
+
+def moments(
+    scenes: Scenes, place: Integers, legs: Legs, row: Integers, since: Doubles, found: Moments, count: int
+) -> None:
+    """Evaluate the motion of the first cell's body at moments of its legs.
+
+    Parameters
+    ----------
+    scenes, place : Scenes, Integers
+        The cells, of which the first is the history's, and room for 9 numbers more than the grid has axes.
+    legs : Legs
+        The history.
+    row, since : Integers, Doubles
+        Leg of each moment, and the phase since its start, at most its length [rad].
+    found : Moments
+        Motion and loads there.
+    count : int
+        Number of moments.
+    """
+    loads = _point(scenes, place, 0).loads
+    a, b, mu_d = loads.drive_tangential, loads.drive_normal, loads.kinetic_friction
+    for i in range(count):
+        leg, s = row[i], since[i]
+        mode, start = legs.mode[leg], legs.phase[leg]
+        flies, over = mode == Mode.FLIGHT, s >= legs.length[leg]
+        phase = start + (wrap(s) if mode == Mode.REST else s)
+        load, normal = tangential_load(loads, phase), max(normal_load(loads, phase), 0.0)
+        found.sine[i] = math.sin(phase)
+        found.trough_along[i] = a * along_sine(loads, phase)
+        found.trough_normal[i] = b * math.sin(phase)
+        found.inertial[i] = load
+        found.normal[i] = 0.0 if flies else normal
+        found.path[i] = 0.0
+        found.velocity[i] = 0.0
+        found.acceleration[i] = 0.0
+        found.gap[i] = 0.0
+        if mode != Mode.REST:
+            # N = -eta'': friction moves the body as far as the normal motion of a body without support would
+            friction = -mu_d if mode == Mode.BACK else mu_d
+            if flies:
+                friction = 0.0
+            found.acceleration[i] = load - friction * normal
+            if over:
+                found.path[i] = legs.displacement[leg]
+                found.velocity[i] = legs.end_velocity[leg]
+            else:
+                sine, cosine = along_sine(loads, start), along_cosine(loads, start)
+                along = free_motion(a, loads.weight_tangential, sine, cosine, legs.velocity[leg], s)
+                off = free_motion(
+                    b, loads.weight_normal, math.sin(start), math.cos(start), legs.rate[leg], s
+                )  # fmt: skip
+                found.path[i] = along.path + friction * off.path
+                found.velocity[i] = along.velocity + friction * off.velocity
+                found.gap[i] = max(off.path, 0.0) if flies else 0.0

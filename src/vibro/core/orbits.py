@@ -1,0 +1,420 @@
+"""Fixed points of the return map, to which the orbits of hopping bodies lead.
+
+The map never decreases, Eq. (36), so that its orbits are monotone and end at the first fixed point on their
+way. A cycle either has a stop, a rest or an impact that takes all of the velocity, or it has none.
+
+* After its last stop a cycle is the same whatever was before: the few velocities that can repeat are known
+  beforehand.
+* Without a stop the drive adds nothing over a cycle. What friction takes off grows with the velocity, as
+  faster bodies are ahead at every phase, so that there is one fixed point at most; and none where gravity
+  along the trough exceeds kinetic friction. Where there is neither, every such velocity repeats.
+
+Lengths in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.codes import Status
+from vibro.core.elementary import EPS, FEW_ULP, INF
+from vibro.core.legs import Track, until
+from vibro.core.return_map import Hops, Return, return_map
+
+__all__ = [
+    "ROUNDING", "HoppingCycle", "Orbit", "between", "cycle_from", "has_stop", "hopping_cycle", "orbit_from",
+    "stopping", "stops_of",
+]  # fmt: skip
+
+#: [1] Rounding of one evaluation of the return map, relative to the velocities in it.
+ROUNDING: Final = 16.0 * EPS
+
+# [1] Distance from the fixed point at which a cycle is closed, over the velocities in it.
+_CLOSED: Final = 1e-13
+_BESIDE: Final = 4.0 * _CLOSED  # [1] distance of another body from a cycle, over the velocities in it
+
+_MOST_EVALUATIONS: Final = 200  # [1] of the return map; the slowest orbits need the most
+
+# [1] Where an onset lies close to the lift-off, its phase is known to the root of an ulp only, and so is the
+# velocity at the lift-off after it. A velocity that returns within this distance is replaced by its image and
+# checked again.
+_NEAR: Final = 1e-6
+
+# [1] mu_d over mu_s from which on a search has found no second fixed point (benchmarks/hopping.py).
+_MOST_COEXISTENCE: Final = 0.75
+
+
+class HoppingCycle(NamedTuple):
+    """One cycle of the normal motion: its flights and contact, and the sizes of velocities in it.
+
+    Attributes
+    ----------
+    track : Track
+        Scene.
+    first, last : int
+        Rows of its flights in ``Hops``: from ``first`` to before ``last``.
+    landing, rest : float
+        Phase at which the contact after them begins, and its duration, 0 without one [rad].
+    bounded, edge : bool
+        Whether kinetic friction holds gravity along the trough, and whether rounding decides that.
+    neutral : bool
+        Whether there is neither of them.
+    bound : float
+        Limit of the velocity at the first take-off at any fixed point.
+    fall : float
+        Velocity that gravity along the trough adds in a cycle.
+    drive : float
+        Velocity of the trough.
+    forces : float
+        Largest change of the velocity by gravity and friction in a cycle.
+    """
+
+    track: Track
+    first: int
+    last: int
+    landing: float
+    rest: float
+    bounded: bool
+    edge: bool
+    neutral: bool
+    bound: float
+    fall: float
+    drive: float
+    forces: float
+
+
+def hopping_cycle(
+    track: Track, first: int, last: int, landing: float, rest: float, duration: float
+) -> HoppingCycle:
+    """Measure a cycle that lasts a phase of ``duration``, whole drive cycles [rad].
+
+    The body stops, or turns round, once in a cycle; only the drive and gravity can add velocity after that.
+    Over a cycle the normal impulse is that of the weight, Eq. (29), so that friction adds 2 pi mu_d n at most
+    in every drive cycle.
+    """
+    loads = track.loads
+    slope, friction = abs(loads.weight_tangential), loads.kinetic_friction * loads.weight_normal
+    edge = friction > 0.0 and abs(slope - friction) <= FEW_ULP * friction
+    return HoppingCycle(
+        track=track,
+        first=first,
+        last=last,
+        landing=landing,
+        rest=rest,
+        bounded=edge or slope < friction,
+        edge=edge,
+        neutral=friction == 0.0 and slope == 0.0,
+        bound=2.0 * loads.drive_tangential + duration * slope,
+        fall=-loads.weight_tangential * duration,
+        drive=loads.drive_tangential,
+        forces=duration * (friction + slope),
+    )
+
+
+def cycle_from(cycle: HoppingCycle, hops: Hops, velocity: float) -> Return:
+    """Follow a body through the cycle, from its velocity at the first take-off."""
+    return return_map(cycle.track, hops, cycle.first, cycle.last, cycle.landing, cycle.rest, velocity)
+
+
+def has_stop(now: Return) -> bool:
+    """Return whether the body stops in a cycle, and so forgets its velocity."""
+    return now.slope == 0.0
+
+
+def _size(cycle: HoppingCycle, velocity: float) -> float:
+    """Return the size of the numbers whose sum is the velocity after a cycle."""
+    return cycle.drive + cycle.forces + abs(velocity)
+
+
+def _apart(cycle: HoppingCycle, velocity: float) -> float:
+    """Return the distance below which two velocities at the first take-off are one."""
+    return ROUNDING * (cycle.drive + abs(velocity))
+
+
+def _downhill(cycle: HoppingCycle) -> float:
+    """Return the direction of gravity along the trough, 0 on a level one."""
+    t = cycle.track.loads.weight_tangential
+    return -math.copysign(1.0, t) if t != 0.0 else 0.0
+
+
+class Orbit(NamedTuple):
+    """Where an orbit leads.
+
+    Attributes
+    ----------
+    velocity : float
+        At the first take-off of the cycle.
+    cycle : Return
+        The cycle from there.
+    status : int
+        ``OK``, ``BOUNDARY``, ``RUNAWAY`` or ``UNRESOLVED``.
+    """
+
+    velocity: float
+    cycle: Return
+    status: int
+
+
+def _settled(velocity: float, now: Return, status: int) -> Orbit:
+    """Form the end of an orbit, which is unresolved where a slide of its cycle is."""
+    return Orbit(velocity, now, status if now.settled else Status.UNRESOLVED)
+
+
+class _Change(NamedTuple):
+    """Which way an orbit goes on, by how much Newton's iteration would, and whether the cycle is closed."""
+
+    rises: bool
+    newton: float
+    closed: bool
+
+
+def _change(cycle: HoppingCycle, here: float, now: Return) -> _Change:
+    """Compare a velocity with its image.
+
+    Without a stop gravity and friction alone change the velocity, and they are known without the cancellation
+    in the difference of two velocities.
+    """
+    if has_stop(now):
+        change, noise = now.velocity - here, ROUNDING * _size(cycle, here)
+    else:
+        change, noise = cycle.fall + now.friction, ROUNDING * cycle.forces
+    newton = abs(change) / (1.0 - now.slope) if now.slope < 1.0 else INF
+    closed = abs(change) <= noise or newton <= _CLOSED * (cycle.drive + abs(here))
+    return _Change(change > 0.0, newton, closed)
+
+
+def orbit_from(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
+    """Find the fixed point that a body reaches which enters the cycle with the velocity ``start``.
+
+    Returns
+    -------
+    Orbit
+        ``BOUNDARY`` where kinetic friction just holds gravity along the trough and the body keeps sliding,
+        or neither of them acts and it never stops; ``RUNAWAY`` where it gains speed for ever.
+    """
+    end = _orbit_held(cycle, hops, start) if cycle.bounded else _orbit_until_stop(cycle, hops, start)
+    if end.status == Status.OK and (cycle.edge or cycle.neutral):
+        # Where friction just holds gravity, or neither acts, a body may stop in its cycle by rounding alone.
+        # It does not if a body that slides a little faster stops too, downhill or either way.
+        beside = _BESIDE * _size(cycle, end.velocity)
+        for i in range(2):
+            way = _downhill(cycle) if cycle.edge else 2.0 * i - 1.0
+            if not has_stop(cycle_from(cycle, hops, end.velocity + way * beside)):
+                return end._replace(status=Status.BOUNDARY)
+    return end
+
+
+def _orbit_held(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
+    """Follow an orbit where friction holds gravity, so that it stays bounded."""
+    end = _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
+    loads = cycle.track.loads
+    if end.status == Status.OK and loads.kinetic_friction < _MOST_COEXISTENCE * loads.static_friction:
+        return _first_on_way(cycle, hops, start, end)
+    return end
+
+
+def _bracketed(cycle: HoppingCycle, hops: Hops, start: float, low: float, high: float) -> Orbit:
+    """Find a fixed point, any where there are several: Newton's iteration in the bracket its steps leave.
+
+    Where kinetic friction just holds gravity, all velocities at which the body slides downhill alone are
+    fixed points; the orbit ends at the first of them.
+    """
+    here = start
+    now = cycle_from(cycle, hops, here)
+    for i in range(_MOST_EVALUATIONS):
+        if i > 0:
+            now = cycle_from(cycle, hops, here)
+        step = _change(cycle, here, now)
+        past = step.closed and cycle.edge and now.slope == 1.0 and here != start
+        rises = here < start if past else step.rises
+        if rises:
+            low = here
+        else:
+            high = here
+        room = high - low
+        if (step.closed and not past) or room <= _apart(cycle, here):
+            return _settled(here, now, Status.OK)
+        onward = step.newton if step.newton < room else 0.5 * room
+        here = here + onward if rises else here - onward
+    return Orbit(here, now, Status.UNRESOLVED)
+
+
+def _orbit_until_stop(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
+    """Follow an orbit where gravity drives the body on in every cycle without a stop, or nothing acts on it.
+
+    It ends at the first fixed point with a stop on its way, or nowhere. Where nothing acts it also ends at
+    any velocity at which the body does not stop: a disturbed body keeps another one, hence ``BOUNDARY``.
+    """
+    begin = cycle_from(cycle, hops, start)
+    way = _downhill(cycle)
+    if has_stop(begin):
+        change = begin.velocity - start
+        way = math.copysign(1.0, change) if abs(change) > ROUNDING * _size(cycle, start) else 0.0
+    if way == 0.0:
+        return _settled(start, begin, Status.OK if has_stop(begin) else Status.BOUNDARY)
+    end = _first_stopping(cycle, hops, start, begin, way)
+    if end.status == Status.UNRESOLVED and way == _downhill(cycle):
+        return end._replace(status=Status.RUNAWAY)
+    return end
+
+
+def _distance(start: float, way: float, velocity: float) -> float:
+    """Return how far on the way from the start a velocity lies; negative behind it."""
+    return abs(velocity - start) if way == 0.0 else way * (velocity - start)
+
+
+def _first_stopping(cycle: HoppingCycle, hops: Hops, start: float, begin: Return, way: float) -> Orbit:
+    """Find the first fixed point on the way from the start that ``stopping`` lists; else ``UNRESOLVED``."""
+    best, nearest = Orbit(start, begin, Status.UNRESOLVED), INF
+    for index in range(stops_of(cycle)):
+        found = stopping(cycle, hops, start, begin, way, index)
+        distance = _distance(start, way, found.velocity)
+        if found.status != Status.UNRESOLVED and 0.0 <= distance < nearest:
+            best, nearest = found, distance
+    return best
+
+
+def stops_of(cycle: HoppingCycle) -> int:
+    """Return how many velocities ``stopping`` looks at."""
+    return cycle.last - cycle.first + 3
+
+
+def stopping(cycle: HoppingCycle, hops: Hops, start: float, begin: Return, way: float, index: int) -> Orbit:
+    """Find one of the fixed points with a stop, or after one where nothing acts on the body.
+
+    Such a body takes off with the velocity that follows the last stop in its cycle: after one of the impacts,
+    or after a rest until one of the onsets.
+
+    Parameters
+    ----------
+    cycle, hops : HoppingCycle, Hops
+        The cycle.
+    start, begin : float, Return
+        The velocity of a body from rest and the cycle from there, which is looked at first. Along a line it
+        stands for a rest until the forward onset.
+    way : float
+        +1.0 or -1.0: skip velocities on the other side of the start; 0.0: skip none.
+    index : int
+        Which of the ``stops_of(cycle)``.
+
+    Returns
+    -------
+    Orbit
+        ``OK`` where a cycle with a stop repeats, ``BOUNDARY`` where one without does, else ``UNRESOLVED``.
+    """
+    none = Orbit(start, begin, Status.UNRESOLVED)
+    track, row = cycle.track, cycle.first + index
+    velocity, now = start, begin
+    if index > 0:
+        after = begin
+        if row <= cycle.last:
+            after = return_map(track, hops, row, cycle.last, cycle.landing, cycle.rest, 0.0)
+            if has_stop(after):
+                return none
+        else:
+            forward = row == cycle.last + 1
+            onset = track.forward_onset if forward else track.back_onset
+            if math.isnan(onset) or (forward and track.loads.line):
+                return none
+            if until(onset, cycle.landing) >= cycle.rest:
+                return none
+            after = return_map(track, hops, 0, 0, onset, until(track.lift_off, onset), 0.0)
+        velocity = after.velocity
+        if way * (velocity - start) < 0.0:
+            return none
+        now = cycle_from(cycle, hops, velocity)
+    size, apart = _size(cycle, velocity), abs(now.velocity - velocity)
+    if has_stop(now) and ROUNDING * size < apart <= _NEAR * size:
+        velocity = now.velocity
+        now = cycle_from(cycle, hops, velocity)
+        apart = abs(now.velocity - velocity)
+    if has_stop(now):
+        return _settled(velocity, now, Status.OK if apart <= ROUNDING * size else Status.UNRESOLVED)
+    return _settled(velocity, now, Status.BOUNDARY if cycle.neutral else Status.UNRESOLVED)
+
+
+def _first_on_way(cycle: HoppingCycle, hops: Hops, start: float, home: Orbit) -> Orbit:
+    """Find the first fixed point on the way from the start, which the orbit reaches; ``home`` is some other.
+
+    Those with a stop are listed. The one without a stop is either ``home`` or looked for, unless the first
+    cycle of the orbit leads to ``home`` by a stop.
+    """
+    now = cycle_from(cycle, hops, start)
+    if has_stop(now) and abs(now.velocity - home.velocity) <= ROUNDING * cycle.drive:
+        return home
+    step = _change(cycle, start, now)
+    way = 0.0 if step.closed else (1.0 if step.rises else -1.0)
+    first = _first_stopping(cycle, hops, start, now, way)
+    nearest = _distance(start, way, first.velocity) if first.status == Status.OK else INF
+    if 0.0 <= _distance(start, way, home.velocity) < nearest:
+        first, nearest = home, _distance(start, way, home.velocity)
+    if has_stop(home.cycle) and way != 0.0:
+        target = first.velocity if first.status == Status.OK else way * cycle.bound
+        sliding = between(cycle, hops, start, target)
+        if sliding.status == Status.OK and 0.0 <= _distance(start, way, sliding.velocity) < nearest:
+            first = sliding
+    return first if first.status == Status.OK else home
+
+
+def between(cycle: HoppingCycle, hops: Hops, start: float, target: float) -> Orbit:
+    """Find the fixed point without a stop between a velocity and a target; no other may lie there.
+
+    As there is one at most, it lies ahead of every velocity without a stop from which the search goes on.
+    ``far`` is a velocity beyond which it cannot lie: from there the orbit leads back, or to the target by
+    stops alone.
+
+    Returns
+    -------
+    Orbit
+        ``OK`` where it is found, else ``UNRESOLVED``.
+    """
+    here, far = start, target
+    now = cycle_from(cycle, hops, here)
+    if target == start:
+        return Orbit(here, now, Status.UNRESOLVED)
+    way = math.copysign(1.0, target - start)
+    for _ in range(_MOST_EVALUATIONS):
+        step = _change(cycle, here, now)
+        if step.closed and not has_stop(now):
+            return _settled(here, now, Status.OK)
+        room = way * (far - here)
+        if step.closed or room <= _apart(cycle, here) or step.rises != (way > 0.0):
+            break
+        if way * (now.velocity - far) >= 0.0:
+            break
+        trial = here + way * min(step.newton, 0.5 * room)
+        image = cycle_from(cycle, hops, trial)
+        step = _change(cycle, trial, image)
+        if not step.closed and step.rises != (way > 0.0):  # leads back: the fixed point is enclosed
+            return _bracketed(cycle, hops, here, min(here, trial), max(here, trial))
+        if not has_stop(image):
+            here, now = trial, image
+            continue
+        led = Orbit(trial, image, Status.UNRESOLVED)
+        if not step.closed and way * (image.velocity - far) < 0.0:
+            led = _led_on(cycle, hops, image.velocity, far, way)
+        if led.status == Status.OK:
+            here, now = led.velocity, led.cycle
+        else:
+            far = trial
+    return Orbit(here, now, Status.UNRESOLVED)
+
+
+def _led_on(cycle: HoppingCycle, hops: Hops, start: float, far: float, way: float) -> Orbit:
+    """Follow an orbit from stop to stop to a cycle without one, ``UNRESOLVED`` if none comes before ``far``.
+
+    It goes on one way, as the map never decreases.
+    """
+    here = start
+    now = cycle_from(cycle, hops, here)
+    for _ in range(_MOST_EVALUATIONS):
+        if not has_stop(now):
+            return Orbit(here, now, Status.OK)
+        if way * (now.velocity - far) >= 0.0:
+            break
+        if way * (now.velocity - here) <= ROUNDING * _size(cycle, here):
+            break
+        here = now.velocity
+        now = cycle_from(cycle, hops, here)
+    return Orbit(here, now, Status.UNRESOLVED)

@@ -1,0 +1,244 @@
+"""Return map of hopping bodies: from the velocity at a lift-off to that at the next one like it, Eq. (36).
+
+The normal motion does not depend on sliding, so that the flights of a cycle are known before
+(``bounces.py``). Trajectories cannot cross, only merge: the map never decreases. It is piecewise smooth
+with a slope of at most 1, as a turn under friction, a rest and an impact all bring velocities closer, and
+jumps upwards only, where static friction holds one body and not its neighbour. Lengths in A, speeds in A w,
+phases in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.buffers import Doubles
+from vibro.core.codes import MOST_LETTERS, Mode
+from vibro.core.drives import Loads, phase_difference
+from vibro.core.elementary import PI, TURN, free_motion, wrap
+from vibro.core.legs import Track, contact_leg, mode_of, until
+
+__all__ = ["Hops", "Release", "Return", "release", "return_map", "with_same_ground_speed", "write_hop"]
+
+_MOST_LEGS: Final = 64  # [1] legs of one contact, which lasts less than a drive cycle
+_FULL: Final = 5 ** (MOST_LETTERS - 1)  # [1] a pattern from here on has no room for another digit
+
+
+class Hops(NamedTuple):
+    """What each flight and the impact after it do to the relative velocity, whatever that is.
+
+    Scratch memory of one scene; one row per flight.
+
+    Attributes
+    ----------
+    gain, length, shift : Doubles
+        Velocity added in flight, duration [rad], and displacement that this velocity adds.
+    brake : Doubles
+        Largest change of velocity by friction in the impact, Eq. (31).
+    high, low : Doubles
+        Extremes of the velocity added on the way, 0 at take-off included.
+    landing, rest : Doubles
+        Phase at which a contact amid the flights begins, and its duration; 0 where the body takes off at
+        once. The contact at the end of a cycle is an argument of ``return_map``.
+    """
+
+    gain: Doubles
+    length: Doubles
+    shift: Doubles
+    brake: Doubles
+    high: Doubles
+    low: Doubles
+    landing: Doubles
+    rest: Doubles
+
+
+class Return(NamedTuple):
+    """One cycle from a given velocity at its first lift-off.
+
+    Attributes
+    ----------
+    velocity : float
+        Relative velocity at the next such lift-off.
+    slope : float
+        Its derivative, in [0, 1]; 0 where the body stops on the way and so forgets its velocity.
+    friction : float
+        Change of the velocity by friction, as long as the body does not stop.
+    displacement, peak : float
+        Displacement, and largest speed.
+    pattern : int
+        Legs of the cycle, as digits of ``Mode`` to base 5; negative where cut after ``MOST_LETTERS``.
+    settled : bool
+        Whether every slide was solved.
+    """
+
+    velocity: float
+    slope: float
+    friction: float
+    displacement: float
+    peak: float
+    pattern: int
+    settled: bool
+
+
+def write_hop(loads: Loads, phase: float, length: float, impulse: float, hops: Hops, row: int) -> None:
+    """Integrate the free motion along the trough over one flight, Eq. (30), into a row of ``hops``.
+
+    Parameters
+    ----------
+    loads : Loads
+        Groups of the scene.
+    phase, length : float
+        Take-off phase and duration of the flight [rad].
+    impulse : float
+        Normal impulse of its landing [A w n].
+    hops : Hops
+        Written at ``row``, without a contact after the landing.
+    row : int
+        Where.
+    """
+    a, t = loads.drive_tangential, loads.weight_tangential
+    p = phase - phase_difference(loads)
+    sine, cosine = math.sin(p), math.cos(p)
+    flown = free_motion(a, t, sine, cosine, 0.0, length)
+    high, low = max(flown.velocity, 0.0), min(flown.velocity, 0.0)
+    # Inside the flight the velocity is extreme where the load along the trough changes sign. Minima, and
+    # maxima, change monotonically from one turn to the next: the first and the last of each suffice.
+    if abs(t) < a:
+        kappa = math.asin(t / a)
+        for i in range(2):
+            first = wrap((PI - kappa if i == 0 else kappa) - p)
+            if first <= length:
+                v = free_motion(a, t, sine, cosine, 0.0, first).velocity
+                high, low = max(high, v), min(low, v)
+                last = first + TURN * math.floor((length - first) / TURN)
+                if last > first:
+                    v = free_motion(a, t, sine, cosine, 0.0, last).velocity
+                    high, low = max(high, v), min(low, v)
+    hops.gain[row] = flown.velocity
+    hops.length[row] = length
+    hops.shift[row] = flown.path
+    hops.brake[row] = loads.kinetic_friction * loads.weight_normal * impulse
+    hops.high[row] = high
+    hops.low[row] = low
+    hops.landing[row] = 0.0
+    hops.rest[row] = 0.0
+
+
+def return_map(
+    track: Track, hops: Hops, first: int, last: int, landing: float, rest: float, velocity: float
+) -> Return:
+    """Follow a body through one cycle of its normal motion.
+
+    Parameters
+    ----------
+    track : Track
+        Scene.
+    hops : Hops
+        Its flights.
+    first, last : int
+        Rows of the flights of the cycle: from ``first`` to before ``last``.
+    landing, rest : float
+        Phase at which the contact after the last flight begins, and its duration, 0 without one [rad].
+    velocity : float
+        Relative velocity at the first take-off.
+
+    Returns
+    -------
+    Return
+        The cycle.
+    """
+    out = Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0, True)
+    for row in range(first, last):
+        v = out.velocity
+        top = max(abs(v + hops.high[row]), abs(v + hops.low[row]))
+        path = v * hops.length[row] + hops.shift[row]
+        v += hops.gain[row]
+        left = max(abs(v) - hops.brake[row], 0.0)
+        out = Return(
+            math.copysign(left, v),
+            out.slope if left > 0.0 else 0.0,
+            out.friction - math.copysign(hops.brake[row], v),
+            out.displacement + path,
+            max(out.peak, top),
+            _append(out.pattern, Mode.FLIGHT),
+            out.settled,
+        )
+        if hops.rest[row] > 0.0:
+            out = _contact(track, out, hops.landing[row], hops.rest[row])
+    if rest > 0.0:
+        out = _contact(track, out, landing, rest)
+    return out
+
+
+def _contact(track: Track, out: Return, landing: float, rest: float) -> Return:
+    """Slide and rest from a landing until the lift-off."""
+    phase, left = landing, rest
+    mode = mode_of(track.loads, landing, out.velocity)
+    for _ in range(_MOST_LEGS):
+        leg = contact_leg(track, mode, phase, out.velocity, left)
+        out = Return(
+            leg.velocity,
+            out.slope * leg.gain,
+            out.friction - track.loads.kinetic_friction * leg.impulse,
+            out.displacement + leg.displacement,
+            max(out.peak, leg.top),
+            _append(out.pattern, mode),
+            out.settled and leg.settled,
+        )
+        if not leg.length < left:
+            return out
+        phase, left, mode = phase + leg.length, left - leg.length, leg.next_mode
+    return out._replace(settled=False)
+
+
+def _append(pattern: int, digit: int) -> int:
+    """Append a leg to a pattern; a full one turns negative and stays as it is."""
+    return -abs(pattern) if abs(pattern) >= _FULL else 5 * pattern + digit
+
+
+class Release(NamedTuple):
+    """How a body that is released at rest, at phase 0 of the trough's motion along itself, first takes off.
+
+    Attributes
+    ----------
+    aloft : bool
+        Whether the trough cannot bear it there, so that it takes off at once.
+    phase : float
+        Phase of the take-off: that of the release if ``aloft``, else the lift-off [rad].
+    velocity : float
+        Relative velocity along the trough at the take-off.
+    """
+
+    aloft: bool
+    phase: float
+    velocity: float
+
+
+def release(track: Track) -> Release:
+    """Follow a body from its release until it takes off; K > 1.
+
+    Along a line phase 0 is followed by a rest until the forward onset, and by the slide of Eq. (35). On an
+    elliptical trough the body may slide either way, and more than once. Where K sin(phi) > 1 it takes off at
+    once, with the trough's velocity; the flight of one at the lift-off phase itself begins there.
+    """
+    loads, at = track.loads, track.forward
+    if loads.line:
+        start, end = track.forward_onset, track.lift_off
+        velocity = 0.0
+        if start < end:
+            velocity = at.amplitude * (math.cos(start) - math.cos(end)) - at.drag * (end - start)
+        return Release(False, end, velocity)
+    phase = phase_difference(loads)
+    wait = until(track.lift_off, phase)
+    if wait == 0.0:
+        return Release(False, track.lift_off, 0.0)
+    if loads.drive_normal * math.sin(phase) > loads.weight_normal:
+        return Release(True, wrap(phase), 0.0)
+    slid = _contact(track, Return(0.0, 1.0, 0.0, 0.0, 0.0, 0, True), phase, wait)
+    return Release(False, track.lift_off, slid.velocity)
+
+
+def with_same_ground_speed(loads: Loads, velocity: float, phase: float, other: float) -> float:
+    """Return the velocity relative to the trough of the same velocity over the ground, at another phase."""
+    phi = phase_difference(loads)
+    return velocity + loads.drive_tangential * (math.cos(phase - phi) - math.cos(other - phi))

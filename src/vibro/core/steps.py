@@ -1,0 +1,241 @@
+"""One body from leg to leg: rest, slide, flight, each with the state that it hands over.
+
+The state keeps the drive cycles completed and a phase in [0, 2 pi), so that no phase grows with time, and
+says what the body does from there on: a rest ends at the onset itself, so that rounding cannot send the body
+back to rest. Equation numbers are those of docs/theory.md. Lengths in A, speeds in A w, normal speeds over
+n = cos(beta)/G [A w n], phases of the normal motion in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.codes import Mode
+from vibro.core.drives import Loads, along_cosine, along_sine, phase_difference
+from vibro.core.elementary import INF, NAN, QUARTER, TURN, free_motion, wrap, wrap_around
+from vibro.core.flight import ACCUMULATED, Flight, after_landing, flight, lift_off_flight
+from vibro.core.legs import Leg, Track, contact_leg, mode_of, track_of
+from vibro.core.slide import Onset, slide, start_inside
+from vibro.core.windows import Start, own_phase, resting_start, thresholds
+
+__all__ = ["Course", "State", "Step", "course_of", "nearest_turn", "starting", "step"]
+
+_SAME_ONSET: Final = 1e-6  # [rad] more than an arc sine next to 1 loses
+
+
+class Course(NamedTuple):
+    """A scene with what following a body through it needs.
+
+    Attributes
+    ----------
+    track : Track
+        Onsets, forcings and lift-off phase; the latter is inf where the body never hops.
+    forward, back : Start
+        Slides from rest; NaN where a body at rest never slips that way.
+    rests : bool
+        Whether friction can hold a body on the trough at all.
+    throw, restitution : float
+        K and e.
+    """
+
+    track: Track
+    forward: Start
+    back: Start
+    rests: bool
+    throw: float
+    restitution: float
+
+
+class State(NamedTuple):
+    """A body at the start of a leg.
+
+    Attributes
+    ----------
+    cycle : int
+        Drive cycles completed.
+    phase : float
+        Phase of the trough's motion normal to itself, in [0, 2 pi) [rad].
+    mode : int
+        ``Mode`` of the leg that begins.
+    position, velocity : float
+        Relative to the trough.
+    rate : float
+        Normal speed of a take-off [A w n], 0 in contact.
+    """
+
+    cycle: int
+    phase: float
+    mode: int
+    position: float
+    velocity: float
+    rate: float
+
+
+class Step(NamedTuple):
+    """One leg, and what follows it.
+
+    Attributes
+    ----------
+    length : float
+        Phase from its start to its end [rad]; inf for a leg without end, and for a slide all else is NaN.
+    displacement : float
+        Displacement during it.
+    velocity : float
+        Relative velocity at its end, before an impact.
+    impact : float
+        Speed towards the trough at its end, 0 in contact [A w n].
+    gain : float
+        Change of the velocity after the leg per change of it before, in [0, 1].
+    after : State
+        The start of the next leg.
+    """
+
+    length: float
+    displacement: float
+    velocity: float
+    impact: float
+    gain: float
+    after: State
+
+
+def course_of(loads: Loads, restitution: float) -> Course:
+    """Prepare a scene for following a body."""
+    at = thresholds(loads)
+    track = track_of(loads)
+    rests = abs(loads.weight_tangential) < loads.static_friction * loads.weight_normal
+    # a line that presses the body down more than it pushes has a window both ways, but one is not in contact
+    slips_forward = rests and at.forward and not math.isnan(track.forward_onset)
+    slips_back = rests and at.back and not math.isnan(track.back_onset)
+    forward = resting_start(loads, at, 1.0) if slips_forward else _no_start()
+    back = resting_start(loads, at, -1.0) if slips_back else _no_start()
+    if rests:
+        track = track._replace(
+            forward_onset=_onset(loads, 1.0, forward, track.forward_onset),
+            back_onset=_onset(loads, -1.0, back, track.back_onset),
+        )
+    if not at.hops:
+        track = track._replace(lift_off=INF)
+    return Course(track, forward, back, rests, loads.drive_normal / loads.weight_normal, restitution)
+
+
+def _no_start() -> Start:
+    """Stand for the slide of a body that never slips in a direction."""
+    return Start(Onset(NAN, NAN, NAN, NAN, NAN, NAN, NAN), NAN, NAN, NAN)
+
+
+def _crest(loads: Loads, way: float) -> float:
+    """Phase at which the load of slides in a direction is largest."""
+    return QUARTER - own_phase(loads, way, loads.kinetic_friction)
+
+
+def _onset(loads: Loads, way: float, start: Start, coarse: float) -> float:
+    """Phase at which slides from rest begin, to rounding; NaN if they never do.
+
+    ``coarse`` is that phase by an arc sine, which loses half of its digits where a window is short. The start
+    of the slide loses more where kinetic friction is negligible beside static friction and the load beside both.
+    """
+    if math.isnan(start.onset.c):
+        return NAN
+    sharp = wrap(_crest(loads, way) - start.onset.c)
+    return sharp if abs(math.remainder(sharp - coarse, TURN)) <= _SAME_ONSET else coarse
+
+
+def starting(course: Course, phase: float, velocity: float) -> State:
+    """Place a body on the trough with a velocity, at a phase of the trough's motion along itself.
+
+    Where the trough cannot bear it, N < 0, it leaves at once.
+    """
+    phase = wrap(phase + phase_difference(course.track.loads))
+    mode = mode_of(course.track.loads, phase, velocity)
+    if math.isfinite(course.track.lift_off) and course.throw * math.sin(phase) > 1.0:
+        mode = Mode.FLIGHT
+    return State(0, phase, mode, 0.0, velocity, 0.0)
+
+
+def nearest_turn(phase: float) -> int:
+    """Round a phase to whole turns."""
+    turns = math.floor(phase / TURN + 0.5)
+    return int(turns)
+
+
+def step(course: Course, now: State) -> Step:
+    """Follow a body through one leg."""
+    if now.mode == Mode.FLIGHT:
+        return _in_flight(course, now)
+    return _in_contact(course, now)
+
+
+def _in_contact(course: Course, now: State) -> Step:
+    """Rest or slide until the next onset, the end of the slide or the lift-off."""
+    track = course.track
+    hops = math.isfinite(track.lift_off)
+    limit = wrap(track.lift_off - now.phase) if hops else INF
+    leg = _sharpened(course, now, contact_leg(track, now.mode, now.phase, now.velocity, limit))
+    position = now.position + leg.displacement
+    if not math.isfinite(leg.length):
+        endless = State(now.cycle, NAN, leg.next_mode, position, leg.velocity, 0.0)
+        return Step(leg.length, leg.displacement, leg.velocity, 0.0, leg.gain, endless)
+    leaves = hops and leg.length >= limit
+    mode = Mode.FLIGHT if leaves else leg.next_mode
+    end = now.phase + leg.length
+    turns = math.floor(end / TURN)
+    cycle, phase = now.cycle + int(turns), end - TURN * turns
+    # a rest ends at the onset itself, a contact at the lift-off itself
+    exact = phase
+    if leaves:
+        exact = track.lift_off
+    elif now.mode == Mode.REST:
+        exact = track.forward_onset if mode == Mode.FORWARD else track.back_onset
+    cycle += nearest_turn(phase - exact)
+    after = State(cycle, exact, mode, position, leg.velocity, 0.0)
+    return Step(leg.length, leg.displacement, leg.velocity, 0.0, leg.gain, after)
+
+
+def _sharpened(course: Course, now: State, leg: Leg) -> Leg:
+    """Solve a slide from rest in a contact scene by the form that does not cancel for short ones."""
+    track = course.track
+    if now.mode == Mode.REST or now.velocity != 0.0 or math.isfinite(track.lift_off):
+        return leg
+    way = 1.0 if now.mode == Mode.FORWARD else -1.0
+    start = course.forward if way > 0.0 else course.back
+    begins = track.forward_onset if way > 0.0 else track.back_onset
+    onset = start.onset
+    if math.isnan(onset.k):
+        return leg
+    if now.phase != begins:
+        onset = start_inside(wrap_around(_crest(track.loads, way) - now.phase), onset.k, onset.load)
+    end = slide(onset)
+    if not (end.settled and math.isfinite(end.half_length)):
+        return leg
+    return leg._replace(length=2.0 * end.half_length, displacement=way * end.displacement)
+
+
+def _in_flight(course: Course, now: State) -> Step:
+    """Fly to the next landing, through the bounces after it where they accumulate."""
+    loads = course.track.loads
+    hop = _flight(course, now)
+    touch = now.phase + hop.length
+    landed = after_landing(course.throw, touch, hop.impact, course.restitution, ACCUMULATED)
+    length = hop.length + landed.length
+    sine, cosine = along_sine(loads, now.phase), along_cosine(loads, now.phase)
+    path, velocity = free_motion(
+        loads.drive_tangential, loads.weight_tangential, sine, cosine, now.velocity, length
+    )  # fmt: skip
+    # the impact takes as much speed as friction has impulse for, Eq. (31)
+    left = max(abs(velocity) - loads.kinetic_friction * loads.weight_normal * landed.impulse, 0.0)
+    slowed = -left if velocity < 0.0 else left
+    end = touch + landed.length
+    turns = math.floor(end / TURN)
+    phase = end - TURN * turns
+    mode = mode_of(loads, phase, slowed) if landed.contact else Mode.FLIGHT
+    after = State(now.cycle + int(turns), phase, mode, now.position + path, slowed, landed.take_off)
+    return Step(length, path, velocity, hop.impact, 1.0 if left > 0.0 else 0.0, after)
+
+
+def _flight(course: Course, now: State) -> Flight:
+    """Fly; a take-off from contact at the lift-off phase has the sharper solution."""
+    lift_off = course.track.lift_off
+    if now.rate == 0.0 and now.phase == lift_off:
+        return lift_off_flight(course.throw, lift_off)
+    return flight(course.throw, lift_off, now.phase, now.rate)

@@ -1,1 +1,0 @@
-"""One body from its first moment on: steps, histories, arrival."""

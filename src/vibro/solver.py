@@ -1,0 +1,129 @@
+"""How grids of scenes get to the solver's doors: as buffers with strides, in ranges, on several threads."""
+
+from __future__ import annotations
+
+import math
+import threading
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
+from vibro.core.compiled import doors
+from vibro.core.samples import BODIES, ROWS
+from vibro.parallel import in_parallel
+from vibro.scene import EllipticalFields, LinearFields
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from vibro.scene import Fields
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Grid", "Scratch", "over_cells"]
+
+_ONE: Final = np.ones(())
+
+
+class Grid:
+    """Scenes as the solver reads them.
+
+    Parameters
+    ----------
+    fields : LinearFields or EllipticalFields
+        Of a scene; they broadcast against each other, and nothing is copied for that.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Common shape of the fields.
+    size : int
+        Number of cells.
+    """
+
+    def __init__(self, fields: Fields) -> None:
+        if isinstance(fields, EllipticalFields):
+            arrays = tuple(fields)
+        elif isinstance(fields, LinearFields):
+            arrays = (fields.amplitude, fields.drive_angle, _ONE, *fields[1:2], *fields[3:])
+        else:
+            fields.refuse()
+        is_ellipse = isinstance(fields, EllipticalFields)
+        ndims = {x.ndim for x in arrays}
+        if ndims == {0}:  # one scene: one small buffer
+            self.shape: tuple[int, ...] = ()
+            self.size, axes = 1, 1
+            self._kept: tuple[Any, ...] = (np.array(arrays).reshape(9, 1),)
+            buffers = doors().rows(self._kept[0])
+            sizes, strides = _ONE_CELL, _NO_STRIDES
+        else:
+            self.shape = np.broadcast_shapes(*(x.shape for x in arrays))
+            self.size, axes = math.prod(self.shape), len(self.shape)
+            self._kept = tuple(np.ascontiguousarray(x, np.float64) for x in arrays)
+            buffers = tuple(doors().row(x) if x.size else doors().row(_ONE) for x in self._kept)
+            sizes = np.array(self.shape, np.int64)
+            strides = np.array([_strides(x.shape, axes) for x in arrays], np.int64)
+        self._sizes, self._strides, self._axes = sizes, strides, axes
+        self.scenes: Any = (*buffers, doors().row(sizes), doors().row(strides), axes, is_ellipse)
+
+    def place(self) -> NDArray[np.int64]:
+        """Make room for the place of a cell."""
+        return np.empty(self._axes + 9, np.int64)
+
+
+_ONE_CELL: Final = np.ones(1, np.int64)
+_NO_STRIDES: Final = np.zeros(9, np.int64)
+
+
+def _strides(shape: tuple[int, ...], axes: int) -> list[int]:
+    """Strides in numbers along the axes of the grid; 0 where one value serves all."""
+    strides, step = [0] * axes, 1
+    for i in range(1, len(shape) + 1):
+        if shape[-i] != 1:
+            strides[-i] = step
+        step *= shape[-i]
+    return strides
+
+
+class Scratch(threading.local):
+    """Room for the flights of one scene, one a thread, made when it is first needed."""
+
+    def __init__(self) -> None:
+        self._kept = np.empty((6, MOST_BOUNCES + LONGEST_CYCLE)), np.empty((8, BODIES * (ROWS)))
+        self.flights, self.hops = map(doors().rows, self._kept)
+
+
+def over_cells(
+    run: Callable[[int, int], Any],
+    size: int,
+    step: int,
+    threads: int | None,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Run over all cells, a range at a time, on several threads if the solver is compiled.
+
+    Parameters
+    ----------
+    run : callable
+        Called with the begin and the end of each range.
+    size, step : int
+        Number of cells, and of those of a range.
+    threads : int, optional
+        How many share the work; without, one a core.
+    progress : callable, optional
+        Called in this thread with the number of cells that are done, and of all.
+    """
+    if size <= step and progress is None:
+        if size:
+            run(0, size)
+        return
+    parts = [(begin, min(begin + step, size)) for begin in range(0, size, step)]
+
+    def tell(done: int) -> None:
+        if progress:
+            progress(min(done * step, size), size)
+
+    in_parallel(lambda part: run(*part), parts, threads if doors().compiled else 1, tell)

@@ -1,0 +1,371 @@
+"""The normal motion of a hopping body: cycles with contact, without, their balance and their limits."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy as np
+import pytest
+
+from vibro.core.bounces import (
+    LONGEST_CYCLE,
+    MOST_BOUNCES,
+    MOST_FLIGHTS,
+    Bounces,
+    Flights,
+    _close,
+    _near_repeat,
+    bounces,
+    single_bounce,
+)
+from vibro.core.flight import BOUNCE, Covariance, Flight, after_landing, flight, propagate, tangent_map
+
+TURN = 2.0 * math.pi
+BYTES = 8 * (MOST_BOUNCES + LONGEST_CYCLE)
+FLIGHTS = Flights(*(memoryview(bytearray(BYTES)).cast("d") for _ in range(6)))
+
+
+def _from_rest(throw: float, restitution: float, most: int = MOST_FLIGHTS) -> Bounces:
+    return bounces(throw, restitution, FLIGHTS, most, math.nan, math.nan, True)
+
+
+def _column(column: memoryview[float], motion: Bounces) -> list[float]:
+    """List what the flights of a cycle have in a column."""
+    return [column[row] for row in range(motion.first, motion.first + motion.count)]
+
+
+def _onward(throw: float, restitution: float, phase: float, speed: float) -> tuple[float, float]:
+    """Fly once and bounce."""
+    flown = flight(throw, math.asin(1.0 / throw), phase, speed)
+    return (phase + flown.length) % TURN, restitution * flown.impact
+
+
+def _apart(one: float, other: float) -> float:
+    return abs(math.remainder(one - other, TURN))
+
+
+# ------------------------------------------------------------------------------- cycles with contact
+
+
+def test_the_momentum_of_a_cycle_is_that_of_the_weight() -> None:
+    draw, closed = random.Random(1), 0
+    for i in range(200):
+        throw, restitution = draw.uniform(1.01, 6.0), (0.0, 0.1, 0.25)[i % 3]
+        motion = _from_rest(throw, restitution)
+        if not motion.repeats:
+            continue
+        closed += 1
+        # Eq. (29); in contact the load is 1 - K sin p
+        end = motion.landing + motion.rest
+        impulse = sum(_column(FLIGHTS.impulse, motion)) + motion.rest
+        impulse += throw * (math.cos(end) - math.cos(motion.landing))
+        # bounces that accumulate are summed as if the load were constant over their last 1e-8 rad
+        assert impulse == pytest.approx(TURN * motion.cycles, abs=1e-7)
+        assert sum(_column(FLIGHTS.length, motion)) + motion.rest == pytest.approx(TURN * motion.cycles)
+    assert closed > 170
+
+
+@pytest.mark.parametrize(("throw", "restitution"), [(1.3, 0.3), (1.05, 0.9), (3.9, 0.0), (5.0, 0.1)])
+def test_each_flight_begins_where_the_one_before_it_ends(throw: float, restitution: float) -> None:
+    motion = _from_rest(throw, restitution)
+    assert motion.repeats
+    assert motion.rest > 0.0
+    assert (motion.first, motion.approach) == (0, 0)
+    lift_off = math.asin(1.0 / throw)
+    assert motion.approach_end == lift_off
+    phase, speed, before = lift_off, 0.0, 0.0
+    for row in range(motion.count):
+        assert _apart(FLIGHTS.phase[row], phase) < 1e-9
+        assert 0.0 <= FLIGHTS.phase[row] < TURN
+        assert FLIGHTS.speed[row] == pytest.approx(speed, abs=1e-9)
+        assert FLIGHTS.before[row] == pytest.approx(before, rel=1e-12)
+        phase, speed = FLIGHTS.phase[row] + FLIGHTS.length[row], restitution * FLIGHTS.impact[row]
+        before += FLIGHTS.length[row]
+    assert _apart(motion.landing, phase) < 1e-9
+    assert 0.0 <= motion.landing < TURN
+    assert _apart(motion.landing + motion.rest, lift_off) < 1e-9
+    assert (before + motion.rest) / TURN == pytest.approx(motion.cycles, rel=1e-12)
+
+
+def test_plastic_bodies_fill_whole_drive_cycles_at_any_throw_number() -> None:
+    for throw in np.linspace(1.001, 8.0, 100).tolist():
+        motion = _from_rest(throw, 0.0)
+        assert motion.repeats
+        time = sum(_column(FLIGHTS.length, motion)) + motion.rest
+        assert time == pytest.approx(TURN * motion.cycles, rel=1e-12)
+
+
+@pytest.mark.parametrize("throw", [1.0001, 1.5, 3.0, math.sqrt(1.0 + math.pi**2) - 1e-9])
+def test_up_to_one_cycle_of_flight_a_plastic_impact_makes_one_flight_a_cycle(throw: float) -> None:
+    motion = _from_rest(throw, 0.0)
+    assert motion.repeats
+    assert (motion.count, motion.cycles) == (1, 1)
+    assert motion.rest > 0.0
+    assert _column(FLIGHTS.impulse, motion) == _column(FLIGHTS.impact, motion)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.9])
+def test_hops_near_the_threshold_are_the_same_but_for_their_scale(restitution: float) -> None:
+    # while K sin p - 1 is a parabola in time, times are in proportion to sqrt(K^2 - 1)
+    scaled = []
+    for excess in np.geomspace(1e-15, 1e-7, 17).tolist():
+        motion = _from_rest(1.0 + excess, restitution)
+        assert motion.repeats
+        scaled.append(sum(_column(FLIGHTS.length, motion)) / math.sqrt((1.0 + excess) ** 2 - 1.0))
+    assert scaled[5:] == pytest.approx([scaled[-1]] * 12, rel=1e-2)
+    assert max(scaled) < 2.0 * scaled[-1]
+
+
+def test_rounding_decides_longer_hops_and_they_have_no_cycle() -> None:
+    # past 1.8e-3 rad after the lift-off the landing must be known to 1e-9 rad
+    throw, restitution = 1.0 + 1e-5, 0.3
+    motion = _from_rest(throw, restitution)
+    lift_off = math.asin(1.0 / throw)
+    errors = Covariance(0.0, 0.0, 0.0)
+    for row in range(motion.count):
+        phase, speed = FLIGHTS.phase[row], FLIGHTS.speed[row]
+        flown = flight(throw, lift_off, phase, speed)
+        errors = propagate(throw, restitution, phase, speed, flown, 0.0, errors)
+    assert sum(_column(FLIGHTS.length, motion)) > 1.8e-3
+    assert motion.repeats is (math.sqrt(errors.phase) < 1e-9)
+
+
+# ------------------------------------------------------------------------------- cycles without contact
+
+LOWEST, HIGHEST = math.sqrt(math.pi**2 + 1.0), math.sqrt(math.pi**2 + 4.0)
+
+
+@pytest.mark.parametrize(
+    ("throw", "count"),
+    [(LOWEST - 1e-3, 1), (LOWEST + 1e-9, 1), (3.5, 1), (HIGHEST - 1e-9, 1), (HIGHEST + 1e-3, 2)],
+)
+def test_above_one_cycle_of_flight_the_body_is_thrown_again_where_it_lands(throw: float, count: int) -> None:
+    motion = _from_rest(throw, 0.0)
+    assert motion.repeats
+    assert (motion.count, motion.cycles) == (count, count)
+    assert (motion.rest > 0.0) is (throw < LOWEST)
+    if LOWEST < throw < HIGHEST:
+        # Eq. (32) for a turn: K cos p = pi; nothing bounces, so that the impulse is that of the impact alone
+        assert motion == Bounces(True, 0, 1, 0, 1, 0.0, 0.0, math.asin(1.0 / throw))
+        assert throw * math.cos(FLIGHTS.phase[0]) == pytest.approx(math.pi)
+        row = (FLIGHTS.speed[0], FLIGHTS.length[0], FLIGHTS.impact[0], FLIGHTS.impulse[0], FLIGHTS.before[0])
+        assert row == (0.0, TURN, TURN, TURN, 0.0)
+
+
+@pytest.mark.parametrize("throw", [3.35, 3.5, 3.7])
+def test_flight_after_flight_leads_to_the_closed_form_of_one_turn(throw: float) -> None:
+    phase = math.asin(1.0 / throw)
+    for _ in range(400):
+        phase, _ = _onward(throw, 0.0, phase, 0.0)
+        assert throw * math.sin(phase) >= 1.0
+    _from_rest(throw, 0.0)
+    assert FLIGHTS.phase[0] == pytest.approx(phase, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("throw", "restitution", "count", "cycles", "approach"),
+    [
+        (3.76, 0.0, 2, 2, 7),
+        (6.4, 0.0, 1, 2, 7),
+        (2.54, 0.1, 2, 1, 7),
+        (2.24, 0.3, 2, 2, 15),
+        (2.3, 0.3, 4, 4, 15),
+        (2.4, 0.2, 1, 1, 31),
+    ],
+)
+def test_a_cycle_that_never_rests_is_one_of_the_flight_map(
+    throw: float, restitution: float, count: int, cycles: int, approach: int
+) -> None:
+    motion = _from_rest(throw, restitution)
+    assert motion.repeats
+    # it is looked for after 8, 16, 32 ... flights
+    assert (motion.count, motion.cycles, motion.approach) == (count, cycles, approach)
+    assert (motion.landing, motion.rest) == (0.0, 0.0)
+    lift_off = math.asin(1.0 / throw)
+    # its flights stand behind those of the approach, and behind the one that it was started from
+    assert motion.first == motion.approach + 1
+    assert FLIGHTS.phase[motion.approach] == motion.approach_end
+    rows = range(motion.first, motion.first + count)
+    jacobian = np.eye(2)
+    for row, following in zip(rows, [*rows[1:], rows[0]], strict=True):
+        phase, speed = FLIGHTS.phase[row], FLIGHTS.speed[row]
+        flown = flight(throw, lift_off, phase, speed)
+        assert (FLIGHTS.length[row], FLIGHTS.impact[row]) == pytest.approx(flown, rel=1e-12)
+        assert FLIGHTS.impulse[row] == pytest.approx((1.0 + restitution) * flown.impact)
+        assert not after_landing(throw, phase + flown.length, flown.impact, restitution, 1e-8).contact
+        assert _apart(phase + flown.length, FLIGHTS.phase[following]) < 1e-11
+        assert restitution * flown.impact == pytest.approx(FLIGHTS.speed[following], abs=1e-11)
+        jacobian = np.array(tangent_map(throw, restitution, phase, flown)).reshape(2, 2) @ jacobian
+    assert abs(np.linalg.eigvals(jacobian)).max() < 1.0
+    assert sum(_column(FLIGHTS.length, motion)) == pytest.approx(TURN * cycles, rel=1e-12)
+    # the approach ends near it
+    near = [_apart(motion.approach_end, p) for p in _column(FLIGHTS.phase, motion)]
+    assert min(near) < 0.1
+
+
+def test_a_cycle_that_repeats_within_itself_is_cut() -> None:
+    throw, restitution = 1.4, 0.7
+    at = single_bounce(throw, restitution, 2)
+    FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1e-4, at.speed - 1e-4
+    for lag in (1, 2, 6):
+        assert _close(throw, math.asin(1.0 / throw), restitution, FLIGHTS, 20, lag) == (1, 2)
+        assert FLIGHTS.phase[21] == pytest.approx(at.phase, abs=1e-11)
+        assert FLIGHTS.speed[21] == pytest.approx(at.speed, abs=1e-11)
+
+
+def test_newtons_iteration_converges_quadratically() -> None:
+    # from 1e-2 to 1e-4, 1e-8 and 1e-16; with one wrong derivative it takes more steps
+    throw, restitution = 1.4, 0.7
+    at, steps = single_bounce(throw, restitution, 2), 0
+
+    def counted(throw: float, lift_off: float, phase: float, speed: float) -> Flight:
+        nonlocal steps
+        steps += 1
+        return flight(throw, lift_off, phase, speed)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibro.core.bounces.flight", counted)
+        for phase, speed in ((0.01, 0.0), (0.0, 0.01), (-0.01, 0.01)):
+            FLIGHTS.phase[20], FLIGHTS.speed[20], steps = at.phase + phase, at.speed + speed, 0
+            assert _close(throw, math.asin(1.0 / throw), restitution, FLIGHTS, 20, 1) == (1, 2)
+            assert steps <= 5
+
+
+def test_an_unstable_cycle_and_a_start_far_from_any_are_not_closed() -> None:
+    throw, restitution = 1.6, 0.7
+    at = single_bounce(throw, restitution, 2)
+    assert at.exists
+    assert not at.stable
+    FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1e-6, at.speed
+    assert _close(throw, math.asin(1.0 / throw), restitution, FLIGHTS, 20, 1) == (0, 0)
+    FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1.0, at.speed
+    assert _close(1.4, math.asin(1.0 / 1.4), restitution, FLIGHTS, 20, 1) == (0, 0)
+
+
+def test_states_repeat_nearly_if_they_are_close_for_the_flights_between_and_not_of_one_chain() -> None:
+    for row in range(12):
+        FLIGHTS.phase[row], FLIGHTS.speed[row], FLIGHTS.before[row] = 0.5 * row, 1.0, 4.0 * row
+    assert _near_repeat(FLIGHTS, 11) == 0
+    FLIGHTS.phase[8] = FLIGHTS.phase[11] + 0.032  # three flights back: 0.096 in all
+    assert _near_repeat(FLIGHTS, 11) == 3
+    FLIGHTS.phase[8] = FLIGHTS.phase[11] + 0.034
+    assert _near_repeat(FLIGHTS, 11) == 0
+    FLIGHTS.phase[8], FLIGHTS.speed[8] = FLIGHTS.phase[11] + TURN + 0.02, 1.0 - 0.012  # of both together
+    assert _near_repeat(FLIGHTS, 11) == 3
+    FLIGHTS.phase[6] = FLIGHTS.phase[11] + 0.0046  # five flights back: 0.023, less than a quarter of 0.096
+    assert _near_repeat(FLIGHTS, 11) == 5
+    FLIGHTS.phase[6] = FLIGHTS.phase[11] + 0.0050
+    assert _near_repeat(FLIGHTS, 11) == 3
+    FLIGHTS.phase[5] = FLIGHTS.phase[11]  # six back, the most of twelve
+    assert _near_repeat(FLIGHTS, 11) == 6
+    FLIGHTS.phase[5], FLIGHTS.phase[4] = 2.5, FLIGHTS.phase[11]
+    assert _near_repeat(FLIGHTS, 11) == 3
+    FLIGHTS.phase[6] = 1.5
+    FLIGHTS.before[8] = FLIGHTS.before[11] - 3.1  # less than half a turn ago
+    assert _near_repeat(FLIGHTS, 11) == 0
+
+
+def test_motion_without_a_cycle_has_no_flights_to_show() -> None:
+    for throw in np.linspace(2.4, 2.5, 10).tolist():
+        assert _from_rest(throw, 0.3) == Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("throw", [1.0 + 1e-12, 1.0001, 10.0, 1e3, 1e6])
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 0.99])
+def test_the_work_is_bounded_for_any_throw_number(throw: float, restitution: float) -> None:
+    motion = _from_rest(throw, restitution)
+    lengths = _column(FLIGHTS.length, motion)
+    assert sum(length > BOUNCE for length in lengths) <= MOST_FLIGHTS
+    assert all(math.isfinite(length) and length >= 0.0 for length in lengths)
+    assert motion.first + motion.count <= MOST_BOUNCES + LONGEST_CYCLE
+
+
+def test_the_search_ends_after_so_many_flights_that_are_no_short_bounces() -> None:
+    needed = _from_rest(7.0, 0.0)
+    assert needed.count == 2
+    assert _from_rest(7.0, 0.0, 2) == needed
+    assert not _from_rest(7.0, 0.0, 1).repeats
+    # a chain of hundreds of short bounces counts as nothing
+    chain = _from_rest(1.0001, 0.9)
+    assert chain.count > 50
+    assert _from_rest(1.0001, 0.9, 1) == chain
+
+
+# ------------------------------------------------------------------------------- other starts
+
+
+def test_a_start_amid_the_motion_is_followed_from_there() -> None:
+    motion = bounces(1.3, 0.3, FLIGHTS, 64, 2.5, 4.0, False)
+    assert (FLIGHTS.phase[0], FLIGHTS.speed[0], FLIGHTS.before[0]) == (2.5, 4.0, 0.0)
+    assert motion.repeats
+    expected = flight(1.3, math.asin(1.0 / 1.3), 2.5, 4.0)
+    assert (FLIGHTS.length[0], FLIGHTS.impact[0]) == expected
+    last = motion.count - 1
+    assert _apart(motion.landing, FLIGHTS.phase[last] + FLIGHTS.length[last]) < 1e-9
+    assert _apart(motion.landing + motion.rest, math.asin(1.0 / 1.3)) < 1e-9
+
+
+def test_a_start_beside_a_single_bounce_is_drawn_to_it_if_that_is_stable() -> None:
+    at = single_bounce(1.4, 0.7, 2)
+    assert at.stable
+    motion = bounces(1.4, 0.7, FLIGHTS, 64, at.phase + 1e-3, at.speed, False)
+    assert motion.repeats
+    assert (motion.count, motion.cycles, motion.rest) == (1, 2, 0.0)
+    assert FLIGHTS.phase[motion.first] == pytest.approx(at.phase, abs=1e-10)
+    assert FLIGHTS.speed[motion.first] == pytest.approx(at.speed, abs=1e-10)
+
+
+def test_a_resting_body_at_the_phase_of_one_turn_is_not_taken_for_another_start() -> None:
+    # the closed form belongs to bodies from rest alone
+    motion = bounces(3.5, 0.0, FLIGHTS, 64, 0.0, 9.0, False)
+    assert FLIGHTS.speed[0] == 9.0
+    assert motion.repeats
+
+
+def test_rounding_ends_the_search_from_rest_alone() -> None:
+    # irregular flights: from rest they are known to 1e-5 for some dozens, other starts go on to the limit
+    _from_rest(2.45, 0.3)
+    FLIGHTS.phase[200] = -1.0
+    _from_rest(2.45, 0.3)
+    assert FLIGHTS.phase[200] == -1.0
+    bounces(2.45, 0.3, FLIGHTS, 256, math.asin(1.0 / 2.45), 0.0, False)
+    assert FLIGHTS.phase[200] >= 0.0
+
+
+# ------------------------------------------------------------------------------- cycles of one bounce
+
+
+@pytest.mark.parametrize("turns", [1, 2, 3])
+@pytest.mark.parametrize("restitution", [0.5, 0.8, 0.95])
+def test_a_single_bounce_repeats_and_is_stable_as_its_tangent_map_says(
+    turns: int, restitution: float
+) -> None:
+    plus, length = 1.0 + restitution, TURN * turns
+    level, steep = math.pi * turns * (1.0 - restitution) / plus, 2.0 * (1.0 + restitution**2) / plus**2
+    for share, stable in ((1e-3, True), (0.5, True), (0.999, True), (1.001, False), (3.0, False)):
+        throw = math.hypot(level, share * steep)
+        at = single_bounce(throw, restitution, turns)
+        assert at.exists
+        assert at.stable is stable
+        # it lands with u = 2 pi m / (1 + e) after m turns: Eqs. (30) and (37)
+        assert throw * math.cos(at.phase) == pytest.approx(level)
+        assert at.speed == pytest.approx(restitution * length / plus)
+        height = at.speed * length + throw * length * math.cos(at.phase) - 0.5 * length**2
+        assert height == pytest.approx(0.0, abs=1e-12 * length**2)
+        slopes = tangent_map(throw, restitution, at.phase, Flight(length, length - at.speed))
+        jacobian = np.array(slopes).reshape(2, 2)
+        assert np.linalg.det(jacobian) == pytest.approx(restitution**2)
+        assert stable is bool(abs(np.linalg.eigvals(jacobian)).max() < 1.0)
+
+
+def test_a_single_bounce_exists_from_the_throw_number_on_that_can_throw_it_so_far() -> None:
+    least = 2.0 * math.pi * (1.0 - 0.2) / (1.0 + 0.2)
+    below, above = single_bounce(least * (1 - 1e-9), 0.2, 2), single_bounce(least * (1 + 1e-9), 0.2, 2)
+    assert not below.exists
+    assert not below.stable
+    assert math.isnan(below.phase)
+    assert math.isnan(below.speed)
+    assert above.exists
+    assert above.phase == pytest.approx(0.0, abs=1e-4)
+    assert not single_bounce(math.pi, 0.0, 1).exists  # equality

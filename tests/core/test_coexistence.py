@@ -1,0 +1,201 @@
+"""Other motions of bodies that hop: other sliding between the same flights, and other flights."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
+
+from vibro.core.bounces import bounces, single_bounce
+from vibro.core.codes import Status
+from vibro.core.coexistence import _differ, _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
+from vibro.core.drives import Loads, directions, line_loads, weight_over_load
+from vibro.core.hopping import enter, hopping
+from vibro.core.legs import track_of
+from vibro.core.orbits import HoppingCycle, Orbit, cycle_from, hopping_cycle
+from vibro.core.return_map import Return, return_map, write_hop
+
+TURN = 2.0 * math.pi
+
+# from rest it advances 5.97996 g/w^2 a cycle, and 7.36196 if it is thrown otherwise
+RESTITUTION = 0.5618659984445926
+TWO_FLIGHTS = line_loads(
+    weight_over_load(0.0012534742194341873, 20.0, 9.81),
+    directions(0.6448704695649682, 0.0),
+    0.46894843081393256,
+    0.39128583597305744,
+)
+THROW = TWO_FLIGHTS.drive_normal / TWO_FLIGHTS.weight_normal
+
+
+def _coexists(loads: Loads, restitution: float = 0.0) -> bool:
+    found = hopping(loads, restitution, FLIGHTS, HOPS)
+    assert found.status in (Status.OK, Status.BOUNDARY, Status.AVERAGED)
+    return coexisting(loads, restitution, found.period, found.impact, FLIGHTS, HOPS)
+
+
+# ------------------------------------------------------------------------------- other flights
+
+
+def test_other_flights_are_found() -> None:
+    found = hopping(TWO_FLIGHTS, RESTITUTION, FLIGHTS, HOPS)
+    assert found.status == Status.OK
+    assert found.displacement / TWO_FLIGHTS.weight_normal == pytest.approx(5.97996, rel=2e-6)
+    assert _coexists(TWO_FLIGHTS, RESTITUTION)
+    assert not _slides_otherwise(TWO_FLIGHTS, RESTITUTION, FLIGHTS, HOPS)
+    impact = found.impact / TWO_FLIGHTS.weight_normal
+    assert _flies_otherwise(THROW, RESTITUTION, found.period, impact, FLIGHTS)
+
+
+def test_the_other_flights_of_that_scene() -> None:
+    scale = TWO_FLIGHTS.weight_normal
+    other = bounces(THROW, RESTITUTION, FLIGHTS, 256, 5.919035947779313, 4.825954263930713, False)
+    assert (other.repeats, other.cycles, other.rest) == (True, 1, 0.0)
+    last = other.first + other.count
+    for row in range(other.first, last):
+        write_hop(TWO_FLIGHTS, FLIGHTS.phase[row], FLIGHTS.length[row], FLIGHTS.impulse[row], HOPS, row)
+    velocity, path = -0.5859803624769713 * scale, 0.0
+    for _ in range(100):
+        now = return_map(track_of(TWO_FLIGHTS), HOPS, other.first, last, 0.0, 0.0, velocity)
+        velocity, path = now.velocity, now.displacement
+    assert path / scale == pytest.approx(7.36196, rel=2e-6)
+
+
+def test_a_start_leads_elsewhere_by_its_period_or_its_impact() -> None:
+    start = 5.919035947779313, 4.825954263930713
+    motion = bounces(THROW, RESTITUTION, FLIGHTS, 64, *start, False)
+    impact = max(FLIGHTS.impact[row] for row in range(motion.first, motion.first + motion.count))
+
+    def leads(period: float, speed: float) -> bool:
+        return _leads_elsewhere(THROW, RESTITUTION, *start, period, speed, FLIGHTS)
+
+    assert not leads(1.0, impact)
+    assert not leads(1.0, impact * (1.0 + 1e-7))
+    assert not leads(1.0, impact * (1.0 - 1e-7))
+    assert leads(1.0, impact + 1e-5)
+    assert leads(1.0, impact - 1e-5)
+    assert leads(2.0, impact)
+    assert leads(math.nan, impact)
+    # what comes to contact goes on as from rest
+    rested = bounces(1.3, 0.0, FLIGHTS, 64, 1.5, 1.0, False)
+    assert rested.rest > 0.0
+    assert not _leads_elsewhere(1.3, 0.0, 1.5, 1.0, 5.0, 9.0, FLIGHTS)
+
+
+def test_flights_are_told_from_those_from_rest() -> None:
+    # a stable cycle of one bounce coexists with contact: K of m = 1, just above where it is born
+    for restitution in (0.4, 0.55, 0.7):
+        ratio = math.pi * (1.0 - restitution) / (1.0 + restitution)
+        for throw in (ratio * 0.99, ratio * 1.02):
+            if throw <= 1.0:
+                continue
+            bounce = single_bounce(throw, restitution, 1)
+            motion = bounces(throw, restitution, FLIGHTS, 256, math.nan, math.nan, True)
+            if motion.repeats and motion.rest > 0.0:
+                rows = range(motion.first, motion.first + motion.count)
+                impact = max(FLIGHTS.impact[row] for row in rows)
+                found = _flies_otherwise(throw, restitution, float(motion.cycles), impact, FLIGHTS)
+                assert found == bounce.exists
+
+
+def test_a_start_grid_finds_cycles_of_several_bounces() -> None:
+    # one bounce is no longer stable, and its double is
+    seen = 0
+    for throw in (1.40, 1.45, 1.5, 1.55):
+        bounce = single_bounce(throw, 0.5618659984445926, 1)
+        if bounce.exists and not bounce.stable:
+            seen += _flies_otherwise(throw, RESTITUTION, 1.0, -1.0, FLIGHTS)
+    assert seen > 0
+
+
+# ------------------------------------------------------------------------------- other sliding
+
+
+def _ends(cycle: HoppingCycle) -> list[float]:
+    """Where walks from beyond all fixed points, and between, end; none if one has not ended."""
+    ends = []
+    for share in (-1.0, -0.2, 0.1, 0.5, 1.0):
+        velocity = share * cycle.bound
+        for _ in range(400):
+            before, velocity = velocity, cycle_from(cycle, HOPS, velocity).velocity
+            if abs(velocity - before) < 1e-15:
+                break
+        if abs(velocity - before) > 1e-14:
+            return []
+        ends.append(velocity)
+    return ends
+
+
+@pytest.mark.parametrize(("ellipses", "seed"), [(False, 7), (True, 8)])
+def test_all_other_sliding_is_found(ellipses: bool, seed: int) -> None:
+    several = alone = 0
+    for loads, e in draw(50, seed, throw=(1.01, 2.0), ratio=(0.02, 0.2), ellipses=ellipses):
+        entry = enter(track_of(loads), e, FLIGHTS, HOPS)
+        motion = entry.motion
+        if not motion.repeats:
+            continue
+        last, duration = motion.first + motion.count, TURN * motion.cycles
+        cycle = hopping_cycle(track_of(loads), motion.first, last, motion.landing, motion.rest, duration)
+        ends = _ends(cycle)
+        if not ends:
+            continue
+        apart = max(ends) - min(ends) > 1e-7
+        assert _slides_otherwise(loads, e, FLIGHTS, HOPS) == apart
+        several += apart
+        alone += not apart
+    assert several > 1
+    assert alone > 15
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "frequency", "drive", "mu_s", "mu_d", "restitution"),
+    [
+        (1.3748956736119936e-4, 51.236, 1.0669505127608383, 0.30035830, 0.06672496, 0.4668653293478722),
+        (3.36438085517087e-3, 15.0, 0.5277495776122026, 1.00793060, 0.28847504, 0.14350018392575653),
+    ],
+)
+def test_several_stops_may_lead_to_another_cycle(
+    amplitude: float, frequency: float, drive: float, mu_s: float, mu_d: float, restitution: float
+) -> None:
+    weight = weight_over_load(amplitude, frequency, 9.81)
+    loads = line_loads(weight, directions(drive, 0.0), mu_s, mu_d)
+    assert _slides_otherwise(loads, restitution, FLIGHTS, HOPS)
+
+
+def test_without_bounces_and_with_friction_alike_nothing_else_is_found() -> None:
+    for i in range(6):
+        assert not _coexists(line(1.1 + 0.35 * i, 30.0, 0.5, 0.4))
+
+
+def test_means_are_looked_at_for_other_flights_alone() -> None:
+    loads = line(2.45, 30.0, 0.5, 0.4)
+    # an irregular motion: a period is unknown, so that any cycle of flights is another
+    assert coexisting(loads, 0.3, math.nan, 1.0, FLIGHTS, HOPS) == _flies_otherwise(
+        2.45, 0.3, math.nan, 1.0 / loads.weight_normal, FLIGHTS
+    )
+    assert not _slides_otherwise(loads, 0.3, FLIGHTS, HOPS)
+
+
+def test_bodies_on_which_nothing_acts_may_keep_another_velocity() -> None:
+    kept = ellipse(3.6, 0.9, 1.0, 1.2, 0.5, 0.0)
+    assert hopping(kept, 0.0, FLIGHTS, HOPS).status == Status.BOUNDARY
+    assert _coexists(kept)
+
+
+def test_fixed_points_are_told_apart_beyond_rounding() -> None:
+    cycle = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.4)), 0, 0, 0.0, 0.0, TURN)
+
+    def orbit(velocity: float, slope: float) -> Orbit:
+        return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0, True), Status.OK)
+
+    home = orbit(0.3, 0.0)
+    assert not _differ(cycle, orbit(0.3 + 0.9e-9, 0.0), home)
+    assert not _differ(cycle, orbit(0.3 - 0.9e-9, 0.0), home)
+    assert _differ(cycle, orbit(0.3 + 1.1e-9, 0.0), home)
+    assert _differ(cycle, orbit(0.3 - 1.1e-9, 0.0), home)
+    # near a slope of one rounding moves a fixed point far: 8 * 16 eps * forces / (1 - slope)
+    blur = 128.0 * 2.0**-52 * cycle.forces / 1e-9
+    assert not _differ(cycle, orbit(0.3 + 0.9 * blur, 1.0 - 1e-9), home)
+    assert _differ(cycle, orbit(0.3 + 1.1 * blur, 1.0 - 1e-9), home)
+    assert not _differ(cycle, orbit(0.9, 1.0), home)

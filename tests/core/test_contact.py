@@ -1,0 +1,570 @@
+"""The steady contact cycle from rest: beside an independent walk, at its edges, and where cycles coexist."""
+
+from __future__ import annotations
+
+import math
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import pytest
+from contact_loads import (
+    EPS,
+    TURN,
+    body_of,
+    ellipse,
+    heavier,
+    line,
+    random_ellipses,
+    random_lines,
+    random_loads,
+)
+from event_walk import Body as Walker
+from scenes import Groups
+from two_axis_scenes import rotated
+from two_axis_walk import NeverEndsError, NeverSettlesError
+
+from vibro.core import contact as module
+from vibro.core.codes import PATTERNS, Model, Pattern, Regime, Status
+from vibro.core.contact import (
+    Steady,
+    outlasts_back,
+    pair_of,
+    ratio_of,
+    regime_alone,
+    steady_cycle,
+)
+from vibro.core.drives import Loads, directions, line_loads, mirrored
+from vibro.core.windows import phase_offset, thresholds
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from two_axis_walk import Body, Cycle
+
+MODELS = {"_": Model.REST, "F_": Model.ONE_SLIDE, "B_": Model.ONE_SLIDE, "FB": Model.CLOSED_FORM}
+
+
+def steady(loads: Loads) -> Steady:
+    return steady_cycle(loads, thresholds(loads))
+
+
+def pattern_of(loads: Loads) -> str:
+    return PATTERNS[steady(loads).pattern]
+
+
+def slips_both_ways(loads: Loads) -> bool:
+    at = thresholds(loads)
+    return at.forward and at.back
+
+
+def at_load(groups: Groups, load: float) -> Loads:
+    return line(groups.drive_deg, 1.0 / load, groups.mu_s, groups.mu_d, groups.trough_deg)
+
+
+def settled(body: Body) -> Cycle:
+    """Walk without the leaps that may carry a body past the cycle that it draws near."""
+    body._leap = lambda legs: None  # type: ignore[method-assign]
+    return body.settle()
+
+
+# ------------------------------------------------------------------------------------ beside the walk
+
+
+@pytest.mark.parametrize(("seed", "steepest", "least_ratio"), [(1, 0.0, 0.1), (2, 0.9, 0.02), (3, 0.3, 0.02)])
+def test_the_finite_rule_is_what_a_walk_from_rest_settles_into(
+    seed: int, steepest: float, least_ratio: float
+) -> None:
+    patterns = set()
+    for loads in random_loads(100, seed, steepest=steepest, least_ratio=least_ratio):
+        cycle = steady(loads)
+        body = body_of(loads)
+        try:
+            walked = settled(body) if cycle.coexists == 1 else body.settle()
+        except NeverEndsError:
+            assert cycle.status == Status.RUNAWAY
+            assert cycle.coexists == -1
+            assert math.isnan(cycle.displacement)
+            continue
+        except NeverSettlesError:
+            continue
+        assert cycle.status == Status.OK
+        pattern, weight = PATTERNS[cycle.pattern], math.hypot(loads.weight_normal, loads.weight_tangential)
+        assert rotated(pattern) == walked.pattern, loads
+        near = 1e-10 * (1.0 + abs(cycle.displacement))
+        assert cycle.displacement == pytest.approx(weight * walked.displacement, abs=near)
+        assert cycle.peak == pytest.approx(weight * walked.peak, abs=1e-10)
+        expected = Regime.NO_SLIP if pattern == "_" else Regime.FORWARD_SLIP
+        assert cycle.regime == (Regime.BACK_SLIP if "B" in pattern else expected)
+        assert cycle.model == MODELS.get(pattern, Model.TWO_SLIDES)
+        patterns.add(pattern)
+    assert patterns >= {"_", "F_", "F_B_", "FB_", "FB"}
+    assert (patterns >= {"B_", "F_B"}) or seed != 2
+
+
+def test_a_line_as_an_ellipse_has_the_same_cycle() -> None:
+    some = [*random_lines(500, 4), *random_lines(700, 5, steepest=0.9, least_ratio=0.02)]
+    seen = set()
+    for loads in some:
+        ours, other = steady(loads), steady(loads._replace(line=False))
+        assert ours[:4] == other[:4]
+        assert ours.coexists == other.coexists
+        # 1 - s of the onsets: conditions of both
+        at = thresholds(loads)
+        margins = [
+            (margin / load)
+            for margin, load in ((at.forward_margin, at.forward_load), (at.back_margin, at.back_load))
+            if margin > 0.0
+        ]
+        near = 1e-13 * (1.0 + 1.0 / min(margins, default=1.0))
+        assert ours.displacement == pytest.approx(other.displacement, rel=near, abs=near, nan_ok=True)
+        assert ours.peak == pytest.approx(other.peak, rel=near, abs=near, nan_ok=True)
+        seen.add(ours.pattern)
+    assert seen == set(Pattern)
+
+
+def _mirror_image(cycle: Steady) -> Steady:
+    swaps = {Pattern.F_: Pattern.B_, Pattern.FB_: Pattern.F_B}
+    swaps |= {b: a for a, b in swaps.items()}
+    regimes = {Pattern.F_: Regime.FORWARD_SLIP, Pattern.R: Regime.NO_SLIP}
+    pattern = swaps.get(Pattern(cycle.pattern), Pattern(cycle.pattern))
+    return cycle._replace(
+        pattern=pattern,
+        displacement=-cycle.displacement,
+        regime=regimes.get(pattern, Regime.BACK_SLIP),
+    )
+
+
+def test_a_mirror_image_slides_the_other_way() -> None:
+    compared = set()
+    for loads in random_loads(250, 6, steepest=0.6):
+        loads = loads._replace(line=False)
+        ours, seen = steady(loads), steady(mirrored(loads))
+        if ours.status == Status.OK and ours.coexists == seen.coexists == 0:
+            expected = _mirror_image(ours)
+            assert (seen.regime, seen.pattern) == (expected.regime, expected.pattern)
+            assert seen.displacement == pytest.approx(expected.displacement, abs=1e-11)
+            assert seen.peak == pytest.approx(expected.peak, abs=1e-11)
+            compared.add(seen.pattern)
+    assert compared == set(Pattern) - {Pattern.NONE}
+    named = [module._mirrored_pattern(p) for p in Pattern]
+    assert named == [Pattern.NONE, Pattern.R, Pattern.B_, Pattern.F_, Pattern.F_B_, Pattern.F_B,
+                     Pattern.FB_, Pattern.FB]  # fmt: skip
+
+
+# ------------------------------------------------------------------------- scenes without a cycle
+
+
+@pytest.mark.parametrize("solve", [steady_cycle, regime_alone])
+@pytest.mark.parametrize(
+    ("loads", "regime", "status"),
+    [
+        (line(20.0, 0.1, 0.5, 0.6), Regime.UNDEFINED, Status.INFEASIBLE),  # hops too
+        (line(20.0, 0.1, 0.0, 0.0), Regime.HOPPING, Status.FLIGHT_NOT_MODELLED),
+        (line(20.0, 0.1, 0.5, 0.4), Regime.HOPPING, Status.FLIGHT_NOT_MODELLED),
+        (line(20.0, 0.9, 0.0, 0.0, 5.0), Regime.UNDEFINED, Status.INDETERMINATE),
+        (line(20.0, 0.9, 0.3, 0.2, 25.0), Regime.BACK_SLIP, Status.RUNAWAY),
+        (line(20.0, 0.9, 0.3, 0.2, -25.0), Regime.FORWARD_SLIP, Status.RUNAWAY),
+        (ellipse(1.0, 0.2, 2.0, 0.9, 0.3, 0.2, 0.5), Regime.BACK_SLIP, Status.RUNAWAY),
+        (line(80.0, 1.2, 0.4, 0.3, 30.0), Regime.BACK_SLIP, Status.RUNAWAY),  # 110 deg in all
+    ],
+)
+def test_scenes_without_a_cycle_say_why(
+    solve: Callable[[Loads, module.Thresholds], Steady], loads: Loads, regime: Regime, status: Status
+) -> None:
+    found = solve(loads, thresholds(loads))
+    assert found[:4] == (regime, status, Pattern.NONE, Model.NONE)
+    assert math.isnan(found.displacement)
+    assert math.isnan(found.peak)
+    assert found.coexists == -1
+
+
+def test_a_slide_that_never_ends_is_no_cycle() -> None:
+    # held by static friction alone, and pushed off its place by the drive
+    for trough, way in ((14.0, Regime.BACK_SLIP), (-14.0, Regime.FORWARD_SLIP)):
+        cycle = steady(line(20.0, 1.0, 0.3, 0.02, trough))
+        assert (cycle.regime, cycle.status, cycle.coexists) == (way, Status.RUNAWAY, -1)
+        assert (cycle.pattern, cycle.model) == (Pattern.NONE, Model.NONE)
+        alone = regime_alone(*(lambda x: (x, thresholds(x)))(line(20.0, 1.0, 0.3, 0.02, trough)))
+        assert (alone.regime, alone.status) == (way, Status.RUNAWAY)
+
+
+def test_a_slide_whose_refinement_does_not_settle_is_unresolved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.core.slide._SETTLED", -1.0)
+    seen = set()
+    for weight in (0.9, 1.1, 0.85, 0.74, 0.7):
+        for back in (1.0, -1.0):
+            loads = line(20.0, weight, 0.74, 0.57)
+            loads = loads if back > 0.0 else mirrored(loads)
+            cycle = steady(loads)
+            if cycle.status == Status.UNRESOLVED:
+                seen.add(cycle.regime)
+                assert (cycle.pattern, cycle.coexists) == (Pattern.NONE, -1)
+                assert math.isnan(cycle.displacement)
+    assert seen == {Regime.FORWARD_SLIP, Regime.BACK_SLIP}
+
+
+@pytest.mark.parametrize(
+    ("load", "needed", "ratio"),
+    [(3.0, 2.0, 1.5), (1.0, 0.0, math.inf), (1.0, -1.0, math.inf), (0.0, 0.0, 0.0), (0.0, -1.0, 0.0)],
+)
+def test_the_ratio_of_a_load_to_its_threshold(load: float, needed: float, ratio: float) -> None:
+    assert ratio_of(load, needed) == ratio
+
+
+# --------------------------------------------------------------------------------------- boundaries
+
+FLAT = Groups(1.0, 20.0, 0.74, 0.57)
+EQUAL_FRICTION = Groups(1.0, 6.0, 0.182, 0.182)
+CLIMB = Groups(1.0, 16.44, 0.359, 0.242, 2.97)
+STEEP_CLIMB = Groups(1.0, 8.631, 0.4358, 0.2052, 9.165)
+ROUGH_CLIMB = Groups(1.0, 22.568, 0.2869, 0.2767, 5.454)
+DESCENT = Groups(1.0, 9.03, 0.573, 0.48, -2.46)
+LATE_BACK = Groups(1.0, 44.8, 0.492, 0.189)
+
+
+@pytest.mark.parametrize("line_too", [True, False])
+@pytest.mark.parametrize(
+    ("groups", "below", "above", "low", "high"),
+    [
+        (FLAT, "_", "F_", 0.60, 0.65),
+        (STEEP_CLIMB, "_", "B_", 0.2, 0.6),
+        (FLAT, "F_", "F_B_", 1.05, 1.10),
+        (FLAT, "F_B_", "FB_", 1.15, 1.36),
+        (FLAT, "FB_", "FB", 1.36, 1.46),
+        (FLAT, "FB", "", 2.5, 3.0),
+        (EQUAL_FRICTION, "FB_", "FB", 0.340, 0.40),
+        (CLIMB, "F_B", "FB", 0.60, 0.90),
+        (STEEP_CLIMB, "B_", "F_B", 0.65, 0.72),
+        (ROUGH_CLIMB, "F_B_", "F_B", 0.48, 0.52),
+        (DESCENT, "FB_", "FB", 1.033, 1.30),
+        (LATE_BACK, "F_", "FB", 1.0, 1.4),
+    ],
+)
+def test_patterns_change_at_one_load_and_their_status_says_how_near(
+    groups: Groups, below: str, above: str, low: float, high: float, line_too: bool
+) -> None:
+    def solved(load: float) -> Steady:
+        return steady(at_load(groups, load)._replace(line=line_too))
+
+    def name(load: float) -> str:
+        return PATTERNS[solved(load).pattern]
+
+    assert [name(low), name(high)] == [below, above]
+    while (middle := 0.5 * (low + high)) not in (low, high):
+        low, high = (middle, high) if name(middle) == below else (low, middle)
+    for offset, pattern in ((-1e-12, below), (1e-12, above)):
+        cycle = solved(low * (1.0 + offset))
+        assert PATTERNS[cycle.pattern] == pattern
+        assert cycle.status == (Status.OK if pattern else Status.FLIGHT_NOT_MODELLED)
+    ladder = [solved(low * (1.0 + i * EPS)) for i in range(-400, 401, 2)]
+    patterns = [PATTERNS[cycle.pattern] for cycle in ladder]
+    change = patterns.index(above)
+    assert set(patterns[:change]) == {below}
+    assert set(patterns[change:]) == {above}
+    called = [i for i, cycle in enumerate(ladder) if cycle.status == Status.BOUNDARY]
+    assert called == list(range(called[0], called[-1] + 1))
+    assert called[0] <= change <= called[-1] + 1
+    # all that is called a boundary belongs to one side, and has a number; FB_ becomes FB without a step
+    assert len({patterns[i] for i in called}) == 1 or (below, above) == ("FB_", "FB")
+    assert all(math.isfinite(ladder[i].displacement) for i in called)
+
+
+@pytest.mark.parametrize("groups", [FLAT, CLIMB, STEEP_CLIMB, DESCENT])
+@pytest.mark.parametrize("line_too", [True, False])
+def test_equality_is_rest(groups: Groups, line_too: bool) -> None:
+    # 1/G at the first onset, to its last digits
+    loads = line(groups.drive_deg, 1.0, groups.mu_s, groups.mu_d, groups.trough_deg)
+    at = thresholds(loads)
+    hold = groups.mu_s * loads.weight_normal
+    t = loads.weight_tangential
+    weight = max(at.forward_load / (hold + t), at.back_load / (hold - t))
+    for ulps in range(-2, 3):
+        near = heavier(loads, weight * (1.0 + ulps * EPS))._replace(line=line_too)
+        cycle = steady(near)
+        assert cycle[:4] == (Regime.NO_SLIP, Status.BOUNDARY, Pattern.R, Model.REST)
+        assert cycle[4:] == (0.0, 0.0, 0)
+        alone = regime_alone(near, thresholds(near))
+        assert alone == cycle
+
+
+@pytest.mark.parametrize("mu_s", [0.3, 0.74])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_trough_at_the_angle_of_static_friction_is_a_boundary(mu_s: float, way: float) -> None:
+    angle = math.degrees(math.atan(mu_s))
+
+    def beside(share: float) -> Steady:  # with next to no drive
+        return steady(line(20.0, 1e20, mu_s, 0.5 * mu_s, way * angle * share))
+
+    for ulps in range(-1, 2):
+        assert beside(1.0 + ulps * EPS)[1:3] == (Status.BOUNDARY, Pattern.R)
+    assert beside(1.0 - 1e-14).status == Status.OK
+    assert beside(1.0 + 1e-14).status == Status.RUNAWAY
+
+
+def test_slides_without_kinetic_friction_that_just_meet_are_a_boundary() -> None:
+    # level, mu_d = 0: each slide ends where the load along the trough turns its speed back, at a mirrored phase
+    boundaries = 0
+    for i in range(200):
+        loads = ellipse(1.0, 0.3 + 0.003 * i, -2.5 + 0.02 * i, 1.0, 0.5, 0.0)
+        if slips_both_ways(loads):
+            cycle = steady(loads)
+            if cycle.status == Status.BOUNDARY:
+                boundaries += 1
+                assert cycle.pattern in (Pattern.FB_, Pattern.F_, Pattern.B_)
+                assert math.isfinite(cycle.displacement)
+            else:
+                assert cycle.pattern in (Pattern.F_, Pattern.B_)
+    assert boundaries > 20
+    # a flat line: F stops just where the back window closes, and equality is rest
+    flat = steady(line(0.0, 0.5, 0.6, 0.0))
+    assert (flat.pattern, flat.status) == (Pattern.F_, Status.BOUNDARY)
+
+
+@pytest.mark.parametrize("loads", [line(0.0, 0.4, 0.6, 0.5), line(0.0, 1.4, 0.6, 0.5)])
+def test_a_flat_drive_on_a_level_trough_conveys_nothing(loads: Loads) -> None:
+    for same in (loads, loads._replace(line=False), ellipse(1.0, 0.0, 1.0, loads.weight_normal, 0.6, 0.5)):
+        cycle = steady(same)
+        assert cycle.displacement == pytest.approx(0.0, abs=1e-15)
+        assert cycle.pattern == (Pattern.FB if loads.weight_normal < 1.0 else Pattern.F_B_)
+        assert cycle.peak > 0.0
+
+
+def test_drives_that_reach_no_threshold_leave_the_body_at_rest() -> None:
+    for loads in (ellipse(0.0, 0.0, 1.0, 1.0, 0.5, 0.4), ellipse(0.0, 1.0, 1.0, 1.1, 0.5, 0.4)):
+        assert steady(loads) == (Regime.NO_SLIP, Status.OK, Pattern.R, Model.REST, 0.0, 0.0, 0)
+
+
+# --------------------------------------------------------------------------------------- classes alone
+
+
+@pytest.mark.parametrize("steepest", [0.0, 1.05])
+def test_the_class_alone_is_that_of_the_cycle(steepest: float) -> None:
+    for loads in random_loads(400, 7, steepest=steepest, least_ratio=0.02):
+        cycle, alone = steady(loads), regime_alone(loads, thresholds(loads))
+        assert alone.regime == cycle.regime
+        if cycle.regime in (Regime.FORWARD_SLIP, Regime.BACK_SLIP):
+            assert alone[2:4] == (Pattern.NONE, Model.NONE)
+            assert alone.coexists == -1
+            assert math.isnan(alone.displacement)
+            assert math.isnan(alone.peak)
+        else:
+            assert alone == pytest.approx(cycle, nan_ok=True)
+        assert alone.status == cycle.status or cycle.status == Status.BOUNDARY
+
+
+def test_where_back_slip_enters_the_class_alone_is_a_boundary() -> None:
+    low, high = 1.0, 1.4
+    while (middle := 0.5 * (low + high)) not in (low, high):
+        low, high = (middle, high) if pattern_of(at_load(LATE_BACK, middle)) == "F_" else (low, middle)
+    for line_too in (True, False):
+        loads = at_load(LATE_BACK, low)._replace(line=line_too)
+        assert outlasts_back(loads, pair_of(loads, thresholds(loads))) == 0 or not line_too
+        alone = regime_alone(loads, thresholds(loads))
+        assert (alone.regime, alone.status) == (Regime.FORWARD_SLIP, Status.BOUNDARY)
+        for offset, regime in ((-1e-10, Regime.FORWARD_SLIP), (1e-10, Regime.BACK_SLIP)):
+            beside = at_load(LATE_BACK, low * (1.0 + offset))._replace(line=line_too)
+            alone = regime_alone(beside, thresholds(beside))
+            assert (alone.regime, alone.status) == (regime, Status.OK)
+
+
+# ---------------------------------------------------------------------------------------- coexistence
+
+
+def test_two_cycles_of_one_scene() -> None:
+    # physics: conveys 6.4684 g/w^2 a cycle from rest and 0.5732 if disturbed
+    groups = Groups(1.49149, math.degrees(0.7034), 0.457783, 0.0429106)
+    for line_too in (True, False):
+        cycle = steady(at_load(groups, groups.load)._replace(line=line_too))
+        assert (cycle.pattern, cycle.coexists, cycle.status) == (Pattern.F_, 1, Status.OK)
+        assert f"{cycle.displacement * groups.load:.4f}" == "6.4684"
+    body = Walker(groups)
+    assert f"{body.settle().displacement:.4f}" == "6.4684"
+    disturbed = body.settle(body.opens[-1], -1)
+    assert disturbed.pattern == "FB"
+    assert f"{disturbed.displacement:.4f}" == "0.5732"
+
+
+def _attractors(loads: Loads, leaps: bool) -> set[str]:
+    """Patterns that a body settles into which is released from rest at several phases."""
+    found = set()
+    for i in range(7):
+        body = body_of(loads)
+        body.p = 0.1 + TURN * i / 7
+        for way in (1, -1):
+            if body.push(way, body.mu_s).first > 0.0:
+                body.way = way
+        found.add((body.settle() if leaps else settled(body)).pattern)
+    return found
+
+
+# As ``line_loads``: drive angle [rad], 1/G, mu_s, mu_d, trough angle [rad].
+LINES = {
+    "B_": (0.1351, 1.864, 0.4666, 0.101, 0.08458),
+    "FB": (0.5014, 1.03, 0.2828, 0.04838, 0.01052),
+    "FB_": (0.1662, 1.08, 0.6291, 0.1558, -0.06648),
+    "F_": (0.3777, 1.903, 0.3299, 0.07813, -0.0638),
+    "F_ or F_B": (0.39, 1.085, 0.633, 0.05307, 0.0348),
+    "F_ or F_B, level": (0.3669, 0.8263, 0.7875, 0.07437, 0.0),
+    "F_ or FB": (0.2673, 0.7517, 0.8931, 0.07572, 0.0),
+    "F_B": (0.5252, 1.331, 0.2799, 0.06201, 0.04264),
+    "F_B_": (0.1383, 1.787, 0.5129, 0.1253, 0.0),
+}
+# As ``ellipse``: X/A, Y/A, phase [rad], 1/G, mu_s, mu_d, trough angle [rad].
+ELLIPSES = {
+    "B_": (1.0, 0.6789, 2.62, 1.127, 0.3611, 0.06771, 0.04119),
+    "FB": (1.0, 0.05354, 1.569, 0.09573, 0.3478, 0.05026, -0.02928),
+    "FB or B_": (1.0, 0.7459, 2.383, 0.7579, 0.5226, 0.08621, 0.0),
+    "FB or B_, inclined": (1.0, 0.3638, -2.617, 0.643, 0.9966, 0.0922, 0.02641),
+    "FB_": (1.0, 0.9412, -2.099, 1.852, 0.3752, 0.07023, 0.0),
+    "FB_ or B_": (1.0, 0.5274, -2.802, 0.6308, 0.8645, 0.06408, 0.003489),
+    "FB_ or B_, declined": (1.0, 0.6444, -2.934, 0.8232, 0.6553, 0.03619, -0.02968),
+    "F_": (0.836, 1.0, -0.6895, 1.431, 0.289, 0.06562, -0.01528),
+    "F_ or F_B": (1.0, 0.5533, 0.5038, 0.7635, 0.8319, 0.09106, 0.0),
+    "F_ or F_B, inclined": (1.0, 0.4738, -0.7993, 0.7888, 0.8936, 0.06292, 0.04628),
+    "F_ or FB": (1.0, 0.633, -0.9556, 1.19, 0.5557, 0.06637, 0.0),
+    "F_ or FB, inclined": (1.0, 0.7482, -0.4808, 0.7981, 0.621, 0.09414, 0.05011),
+    "F_B": (0.9086, 1.0, 0.6821, 1.189, 0.4956, 0.03887, 0.006709),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "loads"),
+    [
+        *((name, line_loads(x[1], directions(x[0], x[4]), *x[2:4])) for name, x in LINES.items()),
+        *((name, ellipse(*x)) for name, x in ELLIPSES.items()),
+    ],
+)
+def test_coexistence_is_flagged_where_starts_from_other_phases_settle_elsewhere(
+    name: str, loads: Loads
+) -> None:
+    patterns = name.split(",")[0].split(" or ")
+    cycle = steady(loads)
+    assert cycle[1:3] == (Status.OK, PATTERNS.index(patterns[0]))
+    assert cycle.coexists == len(patterns) - 1
+    assert _attractors(loads, leaps=cycle.coexists == 0) == {rotated(pattern) for pattern in patterns}
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_running_away_exists_from_the_angle_of_kinetic_friction_on(way: float) -> None:
+    for weight in (10.0, 1.0 / 0.9):  # at rest, and sliding
+        # tan(45 deg) is 1 to rounding, and so are sin / cos of the angle in radians
+        for share, flag in ((1.0 - 1e-14, 0), (1.0 + 1e-14, 1)):
+            cycle = steady(line(20.0, weight, 2.0, 1.0, way * 45.0 * share))
+            assert cycle.status in (Status.OK, Status.BOUNDARY)
+            assert cycle.coexists == flag
+
+
+def test_the_flag_is_never_up_where_nothing_else_attracts() -> None:
+    for loads in random_lines(800, 10, steepest=0.2, least_ratio=0.9):
+        assert steady(loads).coexists != 1
+    # without kinetic friction there are other cycles, but no body tends to them
+    for loads in random_lines(800, 11):
+        for same in (loads, loads._replace(line=False)):
+            assert steady(same._replace(kinetic_friction=0.0)).coexists == 0
+
+
+# ------------------------------------------------------------------------------- which slide comes first
+
+# As ``ellipse``. Phase 0 lies inside the forward window, late enough for the slide from there not to outlast the
+# back window as that from its onset does.
+LATE = [
+    (0.02406, 1.0, 1.894, 1.09, 0.04436, 0.007549, -0.007437),
+    (0.5784, 1.0, 1.549, 1.103, 0.5886, 0.1125, -0.1102),
+    (0.1274, 1.0, 1.318, 1.013, 0.1515, 0.01275, -0.01243),
+]
+
+
+@pytest.mark.parametrize("values", LATE)
+def test_a_late_start_in_a_window_leads_to_another_cycle_than_a_start_from_rest(
+    values: tuple[float, ...],
+) -> None:
+    loads = ellipse(*values)
+    cycle, pair = steady(loads), pair_of(loads, thresholds(loads))
+    assert cycle[1:3] == (Status.OK, Pattern.FB)
+    assert cycle.coexists == 1
+    assert module._first_from_rest(loads, pair) == 0
+    assert settled(body_of(loads)).pattern == "FB"
+    body = body_of(loads)
+    body.p, body.way = body.opens[1], 1
+    assert settled(body).pattern == "F_" == PATTERNS[module._forward_first(loads, pair).pattern]
+    assert_walked(loads)
+
+
+def assert_walked(loads: Loads) -> None:
+    """Compare the cycle from rest with the walk."""
+    cycle, walked = steady(loads), settled(body_of(loads))
+    weight = math.hypot(loads.weight_normal, loads.weight_tangential)
+    assert rotated(PATTERNS[cycle.pattern]) == walked.pattern
+    assert cycle.displacement == pytest.approx(weight * walked.displacement, abs=1e-9)
+    assert cycle.peak == pytest.approx(weight * walked.peak, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "values"),
+    [
+        ("F_B", (0.1605, 1.0, 1.46, 1.058, 0.2289, 0.02097, -0.01991)),
+        ("B_", (0.07688, 1.0, 1.536, 1.014, 0.07485, 0.006354, 0.006354)),
+        ("FB", (0.0704, 1.0, 1.957, 1.005, 0.08489, 0.01222, -0.01028)),
+    ],
+)
+def test_where_cycles_coexist_the_body_gets_the_one_it_comes_to_from_rest(
+    pattern: str, values: tuple[float, ...]
+) -> None:
+    # the first slide from rest goes back in the first two; forward first the former would be F_
+    loads = ellipse(*values)
+    cycle = steady(loads)
+    assert (PATTERNS[cycle.pattern], cycle.status, cycle.coexists) == (pattern, Status.OK, 1)
+    assert cycle.regime == Regime.BACK_SLIP
+    assert_walked(loads)
+
+
+def test_on_a_level_trough_the_first_slide_goes_forward() -> None:
+    count = 0
+    for loads in random_ellipses(400, 12, least_throw=0.5):
+        if slips_both_ways(loads):
+            count += 1
+            assert module._first_from_rest(loads, pair_of(loads, thresholds(loads))) == 1
+    assert count > 150
+
+
+def test_on_an_incline_the_first_slide_is_that_of_the_walk() -> None:
+    seen = {1: 0, -1: 0, 0: 0}
+    for loads in random_ellipses(3000, 13, steepest=0.8, least_ratio=0.02, least_throw=0.9):
+        if not slips_both_ways(loads):
+            continue
+        way = module._first_from_rest(loads, pair_of(loads, thresholds(loads)))
+        if seen[way] >= 20:
+            continue
+        try:
+            kinds = "".join(leg.kind for leg in islice(body_of(loads).legs(), 60))
+        except NeverEndsError:
+            continue
+        seen[way] += 1
+        slides = [after for before, after in zip(kinds, kinds[1:], strict=False) if before == "_"]
+        assert (({"F": 1, "B": -1}[slides[0]]) if slides else 0) == way, loads
+    assert seen[1] == seen[-1] == 20
+    assert seen[0] >= 5
+
+
+def test_the_pair_is_two_slides_and_their_offsets() -> None:
+    for loads in random_loads(60, 15, steepest=0.5):
+        if not slips_both_ways(loads):
+            continue
+        pair = pair_of(loads, thresholds(loads))
+        if loads.line:
+            assert (pair.offset, pair.turn) == (0.0, 0.0)
+        else:
+            assert pair.offset == phase_offset(loads, loads.static_friction)
+            assert pair.turn == phase_offset(loads, loads.kinetic_friction)
+        seen = mirrored(loads)
+        other = pair_of(seen, thresholds(seen))
+        swapped = module._mirrored_pair(pair_of(loads._replace(line=False), thresholds(loads)))
+        for ours, theirs in ((swapped.forward, other.forward), (swapped.back, other.back)):
+            assert ours.onset == pytest.approx(theirs.onset, abs=1e-9)
+            assert ours[1:] == pytest.approx(theirs[1:], abs=1e-9)
+        assert math.remainder(swapped.offset - other.offset, TURN) == pytest.approx(0.0, abs=1e-13)
+        assert math.remainder(swapped.turn - other.turn, TURN) == pytest.approx(0.0, abs=1e-13)
+        if loads.line:
+            turned = module._mirrored_pair(pair)
+            assert turned[:2] == (pair.back, pair.forward)
+            assert turned[4:] == (-pair.lead, pair.lead_size)

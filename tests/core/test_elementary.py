@@ -1,0 +1,132 @@
+"""Constants, signs, series and the motion between two events: beside mpmath and quadrature."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+from scipy.integrate import quad
+
+from vibro.core import elementary
+from vibro.core.elementary import (
+    free_motion,
+    positive_part,
+    rounded_sign,
+    series_q,
+    series_r,
+    sine_gap,
+    wrap,
+    wrap_around,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+EPS = 2.0**-52
+
+
+def test_constants() -> None:
+    assert (math.pi, 2 * math.pi, math.pi / 2) == (elementary.PI, elementary.TURN, elementary.QUARTER)
+    assert (elementary.EPS, elementary.FEW_ULP, elementary.NOISE) == (EPS, 4 * EPS, 16 * EPS)
+    assert math.inf == elementary.INF
+    assert math.isnan(elementary.NAN)
+
+
+def test_phases_are_reduced_to_one_turn() -> None:
+    turn = 2.0 * math.pi
+    for phase in (0.0, 1.0, 3.0, 4.0, 6.0):
+        for turns in (-3, -1, 0, 1, 5):
+            assert wrap(phase + turns * turn) == pytest.approx(phase, abs=1e-14)
+            around = phase if phase < math.pi else phase - turn
+            assert wrap_around(phase + turns * turn) == pytest.approx(around, abs=1e-14)
+    assert wrap(turn) == 0.0
+    assert wrap_around(-math.pi) == -math.pi == wrap_around(math.pi)
+
+
+@pytest.mark.parametrize(
+    ("value", "part"), [(2.5, 2.5), (0.0, 0.0), (-2.5, 0.0), (math.nan, 0.0), (math.inf, math.inf)]
+)
+def test_the_positive_part(value: float, part: float) -> None:
+    assert positive_part(value) == part
+
+
+@pytest.mark.parametrize("scale", [1.0, 3.0, 1e-200])
+def test_a_sign_that_rounding_decides_is_zero(scale: float) -> None:
+    noise = 16 * EPS * scale
+    assert [rounded_sign(s * noise, scale) for s in (-1.0, -0.5, 0.0, 0.5, 1.0)] == [0] * 5
+    assert rounded_sign(noise * (1.0 + EPS), scale) == 1
+    assert rounded_sign(-noise * (1.0 + EPS), scale) == -1
+
+
+def _gap(x: mpf) -> mpf:
+    return (x - mpmath.sin(x)) / x**3
+
+
+def _bulge(x: mpf) -> mpf:
+    return (mpmath.sin(x) - x * mpmath.cos(x)) / x**3
+
+
+@pytest.mark.parametrize(("series", "exact"), [(series_q, _gap), (series_r, _bulge)], ids=["Q", "R"])
+def test_the_series_are_exact_up_to_the_rounding_of_their_coefficients(
+    series: Callable[[mpf], mpf], exact: Callable[[mpf], mpf]
+) -> None:
+    with mp.workdps(60):  # all of a series in multiple precision, but for its coefficients
+        for i in range(1, 201):
+            x = mpmath.pi * i / 200
+            sizes = series(-x * x)  # their signs alternate
+            assert abs(series(x * x) - exact(x)) < 6e-18 * exact(x) + EPS / 2 * sizes
+
+
+def test_the_gap_between_an_angle_and_its_sine_to_rounding() -> None:
+    angles = np.concatenate((np.geomspace(1e-100, 1.0, 60), np.linspace(1.0, np.pi, 60))).tolist()
+    with mp.workdps(320):
+        for x in angles:
+            assert sine_gap(x) == pytest.approx(float(mpf(x) - mpmath.sin(mpf(x))), rel=4 * EPS)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "drag", "phase", "velocity"), [(1.2, 0.3, 0.4, 0.0), (0.7, -0.2, 5.1, -1.3)]
+)
+@pytest.mark.parametrize("s", [1e-4, 0.3, 2.9, 3.5, 9.0])
+def test_path_and_velocity_are_the_integrals_of_the_acceleration(
+    amplitude: float, drag: float, phase: float, velocity: float, s: float
+) -> None:
+    def acceleration(u: float) -> float:
+        return amplitude * math.sin(phase + u) - drag
+
+    end = free_motion(amplitude, drag, math.sin(phase), math.cos(phase), velocity, s)
+    gained = quad(acceleration, 0.0, s, epsabs=1e-13, epsrel=1e-12)[0]
+    moved = quad(lambda u: (s - u) * acceleration(u), 0.0, s, epsabs=1e-13, epsrel=1e-12)[0]
+    assert end.velocity == pytest.approx(velocity + gained, rel=1e-12, abs=1e-15)
+    assert end.path == pytest.approx(velocity * s + moved, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("sine", [0.0, 1.0, 0.6])
+def test_short_motions_do_not_cancel(sine: float) -> None:
+    # from 1e-12 rad on, over the change of the formula at 1 rad, to many turns
+    lengths = [*np.geomspace(1e-12, 0.9, 40), *np.linspace(0.99, 1.01, 21), *np.linspace(1.1, 40.0, 50)]
+    cosine = math.sqrt(1.0 - sine * sine)
+    amplitude, drag, velocity = 1.3, 0.4, 0.7
+    with mp.workdps(60):
+        for s in map(float, lengths):
+            path, speed = free_motion(amplitude, drag, sine, cosine, velocity, s)
+            length = mpf(s)
+            rise, versine = mpmath.sin(length), 1 - mpmath.cos(length)
+            moved = amplitude * (sine * versine + cosine * (length - rise))
+            size = velocity * length + abs(moved) + drag * length**2 / 2
+            assert abs(velocity * length + moved - drag * length**2 / 2 - path) < 8 * EPS * size
+            gained = amplitude * (cosine * versine + sine * rise)
+            size = velocity + amplitude * (cosine * versine + sine * abs(rise)) + drag * length
+            assert abs(velocity + gained - drag * length - speed) < 8 * EPS * (size + EPS * length)
+
+
+def test_a_path_from_rest_keeps_its_digits_where_it_is_third_order() -> None:
+    # from the phase 0 without drag the whole path is s - sin s
+    with mp.workdps(320):
+        for s in np.geomspace(1e-100, 3.0, 200).tolist():
+            exact = float(mpf(s) - mpmath.sin(mpf(s)))
+            assert free_motion(1.0, 0.0, 0.0, 1.0, 0.0, s).path == pytest.approx(exact, rel=8 * EPS)

@@ -1,0 +1,381 @@
+"""Thresholds and onsets of both kinds of drive, and whether slides last, beside 50 digits of Eqs. (2) and (55)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from contact_loads import EPS, MP, Exact, line, random_ellipses, random_lines, random_loads
+
+from vibro.core import windows
+from vibro.core.drives import Loads, mirrored
+from vibro.core.windows import (
+    Start,
+    cosine_lead,
+    load_amplitude,
+    outlasts,
+    own_phase,
+    phase_offset,
+    reaches,
+    resting_start,
+    speed_at_close,
+    thresholds,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+WAYS = (1.0, -1.0)
+SLIPPING = random_loads(150, 1, steepest=0.8)
+
+
+def level(n: float, *, a: float = 1.0, b: float = 0.0, t: float = 0.0, mu_s: float = 1.0) -> Loads:
+    """Make loads that are numbers as they stand."""
+    return Loads(a, b, n, t, a * n - b * t, mu_s, 0.5 * mu_s, 0.0, 1.0, True)
+
+
+# -------------------------------------------------------------------------------------- thresholds
+
+
+@pytest.mark.parametrize("loads", SLIPPING[::5] + [x._replace(line=False) for x in SLIPPING[:150:15]])
+def test_margins_are_loads_beyond_static_friction(loads: Loads) -> None:
+    at, exact = thresholds(loads), Exact(loads)
+    for way, load, margin in (
+        (1.0, at.forward_load, at.forward_margin), (-1.0, at.back_load, at.back_margin),
+    ):  # fmt: skip
+        amplitude = abs(exact.load(way, exact.mu_s))
+        resistance = exact.resistance(way, exact.mu_s)
+        assert load == pytest.approx(float(amplitude), rel=8 * EPS, abs=2 * EPS)
+        assert abs(margin - (amplitude - resistance)) < 4 * EPS * (amplitude + abs(resistance) + abs(exact.t))
+
+
+@pytest.mark.parametrize("is_line", [True, False])
+@pytest.mark.parametrize("b", [1e-3, 1e-9, 1e-15])
+def test_margins_do_not_cancel_where_the_drive_hardly_lifts(is_line: bool, b: float) -> None:
+    at = thresholds(level(2.0, b=b, mu_s=0.5)._replace(line=is_line))
+    assert at.forward_margin == pytest.approx(0.5 * b, rel=4 * EPS)
+    assert at.back_margin == pytest.approx(-0.5 * b, rel=4 * EPS)
+    steep = thresholds(level(2.0, b=b, mu_s=0.5)._replace(line=False, phase_sine=1.0, phase_cosine=0.0))
+    growth = 0.25 * b * b / (math.sqrt(1.0 + 0.25 * b * b) + 1.0)
+    assert steep.forward_margin == steep.back_margin == pytest.approx(growth, rel=4 * EPS)
+
+
+def test_a_line_that_presses_more_than_it_pushes_has_no_load_back() -> None:
+    for b in (0.5, 1.0, 1.5):  # lift of 1, 2 and 3 times the push
+        at = thresholds(level(2.0, a=0.5, b=b, mu_s=1.0))
+        assert at.back_load == pytest.approx(abs(0.5 - b), abs=EPS)
+        assert not at.back
+    assert thresholds(level(2.0, a=0.5, b=0.5)).back_load == 0.0
+
+
+@pytest.mark.parametrize(
+    ("n", "t"),
+    [
+        (1.0, 0.0),
+        (0.5, 0.5),
+        (0.5, -0.5),
+    ],
+)
+@pytest.mark.parametrize("is_line", [True, False])
+def test_slip_begins_where_the_load_outgrows_static_friction(n: float, t: float, is_line: bool) -> None:
+    # both loads are 1, and so is what has to be outgrown at n; rounding of it all decides within 8 eps
+    for ulps, side in ((-10, 1), (-6, 0), (0, 0), (6, 0), (10, -1)):
+        at = thresholds(level(n + ulps * EPS, t=t)._replace(line=is_line))
+        margin, slips = (at.forward_margin, at.forward) if t >= 0.0 else (at.back_margin, at.back)
+        assert margin == -ulps * EPS
+        assert slips == (side > 0)
+        assert at.edge == (side == 0 or (t != 0.0 and abs(ulps) < 2))
+        if t == 0.0:
+            assert (at.back_margin, at.back) == (margin, slips)
+
+
+def test_a_back_load_of_nothing_has_no_threshold() -> None:
+    # no weight either way, no load: the margin is 0
+    at = thresholds(level(1.0, a=0.5, b=0.5, t=1.0))
+    assert at.back_load == 0.0 == at.back_margin
+    assert not at.back
+
+
+def test_hopping_begins_above_a_throw_number_of_one() -> None:
+    for ulps, hops, edge in ((-6, True, False), (-3, False, True), (0, False, True), (3, False, True),
+                             (6, False, False)):  # fmt: skip
+        at = thresholds(level(1.0 + ulps * EPS, a=0.1, b=1.0))
+        assert (at.hops, at.edge) == (hops, edge)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_trough_steeper_than_static_friction_holds_no_body(way: float) -> None:
+    for ulps, unheld, edge in ((-6, False, False), (-3, False, True), (0, False, True), (3, False, True),
+                               (6, True, False)):  # fmt: skip
+        at = thresholds(level(1.0, a=1e-9, t=way * (1.0 + ulps * EPS)))
+        assert (at.unheld, at.edge) == (unheld, edge or abs(ulps) < 0)
+    assert not thresholds(level(1.0, a=0.0, mu_s=0.0)).unheld
+
+
+# ---------------------------------------------------------------------------------- phases of loads
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("friction", [0.0, 0.2, 3.0])
+def test_amplitude_and_own_phase_make_one_sine_of_both_loads(way: float, friction: float) -> None:
+    lines = [line(20.0, 0.8, 0.5, 0.4), line(70.0, 1.2, 0.9, 0.7)]
+    for loads in (*lines, *(x._replace(line=False) for x in lines), *random_ellipses(20, 3)):
+        amplitude, phase = load_amplitude(loads, way, friction), own_phase(loads, way, friction)
+        assert amplitude >= 0.0
+        assert -math.pi <= phase <= math.pi
+        exact = Exact(loads).load(way, MP.mpf(friction))
+        assert amplitude == pytest.approx(float(abs(exact)), abs=4 * EPS)
+        for p in (0.0, 1.0, 2.5, 4.0):
+            assert amplitude * math.sin(p + phase) == pytest.approx(
+                float((exact * MP.expj(p)).imag), abs=8 * EPS * (1.0 + friction)
+            )
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.7])
+def test_the_offset_is_how_much_more_than_half_a_turn_the_back_load_comes_later(friction: float) -> None:
+    assert phase_offset(line(20.0, 0.8, 0.5, 0.4), friction) == 0.0
+    for loads in random_ellipses(30, 4):
+        later = own_phase(loads, 1.0, friction) - own_phase(loads, -1.0, friction) - math.pi
+        offset = phase_offset(loads, friction)
+        assert math.remainder(offset - later, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-14)
+        assert abs(offset) <= math.pi
+        seen = phase_offset(mirrored(loads), friction)
+        assert math.remainder(offset + seen, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-14)
+
+
+# ------------------------------------------------------------------------------------------- onsets
+
+
+def _compare(loads: Loads, way: float) -> Start:
+    """Compare a start with what Eq. (55) says of it, with 50 digits."""
+    at, exact = thresholds(loads), Exact(loads)
+    found = resting_start(loads, at, way)
+    opens, closes = exact.window(way)
+    kinetic = exact.load(way, exact.mu_d)
+    own = opens + MP.arg(kinetic)
+    load, window = abs(kinetic), (closes - opens) / 2
+    onset = found.onset
+    # rounding of the loads shifts the start by 1 / tan(window) of it
+    margin = at.forward_margin if way > 0.0 else at.back_margin
+    static_load = at.forward_load if way > 0.0 else at.back_load
+    rounding = 16 * EPS * (1.0 + (static_load + abs(exact.resistance(way, exact.mu_s))) / margin)
+    near = float(rounding * window) + 64 * EPS / float(load)
+    c = MP.pi / 2 - own
+    c -= MP.nint(c / (2 * MP.pi)) * 2 * MP.pi
+    assert onset.c == pytest.approx(float(c), abs=near)
+    assert onset.cos == pytest.approx(float(MP.cos(c)), abs=near)
+    assert onset.sin == pytest.approx(float(MP.sin(c)), abs=near)
+    assert onset.vers == pytest.approx(float(1 - MP.cos(c)), abs=near)
+    assert onset.load == pytest.approx(float(load), rel=8 * EPS, abs=4 * EPS)
+    assert onset.k == pytest.approx(
+        float(exact.resistance(way, exact.mu_d) / load), rel=64 * EPS / float(load)
+    )
+    excess = exact.pull(way, exact.mu_d, opens) / load
+    assert onset.excess == pytest.approx(float(excess), abs=near)
+    assert onset.excess >= 0.0
+    assert found.window == pytest.approx(float(window), abs=near)
+    # slopes of the opposite slide's load at both edges of the window
+    other = exact.load(-way, exact.mu_d)
+    slopes = [float((other * MP.expj(p)).real) for p in (opens, closes)]
+    assert [found.open_rate, found.close_rate] == pytest.approx(slopes, abs=near)
+    return found
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_start_from_rest_of_a_line(way: float) -> None:
+    count = 0
+    for loads in random_lines(200, 5, steepest=0.8):
+        at = thresholds(loads)
+        if at.forward if way > 0.0 else at.back:
+            count += 1
+            one, other = _compare(loads, way), _compare(loads._replace(line=False), way)
+            margin = at.forward_margin if way > 0.0 else at.back_margin
+            load = at.forward_load if way > 0.0 else at.back_load
+            near = 128 * EPS * load / margin + 64 * EPS / one.onset.load
+            assert one.onset == pytest.approx(other.onset, rel=near, abs=near)
+            assert one[1:] == pytest.approx(other[1:], rel=near, abs=near)
+    assert count > 60
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_start_from_rest_of_an_ellipse(way: float) -> None:
+    loads = [*random_ellipses(200, 6, steepest=0.8), *random_ellipses(200, 7, least_throw=0.99)]
+    slips = [x for x in loads if (thresholds(x).forward if way > 0.0 else thresholds(x).back)]
+    assert len(slips) > 150
+    nearly_lifted = 0
+    for x in slips:
+        _compare(x, way)
+        exact = Exact(x)
+        normal = exact.n - exact.b * MP.sin(exact.window(way)[0])
+        nearly_lifted += normal < windows._NEARLY_LIFTED * exact.n
+    assert nearly_lifted > 20
+
+
+@pytest.mark.parametrize("lift", [1e-6, 1e-10, 1e-14])
+def test_the_excess_keeps_its_digits_where_the_body_is_nearly_lifted(lift: float) -> None:
+    # phi = -90 deg: the crest of the load along the trough is where the trough presses least
+    loads = Loads(1.0, 1.0 - lift, 1.0, 0.0, 0.0, 1.0 - 1e-3, 0.5, 0.0, 1.0, False)
+    loads = loads._replace(drive_tangential=1e-9)
+    exact = Exact(loads)
+    found = resting_start(loads, thresholds(loads), 1.0) if thresholds(loads).forward else None
+    if found is None:
+        loads = loads._replace(drive_tangential=0.01)
+        exact, found = Exact(loads), resting_start(loads, thresholds(loads), 1.0)
+    opens, _ = exact.window(1.0)
+    load = abs(exact.load(1.0, exact.mu_d))
+    expected = float((exact.mu_s - exact.mu_d) * (exact.n - exact.b * MP.sin(opens)) / load)
+    assert found.onset.excess == pytest.approx(expected, rel=1e-13)
+
+
+def test_a_load_just_above_its_threshold_has_a_start_to_all_digits() -> None:
+    # b = 0: the margin is exact, and c = acos(1 - margin)
+    for margin in (1e-15, 1e-12, 1e-6, 0.3):
+        n = 1.0 - margin
+        for is_line in (True, False):
+            loads = level(n)._replace(line=is_line)
+            found = resting_start(loads, thresholds(loads), 1.0)
+            exact = float(MP.acos(MP.mpf(n)))
+            assert found.onset.c == pytest.approx(exact, rel=8 * EPS)
+            assert found.window == pytest.approx(exact, rel=8 * EPS)
+            assert found.onset.vers == pytest.approx(1.0 - n, rel=8 * EPS)
+            assert found.onset.sin == pytest.approx(float(MP.sin(MP.acos(MP.mpf(n)))), rel=8 * EPS)
+            assert found.onset.excess == pytest.approx(0.5 * n, rel=8 * EPS)
+
+
+@pytest.mark.parametrize("is_line", [True, False])
+@pytest.mark.parametrize("weight", [1.0, 1e6, 1e12])
+def test_resistance_never_exceeds_the_load_at_the_start(is_line: bool, weight: float) -> None:
+    seen = 0
+    for i in range(1, 60):
+        mu, b = 0.3 + 0.01 * i, 0.1
+        for way in WAYS:
+            t = -way * (mu * weight - 0.013 * i)  # all but cancels static friction
+            loads = Loads(1.0, b, weight, t, weight - b * t, mu, mu, 0.0, 1.0, is_line)
+            at = thresholds(loads)
+            if at.forward if way > 0.0 else at.back:
+                seen += 1
+                onset = resting_start(loads, at, way).onset
+                assert abs(onset.k + onset.excess - (1.0 - onset.vers)) <= 17 * EPS
+                assert onset.cos == onset.excess + onset.k
+    assert seen > 50
+
+
+def test_on_a_level_trough_the_resistance_is_as_it_stands() -> None:
+    # mu_d n / C, whatever rounding makes of the sum
+    for loads in (*random_lines(50, 8), *random_ellipses(50, 9)):
+        at = thresholds(loads)
+        if at.forward:
+            onset = resting_start(loads, at, 1.0).onset
+            assert onset.k == loads.kinetic_friction * loads.weight_normal / onset.load
+
+
+# -------------------------------------------------------------------------------------- what follows
+
+
+def _lasts(loads: Loads, way: float, edge: int) -> int:
+    """Whether a slide lasts to where the opposite window opens (edge 0) or closes (1)."""
+    at = thresholds(loads)
+    forward, back = resting_start(loads, at, 1.0), resting_start(loads, at, -1.0)
+    own, other = (forward, back) if way > 0.0 else (back, forward)
+    offset = way * phase_offset(loads, loads.static_friction)
+    if edge == 0:
+        return reaches(loads, own, other, offset)
+    ahead, size = speed_at_close(own, other)
+    if loads.line:
+        ahead, size = cosine_lead(loads, at, forward.onset, back.onset)
+        ahead *= way
+    return outlasts(own, other, offset, ahead, size)
+
+
+def _speed_there(loads: Loads, way: float, edge: int) -> tuple[Any, Any]:
+    """Speed of the slide at that edge, or at its minimum where that comes first, and the size of its terms."""
+    exact = Exact(loads)
+    p0, load = exact.window(way)[0], exact.load(way, exact.mu_d)
+    resistance = exact.resistance(way, exact.mu_d)
+    p = exact.next_window(-way, p0)[edge]
+    if edge == 1 and resistance < 0:  # the speed grows again from here
+        least = MP.asin(resistance / abs(load)) - MP.arg(load)
+        p = min(p, least + MP.ceil((p0 - least) / (2 * MP.pi)) * 2 * MP.pi)
+    size = abs(load) + abs(exact.load(-way, exact.mu_d)) + abs(resistance) * (p - p0)
+    return exact.speed(way, p0, p), size
+
+
+def _kinds(loads: list[Loads]) -> Iterator[Loads]:
+    """Those that slip both ways; lines also as ellipses."""
+    for x in loads:
+        at = thresholds(x)
+        if at.forward and at.back:
+            yield x
+            if x.line:
+                yield x._replace(line=False)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("edge", [0, 1])
+def test_a_slide_lasts_to_an_edge_of_the_opposite_window_if_it_has_speed_there(way: float, edge: int) -> None:
+    signs = []
+    for x in _kinds(random_loads(100, 10, steepest=0.9, least_ratio=0.001) + random_loads(80, 11)):
+        sign = _lasts(x, way, edge)
+        signs.append(sign)
+        speed, size = _speed_there(x, way, edge)
+        if abs(speed) > 1e-12 * size:
+            assert sign == MP.sign(speed)
+    assert min(signs.count(1), signs.count(-1)) > 8
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("edge", [0, 1])
+@pytest.mark.parametrize("steepest", [0.0, 0.9])
+def test_the_sign_changes_where_the_speed_is_zero(way: float, edge: int, steepest: float) -> None:
+    changes = {True: 0, False: 0}
+    for loads in _kinds(random_loads(100, 12, steepest=steepest)):
+        # a slide ends earlier against more friction
+        low, high = 1e-6 * loads.static_friction, loads.static_friction
+        signs = [_lasts(loads._replace(kinetic_friction=mu), way, edge) for mu in (low, high)]
+        if signs[0] == signs[1] or changes[loads.line] >= 12:
+            continue
+        changes[loads.line] += 1
+        while high - low > 2.0 * EPS * high:
+            middle = 0.5 * (low + high)
+            if _lasts(loads._replace(kinetic_friction=middle), way, edge) > 0:
+                low = middle
+            else:
+                high = middle
+        speed, size = _speed_there(loads._replace(kinetic_friction=high), way, edge)
+        assert -2 * EPS * size < speed < 100 * EPS * size
+        # rounding decides from there on, but not for long
+        more = high + 1e-11 * loads.static_friction
+        beside = [_lasts(loads._replace(kinetic_friction=mu), way, edge) for mu in (high, more)]
+        assert beside == [0, -1]
+    # on a level trough a back slide along a line never outlasts the forward window
+    assert changes[False] > 3
+    assert changes[True] > (-1 if steepest == 0.0 and edge == 1 and way < 0.0 else 2)
+
+
+def test_the_lead_of_one_onset_does_not_cancel() -> None:
+    for loads in _kinds(list(random_lines(150, 13, steepest=0.8))):
+        if not loads.line:
+            continue
+        at, exact = thresholds(loads), Exact(loads)
+        forward, back = resting_start(loads, at, 1.0).onset, resting_start(loads, at, -1.0).onset
+        lead, size = cosine_lead(loads, at, forward, back)
+        sines = [
+            exact.resistance(way, exact.mu_s) / (exact.a + way * exact.mu_s * exact.b) for way in (1, -1)
+        ]
+        cosines = [MP.sqrt(1 - s**2) for s in sines]
+        closest = min(1 - s for s in sines)
+        assert abs(lead - (cosines[0] - cosines[1])) < 32 * EPS * size / closest
+        assert size >= abs(lead)
+        if loads.weight_tangential == 0.0:
+            assert size == abs(lead)
+
+
+def test_the_lead_of_nearly_equal_onsets() -> None:
+    # alpha -> 0 on a level trough: both start at nearly the same phase
+    loads = line(1e-9, 0.7, 0.9, 0.5)
+    at = thresholds(loads)
+    onsets = [resting_start(loads, at, way).onset for way in WAYS]
+    sine = MP.mpf(0.9) * MP.mpf(0.7)
+    expected = 2 * sine * 0.9 * MP.mpf(loads.drive_normal) * sine / MP.sqrt(1 - sine**2)
+    assert cosine_lead(loads, at, *onsets)[0] == pytest.approx(float(expected), rel=1e-9)

@@ -1,0 +1,526 @@
+"""Translate the solver, plain typed Python, into C.
+
+The solver is written once, in Python that uses numbers, records (``NamedTuple``) and buffers alone, and
+nothing but ``math``. Its annotations say all that a C compiler has to know, so that nothing is declared
+twice: functions become static functions, records structs, and constants of modules literals. Every function
+that the module ``loop`` lists in ``__all__`` is exported, with the fields of records of buffers as arguments
+of their own.
+
+What would not mean the same in C is refused: the types of variables are fixed, ``and`` and ``or`` join truth
+values, and there are no exceptions. A division by zero, or an argument outside of a function's domain, raises
+in Python and must not be reachable.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+SCALARS = {"float": "double", "int": "long long", "bool": "int"}
+BUFFERS = {"Doubles": "float", "Integers": "int", "Bytes": "int"}
+_POINTERS = {"Doubles": "double *", "Integers": "long long *", "Bytes": "signed char *"}
+_DOORS = "loop"
+_FUNCTIONS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "floor", "ceil", "copysign",
+              "remainder", "log", "exp"}  # fmt: skip
+_TESTS = {"isnan", "isinf", "isfinite"}
+_BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "/", ast.Mod: "%",
+           ast.BitAnd: "&"}  # fmt: skip
+# Names of Python that are words of C.
+_RESERVED = {"auto", "case", "char", "const", "default", "do", "double", "enum", "extern", "goto", "inline",
+             "long", "register", "restrict", "short", "signed", "sizeof", "static", "struct", "switch",
+             "typedef", "union", "unsigned", "void", "volatile"}  # fmt: skip
+_COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
+
+_PROLOGUE = """\
+/* Translated from Python by tools/translate.py. */
+#include <math.h>
+#include <stdlib.h>
+
+#ifdef _WIN32
+#define EXPORTED __declspec(dllexport)
+#else
+#define EXPORTED __attribute__((visibility("default")))
+#endif
+
+static inline double float_min(double a, double b) { return b < a ? b : a; }
+static inline double float_max(double a, double b) { return b > a ? b : a; }
+static inline long long int_min(long long a, long long b) { return b < a ? b : a; }
+static inline long long int_max(long long a, long long b) { return b > a ? b : a; }
+"""
+
+
+class TranslationError(Exception):
+    """A statement that has no translation."""
+
+
+class Signature(NamedTuple):
+    """A function: its name in C, the types of its arguments and of its result."""
+
+    name: str
+    arguments: tuple[str, ...]
+    result: str
+
+
+class Value(NamedTuple):
+    """An expression in C, and its type in Python."""
+
+    text: str
+    kind: str
+
+
+def sources(folder: Path) -> list[Path]:
+    """List the solver's modules, each after those that it imports."""
+    order: list[Path] = []
+
+    def visit(name: str) -> None:
+        path = folder / f"{name}.py"
+        if path in order:
+            return
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("vibro.core."):
+                visit(str(node.module).rpartition(".")[2])
+        order.append(path)
+
+    visit(_DOORS)
+    return order
+
+
+def digest(paths: list[Path]) -> str:
+    """Return what tells the texts of modules from any others."""
+    whole = hashlib.sha256()
+    for path in sorted(paths):
+        whole.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return whole.hexdigest()
+
+
+def translate(folder: Path) -> str:
+    """Translate the modules that lie in a folder."""
+    paths = sources(folder)
+    program = _Program()
+    for path in paths:
+        program.add(path.stem, ast.parse(path.read_text("utf-8")))
+    known = "\\n".join([digest(paths), *sorted(path.name for path in paths)])
+    text = f'EXPORTED const char *vibro_sources(void) {{ return "{known}"; }}\n'
+    return "\n".join([_PROLOGUE, *program.types, *program.headers, *program.bodies, text])
+
+
+class _Program:
+    """What has been translated so far."""
+
+    def __init__(self) -> None:
+        self.types: list[str] = []
+        self.headers: list[str] = []
+        self.bodies: list[str] = []
+        self.records: dict[str, dict[str, str]] = {}
+        self.modules: dict[str, dict[str, Any]] = {}  # what the names of a module stand for
+        self._tuples = set[str]()
+        self._helpers = set[str]()
+
+    def add(self, module: str, tree: ast.Module) -> None:
+        """Translate one module, whose imports have been translated before."""
+        tree = _Renamed().visit(tree)
+        names: dict[str, Any] = {}
+        self.modules[module] = names
+        exported = set[str]()
+        functions = []
+        for node in tree.body:
+            match node:
+                case ast.ImportFrom(module=str(path)) if path.startswith("vibro.core."):
+                    theirs = self.modules[path.rpartition(".")[2]]
+                    names |= {a.asname or a.name: theirs[a.name] for a in node.names if a.name in theirs}
+                case ast.ClassDef(bases=[ast.Name("NamedTuple")]):
+                    self._record(node)
+                case ast.ClassDef(bases=[ast.Name("IntEnum")]):
+                    names[node.name] = _members(node)
+                case ast.FunctionDef():
+                    try:
+                        kinds = tuple(self.kind(a.annotation) for a in node.args.args)
+                        names[node.name] = Signature(f"{module}_{node.name}", kinds, self.kind(node.returns))
+                    except TranslationError:
+                        continue  # for Python alone: a function that calls it is refused
+                    functions.append(node)
+                case ast.Assign(targets=[ast.Name("__all__")], value=ast.List(elts=elements)):
+                    exported = {ast.literal_eval(element) for element in elements}
+                case ast.AnnAssign(target=ast.Name(name), value=ast.expr() as value):
+                    names[name] = _constant(names, value)
+                case _:
+                    pass  # what is for Python alone: nothing in a function can use it
+        for function in functions:
+            writer = _Function(self, names, function)
+            self.headers.append(f"static {writer.head};")
+            self.bodies.append("\n".join(writer.lines))
+        if module == _DOORS:
+            self.bodies += [self._door(name, names[name]) for name in sorted(exported)]
+
+    def kind(self, annotation: ast.expr | None) -> str:
+        """Name the type of an annotation."""
+        match annotation:
+            case None | ast.Constant(None):
+                return "None"
+            case ast.Name(name) if name in SCALARS or name in BUFFERS or name in self.records:
+                return name
+            case ast.Subscript(ast.Name("tuple"), ast.Tuple(elts)):
+                return self.tuple_of([self.kind(e) for e in elts])
+        raise TranslationError(f"no type: {ast.unparse(annotation) if annotation else None}")
+
+    def tuple_of(self, kinds: list[str]) -> str:
+        """Declare the type of a tuple."""
+        name = "tuple_" + "_".join(kinds)
+        if name not in self.records:
+            self._struct(name, {f"_{i}": kind for i, kind in enumerate(kinds)})
+        return name
+
+    def c(self, kind: str) -> str:
+        """Spell a type in C."""
+        return "void" if kind == "None" else SCALARS.get(kind) or _POINTERS.get(kind) or f"struct {kind}"
+
+    def replacing(self, kind: str, fields: list[str]) -> str:
+        """Write the function that replaces some fields of a record."""
+        name = f"{kind}_with_{'_'.join(fields)}"
+        if name not in self._helpers:
+            self._helpers.add(name)
+            arguments = "".join(f", {self.c(self.records[kind][f])} {f}" for f in fields)
+            changes = "".join(f" record.{f} = {f};" for f in fields)
+            head = f"static inline struct {kind} {name}(struct {kind} record{arguments})"
+            self.headers.append(f"{head} {{{changes} return record; }}")
+        return name
+
+    def _record(self, node: ast.ClassDef) -> None:
+        if node.name in self.records:
+            raise TranslationError(f"two records are called {node.name}")
+        fields = {}
+        for field in node.body:
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+                fields[field.target.id] = self.kind(field.annotation)
+        self._struct(node.name, fields)
+
+    def _struct(self, name: str, fields: dict[str, str]) -> None:
+        self.records[name] = fields
+        self.types.append(f"struct {name} {{ {' '.join(f'{self.c(k)} {f};' for f, k in fields.items())} }};")
+
+    def _door(self, name: str, inside: Signature) -> str:
+        """Export a function; a record of buffers is handed over field by field."""
+        arguments, values = [], []
+        for i, kind in enumerate(inside.arguments):
+            if kind in self.records:
+                fields = [(f"a{i}_{f}", k) for f, k in self.records[kind].items()]
+                arguments += [f"{self.c(k)} {f}" for f, k in fields]
+                values.append(f"(struct {kind}){{{', '.join(f for f, _ in fields)}}}")
+            else:
+                arguments.append(f"{self.c(kind)} a{i}")
+                values.append(f"a{i}")
+        back = "" if inside.result == "None" else "return "
+        return (
+            f"EXPORTED {self.c(inside.result)} vibro_{name}({', '.join(arguments)})"
+            f" {{ {back}{inside.name}({', '.join(values)}); }}"
+        )
+
+
+class _Renamed(ast.NodeTransformer):
+    """Renames what C could not call so."""
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        """Rename a variable or the name of a field."""
+        node.id = _safe(node.id)
+        return node
+
+    def visit_arg(self, node: ast.arg) -> ast.arg:
+        """Rename an argument."""
+        self.generic_visit(node)
+        node.arg = _safe(node.arg)
+        return node
+
+    def visit_keyword(self, node: ast.keyword) -> ast.keyword:
+        """Rename a field that is set."""
+        self.generic_visit(node)
+        node.arg = _safe(node.arg or "")
+        return node
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.Attribute:
+        """Rename a field that is read."""
+        self.generic_visit(node)
+        node.attr = _safe(node.attr)
+        return node
+
+
+def _safe(name: str) -> str:
+    return f"{name}_" if name in _RESERVED else name
+
+
+def _members(node: ast.ClassDef) -> dict[str, int]:
+    members = {}
+    for line in node.body:
+        match line:
+            case ast.Assign(targets=[ast.Name(name)], value=value):
+                members[name] = int(ast.literal_eval(value))
+    return members
+
+
+def _constant(names: dict[str, Any], value: ast.expr) -> Any:
+    """Evaluate a constant of a module; anything but a number is for Python alone."""
+    known = {name: x for name, x in names.items() if isinstance(x, int | float)}
+    try:
+        code = compile(ast.Expression(value), "<constant>", "eval")
+        number = eval(code, {"__builtins__": {}, "math": math, **known})
+    except NameError:
+        return None
+    return number if isinstance(number, int | float) else None
+
+
+class _Function:
+    """Translates one function."""
+
+    def __init__(self, program: _Program, names: dict[str, Any], node: ast.FunctionDef) -> None:
+        self._program, self._names, self._node = program, names, node
+        signature: Signature = names[node.name]
+        self._result = signature.result
+        self._kinds = {a.arg: k for a, k in zip(node.args.args, signature.arguments, strict=True)}
+        arguments = ", ".join(f"{program.c(k)} {a}" for a, k in self._kinds.items()) or "void"
+        self.head = f"{program.c(signature.result)} {signature.name}({arguments})"
+        given = set(self._kinds)
+        body = self._block(node.body, "    ")
+        declared = [f"    {program.c(k)} {a};" for a, k in self._kinds.items() if a not in given]
+        self.lines = [f"static {self.head}", "{", *declared, *body, "}", ""]
+
+    def _refused(self, node: ast.AST, why: str) -> TranslationError:
+        line = getattr(node, "lineno", 0)
+        return TranslationError(f"{self._node.name}, line {line}: {why}: {ast.unparse(node)[:90]}")
+
+    # ------------------------------------------------------------------ statements
+
+    def _block(self, statements: list[ast.stmt], indent: str) -> list[str]:
+        return [indent + line for node in statements for line in self._statement(node)]
+
+    def _statement(self, node: ast.stmt) -> list[str]:
+        match node:
+            case ast.Expr(ast.Constant()) | ast.Pass():
+                return []
+            case ast.Expr(value):
+                return [f"{self._value(value).text};"]
+            case ast.Assign(targets=[target], value=value):
+                return self._assign(target, value)
+            case ast.AnnAssign(target=ast.Name(name), value=value):
+                self._kinds[name] = self._program.kind(node.annotation)
+                return [] if value is None else self._assign(node.target, value)
+            case ast.AugAssign(target=target, op=op, value=value):
+                changed = ast.BinOp(left=target, op=op, right=value)
+                return self._assign(target, ast.copy_location(changed, node))
+            case ast.Return(None):
+                return ["return;"]
+            case ast.Return(value) if value is not None:
+                return [f"return {self._converted(value, self._result)};"]
+            case ast.If(test, body, orelse):
+                lines = [f"if ({self._test(test)}) {{", *self._block(body, "    ")]
+                return [*lines, *(["} else {", *self._block(orelse, "    ")] if orelse else []), "}"]
+            case ast.While(test, body, []):
+                return [f"while ({self._test(test)}) {{", *self._block(body, "    "), "}"]
+            case ast.For(ast.Name(name), ast.Call(ast.Name("range"), arguments), body, []):
+                return self._loop(name, arguments, body)
+            case ast.Break():
+                return ["break;"]
+            case ast.Continue():
+                return ["continue;"]
+        raise self._refused(node, "no translation")
+
+    def _loop(self, name: str, arguments: list[ast.expr], body: list[ast.stmt]) -> list[str]:
+        bounds = [self._converted(a, "int") for a in arguments]
+        low, high = ("0", bounds[0]) if len(bounds) == 1 else bounds[:2]
+        step = bounds[2] if len(bounds) == 3 else "1"
+        counter, end, begin = f"{name}_count", f"{name}_end", []
+        if name != "_":
+            self._declare(self._node, name, "int")
+            begin = [f"    {name} = {counter};"]
+        return [
+            f"for (long long {counter} = {low}, {end} = {high}; {counter} < {end}; {counter} += {step}) {{",
+            *begin,
+            *self._block(body, "    "),
+            "}",
+        ]
+
+    def _assign(self, target: ast.expr, value: ast.expr) -> list[str]:
+        match target:
+            case ast.Name(name):
+                known = self._kinds.get(name)
+                if known:
+                    return [f"{name} = {self._converted(value, known)};"]
+                found = self._value(value)
+                self._declare(target, name, found.kind)
+                return [f"{name} = {found.text};"]
+            case ast.Subscript():
+                place = self._value(target)
+                return [f"{place.text} = {self._converted(value, place.kind)};"]
+            case ast.Tuple(targets):
+                return self._unpack(targets, value)
+        raise self._refused(target, "no target")
+
+    def _unpack(self, targets: list[ast.expr], value: ast.expr) -> list[str]:
+        """Assign a tuple: all of its values are known before the first is put down."""
+        before = []
+        if isinstance(value, ast.Tuple):
+            values = [self._value(v) for v in value.elts]
+        else:
+            whole = self._value(value)
+            before.append(f"{self._program.c(whole.kind)} whole = {whole.text};")
+            fields = self._program.records.get(whole.kind, {})
+            values = [Value(f"whole.{f}", k) for f, k in fields.items()]
+        if len(values) != len(targets):
+            raise self._refused(value, f"{len(targets)} targets")
+        after = []
+        for i, (target, v) in enumerate(zip(targets, values, strict=True)):
+            if isinstance(target, ast.Name):
+                if target.id == "_":
+                    continue
+                place = Value(target.id, self._kinds.setdefault(target.id, v.kind))
+            else:
+                place = self._value(target)
+            self._fits(target, v.kind, place.kind)
+            before.append(f"{self._program.c(place.kind)} part{i} = {v.text};")
+            after.append(f"{place.text} = part{i};")
+        return ["{", *("    " + line for line in before + after), "}"]
+
+    def _declare(self, node: ast.AST, name: str, kind: str) -> None:
+        if self._kinds.setdefault(name, kind) != kind:
+            raise self._refused(node, f"{name} is {self._kinds[name]} and {kind}")
+
+    # ------------------------------------------------------------------ expressions
+
+    def _fits(self, node: ast.AST, kind: str, wanted: str) -> None:
+        order = {"bool": 0, "int": 1, "float": 2}
+        if kind != wanted and not (kind in order and wanted in order and order[kind] < order[wanted]):
+            raise self._refused(node, f"{kind} in place of {wanted}")
+
+    def _converted(self, node: ast.expr, wanted: str) -> str:
+        value = self._value(node, wanted)
+        self._fits(node, value.kind, wanted)
+        return value.text
+
+    def _test(self, node: ast.expr) -> str:
+        return self._converted(node, "bool")
+
+    def _value(self, node: ast.expr, wanted: str = "") -> Value:
+        match node:
+            case ast.Constant(bool(value)):
+                return Value(str(int(value)), "bool")
+            case ast.Constant(value) if isinstance(value, int | float):
+                return _literal(value)
+            case ast.Name(name):
+                return self._name(node, name)
+            case ast.Attribute(ast.Name(owner), member) if isinstance(self._names.get(owner), dict):
+                return Value(str(self._names[owner][member]), "int")
+            case ast.Attribute(value, member):
+                record = self._value(value)
+                return Value(f"{record.text}.{member}", self._program.records[record.kind][member])
+            case ast.Subscript(ast.Name(name), index) if self._kinds.get(name) in BUFFERS:
+                return Value(f"{name}[{self._converted(index, 'int')}]", BUFFERS[self._kinds[name]])
+            case ast.Subscript(ast.Attribute() as buffer, index):
+                found = self._value(buffer)
+                return Value(f"{found.text}[{self._converted(index, 'int')}]", BUFFERS[found.kind])
+            case ast.UnaryOp(ast.Not(), operand):
+                return Value(f"!({self._test(operand)})", "bool")
+            case ast.UnaryOp(ast.USub(), operand):
+                one = self._value(operand)
+                return Value(f"(-{one.text})", one.kind)
+            case ast.BoolOp(op, values):
+                sign = " && " if isinstance(op, ast.And) else " || "
+                return Value(f"({sign.join(self._test(v) for v in values)})", "bool")
+            case ast.Compare(left, ops, comparators):
+                return self._comparison([left, *comparators], ops)
+            case ast.BinOp(left, op, right):
+                return self._operation(node, left, op, right)
+            case ast.IfExp(test, body, orelse):
+                one, two = self._value(body, wanted), self._value(orelse, wanted)
+                kind = "float" if {one.kind, two.kind} == {"int", "float"} else one.kind
+                self._fits(orelse, two.kind, kind)
+                return Value(f"({self._test(test)} ? {one.text} : {two.text})", kind)
+            case ast.Tuple(elts):
+                kinds = list(self._program.records[wanted].values()) if wanted.startswith("tuple_") else []
+                kinds = kinds if len(kinds) == len(elts) else [self._value(e).kind for e in elts]
+                name = self._program.tuple_of(kinds)
+                parts = [self._converted(e, k) for e, k in zip(elts, kinds, strict=True)]
+                return Value(f"(struct {name}){{{', '.join(parts)}}}", name)
+            case ast.Call():
+                return self._call(node)
+        raise self._refused(node, "no translation")
+
+    def _name(self, node: ast.expr, name: str) -> Value:
+        if name in self._kinds:
+            return Value(name, self._kinds[name])
+        number = self._names.get(name)
+        if isinstance(number, int | float):
+            return _literal(number)
+        raise self._refused(node, "unknown")
+
+    def _comparison(self, sides: list[ast.expr], ops: list[ast.cmpop]) -> Value:
+        values = [self._value(side).text for side in sides]
+        parts = [
+            f"({a} {_COMPARISONS[type(op)]} {b})" for a, op, b in zip(values, ops, values[1:], strict=False)
+        ]
+        return Value(parts[0] if len(parts) == 1 else f"({' && '.join(parts)})", "bool")
+
+    def _operation(self, node: ast.expr, left: ast.expr, op: ast.operator, right: ast.expr) -> Value:
+        one, two = self._value(left), self._value(right)
+        kind = "float" if "float" in (one.kind, two.kind) or isinstance(op, ast.Div) else "int"
+        if type(op) not in _BINARY or not {one.kind, two.kind} <= set(SCALARS):
+            raise self._refused(node, "no translation")
+        if kind == "float" and isinstance(op, ast.FloorDiv | ast.Mod | ast.BitAnd):
+            raise self._refused(node, "for whole numbers alone")
+        cast = "(double)" if isinstance(op, ast.Div) and one.kind != "float" else ""
+        return Value(f"({cast}{one.text} {_BINARY[type(op)]} {two.text})", kind)
+
+    def _call(self, node: ast.Call) -> Value:
+        match node.func:
+            case ast.Attribute(ast.Name("math"), name) if name in _FUNCTIONS:
+                return Value(f"{name}({', '.join(self._converted(a, 'float') for a in node.args)})", "float")
+            case ast.Attribute(ast.Name("math"), name) if name in _TESTS:
+                return Value(f"({name}({self._converted(node.args[0], 'float')}) != 0)", "bool")
+            case ast.Attribute(record, "_replace"):
+                whole = self._value(record)
+                kinds = self._program.records[whole.kind]
+                given = [(str(k.arg), self._converted(k.value, kinds[str(k.arg)])) for k in node.keywords]
+                helper = self._program.replacing(whole.kind, [f for f, _ in given])
+                return Value(f"{helper}({', '.join([whole.text, *(v for _, v in given)])})", whole.kind)
+            case ast.Name("abs"):
+                value = self._value(node.args[0])
+                return Value(f"{'fabs' if value.kind == 'float' else 'llabs'}({value.text})", value.kind)
+            case ast.Name("int"):
+                return Value(f"((long long)({self._value(node.args[0]).text}))", "int")
+            case ast.Name("float"):
+                return Value(f"((double)({self._value(node.args[0]).text}))", "float")
+            case ast.Name("min" | "max" as name):
+                values = [self._value(a) for a in node.args]
+                kind = "float" if any(v.kind == "float" for v in values) else "int"
+                text = values[0].text
+                for value in values[1:]:
+                    text = f"{kind}_{name}({text}, {value.text})"
+                return Value(text, kind)
+            case ast.Name(name) if name in self._program.records:
+                return self._record(node, name)
+            case ast.Name(name) if isinstance(self._names.get(name), Signature):
+                signature: Signature = self._names[name]
+                if len(node.args) != len(signature.arguments) or node.keywords:
+                    raise self._refused(node, f"takes {len(signature.arguments)} arguments by position")
+                pairs = zip(node.args, signature.arguments, strict=True)
+                values_text = ", ".join(self._converted(a, k) for a, k in pairs)
+                return Value(f"{signature.name}({values_text})", signature.result)
+        raise self._refused(node, "no translation")
+
+    def _record(self, node: ast.Call, name: str) -> Value:
+        fields = self._program.records[name]
+        given = dict(zip(fields, node.args, strict=False)) | {str(k.arg): k.value for k in node.keywords}
+        if set(given) != set(fields):
+            raise self._refused(node, f"takes {', '.join(fields)}")
+        parts = ", ".join(f".{f} = {self._converted(v, fields[f])}" for f, v in given.items())
+        return Value(f"(struct {name}){{{parts}}}", name)
+
+
+def _literal(value: float) -> Value:
+    if isinstance(value, int):
+        return Value(f"{int(value)}LL", "int")
+    if math.isnan(value):
+        return Value("((double)NAN)", "float")
+    if math.isinf(value):
+        return Value("((double)INFINITY)" if value > 0.0 else "(-(double)INFINITY)", "float")
+    return Value(repr(value), "float")
