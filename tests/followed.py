@@ -1,9 +1,9 @@
-"""Bodies followed by the plain solver, for the tests, and Newton's law for each of their legs by quadrature."""
+"""Bodies followed by the plain solver, for the tests, and Newton's law for their legs by quadrature."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,8 +22,16 @@ ROWS = 20_000
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _SIZE = MOST_BOUNCES + LONGEST_CYCLE
-FLIGHTS = Flights(*(memoryview(np.zeros(_SIZE)) for _ in Flights._fields))
-LAST = LastStarts(memoryview(np.zeros(_SIZE, np.int64)), memoryview(np.zeros(_SIZE)))
+
+
+def view(values: Any) -> Any:
+    """See numbers as a buffer."""
+    array: Any = np.asarray(values)
+    return memoryview(array)
+
+
+FLIGHTS = Flights(*(view(np.zeros(_SIZE)) for _ in Flights._fields))
+LAST = LastStarts(view(np.zeros(_SIZE, np.int64)), view(np.zeros(_SIZE)))
 
 
 def line(load: float, drive_deg: float, mu_s: float, mu_d: float, trough_deg: float = 0.0) -> Loads:
@@ -124,5 +132,4 @@ def history_of(
 
 def room(rows: int) -> Legs:
     """Make room for legs."""
-    kinds = (np.int8, np.int64, *(np.float64,) * 8)
-    return Legs(*(memoryview(np.zeros(rows, kind)) for kind in kinds))
+    return Legs(*(view(np.zeros(rows, kind)) for kind in ("b", "q", *"dddddddd")))

@@ -118,15 +118,15 @@ def test_phases_agree_with_the_onsets_and_friction_stays_inside_its_cone(one: Gr
     assert ("B" in kinds) <= (cycle.back_ratio > 1.0)
     assert (kinds == "_") == (max(cycle.forward_ratio, cycle.back_ratio) <= 1.0)
     assert sum(p.end - p.start for p in phases) * float(scene.frequency) == pytest.approx(1.0, abs=1e-12)
-    moved = float(scene.scale) * sum(p.displacement for p in phases)
-    size = float(scene.scale) * sum(abs(p.displacement) for p in phases)
+    moved = sum(p.displacement for p in phases)
+    size = sum(abs(p.displacement) for p in phases)
     assert moved == pytest.approx(float(cycle.displacement_per_cycle), abs=1e-12 * size)
 
     a, b = (one.load * f(math.radians(one.drive_deg)) for f in (math.cos, math.sin))
     weight, tilt = (f(math.radians(one.trough_deg)) for f in (math.cos, math.sin))
     noise = 1e-9 * (one.load + 1.0)
     for phase in phases:
-        p = np.linspace(phase.start, phase.end, 33)
+        p = 2.0 * math.pi * float(scene.frequency) * np.linspace(phase.start, phase.end, 33)
         normal, along = weight - b * np.sin(p), a * np.sin(p) - tilt
         assert (normal > 0.0).all()
         if phase.kind == "_":

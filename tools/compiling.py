@@ -22,7 +22,7 @@ from translate import translate
 __all__ = ["LIBRARY", "compile_solver", "required"]
 
 _CORE = Path(__file__).parent.parent / "src" / "vibro" / "core"
-LIBRARY = _CORE / ("_solver" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so"))
+LIBRARY = _CORE / "_solver.native"  # no name that Python would import
 # No fast arithmetic and no fused multiplications: the same bits as in Python, on any processor.
 _FLAGS = ["-O3", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s", "-fvisibility=hidden"]
 _COMPILER_PACKAGE = "ziglang>=0.13"

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = [
-    "CriticalLoads", "Transition", "critical_loads", "critical_loads_of_lines", "stays_upright",
-    "tipping_load", "tipping_load_of_lines", "transitions",
+    "CriticalLoads", "Transition", "back_slip_of", "critical_loads", "critical_loads_of_lines",
+    "stays_upright", "tipping_load", "tipping_load_of_lines", "transitions",
 ]  # fmt: skip
 
 _BEGINNINGS: Final = {
@@ -217,6 +217,25 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
         late = name == "forward_onset" and loads["back_onset"] < load
         found.append(Transition(_LATE if late else _BEGINNINGS[name], ratio, amplitude, frequency))
     return tuple(sorted(found, key=lambda transition: transition.amplitude))
+
+
+def back_slip_of(fields: LinearFields) -> NDArray[np.bool_]:
+    """Tell whether bodies slip back by Eqs. (5) and (17) alone, also where mu_d > mu_s.
+
+    Parameters
+    ----------
+    fields : LinearFields
+        Drives along a line in contact; the fields broadcast against each other.
+
+    Returns
+    -------
+    bool array
+        Of the common shape.
+    """
+    grid = Grid(fields)
+    found = np.empty(grid.size, np.int8)
+    doors().slips_back(grid.scenes, grid.place(), doors().row(found), 0, grid.size)
+    return np.asarray(found.reshape(grid.shape) > 0)
 
 
 def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:

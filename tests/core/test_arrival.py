@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
-from followed import ALL, CONTACT, FLIGHTS, HOPS, TURN, ellipse, history_of, line, newton, walked
+from followed import ALL, CONTACT, FLIGHTS, TURN, ellipse, history_of, line, newton, walked
 
 from vibro.core import arrival
 from vibro.core.arrival import MOST_CYCLES, arrival_cycles
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads
 from vibro.core.history import Sections, sections_of
-from vibro.core.steps import Course, State, Step, course_of
+from vibro.core.steps import Course, State, Step, course_of, step
 
 STARTS = [(0.0, 0.0), (2.0, -0.8), (-8.0, 0.5)]
 NAN, INF = math.nan, math.inf
@@ -35,7 +36,7 @@ def _first_passage(legs: list[tuple[State, Step]], loads: Loads, length: float) 
         mesh = np.linspace(0.0, s, max(9, int(40.0 * s)))
         if at.mode == Mode.REST or (at.mode == Mode.BACK and at.position < length):
             continue
-        for low, high in zip(mesh[:-1], mesh[1:], strict=True):
+        for low, high in pairwise(mesh):
             if at.position + newton(loads, at.mode, at, float(high))[0] >= length:
                 for _ in range(60):
                     middle = 0.5 * (low + high)
@@ -63,8 +64,10 @@ def test_a_body_arrives_when_newtons_law_takes_it_there(name: str, phase: float,
 @pytest.mark.parametrize("steady_known", [False, True])
 @pytest.mark.parametrize(
     "name",
-    ["F_", "F_B_", "FB_", "FB", "presses", "ellipse F_B_", "ellipse turned", "hops, HFB", "hops, HB", "hops, HHB",
-     "hops, HHH", "hops, bounces", "hops, ellipse"],
+    [
+        "F_", "F_B_", "FB_", "FB", "presses", "ellipse F_B_", "ellipse turned", "hops, HFB", "hops, HB",
+        "hops, HHB", "hops, HHH", "hops, bounces", "hops, ellipse",
+    ],
 )  # fmt: skip
 def test_whole_cycles_are_added_at_once(
     name: str, *, steady_known: bool, monkeypatch: pytest.MonkeyPatch
@@ -77,12 +80,11 @@ def test_whole_cycles_are_added_at_once(
     known = steady if steady_known else NAN
     length = 250.3 * steady
     walks = 0
-    real = arrival.step
 
     def counted(course: Course, now: State) -> Step:
         nonlocal walks
         walks += 1
-        return real(course, now)
+        return step(course, now)
 
     monkeypatch.setattr(arrival, "step", counted)
     near = _arrival(loads, restitution, length, steady=known)
@@ -97,21 +99,22 @@ def test_whole_cycles_are_added_at_once(
     assert jumped < walks
 
 
-@pytest.mark.parametrize("friction", [(0.05, 0.03), (0.3, 0.01), (0.02, 0.02)])
+@pytest.mark.parametrize("friction", [(0.05, 0.03), (0.3, 0.03), (0.02, 0.02)])
 @pytest.mark.parametrize("drive", [line, ellipse])
 def test_the_end_of_a_slow_transient_is_summed(
     friction: tuple[float, float], drive: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    loads = line(2.0, 10.0, *friction) if drive is line else ellipse(2.0, 0.2, 40.0, *friction)
-    motion, _ = history_of(loads, 0.0, 1e9)
-    lengths = [abs(motion.advance) * cycles for cycles in (100.7, 900.2, 4000.4)]
-    if motion.advance < 0.0:
-        loads = ellipse(2.0, 0.2, 220.0, *friction)
-    summed = [_arrival(loads, 0.0, x, steady=abs(motion.advance)) for x in lengths]
+    loads = line(2.0, 10.0, *friction) if drive is line else ellipse(2.0, 0.2, -20.0, *friction)
+    motion, legs = history_of(loads, 0.0, 1e9)
+    assert motion.advance > 0.0
+    settles = legs.position[motion.first]
+    lengths = [settles + motion.advance * cycles for cycles in (100.7, 900.2, 4000.4)]
+    lengths.insert(0, 0.999 * settles)
+    summed = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]
     monkeypatch.setattr(arrival, "_LINEAR", 0.0)
-    settled = [_arrival(loads, 0.0, x, steady=abs(motion.advance)) for x in lengths]
+    settled = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]
     assert summed == pytest.approx(settled, rel=1e-12)
-    assert settled[2] - settled[1] == pytest.approx(3100.2, abs=0.5)
+    assert settled[3] - settled[2] == pytest.approx(3100.2, abs=1.5)
 
 
 def test_the_way_a_body_has_gone_counts_if_the_steady_cycle_given_is_another() -> None:
@@ -127,13 +130,15 @@ def test_the_way_a_body_has_gone_counts_if_the_steady_cycle_given_is_another() -
 @pytest.mark.parametrize("name", ["B_", "BF_", "FB uphill", "ellipse FB", "hops, ellipse back"])
 def test_a_body_that_goes_back_never_arrives_beyond_its_farthest_position(name: str) -> None:
     loads, restitution = ALL[name]
-    motion, legs = history_of(loads, restitution, 1e9, velocity=0.9)
+    motion, _ = history_of(loads, restitution, 1e9, velocity=0.9)
     assert motion.advance < 0.0
     course = course_of(loads, restitution)
     top, when = 0.0, 0.0
-    for at, leg in walked(course, 0.0, 0.9, 40):
+    for at, leg in walked(course, 0.0, 0.9, 24):
+        if at.mode in (Mode.REST, Mode.BACK):
+            continue
         for share in np.linspace(0.0, 1.0, 400):
-            x = at.position + (newton(loads, at.mode, at, share * leg.length)[0] if at.mode != Mode.REST else 0.0)
+            x = at.position + newton(loads, at.mode, at, share * leg.length)[0]
             if x > top:
                 top, when = x, at.cycle + (at.phase + share * leg.length) / TURN
     steady = motion.advance / motion.period
@@ -163,7 +168,7 @@ def test_bodies_at_rest_and_to_and_fro_never_arrive() -> None:
     level = line(3.0, 0.0, 0.74, 0.57)
     motion, legs = history_of(level, 0.0, 1e9)
     top = max(legs.position[i] + max(legs.displacement[i], 0.0) for i in range(motion.number))
-    assert _arrival(level, 0.0, top * (1.0 - 1e-9), steady=0.0) < 20.0
+    assert _arrival(level, 0.0, top * (1.0 - 1e-9), steady=0.0) < 40.0
     assert _arrival(level, 0.0, top * (1.0 + 1e-9), steady=0.0) == INF
 
 
@@ -260,4 +265,3 @@ def test_arrivals_count_from_the_start(name: str) -> None:
     rest = _arrival(loads, restitution, 9.7, phase=phase + 1e-12, velocity=at.velocity)
     passed = at.cycle + (at.phase - legs[0][0].phase) / TURN
     assert whole - passed == pytest.approx(rest, abs=1e-7)
-    assert HOPS

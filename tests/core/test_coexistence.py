@@ -7,6 +7,7 @@ import math
 import pytest
 from hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
 
+from vibro.core import coexistence as coexistence_module
 from vibro.core.bounces import bounces, single_bounce
 from vibro.core.codes import Status
 from vibro.core.coexistence import _differ, _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
@@ -161,6 +162,22 @@ def test_several_stops_may_lead_to_another_cycle(
     weight = weight_over_load(amplitude, frequency, 9.81)
     loads = line_loads(weight, directions(drive, 0.0), mu_s, mu_d)
     assert _slides_otherwise(loads, restitution, FLIGHTS, HOPS)
+
+
+@pytest.mark.parametrize("turned", [0.0, math.pi])
+def test_sliding_beside_a_cycle_with_a_stop_is_found_on_either_side(
+    monkeypatch: pytest.MonkeyPatch, turned: float
+) -> None:
+    # 0.18 A w below the cycle from rest, and in its mirror image as much above
+    phase = turned - 0.10156095187271674
+    loads = ellipse(
+        1.660488794618818, 0.3107727770420339, 1.0, phase, 0.18240888251511478, 0.019668063737400692
+    )
+    home = 0.0702510930459127 * math.cos(turned)
+    monkeypatch.setattr(
+        coexistence_module, "enter", lambda *arguments: enter(*arguments)._replace(velocity=home)
+    )
+    assert _slides_otherwise(loads, 0.0, FLIGHTS, HOPS)
 
 
 def test_without_bounces_and_with_friction_alike_nothing_else_is_found() -> None:

@@ -42,7 +42,7 @@ def _start(legs: Legs, row: int) -> float:
 
 
 def _assert_joined(found: Followed, legs: Legs) -> None:
-    """Each leg starts where, when and as the one before it ends; the first of the cycle behind its last too."""
+    """Each leg starts where, when and as the one before it ends; the cycle's first behind its last."""
     for i in range(found.number):
         assert legs.length[i] > 0.0
         assert -1e-15 <= legs.phase[i] < TURN
@@ -113,7 +113,9 @@ def test_the_stored_cycle_is_what_walking_on_would_find(name: str, cycle: str, p
     assert spelt in 2 * cycle
     assert found.period == period
     size = found.number - found.first
-    walk = [w for w in walked(course_of(loads, restitution), 0.0, 0.0, found.number + 4 * size) if w[1].length]
+    walk = [
+        w for w in walked(course_of(loads, restitution), 0.0, 0.0, found.number + 4 * size) if w[1].length
+    ]
     assert len(walk) > found.first + 3 * size
     for i in range(found.first, len(walk)):
         count, row = divmod(i - found.first, size)
@@ -217,7 +219,9 @@ def test_normal_speeds_are_over_those_of_the_trough(name: str) -> None:
         rate = legs.rate[i] / loads.weight_normal
         at = State(0, legs.phase[i], int(Mode.FLIGHT), 0.0, legs.velocity[i], rate)
         if legs.mode[i + 1] == Mode.FLIGHT:
-            assert legs.impact[i] == pytest.approx(-newton(loads, Mode.FLIGHT, at, legs.length[i])[3], abs=1e-12)
+            assert legs.impact[i] == pytest.approx(
+                -newton(loads, Mode.FLIGHT, at, legs.length[i])[3], abs=1e-12
+            )
             assert legs.rate[i + 1] == pytest.approx(restitution * legs.impact[i], rel=1e-14)
             bounced += 1
     assert bounced > 3
@@ -259,7 +263,8 @@ def test_a_cycle_of_several_flights_is_compared_flight_by_flight() -> None:
     sections = sections_of(course, FLIGHTS)
     assert sections == Sections(3, lands=False)
     found = [
-        follow(course, sections._replace(lag=lag), 0.0, 0.0, 900.0, legs, 20_000, LAST) for lag in (0, 1, 2, 3, 6)
+        follow(course, sections._replace(lag=lag), 0.0, 0.0, 900.0, legs, 20_000, LAST)
+        for lag in (0, 1, 2, 3, 6)
     ]
     assert [f.period for f in found] == [0, 0, 0, 5, 10]
     assert found[3].advance == pytest.approx(0.5 * found[4].advance, rel=1e-12)

@@ -10,11 +10,13 @@ import pytest
 from hopping_bodies import FLIGHTS, HOPS, draw, ellipse, lift_off, line, walked
 from two_axis_walk import NeverEndsError, NeverSettlesError
 
+from vibro.core import hopping as hopping_module
+from vibro.core.averages import Means
 from vibro.core.bounces import bounces
 from vibro.core.codes import Mode, Status, spelt_text
 from vibro.core.drives import Loads, directions, line_loads, weight_over_load
 from vibro.core.hopping import MOST_THROW, Hopping, enter, hopping
-from vibro.core.legs import track_of
+from vibro.core.legs import Track, track_of
 from vibro.core.return_map import release, return_map
 
 DATA = Path(__file__).parents[1] / "data"
@@ -307,6 +309,28 @@ def test_an_irregular_motion_is_averaged() -> None:
     assert found.coexists == -1
     assert found.impact > 0.0
     assert found.peak > 0.0
+
+
+def test_samples_are_lengthened_until_one_suffices(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[int, bool]] = []
+    loads, mean = line(2.45, 30.0, 0.5, 0.4), Means(Status.AVERAGED, 1.0, 0.1, 0.9, 2.0, 3.0)
+
+    def sampled(track: Track, e: float, length: int, longest: bool, *_: object) -> Means:
+        assert (track.loads, e) == (loads, 0.3)
+        asked.append((length, longest))
+        return mean if len(asked) == suffices else mean._replace(status=Status.UNRESOLVED)
+
+    monkeypatch.setattr(hopping_module, "averages", sampled)
+    for suffices in (1, 2, 3, 4):
+        asked.clear()
+        found = _solved(loads, 0.3)
+        assert asked == [(12, False), (48, False), (240, True)][:suffices]
+        if suffices < 4:
+            assert found[:4] == (Status.AVERAGED, -Mode.FLIGHT, 1.0, 0.1)
+            assert found[5:] == (0.9, 2.0, 3.0, -1)
+        else:
+            assert found.status == Status.UNRESOLVED
+            assert math.isnan(found.displacement)
 
 
 def test_a_pushed_body_may_run_away_where_gravity_beats_kinetic_friction() -> None:

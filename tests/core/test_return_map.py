@@ -11,7 +11,7 @@ from hopping_bodies import FLIGHTS, HOPS, Drawn, draw, ellipse, lift_off, line, 
 
 from vibro.core.bounces import Bounces, bounces
 from vibro.core.codes import MOST_LETTERS, Mode, spelt_text
-from vibro.core.drives import Loads, mirrored, phase_difference, tangential_load
+from vibro.core.drives import Loads, phase_difference, tangential_load
 from vibro.core.legs import track_of
 from vibro.core.return_map import (
     Return,
@@ -316,15 +316,6 @@ def test_a_line_s_release_is_that_of_the_ellipse_that_it_is() -> None:
         end = lift_off(loads)
         expected = load * (math.cos(begin) - math.cos(end)) - drag * (end - begin)
         assert closed.velocity == pytest.approx(expected, abs=1e-14)
-
-
-def test_the_mirror_image_leaves_the_other_way() -> None:
-    # a body that is borne at both phases 0, and rests until it slides once: the same slide, mirrored
-    loads = ellipse(2.0, 1.0, 0.8, 0.3, 0.5, 0.4, 0.05)
-    start, image = (release(track_of(x)) for x in (loads, mirrored(loads)))
-    assert start.phase == image.phase
-    assert start.velocity > 0.01
-    assert image.velocity == pytest.approx(-start.velocity, rel=1e-12)
 
 
 @pytest.mark.parametrize(

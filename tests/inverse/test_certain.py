@@ -282,9 +282,9 @@ def test_shapes_and_combinations_that_cannot_be() -> None:
     for array in found:
         assert array.shape == (2, 3)
     assert found.lowest.dtype == found.highest.dtype == np.int8
-    cannot = np.array([[False, False, False], [False, False, True]])
-    assert np.array_equal(found.lowest == Regime.UNDEFINED, cannot)
-    assert np.array_equal(found.highest == Regime.UNDEFINED, cannot)
+    # beyond 90 deg the body is thrown off here, as any other drive would throw it
+    assert np.array_equal(found.lowest[1], [Regime.BACK_SLIP, Regime.HOPPING, Regime.HOPPING])
+    assert (found.highest >= found.lowest).all()
     assert np.isnan(found.speed_min[1, 2])
 
 

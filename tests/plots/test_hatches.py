@@ -41,10 +41,9 @@ def test_infeasible_half_is_cut_along_its_exact_boundary(friction_pictures: dict
         assert "infeasible" in words(axes)
 
 
-def test_drive_and_trough_angle_of_90_degrees() -> None:
+def test_beyond_drive_and_trough_angle_of_90_degrees_is_nothing_special() -> None:
     figure = map_figures(sweep(amplitude=0.7, drive_angle="0:89", trough_angle="-25:25"), ["speed"])["speed"]
-    inside = path_of(only_map(figure), "infeasible").contains_points([(80, 10.01), (80, 9.99)])
-    assert inside.tolist() == [True, False]
+    assert patch(only_map(figure), "infeasible") is None
 
 
 def test_unmodelled_flight_is_hatched_but_for_the_regimes() -> None:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import mpmath
 import numpy as np
 import pytest
-from scenes import at_load, loads_of, replaced
-from vibro.core.contact.onset import thresholds
+from scenes import at_load, replaced
 
 from vibro import Scene, critical_loads, solve
 from vibro.accuracy.reference import DIGITS, exact_cycle
@@ -65,13 +64,13 @@ def drawn() -> Drawn:
     near = critical * (1.0 + random.choice([-1.0, 1.0], count) * 10.0 ** random.uniform(-13.0, -2.0, count))
     beside = (random.uniform(size=count) < 0.5) & (near > 0.0) & (near < limits.hop)
     scene = at_load(np.where(beside, near, load), drive, mu_s, mu_d, trough)
-    cycle, groups = solve(scene), loads_of(scene)
-    margins = thresholds(groups).margins
+    cycle = solve(scene)
     with np.errstate(divide="ignore", invalid="ignore"):
-        onsets = np.fmin(
-            np.abs(margins.forward / margins.forward_load), np.abs(margins.back / margins.back_load)
-        )
-        slack = 1.0 - np.abs(groups.tangential) / (groups.kinetic_friction * groups.normal)
+        # 1 - s of the onsets
+        forward, back = (np.abs(1.0 - 1.0 / x) for x in (cycle.forward_ratio, cycle.back_ratio))
+        pushes = np.cos(np.radians(drive)) > mu_s * np.sin(np.radians(drive))
+        onsets = np.fmin(forward, np.where(pushes, back, np.inf))
+        slack = 1.0 - np.abs(np.tan(scene.trough_angle)) / mu_d
         condition = 1.0 + 1.0 / np.minimum(onsets, np.abs(slack))
         condition += np.abs(scene.scale / cycle.displacement_per_cycle)
     return Drawn(scene, beside, cycle.pattern_code, exponents(scene), condition)

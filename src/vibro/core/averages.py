@@ -206,16 +206,15 @@ def averages(
 
 
 def _variances(bodies: _Bodies, mean: float, total: float) -> tuple[float, float]:
-    """Return the variance of a body's mean, from the scatter of the bodies and from their halves."""
-    scale = BODIES / total
-    middle, halves, own = 0.0, 0.0, 0.0
-    for i in range(2 * BODIES):
-        middle += (bodies.path[i] - mean * bodies.time[i]) * scale
-    middle /= BODIES
+    """Return the variance of a body's mean, from the scatter of the bodies and from their halves.
+
+    The sum of all deviations from the mean is 0.
+    """
+    own, halves, scale = 0.0, 0.0, BODIES / total
     for i in range(BODIES):
         first = (bodies.path[2 * i] - mean * bodies.time[2 * i]) * scale
         second = (bodies.path[2 * i + 1] - mean * bodies.time[2 * i + 1]) * scale
-        own += (first + second - middle) * (first + second - middle)
+        own += (first + second) * (first + second)
         halves += (first - second) * (first - second)
     return own / (BODIES - 1), halves / BODIES
 

@@ -28,7 +28,7 @@ _FOLDER: Final = Path(__file__).parent
 
 def library_path() -> Path | None:
     """Find the compiled library; None where there is none, or plain Python is wanted."""
-    path = _FOLDER / ("_solver" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so"))
+    path = _FOLDER / "_solver.native"
     return path if path.is_file() and os.environ.get("VIBRO_SOLVER") != "python" else None
 
 

@@ -34,6 +34,7 @@ _SETTLED: Final = 1e-8  # [1] a last step below this share of 1 - cot m leaves r
 _STEEP: Final = 0.8
 _BRACKET_STEPS: Final = 200
 _ROOT_NOISE: Final = 4.0 * 2.220446049250313e-16  # [1] of a bracket's width
+_SHORTEST: Final = 1e-300  # [rad] half a slide against which the other one meets next to no friction
 
 
 class ContinuousSliding(NamedTuple):
@@ -84,7 +85,7 @@ def likely_sliding(loads: Loads, forward: Onset, back: Onset) -> ContinuousSlidi
 
 def _of_a_line(loads: Loads, forward: Onset, back: Onset) -> ContinuousSliding:
     """Evaluate the closed form of drives along a line, Eqs. (18) and (19)."""
-    if not (forward.k > 0.0 and back.k > 0.0):
+    if not (forward.k > 0.0 and back.k > 0.0 and loads.kinetic_friction > 0.0):
         return no_cycle()
     mu_d, a, b = loads.kinetic_friction, loads.drive_tangential, loads.drive_normal
     turn = mu_d * b * loads.weight_normal
@@ -265,7 +266,7 @@ def half_length_root(loads: Loads, forward: Onset, back: Onset) -> ContinuousSli
         k, other, offset = other, k, -offset
     if not (other > 0.0 and k < 1.0):
         return no_cycle()
-    low, high = PI - _longest(other), _longest(k)
+    low, high = max(PI - _longest(other), _SHORTEST), _longest(k)
     if not low < high:
         return no_cycle()
     below, above = _apart(low, k, other, offset), _apart(high, k, other, offset)

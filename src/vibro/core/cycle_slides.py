@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from vibro.core.codes import Pattern
 from vibro.core.continuous import continuous_sliding, middle_phase
 from vibro.core.drives import Loads, phase_difference
-from vibro.core.elementary import NAN, QUARTER, TURN, wrap_around
+from vibro.core.elementary import INF, NAN, QUARTER, TURN, wrap_around
 from vibro.core.slide import Onset, slide, start_inside
 from vibro.core.windows import Start, own_phase, resting_start, thresholds
 
@@ -65,10 +65,13 @@ def no_leg() -> SlideLeg:
 def cycle_slides(loads: Loads, pattern: int) -> CycleSlides:
     """Solve the slides of a steady contact cycle of one or two slides."""
     at = thresholds(loads)
-    if pattern == Pattern.F_ or pattern == Pattern.B_:
-        way = 1.0 if pattern == Pattern.F_ else -1.0
-        return _in_order(_from_rest(loads, resting_start(loads, at, way), way), no_leg())
-    if not (at.forward and at.back) or pattern == Pattern.R or pattern == Pattern.NONE:
+    if at.hops or at.unheld or pattern == Pattern.R or pattern == Pattern.NONE:
+        return CycleSlides(no_leg(), no_leg())
+    if pattern == Pattern.F_ and at.forward:
+        return _in_order(_from_rest(loads, resting_start(loads, at, 1.0), 1.0), no_leg())
+    if pattern == Pattern.B_ and at.back:
+        return _in_order(_from_rest(loads, resting_start(loads, at, -1.0), -1.0), no_leg())
+    if not (at.forward and at.back):
         return CycleSlides(no_leg(), no_leg())
     forward, back = resting_start(loads, at, 1.0), resting_start(loads, at, -1.0)
     if pattern == Pattern.FB:
@@ -93,7 +96,9 @@ def _from_rest(loads: Loads, start: Start, way: float) -> SlideLeg:
 
 
 def _from(loads: Loads, start: Start, way: float, begin: float) -> SlideLeg:
-    """Slide from a phase, at once after the other slide."""
+    """Slide from a phase, at once after the other slide; none where that never ends."""
+    if not abs(begin) < INF:
+        return no_leg()
     zero = -(own_phase(loads, way, loads.kinetic_friction) + phase_difference(loads))
     onset = start_inside(wrap_around(QUARTER - (begin - zero)), start.onset.k, start.onset.load)
     end = slide(onset)
@@ -105,6 +110,8 @@ def _from(loads: Loads, start: Start, way: float, begin: float) -> SlideLeg:
 
 def _in_order(first: SlideLeg, second: SlideLeg) -> CycleSlides:
     """Move slides by whole turns."""
+    if not abs(first.begin) < INF:
+        return CycleSlides(no_leg(), no_leg())
     shift = -TURN * math.floor(first.begin / TURN)
     first = first._replace(begin=first.begin + shift, end=first.end + shift)
     if second.way == 0.0 or not abs(first.end) < 1e300:

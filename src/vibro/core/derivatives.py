@@ -11,7 +11,7 @@ from typing import NamedTuple
 from vibro.core.codes import Pattern
 from vibro.core.cycle_slides import SlideLeg, cycle_slides
 from vibro.core.drives import Loads, normal_load, phase_difference
-from vibro.core.elementary import NAN
+from vibro.core.elementary import NAN, hypotenuse
 
 __all__ = ["Change", "displacement_rate", "load_slope"]
 
@@ -86,7 +86,10 @@ def displacement_rate(loads: Loads, pattern: int, change: Change) -> float:
         two_shift = _start_shift(loads, change, second)
         one_shift = two.end + two.end_gain * two_shift
     else:  # continuous sliding: both starts follow each other
-        one_shift = (two.end + two.end_gain * one.end) / _closing(loads, first, second)
+        closing = _closing(loads, first, second)
+        if closing == 0.0:  # next to no friction: any cycle closes
+            return NAN
+        one_shift = (two.end + two.end_gain * one.end) / closing
         two_shift = one.end + one.end_gain * one_shift
     return one.path + one.path_gain * one_shift + two.path + two.path_gain * two_shift
 
@@ -96,7 +99,7 @@ def _load_rates(loads: Loads, change: Change, way: float, friction: float, frict
     along, b = way * loads.drive_tangential, loads.drive_normal
     real = along * loads.phase_cosine + friction * b
     imaginary = -along * loads.phase_sine
-    size = math.sqrt(real * real + imaginary * imaginary)
+    size = hypotenuse(real, imaginary)
     if size == 0.0:
         return _Load(NAN, NAN, NAN, NAN)
     rate = way * change.drive_tangential
@@ -104,7 +107,7 @@ def _load_rates(loads: Loads, change: Change, way: float, friction: float, frict
     real_rate += friction_rate * b + friction * change.drive_normal
     imaginary_rate = -rate * loads.phase_sine - along * loads.phase_cosine * change.phase
     size_rate = (real * real_rate + imaginary * imaginary_rate) / size
-    phase_rate = (real * imaginary_rate - imaginary * real_rate) / (size * size)
+    phase_rate = (real / size * imaginary_rate - imaginary / size * real_rate) / size
     resistance = friction * loads.weight_normal + way * loads.weight_tangential
     resistance_rate = friction_rate * loads.weight_normal + friction * change.weight_normal
     resistance_rate += way * change.weight_tangential
@@ -142,4 +145,6 @@ def _closing(loads: Loads, first: SlideLeg, second: SlideLeg) -> float:
     other = second.start.onset.load * second.start.onset.excess
     before = 2.0 * loads.kinetic_friction * normal_load(loads, first.begin + phi)
     between = 2.0 * loads.kinetic_friction * normal_load(loads, second.begin + phi)
-    return (other * before + between * own + between * before) / ((other + between) * (own + before))
+    if own + before == 0.0 or other + between == 0.0:
+        return 0.0
+    return before / (own + before) + between / (other + between) * (own / (own + before))

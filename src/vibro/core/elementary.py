@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 __all__ = [
     "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Motion", "free_motion",
-    "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap", "wrap", "wrap_around",
+    "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap", "wrap", "wrap_around",
 ]  # fmt: skip
 
 PI: Final = math.pi
@@ -24,6 +24,9 @@ EPS: Final = 2.220446049250313e-16  # [1] 2^-52
 FEW_ULP: Final = 4.0 * 2.220446049250313e-16
 # [1] Relative rounding error of a slide's speed, and of a load, where the next leg is decided.
 NOISE: Final = 16.0 * 2.220446049250313e-16
+# [1] Between these a sum of two squares has all of its digits.
+_LEAST_SQUARE: Final = 1e-280
+_MOST_SQUARE: Final = 1e300
 
 
 def wrap(phase: float) -> float:
@@ -39,6 +42,18 @@ def wrap_around(phase: float) -> float:
 def positive_part(value: float) -> float:
     """Return the value where it is positive, else 0; 0 for NaN."""
     return value if value > 0.0 else 0.0
+
+
+def hypotenuse(x: float, y: float) -> float:
+    """Compute the length of a vector, also where squares of its components overflow or vanish."""
+    square = x * x + y * y
+    if _LEAST_SQUARE < square < _MOST_SQUARE:
+        return math.sqrt(square)
+    scale = max(abs(x), abs(y))
+    if not 0.0 < scale < INF:
+        return scale
+    u, v = x / scale, y / scale
+    return scale * math.sqrt(u * u + v * v)
 
 
 def rounded_sign(value: float, scale: float) -> int:

@@ -67,14 +67,16 @@ def critical_loads(unit: Loads) -> CriticalLoads:
     hop = unit.weight_normal / unit.drive_normal if unit.drive_normal > 0.0 else INF
     forward, back = _onset(capacity + t, at.forward_load), _onset(capacity - t, at.back_load)
     held = abs(t) < capacity
+    if unit.line and unit.drive_tangential <= unit.static_friction * unit.drive_normal:
+        back = INF  # the drive presses the body down more than it pushes it back, Eq. (7)
     back_slip, vanishes = back, INF
-    if unit.line and unit.drive_tangential > unit.static_friction * unit.drive_normal:
+    if unit.line and back < INF:
         braked = unit.kinetic_friction * unit.weight_normal + t > 0.0
         if held and back > forward:
             back_slip = _back_slip_of_line(unit, forward, back) if braked else INF
         if held and braked:
             vanishes = max(_rest_vanishes_of_line(unit, forward, back), back_slip)
-    elif held and max(forward, back) < hop:
+    elif held and not unit.line and max(forward, back) < hop:
         if back > forward:
             back_slip = _back_slip(unit, back, hop)
         vanishes = max(_rest_vanishes(unit, max(forward, back_slip), hop), back_slip)
@@ -149,7 +151,7 @@ def _rest_vanishes_of_line(unit: Loads, forward: float, back: float) -> float:
     n, t = unit.weight_normal, unit.weight_tangential
     if not mu_d * n > abs(t):
         return INF
-    y = QUARTER * (mu_d * mu_d * b * n - t * a) / (mu_d * unit.weight_across)
+    y = QUARTER * ((mu_d * b * n - t / mu_d * a) / unit.weight_across)
     cos_y = math.cos(y) if abs(y) < QUARTER else 0.0
     if cos_y <= 0.0:
         return INF

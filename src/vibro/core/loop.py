@@ -12,7 +12,7 @@ from vibro.core.bounces import Flights
 from vibro.core.buffers import Bytes, Doubles, Integers
 from vibro.core.codes import SPELT_PATTERNS, Model, Status
 from vibro.core.coexistence import coexisting
-from vibro.core.contact import ratio_of, regime_alone, steady_cycle
+from vibro.core.contact import outlasts_back, pair_of, ratio_of, regime_alone, steady_cycle
 from vibro.core.cycle_slides import SlideLeg, cycle_slides
 from vibro.core.derivatives import Change, displacement_rate, load_slope
 from vibro.core.elementary import NAN, TURN
@@ -25,7 +25,7 @@ from vibro.core.windows import thresholds
 
 __all__ = [
     "arrivals", "cycle_legs", "displacement_gradients", "find_others", "followed", "history", "load_slopes",
-    "moments", "solve_contact", "solve_hops", "tipping_loads", "transition_loads",
+    "moments", "slips_back", "solve_contact", "solve_hops", "tipping_loads", "transition_loads",
 ]  # fmt: skip
 
 
@@ -125,6 +125,22 @@ def find_others(
         impact = out.impact_velocity[i] / (TURN * point.frequency * point.scale)
         others = coexisting(point.loads, point.restitution, out.period_cycles[i], impact, flights, hops)
         out.coexists[i] = 1 if others else 0
+
+
+def slips_back(scenes: Scenes, place: Integers, out: Bytes, begin: int, end: int) -> None:
+    """Tell by Eqs. (5) and (17) alone whether bodies slip back, also where mu_d > mu_s."""
+    angles = no_directions()
+    seek(scenes, place, begin)
+    for i in range(begin, end):
+        if i > begin:
+            advance(scenes, place)
+        point = point_at(scenes, place, angles)
+        angles = point.angles
+        at = thresholds(point.loads)
+        back = at.back
+        if at.back and at.forward:
+            back = outlasts_back(point.loads, pair_of(point.loads, at)) < 0
+        out[i] = 1 if back else 0
 
 
 class Limits(NamedTuple):

@@ -11,7 +11,7 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.drives import Loads
-from vibro.core.elementary import FEW_ULP, NOISE, PI, rounded_sign
+from vibro.core.elementary import FEW_ULP, NOISE, PI, hypotenuse, rounded_sign
 from vibro.core.slide import Onset
 
 __all__ = [
@@ -19,7 +19,8 @@ __all__ = [
     "reaches", "resting_start", "speed_at_close", "thresholds",
 ]  # fmt: skip
 
-_TINY: Final = 1e-300  # [1] keeps the quotients of a trough that stands still from being 0 / 0
+# [1] The least double keeps quotients of a drive without load from being 0 / 0.
+_TINY: Final = 5e-324
 _NEARLY_LIFTED: Final = 0.25  # [n] normal load below which it is formed without a difference
 
 
@@ -63,10 +64,8 @@ def thresholds(loads: Loads) -> Thresholds:
         ahead, behind = lift, (-lift if lift <= a else lift - 2.0 * a)
     else:
         level, steep = a * loads.phase_cosine, a * loads.phase_sine
-        double, square = 2.0 * level, steep * steep
-        high, low = lift + level, lift - level
-        ahead = lift * (lift + double) / (math.sqrt(high * high + square) + (a + _TINY))
-        behind = lift * (lift - double) / (math.sqrt(low * low + square) + (a + _TINY))
+        ahead = lift * ((lift + 2.0 * level) / (hypotenuse(lift + level, steep) + (a + _TINY)))
+        behind = lift * ((lift - 2.0 * level) / (hypotenuse(lift - level, steep) + (a + _TINY)))
     slack = a - capacity
     forward_margin, back_margin = slack + (ahead - t), slack + (behind + t)
     forward_load, back_load = a + ahead, a + behind
@@ -94,7 +93,7 @@ def load_amplitude(loads: Loads, way: float, friction: float) -> float:
     if loads.line:
         return abs(loads.drive_tangential + way * lift)
     level, steep = _complex_load(loads, way, lift)
-    return math.sqrt(level * level + steep * steep)
+    return hypotenuse(level, steep)
 
 
 def own_phase(loads: Loads, way: float, friction: float) -> float:
@@ -164,7 +163,7 @@ def resting_start(loads: Loads, at: Thresholds, way: float) -> Start:
         loss, capacity = less * b, mu_s * loads.weight_normal + way * loads.weight_tangential
         level, steep = _complex_load(loads, way, mu_s * b)
         kinetic = level - loss
-        load = math.sqrt(kinetic * kinetic + steep * steep) + _TINY
+        load = hypotenuse(kinetic, steep) + _TINY
         # half of the window about the crest of the static load, and that load's direction
         ratio = margin / static_load
         c_sine, c_cosine = math.sqrt(ratio * (2.0 - ratio)), capacity / static_load
@@ -177,7 +176,7 @@ def resting_start(loads: Loads, at: Thresholds, way: float) -> Start:
         if normal < _NEARLY_LIFTED * loads.weight_normal:  # a sum of what is not negative
             normal = (loads.weight_normal - b) + b * opens * opens / (1.0 + crest)
         k, excess, sine = drag / load, less * normal / load, (rate - loss * opens) / load
-        half = sine / (1.0 + (excess + k))
+        half = sine / max(1.0 + (excess + k), _TINY)
         c, vers = 2.0 * math.atan(half), sine * half
         window = 2.0 * math.atan(c_sine / (1.0 + c_cosine))
         open_rate, close_rate = both * opens - rate, rate - both * (near + far)

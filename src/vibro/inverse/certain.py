@@ -9,6 +9,7 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.errors import Problem, SceneError
 from vibro.inverse.bands import line_box_of
+from vibro.limits import back_slip_of
 from vibro.scene import LinearFields, Scene
 from vibro.steady import solve
 
@@ -41,8 +42,8 @@ class Certain(NamedTuple):
     Attributes
     ----------
     lowest, highest : int8 array
-        Codes of ``Regime`` that bound the regimes of all bodies; both -1 where the drive and the trough angle
-        cannot be together. A ``lowest`` of -1 alone: bodies without friction have no regime.
+        Codes of ``Regime`` that bound the regimes of all bodies. A ``lowest`` of -1: bodies without friction
+        have no regime.
     speed_min : array
         Mean speed that no body falls short of [m/s]; NaN where that is not proved.
     """
@@ -183,11 +184,10 @@ def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Reg
 
 
 def _slips_back(fields: LinearFields, static_friction: Floats, kinetic_friction: Floats) -> Bools:
-    """Tell which bodies on a decline slip back.
+    """Tell which bodies on a decline slip back, by Eqs. (5) and (17).
 
     One that static friction does not hold runs away forward, as one does that it barely holds and kinetic
-    friction does not brake.
+    friction does not brake: so it is taken as barely held.
     """
-    bodies = fields._replace(static_friction=static_friction, kinetic_friction=kinetic_friction)
-    scene = Scene.allowing_infeasible(**bodies._asdict())
-    return np.asarray(solve(scene, accuracy="regimes").regime == int(Regime.BACK_SLIP))
+    held = np.maximum(static_friction, np.abs(np.tan(fields.trough_angle)))
+    return back_slip_of(fields._replace(static_friction=held, kinetic_friction=kinetic_friction))
