@@ -1,6 +1,7 @@
 """Loads of bodies on the trough, for the tests: made, drawn at random, and their motion with 50 digits.
 
-Nothing of the solver but the record ``Loads`` enters what is exact here. Phases are those of the normal motion.
+Nothing of the solver but the record ``Loads`` enters what is exact here. Phases are those of the normal
+motion.
 """
 
 from __future__ import annotations
@@ -85,7 +86,7 @@ def heavier(loads: Loads, by: float) -> Loads:
 
 
 def body_of(loads: Loads) -> two_axis_walk.Body:
-    """Make the body of the walk that uses nothing of the package; its displacements are over A / ``weight``."""
+    """Make the body of the walk that uses nothing of the package; its lengths are in A times the weight."""
     weight = math.hypot(loads.weight_normal, loads.weight_tangential)
     return two_axis_walk.Body(
         along=loads.drive_tangential / weight,

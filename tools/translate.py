@@ -329,6 +329,8 @@ class _Function:
         bounds = [self._converted(a, "int") for a in arguments]
         low, high = ("0", bounds[0]) if len(bounds) == 1 else bounds[:2]
         step = bounds[2] if len(bounds) == 3 else "1"
+        if step.startswith(("0", "(")) or not step[0].isdigit():
+            raise self._refused(arguments[-1], "no translation of a step that is not a positive number")
         counter, end, begin = f"{name}_count", f"{name}_end", []
         if name != "_":
             self._declare(self._node, name, "int")
@@ -409,10 +411,11 @@ class _Function:
             case ast.Name(name):
                 return self._name(node, name)
             case ast.Attribute(ast.Name(owner), member) if isinstance(self._names.get(owner), dict):
-                return Value(str(self._names[owner][member]), "int")
+                return Value(str(self._field(node, self._names[owner], member)), "int")
             case ast.Attribute(value, member):
                 record = self._value(value)
-                return Value(f"{record.text}.{member}", self._program.records[record.kind][member])
+                fields = self._program.records.get(record.kind, {})
+                return Value(f"{record.text}.{member}", self._field(node, fields, member))
             case ast.Subscript(ast.Name(name), index) if self._kinds.get(name) in BUFFERS:
                 return Value(f"{name}[{self._converted(index, 'int')}]", BUFFERS[self._kinds[name]])
             case ast.Subscript(ast.Attribute() as buffer, index):
@@ -427,6 +430,8 @@ class _Function:
                 sign = " && " if isinstance(op, ast.And) else " || "
                 return Value(f"({sign.join(self._test(v) for v in values)})", "bool")
             case ast.Compare(left, ops, comparators):
+                if not {type(op) for op in ops} <= set(_COMPARISONS):
+                    raise self._refused(node, "no translation")
                 return self._comparison([left, *comparators], ops)
             case ast.BinOp(left, op, right):
                 return self._operation(node, left, op, right)
@@ -444,6 +449,11 @@ class _Function:
             case ast.Call():
                 return self._call(node)
         raise self._refused(node, "no translation")
+
+    def _field(self, node: ast.expr, fields: dict[str, Any], name: str) -> Any:
+        if name not in fields:
+            raise self._refused(node, "no field")
+        return fields[name]
 
     def _name(self, node: ast.expr, name: str) -> Value:
         if name in self._kinds:
@@ -472,14 +482,19 @@ class _Function:
 
     def _call(self, node: ast.Call) -> Value:
         match node.func:
+            case ast.Attribute(ast.Name("math"), "floor" | "ceil" as name):  # whole numbers have no -0
+                return Value(f"({name}({self._converted(node.args[0], 'float')}) + 0.0)", "float")
             case ast.Attribute(ast.Name("math"), name) if name in _FUNCTIONS:
                 return Value(f"{name}({', '.join(self._converted(a, 'float') for a in node.args)})", "float")
             case ast.Attribute(ast.Name("math"), name) if name in _TESTS:
                 return Value(f"({name}({self._converted(node.args[0], 'float')}) != 0)", "bool")
             case ast.Attribute(record, "_replace"):
                 whole = self._value(record)
-                kinds = self._program.records[whole.kind]
-                given = [(str(k.arg), self._converted(k.value, kinds[str(k.arg)])) for k in node.keywords]
+                kinds = self._program.records.get(whole.kind, {})
+                given = [
+                    (str(k.arg), self._converted(k.value, self._field(node, kinds, str(k.arg))))
+                    for k in node.keywords
+                ]
                 helper = self._program.replacing(whole.kind, [f for f, _ in given])
                 return Value(f"{helper}({', '.join([whole.text, *(v for _, v in given)])})", whole.kind)
             case ast.Name("abs"):
@@ -510,7 +525,7 @@ class _Function:
     def _record(self, node: ast.Call, name: str) -> Value:
         fields = self._program.records[name]
         given = dict(zip(fields, node.args, strict=False)) | {str(k.arg): k.value for k in node.keywords}
-        if set(given) != set(fields):
+        if set(given) != set(fields) or len(node.args) + len(node.keywords) > len(fields):
             raise self._refused(node, f"takes {', '.join(fields)}")
         parts = ", ".join(f".{f} = {self._converted(v, fields[f])}" for f, v in given.items())
         return Value(f"(struct {name}){{{parts}}}", name)
@@ -518,9 +533,10 @@ class _Function:
 
 def _literal(value: float) -> Value:
     if isinstance(value, int):
-        return Value(f"{int(value)}LL", "int")
-    if math.isnan(value):
-        return Value("((double)NAN)", "float")
-    if math.isinf(value):
-        return Value("((double)INFINITY)" if value > 0.0 else "(-(double)INFINITY)", "float")
-    return Value(repr(value), "float")
+        text, kind = f"{int(value)}LL", "int"
+    elif math.isfinite(value):
+        text, kind = repr(value), "float"
+    else:
+        name = "NAN" if math.isnan(value) else "INFINITY"
+        text, kind = f"{'-' * (value < 0.0)}(double){name}", "float"
+    return Value(text if text[0].isdigit() else f"({text})", kind)

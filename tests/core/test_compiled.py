@@ -97,7 +97,7 @@ def ellipses(count: int, seed: int, throw: tuple[float, float]) -> Scene:
     unit = 9.81 / (50.0 * math.pi) ** 2
     return Scene(
         along_amplitude=unit * mu_s * np.exp(random.uniform(-1.0, 3.0, count)),
-        normal_amplitude=unit * np.cos(trough) * np.exp(random.uniform(*np.log(throw), count)),
+        normal_amplitude=unit * np.cos(trough) * throw[0] * (throw[1] / throw[0]) ** random.random(count),
         normal_phase=random.uniform(-math.pi, math.pi, count),
         frequency=25.0,
         static_friction=mu_s,
@@ -153,7 +153,8 @@ def test_random_scenes_have_the_same_bits(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["lines", "ellipses"])
 def test_limits_slopes_and_slides_have_the_same_bits(name: str) -> None:
-    scene = DRAWN[name]()
+    whole = DRAWN[name]()
+    scene = Scene(**{key: x[:500] if np.ndim(x) else x for key, x in whole.arrays()._asdict().items()})
     patterns = vibro.solve(scene, flight=False).pattern_code
 
     def everything() -> list[Any]:
@@ -210,8 +211,8 @@ def wild(count: int, seed: int, *, ellipse: bool) -> Scene:
     def decades(low: float, high: float) -> Floats:
         return np.asarray(10.0 ** random.uniform(low, high, count))
 
-    mu_s = pick(0.0, 1e-300, decades(-12, 2), random.uniform(0.0, 1.5, count), random.uniform(0.0, 1.5, count),
-                1e50, 1e300)  # fmt: skip
+    usual = random.uniform(0.0, 1.5, count)
+    mu_s = pick(0.0, 1e-300, decades(-12, 2), usual, usual, 1e50, 1e300)
     ratio = pick(0.0, 1.0, 1.0 - 2.0**-53, decades(-20, 0), random.uniform(0.0, 1.0, count))
     end = np.nextafter(RIGHT, 0.0)
     hold = np.arctan(mu_s) * (1.0 + random.integers(-6, 7, count) * 2.0**-52)
@@ -283,14 +284,14 @@ def test_no_wild_scene_raises_in_limits_slopes_and_slides(ellipse: bool) -> None
 
 @WILD
 def test_no_wild_scene_raises_in_flight(ellipse: bool) -> None:
-    scene = wild(500, 4, ellipse=ellipse)
+    scene = wild(150, 4, ellipse=ellipse)
     with plain():
         cycle = vibro.solve(scene)
     hops = cycle.throw_number > 1.0 + 1e-12
-    assert hops.sum() > 100
+    assert hops.sum() > 40
     modelled = hops & (cycle.status != Status.FLIGHT_NOT_MODELLED)
     assert (cycle.throw_number[hops & ~modelled] > 0.99e6).all()
-    assert modelled.sum() > 50
+    assert modelled.sum() > 15
     assert (cycle.pattern_code[modelled & (cycle.status == Status.OK)] >= SPELT_PATTERNS).any()
 
 

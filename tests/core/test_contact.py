@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import islice
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
 import pytest
@@ -34,7 +34,7 @@ from vibro.core.contact import (
     steady_cycle,
 )
 from vibro.core.drives import Loads, directions, line_loads, mirrored
-from vibro.core.windows import phase_offset, thresholds
+from vibro.core.windows import Thresholds, phase_offset, thresholds
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -169,7 +169,7 @@ def test_a_mirror_image_slides_the_other_way() -> None:
     ],
 )
 def test_scenes_without_a_cycle_say_why(
-    solve: Callable[[Loads, module.Thresholds], Steady], loads: Loads, regime: Regime, status: Status
+    solve: Callable[[Loads, Thresholds], Steady], loads: Loads, regime: Regime, status: Status
 ) -> None:
     found = solve(loads, thresholds(loads))
     assert found[:4] == (regime, status, Pattern.NONE, Model.NONE)
@@ -302,7 +302,7 @@ def test_a_trough_at_the_angle_of_static_friction_is_a_boundary(mu_s: float, way
 
 
 def test_slides_without_kinetic_friction_that_just_meet_are_a_boundary() -> None:
-    # level, mu_d = 0: each slide ends where the load along the trough turns its speed back, at a mirrored phase
+    # level, mu_d = 0: each slide ends at the mirrored phase
     boundaries = 0
     for i in range(200):
         loads = ellipse(1.0, 0.3 + 0.003 * i, -2.5 + 0.02 * i, 1.0, 0.5, 0.0)
@@ -465,8 +465,8 @@ def test_the_flag_is_never_up_where_nothing_else_attracts() -> None:
 
 # ------------------------------------------------------------------------------- which slide comes first
 
-# As ``ellipse``. Phase 0 lies inside the forward window, late enough for the slide from there not to outlast the
-# back window as that from its onset does.
+# As ``ellipse``. Phase 0 lies inside the forward window, late enough for the slide from there not to outlast
+# the back window as that from its onset does.
 LATE = [
     (0.02406, 1.0, 1.894, 1.09, 0.04436, 0.007549, -0.007437),
     (0.5784, 1.0, 1.549, 1.103, 0.5886, 0.1125, -0.1102),
@@ -540,7 +540,7 @@ def test_on_an_incline_the_first_slide_is_that_of_the_walk() -> None:
         except NeverEndsError:
             continue
         seen[way] += 1
-        slides = [after for before, after in zip(kinds, kinds[1:], strict=False) if before == "_"]
+        slides = [after for before, after in pairwise(kinds) if before == "_"]
         assert (({"F": 1, "B": -1}[slides[0]]) if slides else 0) == way, loads
     assert seen[1] == seen[-1] == 20
     assert seen[0] >= 5

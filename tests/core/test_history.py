@@ -28,6 +28,7 @@ from vibro.core.drives import Loads
 from vibro.core.history import Followed, Legs, Sections, follow, is_section, sections_of
 from vibro.core.steps import State, course_of, starting, step
 
+INF = math.inf
 STARTS = [(0.0, 0.0), (2.0, -0.8), (-8.0, 0.5)]
 
 
@@ -197,6 +198,16 @@ def test_a_motion_is_followed_as_long_as_is_asked(cycles: float, phase: float) -
     end = _start(legs, 0) + cycles * TURN
     assert _start(legs, found.number - 1) < end
     assert _start(legs, found.number - 1) + legs.length[found.number - 1] >= end
+
+
+def test_a_leg_that_starts_with_the_end_is_not_followed() -> None:
+    loads, restitution = HOPS["many bounces"]
+    walk = walked(course_of(loads, restitution), 0.0, 0.0, 7)
+    at, origin = walk[-1][0], walk[0][0].phase
+    end = at.cycle + (at.phase - origin) / TURN
+    assert history_of(loads, restitution, end)[0].number == 6
+    assert history_of(loads, restitution, math.nextafter(end, INF))[0].number == 7
+    assert history_of(loads, restitution, 0.0)[0] == Followed(0, 0, 0, 0.0)
 
 
 def test_the_last_leg_may_have_no_end() -> None:

@@ -1,4 +1,4 @@
-"""Critical loads: closed forms and what ``steady_cycle`` finds on either side of each; one order of classes."""
+"""Critical loads: closed forms, what ``steady_cycle`` finds on either side of each, and one order."""
 
 from __future__ import annotations
 

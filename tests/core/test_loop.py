@@ -13,16 +13,20 @@ from solver_doors import plain
 import vibro
 from vibro import Regime, Scene, Status
 from vibro.core import loop
+from vibro.core.bounces import Flights
 from vibro.core.codes import SPELT_PATTERNS, Model
 from vibro.core.coexistence import coexisting
-from vibro.core.compiled import Doors
+from vibro.core.compiled import Doors, doors
 from vibro.core.contact import ratio_of, regime_alone, steady_cycle
 from vibro.core.cycle_slides import cycle_slides
 from vibro.core.derivatives import Change, displacement_rate, load_slope
 from vibro.core.hopping import hopping
 from vibro.core.limits import critical_loads, tipping_load
+from vibro.core.return_map import Hops
+from vibro.core.scenes import Scenes, no_directions, seek, unit_point_at
 from vibro.core.windows import thresholds
 from vibro.results.steady import RESULTS
+from vibro.scene import LinearFields
 from vibro.slopes import Gradient, displacement_gradient, slides_of
 from vibro.solver import Grid, Scratch
 
@@ -149,7 +153,7 @@ def test_hops_in_si_units(solver: Doors, scene: Scene, cells: list[int]) -> None
     answers, (grid, place, room) = hopped(solver, scene, cells, 0, len(cells))
     fields, loads = scene.flat(), loads_of(scene)
     scales = np.broadcast_to(scene.scale, scene.shape)
-    flights, hops = loop.Flights(*room[0]), loop.Hops(*room[1])
+    flights, hops = Flights(*room[0]), Hops(*room[1])
     for i in range(grid.size):
         row = answers.row(i)
         if i not in cells:
@@ -237,12 +241,14 @@ def test_one_scene_gives_numbers() -> None:
 def test_critical_loads_go_to_their_fields() -> None:
     for scene in (LINES, ELLIPSES):
         found = vibro.critical_loads(scene)
-        fields = scene.arrays()._replace(amplitude=np.ones(())) if scene is LINES else scene.arrays()
+        fields = scene.arrays()
+        if isinstance(fields, LinearFields):
+            fields = fields._replace(amplitude=np.ones(()))
         grid = Grid(fields)
-        scenes, place = loop.Scenes(*grid.scenes), memoryview(grid.place())
+        scenes, place = Scenes(*grid.scenes), doors().row(grid.place())
         for i in range(grid.size):
-            loop.seek(scenes, place, i)
-            unit = loop.unit_point_at(scenes, place, loop.no_directions()).loads
+            seek(scenes, place, i)
+            unit = unit_point_at(scenes, place, no_directions()).loads
             expected = critical_loads(unit)
             assert [np.broadcast_to(x, (grid.size,))[i] for x in found] == list(expected)
 

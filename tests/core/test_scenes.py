@@ -52,7 +52,7 @@ def _uncompiled() -> Iterator[None]:
 
 
 def scenes_of(grid: Grid) -> tuple[Scenes, Any]:
-    return Scenes(*grid.scenes), memoryview(grid.place())
+    return Scenes(*grid.scenes), doors().row(grid.place())
 
 
 @SCENES
@@ -74,7 +74,7 @@ def test_each_cell_is_the_scene_that_broadcasting_gives(scene: Scene) -> None:
 def test_advancing_leads_to_the_next_cell(scene: Scene) -> None:
     grid = Grid(scene.arrays())
     scenes, place = scenes_of(grid)
-    sought = memoryview(grid.place())
+    sought = doors().row(grid.place())
     for begin in (0, 1, 5):
         seek(scenes, place, begin)
         for i in range(begin + 1, grid.size):

@@ -40,12 +40,12 @@ def exact_onset(vers: float, excess: float, *, behind: bool = False) -> tuple[On
     sine = 1 - mpf(vers)
     c = mpmath.acos(sine) * (-1 if behind else 1)
     k = sine - mpf(excess)
-    fields = (c, sine, mpmath.sin(c), mpf(vers), mpf(excess), k)
-    return Onset(*map(float, fields), LOAD), mpmath.pi / 2 - c, k
+    fields = (c, sine, mpmath.sin(c), mpf(vers), mpf(excess), k, LOAD)
+    return Onset(*map(float, fields)), mpmath.pi / 2 - c, k
 
 
 def exact_slide(p0: mpf, k: mpf) -> Exact:
-    """Find the zero of a slide's speed between its maximum and its next minimum, or where it is surely over."""
+    """Find the zero of a slide's speed between its maximum and its next minimum, or where it is over."""
 
     def speed(p: mpf) -> mpf:
         return mpmath.cos(p0) - mpmath.cos(p) - k * (p - p0)

@@ -221,6 +221,8 @@ def _two_way(loads: Loads, at: Thresholds) -> _Cycle:
         return seen._replace(pattern=_mirrored_pattern(seen.pattern), displacement=-seen.displacement)
     if way == 0:
         cycle = half_length_root(loads, pair.forward.onset, pair.back.onset)
+        if math.isnan(out.displacement) and not cycle.valid:
+            return out  # it runs away, if slowly
         motion = continuous_motion(loads, pair.forward.onset, pair.back.onset, cycle)
         return _Cycle(Pattern.FB, motion.displacement, motion.peak, True, cycle.edge, cycle.valid)
     return out

@@ -9,7 +9,7 @@ n = cos(beta)/G [A w n], phases of the normal motion in radians.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, along_cosine, along_sine, phase_difference
@@ -20,6 +20,8 @@ from vibro.core.slide import Onset, slide, start_inside
 from vibro.core.windows import Start, own_phase, resting_start, thresholds
 
 __all__ = ["Course", "State", "Step", "course_of", "nearest_turn", "starting", "step"]
+
+_SAME_ONSET: Final = 1e-6  # [rad] more than an arc sine next to 1 loses
 
 
 class Course(NamedTuple):
@@ -109,8 +111,8 @@ def course_of(loads: Loads, restitution: float) -> Course:
     back = resting_start(loads, at, -1.0) if slips_back else _no_start()
     if rests:
         track = track._replace(
-            forward_onset=track.forward_onset if slips_forward else NAN,
-            back_onset=track.back_onset if slips_back else NAN,
+            forward_onset=_onset(loads, 1.0, forward, track.forward_onset),
+            back_onset=_onset(loads, -1.0, back, track.back_onset),
         )
     if not at.hops:
         track = track._replace(lift_off=INF)
@@ -125,6 +127,19 @@ def _no_start() -> Start:
 def _crest(loads: Loads, way: float) -> float:
     """Phase at which the load of slides in a direction is largest."""
     return QUARTER - own_phase(loads, way, loads.kinetic_friction)
+
+
+def _onset(loads: Loads, way: float, start: Start, coarse: float) -> float:
+    """Phase at which slides from rest begin, to rounding; NaN if they never do.
+
+    ``coarse`` is that phase by an arc sine, which loses half of its digits where a window is short. The start
+    of the slide loses more where kinetic friction is negligible beside static friction, and the load beside
+    both.
+    """
+    if math.isnan(start.onset.c):
+        return NAN
+    sharp = wrap(_crest(loads, way) - start.onset.c)
+    return sharp if abs(math.remainder(sharp - coarse, TURN)) <= _SAME_ONSET else coarse
 
 
 def starting(course: Course, phase: float, velocity: float) -> State:

@@ -120,7 +120,10 @@ def phase_offset(loads: Loads, friction: float) -> float:
     if loads.line:
         return 0.0
     a, lift = loads.drive_tangential, friction * loads.drive_normal
-    return math.atan2(2.0 * a * lift * loads.phase_sine, (a - lift) * (a + lift))
+    scale = a + lift
+    if scale == 0.0:
+        return 0.0
+    return math.atan2(2.0 * (a / scale) * (lift / scale) * loads.phase_sine, (a - lift) / scale)
 
 
 class Start(NamedTuple):
