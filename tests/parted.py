@@ -97,7 +97,7 @@ class Once:
 
 
 PLAN = plan_of()
-HOPS = plan_of(flight=True, parts=2, amplitude="2:2.5:13", frequency="20:22:12")
+HOPS = plan_of(flight=True, parts=2, amplitude="4:6:80", frequency="20:22:80")
 """Of cells whose bodies bounce: a part takes long enough to be shared, where patience is short."""
 
 

@@ -102,7 +102,6 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
         ({"amplitude_mm": "1s"}, "amplitude_mm", "'s' is no unit of amplitude"),
         ({"frequency_hz": "1e999"}, "frequency_hz", "finite"),
         ({"kinetic_friction": "0.8"}, "kinetic_friction", "at most static friction = 0.74"),
-        ({"drive_angle_deg": "89", "trough_angle_deg": "2"}, "drive_angle_deg", "less than 90 deg together"),
         ({"restitution": "1"}, "restitution", "must be in [0, 1)"),
         ({"trough_length_mm": "0"}, "trough_length_mm", "must be finite and > 0 mm"),
         ({"trough_length_mm": "", "view": "traverse"}, "trough_length_mm", "needs the length"),

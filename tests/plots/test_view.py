@@ -84,8 +84,6 @@ DRAWN = {"amplitude": "1,2", "frequency": "5:60", "restitution": "0:0.5"}
         ),
         ({"friction_ratio": "0.8,0.9,1,1.1,1.2"}, {"static_friction": 0.45}, {}, {"friction_ratio": 0.9}),
         ({"static_friction": "0.2,0.3,0.4"}, {"friction_ratio": 0.5}, {}, {"static_friction": 0.3}),
-        ({"drive_angle": "20,40,60,80"}, {"trough_angle": 50.0}, {}, {"drive_angle": 20}),
-        ({"trough_angle": "20,40,60,80"}, {"drive_angle": 40.0}, {}, {"trough_angle": 40}),
         # Held in their order, each beside those held before it.
         (
             {"static_friction": "0.2,0.4,0.6", "kinetic_friction": "0.1,0.3,0.5"},

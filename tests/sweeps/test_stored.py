@@ -31,7 +31,7 @@ NUT: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57, "troug
 
 @pytest.fixture(scope="module")
 def held() -> Sweep:
-    """Hold cells of which some hop, some cannot be, and whose patterns differ from part to part."""
+    """Hold cells of which some hop, and whose patterns differ from part to part."""
     return vibro.sweep(
         amplitude_mm="0.2:6:11",
         frequency_hz="5:25:7",
@@ -63,7 +63,7 @@ def test_it_covers_what_was_swept(held: Sweep, stored: StoredSweep) -> None:
 
 def test_all_cells_are_those_of_a_sweep_that_is_held(held: Sweep, stored: StoredSweep) -> None:
     frame = held.to_frame()
-    assert {"_", "F_", "infeasible", "hopping"} <= {*frame["pattern"], *frame["status"], *frame["regime"]}
+    assert {"_", "F_", "hopping"} <= {*frame["pattern"], *frame["status"], *frame["regime"]}
     assert frame["coexists"].isna().any()
     pd.testing.assert_frame_equal(stored.to_frame(), frame)
 
@@ -280,7 +280,6 @@ def test_what_is_no_finished_sweep_is_refused(copy: Path, tmp_path: Path) -> Non
         "{}",
         success.replace('"cells": 924', '"cells": 9'),
         success.replace('"ok"', '"no"'),
-        success.replace('"infeasible"', '"unresolved"'),
         success.replace('"hopping"', '"no-slip"'),
     ):
         (copy / "_SUCCESS").write_text(text, encoding="utf-8")

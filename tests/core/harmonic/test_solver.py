@@ -22,6 +22,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+
+def scene_at(loads: HarmonicLoads, cell: int) -> HarmonicLoads:
+    """Select one scene."""
+    one: HarmonicLoads = each(loads, lambda x: x.take([cell]) if x.ndim else x)
+    return one
+
+
 SWAPPED = str.maketrans("FB", "BF")
 
 
@@ -201,7 +208,7 @@ def test_cells_do_not_depend_on_their_neighbours() -> None:
     loads = drawn(count, 9)
     whole = solved(loads, count)
     for i in range(0, count, 7):
-        alone = solved(each(loads, lambda x, i=i: x.take([i]) if x.ndim else x), 1)
+        alone = solved(scene_at(loads, i), 1)
         for name in alone._fields:
             one, many = getattr(alone, name), getattr(whole, name)
             assert np.array_equal(one[0], many[i], equal_nan=True), name
@@ -213,7 +220,7 @@ def test_legs_follow_each_other_for_a_turn() -> None:
     out = solved(loads, count)
     texts = pattern_texts(out.pattern).tolist()
     for i in range(count):
-        legs = harmonic_legs(each(loads, lambda x, i=i: x.take([i]) if x.ndim else x))
+        legs = harmonic_legs(scene_at(loads, i))
         assert "".join(leg.kind for leg in legs) == texts[i]
         if not legs:
             continue
