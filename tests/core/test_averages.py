@@ -111,6 +111,13 @@ def test_longer_samples_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     assert _averaged(line(2.45, 30.0, 0.5, 0.0), 0.3, 6, longest=False).status != Status.RUNAWAY
 
 
+def test_friction_that_holds_gravity_by_a_hair_leaves_no_mean() -> None:
+    """Samples seemed to balance at two million times the speed of the trough, with a small standard error."""
+    slope = math.degrees(math.atan(0.3 * (1.0 - 1e-10)))
+    assert _averaged(line(2.45, 30.0, 0.3, 0.3, -slope), 0.6, 60).status != Status.AVERAGED
+    assert _averaged(line(2.45, 30.0, 0.3, 0.3, -0.5 * slope), 0.6, 60).status == Status.AVERAGED
+
+
 def test_a_body_with_too_many_bounces_leaves_no_mean(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(averages_module, "fly", lambda *a: fly(*a)._replace(ends=a[2] != BODIES - 1))
     assert _averaged(line(2.45, 30.0, 0.5, 0.4), 0.3, 6).status == Status.UNRESOLVED

@@ -206,6 +206,16 @@ def test_without_kinetic_friction_there_is_none() -> None:
         assert not found.cycle().valid
 
 
+def test_slides_without_resistance_or_load_have_no_root() -> None:
+    found = next(x for x in ELLIPSES if x.by_half_length().valid)
+    forward, back = found.forward.onset, found.back.onset
+    for k in (0.0, -0.1, 1.0):
+        for ours, other in ((forward._replace(k=k), back), (forward, back._replace(k=k))):
+            cycle = half_length_root(found.loads, ours, other)
+            assert math.isnan(cycle.y)
+            assert not cycle.valid
+
+
 def test_the_lengths_do_not_depend_on_the_load() -> None:
     # Eq. (18); level: y = pi/2 mu_d tan(alpha)
     for weight in (0.3, 0.4, 0.5):

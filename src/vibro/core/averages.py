@@ -98,15 +98,12 @@ class _Slid(NamedTuple):
         Largest velocity downhill at the end.
     always_forgets, forgets : bool
         Whether each body stops in each half of its sample, and in the second half.
-    turns : bool
-        Whether any body stops or turns round.
     """
 
     peak: float
     fastest: float
     always_forgets: bool
     forgets: bool
-    turns: bool
 
 
 def averages(
@@ -174,9 +171,11 @@ def averages(
     remembers = bounded and not slid.always_forgets
     if remembers and longest:
         slid = _balance(track, hops, bodies)
-        if not slid.turns:
-            # Friction that holds gravity balances it only for bodies that turn round at times. Where it holds
-            # it by less than what samples can tell, they seem to balance far beyond.
+        # Friction holds gravity, so that bodies turn round at times, and are no faster than drive, gravity
+        # and friction make them. Where it holds it by less than samples can tell, they seem to balance far
+        # beyond.
+        ground = bodies.start[0] + loads.drive_tangential * bodies.start[1]
+        if abs(ground) > 2.0 * loads.drive_tangential + (slope + friction) * total / BODIES:
             return unresolved
 
     mean = 0.0
@@ -230,14 +229,13 @@ def _slide(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:
     """Follow the bodies from their velocities at the start of the samples; write paths and gains."""
     loads = track.loads
     downhill = -math.copysign(1.0, loads.weight_tangential) if loads.weight_tangential != 0.0 else 0.0
-    peak, fastest, always_forgets, forgets, turns = 0.0, -INF, True, True, False
+    peak, fastest, always_forgets, forgets = 0.0, -INF, True, True
     for i in range(BODIES):
         velocity = bodies.start[2 * i]
         for half in range(2):
             row, here = 3 * i + half, 2 * i + half
             first, last = int(bodies.row[row]), int(bodies.row[row + 1])
             leg = return_map(track, hops, first, last, 0.0, 0.0, velocity)
-            turns = turns or leg.slope < 1.0
             # without a stop gravity and friction alone act
             gain = leg.friction - loads.weight_tangential * bodies.time[here]
             if has_stop(leg):
@@ -249,7 +247,7 @@ def _slide(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:
             bodies.path[here], bodies.gain[here] = leg.displacement, gain
             peak, velocity = max(peak, leg.peak), leg.velocity
         fastest = max(fastest, downhill * velocity)
-    return _Slid(peak, fastest, always_forgets, forgets, turns)
+    return _Slid(peak, fastest, always_forgets, forgets)
 
 
 class _Imbalance(NamedTuple):
@@ -275,7 +273,7 @@ def _balance(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:
         ground += bodies.start[2 * i] + a * bodies.start[2 * i + 1]
     ground /= BODIES
     low, high = _Imbalance(NAN, NAN, NAN), _Imbalance(NAN, NAN, NAN)
-    slid = _Slid(0.0, 0.0, True, True, False)
+    slid = _Slid(0.0, 0.0, True, True)
     effect = 0.0
     for step in range(_MOST_STEPS):
         for i in range(BODIES):
