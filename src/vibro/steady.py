@@ -33,9 +33,8 @@ _SEARCHED: Final = 16
 
 _MANY_FLIGHTS: Final = 10_000  # [cells] above which plain Python takes minutes
 
-_NUMBERS: Final = tuple(r.name for r in RESULTS if r.dtype is np.float64)
-_CODES: Final = tuple(r.name for r in RESULTS if r.dtype is np.int8)
-_PATTERNS: Final = tuple(r.name for r in RESULTS if r.dtype is np.int64)
+# What is zero in contact is zero from the start.
+_MADE: Final = tuple((r.name, np.zeros if r.in_contact == 0.0 else np.empty, r.dtype) for r in RESULTS)
 
 
 def solve(
@@ -103,16 +102,8 @@ def solve(
     if isinstance(fields, HarmonicFields):
         return harmonic_cycle(scene, fields, threads, classes_alone=classes_alone)
     grid, solver = Grid(fields), doors()
-    # zeros, which most pages of what is zero in contact stay, cost nothing
-    numbers, codes = np.zeros((len(_NUMBERS), grid.size)), np.zeros((len(_CODES), grid.size), np.int8)
-    patterns = np.zeros((1, grid.size), np.int64)
-    rows: dict[str, NDArray[Any]] = dict(
-        zip((*_NUMBERS, *_CODES, *_PATTERNS), (*numbers, *codes, *patterns), strict=True)
-    )
-    buffers = dict(
-        zip(rows, (*solver.rows(numbers), *solver.rows(codes), *solver.rows(patterns)), strict=True)
-    )
-    answers = tuple(buffers[r.name] for r in RESULTS)
+    rows: dict[str, NDArray[Any]] = {name: make(grid.size, dtype) for name, make, dtype in _MADE}
+    answers = tuple(map(solver.row, rows.values()))
 
     def contact(begin: int, end: int) -> None:
         solver.solve_contact(grid.scenes, grid.place(), answers, begin, end, classes_alone)
