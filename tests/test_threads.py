@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+import subprocess
+import sys
 from threading import Barrier, get_ident
 from typing import Any
 
@@ -60,3 +62,29 @@ def test_so_many_threads_share_each_stage(
 def test_a_number_of_threads_that_cannot_be_is_refused(threads: Any) -> None:
     with pytest.raises(InputError, match=re.escape(f"threads = {threads!r}: must be a whole number")):
         solve(scene_with(), threads=threads)
+
+
+INTERRUPTED = """
+import os, signal, threading, time
+import numpy as np
+import vibro
+
+scene = vibro.Scene(
+    amplitude=np.linspace(3e-3, 9e-3, 300)[:, None], frequency=np.linspace(15, 30, 300), drive_angle=0.35,
+    static_friction=0.5, kinetic_friction=0.4, restitution=0.6,
+)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    vibro.solve(scene, threads=3)
+except KeyboardInterrupt:
+    alive = [thread for thread in threading.enumerate() if thread.daemon]
+    print("interrupted", len(alive))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are interrupted otherwise there")
+@pytest.mark.skipif(not doors().compiled, reason="the solver is not compiled: one thread")
+def test_an_interrupt_waits_for_what_writes_to_the_results() -> None:
+    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, timeout=60.0)
+    assert (done.returncode, done.stdout) == (0, "interrupted 0\n"), done.stderr

@@ -162,6 +162,7 @@ def _lines(*fields: ArrayLike) -> Grid:
 def _critical_loads(grid: Grid) -> CriticalLoads:
     found = np.empty((len(CriticalLoads._fields), grid.size))
     rows = doors().rows(found)
+    grid.hold(found)
 
     def find(begin: int, end: int) -> None:
         doors().transition_loads(grid.scenes, grid.place(), rows, begin, end)

@@ -121,6 +121,9 @@ def in_parallel(
                     done(len(finished))
     finally:
         left.clear()
+        for thread in others:  # what they write to may not outlive this call
+            if thread.ident is not None:
+                thread.join()
     if failures:
         raise failures[0]
 

@@ -69,6 +69,10 @@ class Grid:
         self._sizes, self._strides, self._axes = sizes, strides, axes
         self.scenes: Any = (*buffers, doors().row(sizes), doors().row(strides), axes, is_ellipse)
 
+    def hold(self, *arrays: NDArray[Any]) -> None:
+        """Keep arrays alive that threads write to by their addresses, even after a second interrupt."""
+        self._kept += arrays
+
     def place(self) -> NDArray[np.int64]:
         """Make room for the place of a cell."""
         return np.empty(self._axes + 9, np.int64)

@@ -104,6 +104,7 @@ def solve(
     grid, solver = Grid(fields), doors()
     rows: dict[str, NDArray[Any]] = {name: make(grid.size, dtype) for name, make, dtype in _MADE}
     answers = tuple(map(solver.row, rows.values()))
+    grid.hold(*rows.values())
 
     def contact(begin: int, end: int) -> None:
         solver.solve_contact(grid.scenes, grid.place(), answers, begin, end, classes_alone)

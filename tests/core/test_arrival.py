@@ -117,6 +117,18 @@ def test_the_end_of_a_slow_transient_is_summed(
     assert settled[3] - settled[2] == pytest.approx(3100.2, abs=1.5)
 
 
+def test_a_transient_that_is_summed_may_not_have_faded_at_the_arrival(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    loads = line(2.0, 10.0, 0.3, 0.003)
+    motion, legs = history_of(loads, 0.0, 1e9)
+    lengths = [legs.position[motion.first] + motion.advance * cycles for cycles in (3.4, 50.4)]
+    summed = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]
+    monkeypatch.setattr(arrival, "_LINEAR", 0.0)
+    walked_to = [_arrival(loads, 0.0, x, steady=motion.advance) for x in lengths]
+    assert summed == pytest.approx(walked_to, rel=1e-12)
+
+
 def test_the_way_a_body_has_gone_counts_if_the_steady_cycle_given_is_another() -> None:
     for name in ("F_", "FB", "hops, HB"):
         loads, restitution = ALL[name]
@@ -211,6 +223,28 @@ def test_arrivals_in_flights_of_many_turns(velocity: float, slope: float) -> Non
         assert found * TURN == pytest.approx(exact, abs=2e-3)
         s = found * TURN
         assert newton(loads, Mode.FLIGHT, at, s)[0] == pytest.approx(length, rel=1e-11, abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("load", "drive_deg", "trough_deg", "later", "velocity"),
+    [(1.53, 52.0, 29.7, 0.465, -0.135), (1.582, 48.85, -28.67, 0.07, -0.963)],
+    ids=["up", "down"],
+)
+def test_arrivals_in_flights_along_a_steep_trough(
+    load: float, drive_deg: float, trough_deg: float, later: float, velocity: float
+) -> None:
+    """Upwards the velocity turns twice within half a turn; downwards gravity outgrows the drive."""
+    loads = line(load, drive_deg, 1.9, 1.5, trough_deg)
+    course = course_of(loads, 0.0)
+    phase = course.track.lift_off + later
+    legs = walked(course, phase, velocity, 1)
+    at, leg = legs[0]
+    assert at.mode == Mode.FLIGHT
+    top = max(newton(loads, at.mode, at, s)[0] for s in np.linspace(0.0, leg.length, 200).tolist())
+    assert top > 0.0
+    for share in (0.2, 0.5, 0.9, 0.999):
+        found = _arrival(loads, 0.0, share * top, phase=phase, velocity=velocity)
+        assert found == pytest.approx(_first_passage(legs, loads, share * top), abs=1e-9)
 
 
 def test_flights_along_a_trough_that_does_not_move_along_itself() -> None:

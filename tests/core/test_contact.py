@@ -10,6 +10,7 @@ import pytest
 from contact_loads import (
     EPS,
     TURN,
+    Exact,
     body_of,
     ellipse,
     heavier,
@@ -525,6 +526,20 @@ def test_on_a_level_trough_the_first_slide_goes_forward() -> None:
             count += 1
             assert module._first_from_rest(loads, pair_of(loads, thresholds(loads))) == 1
     assert count > 150
+
+
+def test_a_body_that_rests_at_first_slides_where_the_load_first_grows_too_large() -> None:
+    seen = {1: 0, -1: 0}
+    for loads in random_ellipses(2500, 16, steepest=0.6, least_ratio=0.01, least_throw=0.3):
+        phase = math.atan2(loads.phase_sine, loads.phase_cosine)
+        normal = loads.weight_normal - loads.drive_normal * loads.phase_sine
+        if slips_both_ways(loads) and abs(loads.weight_tangential) <= loads.static_friction * normal:
+            exact = Exact(loads)
+            waits = {way: (exact.window(way)[0] - phase) % TURN for way in (1, -1)}
+            way = min(waits, key=waits.__getitem__)
+            assert module._first_from_rest(loads, pair_of(loads, thresholds(loads))) == way
+            seen[way] += 1
+    assert min(seen.values()) > 40
 
 
 def test_on_an_incline_the_first_slide_is_that_of_the_walk() -> None:

@@ -14,6 +14,7 @@ from scipy.integrate import quad
 from vibro.core import elementary
 from vibro.core.elementary import (
     free_motion,
+    hypotenuse,
     positive_part,
     rounded_sign,
     series_q,
@@ -52,6 +53,14 @@ def test_phases_are_reduced_to_one_turn() -> None:
 )
 def test_the_positive_part(value: float, part: float) -> None:
     assert positive_part(value) == part
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-150, 1e-200, 1e150, 1e200, 1e307])
+def test_the_length_of_a_vector_whatever_its_size_and_direction(scale: float) -> None:
+    for x, y in ((3.0, 4.0), (-4.0, 3.0), (4.0, -3.0), (-3.0, -4.0), (-5.0, 0.0), (0.0, -5.0)):
+        assert hypotenuse(x * scale, y * scale) == pytest.approx(5.0 * scale, rel=4 * EPS)
+    assert hypotenuse(0.0, -0.0) == 0.0
+    assert hypotenuse(-math.inf, scale) == math.inf == hypotenuse(scale, math.inf)
 
 
 @pytest.mark.parametrize("scale", [1.0, 3.0, 1e-200])

@@ -8,6 +8,7 @@ import random
 import pytest
 from hopping_bodies import FLIGHTS, HOPS, Drawn, draw, ellipse, line
 
+from vibro.core import orbits
 from vibro.core.codes import Status, spelt_text
 from vibro.core.drives import Loads
 from vibro.core.hopping import enter
@@ -233,6 +234,24 @@ def test_where_gravity_wins_a_body_stops_or_runs_away() -> None:
             assert end.status == Status.RUNAWAY
     assert lost > 10
     assert stopped > 2
+
+
+def test_a_body_that_is_carried_uphill_does_not_run_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even where the stop at which its way ends is not found."""
+    loads = line(1.9583244, 42.015682, 0.91119969, 0.19707930, -11.274574)
+    found = _cycle(loads._replace(line=False))
+    assert found is not None
+    cycle, start, _ = found
+    home = orbit_from(cycle, HOPS, start)
+    assert home.status == Status.OK
+    downhill = home.velocity + 1e-3  # of that cycle
+    begin = cycle_from(cycle, HOPS, downhill)
+    assert has_stop(begin)
+    assert begin.velocity < downhill
+    assert orbit_from(cycle, HOPS, downhill).velocity == pytest.approx(home.velocity, abs=1e-12)
+    none = Orbit(0.0, begin, Status.UNRESOLVED)
+    monkeypatch.setattr(orbits, "_first_stopping", lambda *arguments: none)
+    assert orbit_from(cycle, HOPS, downhill).status == Status.UNRESOLVED
 
 
 def test_gravity_that_kinetic_friction_just_holds() -> None:

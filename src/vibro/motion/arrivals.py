@@ -73,6 +73,7 @@ def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Flo
     advance = np.broadcast_to(solve(scene).displacement_per_cycle, length.shape).flatten()
     reach, times = length.flatten(), np.empty(length.size)
     buffers, scratch = [doors().row(x) for x in (reach, advance, times)], Scratch()
+    grid.hold(reach, advance, times)
 
     def follow(begin: int, end: int) -> None:
         doors().arrivals(grid.scenes, grid.place(), phase, velocity, *buffers, scratch.flights, begin, end)
