@@ -41,19 +41,14 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 # Tests of all rooms that together take less than a minute on two cores: ``pytest -m fast``.
 _FAST: Final = (
-    "cli/test_completion.py", "cli/test_friction.py", "cli/test_harmonics.py", "cli/test_map_hopping.py",
-    "cli/test_map_speed.py", "core/test_", "explore/test_form.py", "explore/test_guards.py",
-    "explore/test_server.py", "explore/test_state.py", "files/test_claims.py", "files/test_part_sets.py",
-    "files/test_rounding.py", "files/test_scene_files.py", "inverse/test_caps.py",
-    "inverse/test_catalogue.py", "inverse/test_costs.py", "inverse/test_reading.py",
-    "motion/test_histories.py", "motion/test_trace.py",
-    "plots/test_facets.py", "plots/test_labels.py", "plots/test_neighbours.py", "plots/test_regimes.py",
-    "plots/test_save.py", "records/test_cycles.py", "records/test_missing_values.py",
-    "records/test_reading.py", "records/test_sensitivities.py", "records/test_signals.py", "results/",
-    "sweeps/test_columns.py", "sweeps/test_derived.py", "sweeps/test_plan.py", "sweeps/test_readers.py",
-    "sweeps/test_selection.py", "test_axes.py", "test_errors.py", "test_harmonic_scenes.py", "test_limits.py",
-    "test_quantities.py", "test_reals.py", "test_reference.py", "test_scales.py", "test_scene.py",
-    "test_translate.py", "test_two_axis.py", "test_two_axis_edges.py",
+    "cli/test_completion.py", "cli/test_friction.py", "core/test_", "explore/test_form.py",
+    "explore/test_guards.py", "explore/test_state.py", "files/test_claims.py", "files/test_part_sets.py",
+    "files/test_rounding.py", "files/test_scene_files.py", "inverse/test_catalogue.py",
+    "inverse/test_reading.py", "motion/test_trace.py", "plots/test_labels.py", "plots/test_neighbours.py",
+    "records/test_missing_values.py", "records/test_reading.py", "records/test_signals.py", "results/",
+    "sweeps/test_plan.py", "sweeps/test_readers.py", "sweeps/test_selection.py", "test_axes.py",
+    "test_errors.py", "test_quantities.py", "test_reals.py", "test_reference.py", "test_scene.py",
+    "test_translate.py", "test_two_axis.py",
 )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
@@ -529,17 +530,23 @@ def test_on_a_level_trough_the_first_slide_goes_forward() -> None:
 
 
 def test_a_body_that_rests_at_first_slides_where_the_load_first_grows_too_large() -> None:
-    seen = {1: 0, -1: 0}
-    for loads in random_ellipses(2500, 16, steepest=0.6, least_ratio=0.01, least_throw=0.3):
-        phase = math.atan2(loads.phase_sine, loads.phase_cosine)
-        normal = loads.weight_normal - loads.drive_normal * loads.phase_sine
-        if slips_both_ways(loads) and abs(loads.weight_tangential) <= loads.static_friction * normal:
+    # climbing troughs that press less and less at first: the body may slip back before it goes forward
+    draw, seen = random.Random(16), {1: 0, -1: 0}
+    for _ in range(8000):
+        mu_s = draw.uniform(0.05, 1.2)
+        trough = draw.uniform(0.0, 0.9) * math.atan(mu_s)
+        normal, along = draw.uniform(0.9, 0.999) * math.cos(trough), mu_s * math.exp(draw.uniform(-3.0, 0.0))
+        scale, phase = max(along, normal), draw.uniform(0.5, 1.7)
+        mu_d = mu_s * draw.uniform(0.01, 1.0)
+        loads = ellipse(along / scale, normal / scale, phase, 1.0 / scale, mu_s, mu_d, trough)
+        pressed = loads.weight_normal - loads.drive_normal * loads.phase_sine
+        if slips_both_ways(loads) and abs(loads.weight_tangential) <= mu_s * pressed:
             exact = Exact(loads)
             waits = {way: (exact.window(way)[0] - phase) % TURN for way in (1, -1)}
             way = min(waits, key=waits.__getitem__)
             assert module._first_from_rest(loads, pair_of(loads, thresholds(loads))) == way
             seen[way] += 1
-    assert min(seen.values()) > 40
+    assert seen[-1] > 5
 
 
 def test_on_an_incline_the_first_slide_is_that_of_the_walk() -> None:

@@ -14,12 +14,13 @@ from extremes import extreme_fields
 from mpmath import mpf
 from scenes import Groups
 
+from vibro import Scene
 from vibro.core import limits as module
 from vibro.core.codes import Pattern, Regime, Status
 from vibro.core.contact import Steady, steady_cycle
 from vibro.core.limits import CriticalLoads, critical_loads, tipping_load
 from vibro.core.windows import thresholds
-from vibro.limits import critical_loads_of_lines, tipping_load_of_lines
+from vibro.limits import critical_loads_of_lines, tipping_load_of_lines, transitions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -259,6 +260,13 @@ def test_drives_without_lift_are_looked_at_up_to_a_high_load() -> None:
         assert at(unit, load * (1.0 + NEAR)).pattern == pattern
         assert at(unit, load * (1.0 - NEAR)).pattern != pattern
     assert module._MOST == 1e8
+
+
+def test_slip_both_ways_at_once_begins_with_forward_slip() -> None:
+    flat = Scene(amplitude=1e-3, frequency=15.0, drive_angle=0.0, static_friction=0.5, kinetic_friction=0.4)
+    found = transitions(flat)
+    assert [t.name for t in found][:2] == ["forward slip", "back slip"]
+    assert found[0].ratio == found[1].ratio
 
 
 # --------------------------------------------------------------------------------------------- tipping
