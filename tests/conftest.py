@@ -41,14 +41,12 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 # Tests of all rooms that together take less than a minute on two cores: ``pytest -m fast``.
 _FAST: Final = (
-    "cli/test_completion.py", "cli/test_friction.py", "core/test_", "explore/test_form.py",
-    "explore/test_guards.py", "explore/test_state.py", "files/test_claims.py", "files/test_part_sets.py",
-    "files/test_rounding.py", "files/test_scene_files.py", "inverse/test_catalogue.py",
-    "inverse/test_reading.py", "motion/test_trace.py", "plots/test_labels.py", "plots/test_neighbours.py",
-    "records/test_missing_values.py", "records/test_reading.py", "records/test_signals.py", "results/",
-    "sweeps/test_plan.py", "sweeps/test_readers.py", "sweeps/test_selection.py", "test_axes.py",
-    "test_errors.py", "test_quantities.py", "test_reals.py", "test_reference.py", "test_scene.py",
-    "test_translate.py", "test_two_axis.py",
+    "cli/test_friction.py", "core/test_contact.py", "core/test_cycle_slides.py", "core/test_drives.py",
+    "core/test_elementary.py", "core/test_flight.py", "core/test_legs.py", "core/test_loop.py",
+    "core/test_motions.py", "core/test_samples.py", "core/test_scenes.py", "core/test_steps.py",
+    "core/test_windows.py", "files/test_claims.py", "files/test_scene_files.py", "plots/test_labels.py",
+    "records/test_missing_values.py", "sweeps/test_plan.py", "test_axes.py", "test_errors.py",
+    "test_quantities.py", "test_reals.py", "test_scene.py", "test_translate.py", "test_two_axis.py",
 )  # fmt: skip
 
 
