@@ -380,12 +380,26 @@ def use(x: float, y: float, n: int) -> float:
 
 def inner(x: float) -> float:
     return moved(Point(x, 1.0, 2, False), x).x
+
+def changed(p: Point, line: Line) -> float:
+    before = p.x
+    for _ in range(3):
+        p = moved(p, 1.0)
+    line = line._replace(end=p)
+    return p.x - before + 100.0 * along(line)
+
+def lent(x: float) -> float:
+    one = Point(x, 1.0, 2, False)
+    line = Line(one, moved(one, x))
+    sum = changed(line.end, line) + changed(moved(line.begin, x), Line(line.end, one))
+    return sum + 1e4 * along(line) + changed(one if x > 0.0 else line.end, line) + one.x
 """,
-        "use", "inner",
+        "use", "inner", "lent",
     )  # fmt: skip
     for x, y, n in ((0.5, 2.0, 3), (2.0, 0.5, -1), (math.inf, 1.0, 0)):
         built.check("use", x, y, n)
         built.check("inner", x)
+        built.check("lent", x)
 
 
 @needs_compiler

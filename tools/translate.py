@@ -208,7 +208,7 @@ class _Program:
             if kind in self.records:
                 fields = [(f"a{i}_{f}", k) for f, k in self.records[kind].items()]
                 arguments += [f"{self.c(k)} {f}" for f, k in fields]
-                values.append(f"(struct {kind}){{{', '.join(f for f, _ in fields)}}}")
+                values.append(f"&(struct {kind}){{{', '.join(f for f, _ in fields)}}}")
             else:
                 arguments.append(f"{self.c(kind)} a{i}")
                 values.append(f"a{i}")
@@ -278,11 +278,21 @@ class _Function:
         signature: Signature = names[node.name]
         self._result = signature.result
         self._kinds = {a.arg: k for a, k in zip(node.args.args, signature.arguments, strict=True)}
-        arguments = ", ".join(f"{program.c(k)} {a}" for a, k in self._kinds.items()) or "void"
-        self.head = f"{program.c(signature.result)} {signature.name}({arguments})"
+        # Records are lent by their address, since copies of them cost time; one that is changed is copied.
+        lent = {a for a, k in self._kinds.items() if k in program.records}
+        changed = lent & {
+            n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+        }
+        self._lent = lent - changed
+        arguments = [
+            f"const {program.c(k)} *{a}{'_lent' * (a in changed)}" if a in lent else f"{program.c(k)} {a}"
+            for a, k in self._kinds.items()
+        ]
+        self.head = f"{program.c(signature.result)} {signature.name}({', '.join(arguments) or 'void'})"
         given = set(self._kinds)
         body = self._block(node.body, "    ")
         declared = [f"    {program.c(k)} {a};" for a, k in self._kinds.items() if a not in given]
+        declared += [f"    {program.c(self._kinds[a])} {a} = *{a}_lent;" for a in sorted(changed)]
         self.lines = [f"static {self.head}", "{", *declared, *body, "}", ""]
 
     def _refused(self, node: ast.AST, why: str) -> TranslationError:
@@ -456,6 +466,8 @@ class _Function:
         return fields[name]
 
     def _name(self, node: ast.expr, name: str) -> Value:
+        if name in self._lent:
+            return Value(f"(*{name})", self._kinds[name])
         if name in self._kinds:
             return Value(name, self._kinds[name])
         number = self._names.get(name)
@@ -518,9 +530,17 @@ class _Function:
                 if len(node.args) != len(signature.arguments) or node.keywords:
                     raise self._refused(node, f"takes {len(signature.arguments)} arguments by position")
                 pairs = zip(node.args, signature.arguments, strict=True)
-                values_text = ", ".join(self._converted(a, k) for a, k in pairs)
-                return Value(f"{signature.name}({values_text})", signature.result)
+                arguments = ", ".join(self._argument(a, k) for a, k in pairs)
+                return Value(f"{signature.name}({arguments})", signature.result)
         raise self._refused(node, "no translation")
+
+    def _argument(self, node: ast.expr, kind: str) -> str:
+        value, owner = self._converted(node, kind), node
+        if kind not in self._program.records:
+            return value
+        while isinstance(owner, ast.Attribute):
+            owner = owner.value
+        return f"&{value}" if isinstance(owner, ast.Name) else f"(struct {kind}[1]){{{value}}}"
 
     def _record(self, node: ast.Call, name: str) -> Value:
         fields = self._program.records[name]
