@@ -76,14 +76,13 @@ class _Cycle(NamedTuple):
 class Pair(NamedTuple):
     """Both slides from rest of a scene that slips both ways, and what decides whether one outlasts.
 
-    ``offset`` is E of static friction, ``turn`` that of kinetic friction, Eq. (57); ``lead`` and
-    ``lead_size`` are those of ``cosine_lead`` along a line.
+    ``offset`` is E of static friction, Eq. (57); ``lead`` and ``lead_size`` are those of ``cosine_lead``
+    along a line.
     """
 
     forward: Start
     back: Start
     offset: float
-    turn: float
     lead: float
     lead_size: float
 
@@ -93,13 +92,12 @@ def pair_of(loads: Loads, at: Thresholds) -> Pair:
     forward, back = resting_start(loads, at, 1.0), resting_start(loads, at, -1.0)
     if loads.line:
         lead, size = cosine_lead(loads, at, forward.onset, back.onset)
-        return Pair(forward, back, 0.0, 0.0, lead, size)
-    offset = phase_offset(loads, loads.static_friction)
-    return Pair(forward, back, offset, phase_offset(loads, loads.kinetic_friction), NAN, NAN)
+        return Pair(forward, back, 0.0, lead, size)
+    return Pair(forward, back, phase_offset(loads, loads.static_friction), NAN, NAN)
 
 
 def _mirrored_pair(pair: Pair) -> Pair:
-    return Pair(pair.back, pair.forward, -pair.offset, -pair.turn, -pair.lead, pair.lead_size)
+    return Pair(pair.back, pair.forward, -pair.offset, -pair.lead, pair.lead_size)
 
 
 def outlasts_back(loads: Loads, pair: Pair) -> int:
@@ -264,10 +262,11 @@ def _forward_first(loads: Loads, pair: Pair) -> _Cycle:
         other = cycle.valid or _settles_in_f_b(loads, pair, b_lasts)
         return _Cycle(Pattern.F_, f.displacement, f.peak, other, f_lasts == 0, f.settled)
     if meets:
-        c = PI + forward.c - 2.0 * f.half_length + pair.turn
+        turn = phase_offset(loads, loads.kinetic_friction)
+        c = PI + forward.c - 2.0 * f.half_length + turn
         b = slide(start_inside(c, back.k, back.load))
         # phase from the end of that back slide to p_f + 2 pi; without kinetic friction always 0
-        rests = rounded_sign(PI - forward.c + c - 2.0 * b.half_length - pair.turn, TURN)
+        rests = rounded_sign(PI - forward.c + c - 2.0 * b.half_length - turn, TURN)
         edge = edge or cycle.edge or rests == 0
         if rests >= 0:
             return _Cycle(
@@ -286,7 +285,8 @@ def _forward_first(loads: Loads, pair: Pair) -> _Cycle:
     pattern = int(Pattern.F_B_)
     if b_meets > 0:
         pattern = int(Pattern.F_B)
-        f = slide(start_inside(PI + back.c - 2.0 * b.half_length - pair.turn, forward.k, forward.load))
+        c = PI + back.c - 2.0 * b.half_length - phase_offset(loads, loads.kinetic_friction)
+        f = slide(start_inside(c, forward.k, forward.load))
     displacement, peak = f.displacement - b.displacement, max(f.peak, b.peak)
     return _Cycle(pattern, displacement, peak, False, edge, f.settled and b.settled)
 
@@ -307,9 +307,10 @@ def _settles_in_f_b(loads: Loads, pair: Pair, b_lasts: int) -> bool:
         return False
     if reaches(loads, pair.back, pair.forward, -pair.offset) <= 0:
         return False
-    c = PI + back.c - 2.0 * slide(back).half_length - pair.turn
+    turn = phase_offset(loads, loads.kinetic_friction)
+    c = PI + back.c - 2.0 * slide(back).half_length - turn
     x = slide(start_inside(c, forward.k, forward.load)).half_length
-    return 2.0 * x - c + back.c - pair.turn < PI
+    return 2.0 * x - c + back.c - turn < PI
 
 
 def _first_from_rest(loads: Loads, pair: Pair) -> int:
@@ -340,6 +341,6 @@ def _first_from_rest(loads: Loads, pair: Pair) -> int:
             return 1 if way > 0.0 else -1
         if draws and count > 0:
             return 0
-        c = PI + c - 2.0 * x + way * pair.turn
+        c = PI + c - 2.0 * x + way * phase_offset(loads, mu_d)
         way = -way
     return 0
