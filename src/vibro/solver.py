@@ -65,7 +65,7 @@ class Grid:
             self._kept = tuple(np.ascontiguousarray(x, np.float64) for x in arrays)
             buffers = tuple(doors().row(x) if x.size else doors().row(_ONE) for x in self._kept)
             sizes = np.array(self.shape, np.int64)
-            strides = np.array([_strides(x.shape, axes) for x in arrays], np.int64)
+            strides = np.array([_strides(x.shape, axes) for x in arrays], np.int64).T.copy()
         self._sizes, self._strides, self._axes = sizes, strides, axes
         self.scenes: Any = (*buffers, doors().row(sizes), doors().row(strides), axes, is_ellipse)
 
@@ -96,7 +96,7 @@ class Scratch(threading.local):
     """Room for the flights of one scene, one a thread, made when it is first needed."""
 
     def __init__(self) -> None:
-        self._kept = np.empty((6, MOST_BOUNCES + LONGEST_CYCLE)), np.empty((8, BODIES * (ROWS)))
+        self._kept = np.empty((6, MOST_BOUNCES + LONGEST_CYCLE)), np.empty((8, BODIES * ROWS))
         self.flights, self.hops = map(doors().rows, self._kept)
 
 

@@ -13,7 +13,6 @@ from vibro.core.continuous import (
     ContinuousSliding,
     continuous_motion,
     continuous_sliding,
-    continuous_slope,
     half_length_root,
     is_sure,
     likely_sliding,
@@ -316,28 +315,6 @@ def test_the_displacement_of_a_flat_drive_does_not_cancel() -> None:
         expected = 2.0 * math.sqrt(1.0 - sine * sine) * (2.0 + 0.5 * math.pi**2) * 0.5 * drive
         motion = continuous_motion(loads, found.forward.onset, found.back.onset, cycle)
         assert motion.displacement == pytest.approx(expected, rel=drive + 1e-14)
-
-
-@pytest.mark.parametrize("some", [LINES, ELLIPSES], ids=["lines", "ellipses"])
-def test_the_slope_is_that_of_the_displacement(some: list[Case]) -> None:
-    count, h = 0, 1e-5
-    for x in some:
-        ends = [case(heavier(x.loads, math.exp(-step))) for step in (-h, h)]
-        cycle = x.cycle()
-        if cycle.valid and all(end and end.cycle().valid for end in ends):
-            less, more = (
-                continuous_motion(end.loads, end.forward.onset, end.back.onset, end.cycle()).displacement
-                for end in ends
-                if end
-            )
-            expected = (more - less) / (2.0 * h)
-            # 1 / d: where |t| nears mu_d n a slide vanishes
-            loads = x.loads
-            hold = loads.kinetic_friction * loads.weight_normal
-            near = 1e-7 / (1.0 - abs(loads.weight_tangential) / hold) ** 2
-            assert continuous_slope(loads, cycle) == pytest.approx(expected, rel=near, abs=near)
-            count += 1
-    assert count > 200
 
 
 def test_the_middle_of_the_forward_slide_is_a_phase_of_the_normal_motion() -> None:

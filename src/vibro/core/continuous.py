@@ -19,7 +19,6 @@ __all__ = [
     "Sliding",
     "continuous_motion",
     "continuous_sliding",
-    "continuous_slope",
     "half_length_root",
     "is_sure",
     "likely_sliding",
@@ -342,23 +341,6 @@ def _peak(onset: Onset, sine: float, c: float) -> float:
     """Largest speed, Eq. (14), of a slide that starts at pi/2 - c of its own phase."""
     k = min(onset.k, 1.0)
     return onset.load * (sine + math.sqrt((1.0 - k) * (1.0 + k)) - k * (c + math.acos(k)))
-
-
-def continuous_slope(loads: Loads, cycle: ContinuousSliding) -> float:
-    """Differentiate the displacement of a cycle without rest with respect to ln G, Eq. (64)."""
-    at = _middle_equation(loads)
-    z, turns = -cycle.cos_m / cycle.sin_m, cycle.y / QUARTER
-    steep = (1.0 - at.slope) * (1.0 + at.slope)
-    y_rate = QUARTER * at.rho_1 * (1.0 + at.slope * turns) * (1.0 + at.slope * turns) / steep
-    root = math.sqrt(1.0 + z * z)
-    drag = cycle.cos_y / root  # over a, by Eq. (60)
-    slope = -cycle.sin_y * y_rate - at.weight * y_rate * root - drag * z / root
-    a, lift = loads.drive_tangential, loads.kinetic_friction * loads.drive_normal
-    sine, cosine = _turned(loads, cycle.sin_m, cycle.cos_m)
-    middle = 2.0 * PI * a * cycle.sin_m * cycle.sin_y
-    middle += 4.0 * lift * sine * (cycle.cos_y + cycle.y * cycle.sin_y)
-    length = (2.0 * PI * a * cycle.cos_m - 4.0 * lift * cosine * cycle.y) * cycle.cos_y
-    return -cycle.cos_y / slope * (length * y_rate - middle * cycle.sin_m * cycle.sin_m)
 
 
 def middle_phase(loads: Loads, cycle: ContinuousSliding) -> float:

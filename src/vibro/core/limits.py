@@ -24,26 +24,7 @@ _ROOT_NOISE: Final = 4.0 * 2.220446049250313e-16  # [1] of a bracket's width
 
 
 class CriticalLoads(NamedTuple):
-    """Critical loads G = A w^2 / g; inf where a transition never happens, 0 where it always has.
-
-    Attributes
-    ----------
-    hop : float
-        Above, the throw number exceeds 1 and the body leaves the trough.
-    forward_onset, back_onset : float
-        Above, the load of a body at rest exceeds static friction forward, or back.
-    back_slip : float
-        Above, the steady cycle from rest has a back slide; at least ``back_onset``, and more where the
-        forward slide outlasts the back window. Elliptical drives on troughs steeper than the angle of kinetic
-        friction may lose it again.
-    rest_vanishes : float
-        Above, the body slides all the time.
-
-    Notes
-    -----
-    A body starts from rest where its load first exceeds static friction. On inclines phase 0 may lie later
-    than that, and where cycles coexist lead to the other one.
-    """
+    """Critical loads G = A w^2 / g of one scene, as ``vibro.CriticalLoads`` describes them."""
 
     hop: float
     forward_onset: float
@@ -78,8 +59,8 @@ def critical_loads(unit: Loads) -> CriticalLoads:
             vanishes = max(_rest_vanishes_of_line(unit, forward, back), back_slip)
     elif held and not unit.line and max(forward, back) < hop:
         if back > forward:
-            back_slip = _back_slip(unit, back, hop)
-        vanishes = max(_rest_vanishes(unit, max(forward, back_slip), hop), back_slip)
+            back_slip = _begins_at(unit, back, hop, False)
+        vanishes = max(_begins_at(unit, max(forward, back_slip), hop, True), back_slip)
     return CriticalLoads(hop, forward, back, back_slip, vanishes if held else 0.0)
 
 
@@ -172,49 +153,30 @@ def _pair_at(loads: Loads) -> Pair:
     return pair_of(loads, at._replace(forward_margin=ahead, back_margin=behind))
 
 
-def _slips_back_at(unit: Loads, load: float) -> bool:
-    """Whether the forward slide does not outlast the back window."""
-    loads = _at_load(unit, load)
-    return outlasts_back(loads, _pair_at(loads)) < 0
-
-
-def _never_rests_at(unit: Loads, load: float) -> bool:
-    """Whether the cycle is that without rest."""
+def _has_begun(unit: Loads, load: float, continuous: bool) -> bool:
+    """Whether the forward slide does not outlast the back window, or the cycle is even that without rest."""
     loads = _at_load(unit, load)
     pair = _pair_at(loads)
-    if outlasts_back(loads, pair) >= 0 or reaches(loads, pair.forward, pair.back, pair.offset) <= 0:
+    if outlasts_back(loads, pair) >= 0:
         return False
-    return continuous_sliding(loads, pair.forward, pair.back).valid
+    if not continuous:
+        return True
+    reached = reaches(loads, pair.forward, pair.back, pair.offset) > 0
+    return reached and continuous_sliding(loads, pair.forward, pair.back).valid
 
 
-def _back_slip(unit: Loads, low: float, hop: float) -> float:
-    """Load from which the forward slide does not outlast the back window; inf where not before the hop."""
-    if _slips_back_at(unit, low):
-        return low
-    high = min(hop, _MOST * low)
-    if not _slips_back_at(unit, high):
-        return INF
-    for _ in range(_HALVINGS):
-        middle = math.sqrt(low) * math.sqrt(high)
-        if _slips_back_at(unit, middle):
-            high = middle
-        else:
-            low = middle
-    return high
-
-
-def _rest_vanishes(unit: Loads, low: float, hop: float) -> float:
-    """Load from which the body slides all the time; inf where not before the hop."""
+def _begins_at(unit: Loads, low: float, hop: float, continuous: bool) -> float:
+    """Load from which the body slips back, or slides all the time; inf where not before the hop."""
     if not low < hop:
         return INF
-    if _never_rests_at(unit, low):
+    if _has_begun(unit, low, continuous):
         return low
     high = min(hop, _MOST * low)
-    if not _never_rests_at(unit, high):
+    if not _has_begun(unit, high, continuous):
         return INF
     for _ in range(_HALVINGS):
         middle = math.sqrt(low) * math.sqrt(high)
-        if _never_rests_at(unit, middle):
+        if _has_begun(unit, middle, continuous):
             high = middle
         else:
             low = middle

@@ -20,7 +20,7 @@ from vibro.core.hopping import hopping
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.motions import arrivals, followed, history, moments
 from vibro.core.return_map import Hops
-from vibro.core.scenes import Scenes, advance, no_directions, point_at, seek, unit_point_at
+from vibro.core.scenes import Scenes, no_directions, point_at, seek, unit_point_at, visit
 from vibro.core.windows import thresholds
 
 __all__ = [
@@ -59,10 +59,8 @@ def solve_contact(
     """
     hopping = 0
     angles = no_directions()
-    seek(scenes, place, begin)
     for i in range(begin, end):
-        if i > begin:
-            advance(scenes, place)
+        visit(scenes, place, i, begin)
         point = point_at(scenes, place, angles)
         angles = point.angles
         loads = point.loads
@@ -130,10 +128,8 @@ def find_others(
 def slips_back(scenes: Scenes, place: Integers, out: Bytes, begin: int, end: int) -> None:
     """Tell by Eqs. (5) and (17) alone whether bodies slip back, also where mu_d > mu_s."""
     angles = no_directions()
-    seek(scenes, place, begin)
     for i in range(begin, end):
-        if i > begin:
-            advance(scenes, place)
+        visit(scenes, place, i, begin)
         point = point_at(scenes, place, angles)
         angles = point.angles
         at = thresholds(point.loads)
@@ -144,7 +140,7 @@ def slips_back(scenes: Scenes, place: Integers, out: Bytes, begin: int, end: int
 
 
 class Limits(NamedTuple):
-    """Critical loads of cells."""
+    """Critical loads of cells, as ``vibro.CriticalLoads`` describes them."""
 
     hop: Doubles
     forward_onset: Doubles
@@ -156,10 +152,8 @@ class Limits(NamedTuple):
 def transition_loads(scenes: Scenes, place: Integers, out: Limits, begin: int, end: int) -> None:
     """Find the load G at which each kind of motion begins."""
     angles = no_directions()
-    seek(scenes, place, begin)
     for i in range(begin, end):
-        if i > begin:
-            advance(scenes, place)
+        visit(scenes, place, i, begin)
         point = unit_point_at(scenes, place, angles)
         angles = point.angles
         found = critical_loads(point.loads)
@@ -172,10 +166,8 @@ def tipping_loads(
 ) -> None:
     """Find the load G up to which no edge of parts lifts; one stand ratio a cell."""
     angles = no_directions()
-    seek(scenes, place, begin)
     for i in range(begin, end):
-        if i > begin:
-            advance(scenes, place)
+        visit(scenes, place, i, begin)
         point = unit_point_at(scenes, place, angles)
         angles = point.angles
         out[i] = tipping_load(point.loads, stand_ratio[i])
@@ -191,7 +183,7 @@ def load_slopes(
 
 
 class Gradients(NamedTuple):
-    """Derivatives of displacements over A: with respect to ln G [1], angles [1/rad] and frictions [1]."""
+    """Derivatives of the displacements of cells, as ``vibro.slopes.Gradient`` describes them."""
 
     log_load: Doubles
     drive_angle: Doubles
@@ -221,21 +213,9 @@ def displacement_gradients(
 
 
 class CycleLegs(NamedTuple):
-    """Slides of cells.
+    """Slides of cells, as ``vibro.slopes.Slides`` describes them.
 
     Those of the first slide fill the first half of each buffer, those of the second one the other half.
-
-    Attributes
-    ----------
-    way : Doubles
-        +1 forward, -1 back, 0 where there is no slide.
-    zero, begin, end : Doubles
-        Phases of the trough's motion along itself: at which the slide's load is zero and rises, and at which
-        the slide begins and ends [rad].
-    load, resistance : Doubles
-        C and k of Eq. (3).
-    displacement : Doubles
-        Over A.
     """
 
     way: Doubles

@@ -21,7 +21,7 @@ from vibro.core.drives import (
 )
 from vibro.core.elementary import NAN
 
-__all__ = ["Point", "Scenes", "advance", "no_directions", "point_at", "seek", "unit_point_at"]
+__all__ = ["Point", "Scenes", "advance", "no_directions", "point_at", "seek", "unit_point_at", "visit"]
 
 
 class Scenes(NamedTuple):
@@ -37,7 +37,7 @@ class Scenes(NamedTuple):
     shape : Integers
         Of the grid, ``axes`` long.
     strides : Integers
-        Of each field in the order above, along each axis: 9 times ``axes`` long.
+        Along each axis, of each field in the order above: 9 times ``axes`` long.
     axes : int
         Number of axes, at least 1.
     ellipse : bool
@@ -82,7 +82,7 @@ def seek(scenes: Scenes, place: Integers, cell: int) -> None:
         place[axis] = cell % scenes.shape[axis]
         cell = cell // scenes.shape[axis]
         for field in range(9):
-            place[axes + field] += place[axis] * scenes.strides[field * axes + axis]
+            place[axes + field] += place[axis] * scenes.strides[9 * axis + field]
 
 
 def advance(scenes: Scenes, place: Integers) -> None:
@@ -92,13 +92,21 @@ def advance(scenes: Scenes, place: Integers) -> None:
     while True:
         place[axis] += 1
         for field in range(9):
-            place[axes + field] += scenes.strides[field * axes + axis]
+            place[axes + field] += scenes.strides[9 * axis + field]
         if axis == 0 or place[axis] < scenes.shape[axis]:
             return
         for field in range(9):
-            place[axes + field] -= scenes.shape[axis] * scenes.strides[field * axes + axis]
+            place[axes + field] -= scenes.shape[axis] * scenes.strides[9 * axis + field]
         place[axis] = 0
         axis -= 1
+
+
+def visit(scenes: Scenes, place: Integers, cell: int, begin: int) -> None:
+    """Set a place to the next cell of a range, the first of which is ``begin``."""
+    if cell == begin:
+        seek(scenes, place, cell)
+    else:
+        advance(scenes, place)
 
 
 def no_directions() -> Directions:
