@@ -33,7 +33,7 @@ EXAMPLE = {
 
 
 def contact_fields(n: int) -> dict[str, Any]:
-    """Contact scenes of every pattern, as in benchmarks/kernel.py."""
+    """Contact scenes of every pattern, as fields of ``vibro.Scene``."""
     rng = np.random.default_rng(1)
     alpha, mu_s = np.radians(rng.uniform(2.0, 45.0, n)), rng.uniform(0.1, 1.0, n)
     highest = np.minimum(6.0, (1.0 - 1e-9) / np.sin(alpha))

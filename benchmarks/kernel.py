@@ -19,6 +19,7 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+from against import contact_fields
 from scipy.optimize import elementwise
 
 import vibro
@@ -28,23 +29,6 @@ from vibro.accuracy.motion import motions
 G0 = 9.81  # [m/s^2]
 HARMONIC_SCENES = 16_384  # one block: they take some hundred times as long
 BLOCK = 16_384  # [scenes] so that the temporaries of the plain formulas stay in cache too
-
-
-def random_fields(n: int, seed: int = 1) -> dict[str, np.ndarray]:
-    """Contact scenes of every pattern, as fields of ``vibro.Scene``."""
-    rng = np.random.default_rng(seed)
-    alpha = np.radians(rng.uniform(2.0, 45.0, n))
-    mu_s = rng.uniform(0.1, 1.0, n)
-    highest = np.minimum(6.0, (1.0 - 1e-9) / np.sin(alpha))
-    load = 0.1 * (highest / 0.1) ** rng.uniform(0.0, 1.0, n)
-    frequency = rng.uniform(5.0, 60.0, n)
-    return {
-        "amplitude": load * G0 / (2.0 * np.pi * frequency) ** 2,
-        "frequency": frequency,
-        "drive_angle": alpha,
-        "static_friction": mu_s,
-        "kinetic_friction": mu_s * rng.uniform(0.4, 1.0, n),
-    }
 
 
 def as_ellipses(fields: dict[str, np.ndarray], phase: np.ndarray | float) -> vibro.Scene:
@@ -180,7 +164,7 @@ def main() -> None:
 
     n, repeats = arguments.scenes, arguments.repeats
     cores = os.cpu_count() or 1
-    fields = random_fields(n)
+    fields = contact_fields(n)
     scene = vibro.Scene(**fields)
     cycle = vibro.solve(scene)
     patterns, counts = np.unique(cycle.pattern, return_counts=True)
@@ -217,7 +201,7 @@ def main() -> None:
     print(f"\n{'scenes':>9} {'ns, 1 thread':>14} {f'ns, {cores} threads':>14}")
     size = 10_000
     while size <= arguments.linearity:
-        many = vibro.Scene(**random_fields(size))
+        many = vibro.Scene(**contact_fields(size))
         few_repeats = max(3, min(50, 10_000_000 // size // 2))
         single, all_cores = (1e9 * solve_time(many, t, few_repeats) / size for t in (1, cores))
         print(f"{size:9} {single:14.1f} {all_cores:14.1f}")
