@@ -336,6 +336,13 @@ def test_without_mpmath_a_converged_simulation_is_the_reference(monkeypatch: pyt
     assert np.isnan(answers.displacement[1])
 
 
+def test_a_broken_library_does_not_pass_for_a_missing_mpmath(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
+    monkeypatch.delitem(sys.modules, "vibro.accuracy.reference")
+    with pytest.raises(ImportError, match=r"scipy\.optimize"):
+        best_reference()
+
+
 def draw_flat(scene: vibro.Scene) -> vibro.Scene:
     return vibro.Scene(**scene.flat()._asdict())
 

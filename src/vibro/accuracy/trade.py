@@ -119,7 +119,9 @@ def best_reference() -> Reference:
     """Return arbitrary precision if mpmath is installed, else a converged event-driven simulation."""
     try:
         from vibro.accuracy.reference import DIGITS, exact_cycle
-    except ImportError:
+    except ModuleNotFoundError as exc:
+        if exc.name != "mpmath":  # anything else is broken, and must not pass for a choice
+            raise
         return Reference("event-driven simulation, DOP853 at rtol 1e-13", _converged, 300)
 
     def answer(scene: Scene, tick: Tick) -> Answers:
