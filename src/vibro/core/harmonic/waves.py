@@ -48,7 +48,7 @@ def wrapped(p: Floats) -> Floats:
 
 def harmonics(p: Floats, count: int) -> list[tuple[Floats, Floats]]:
     """Sines and cosines of n p, n = 1 ... count."""
-    t = np.tan(0.5 * p)  # a tenth of the time of a sine and a cosine
+    t = np.tan(0.5 * p)  # one function in place of a sine and a cosine
     rise = 2.0 / (1.0 + t * t)
     sine, cosine = rise * t, rise - 1.0
     out = [(sine, cosine)]
