@@ -227,8 +227,7 @@ def outlasts(own: Start, other: Start, offset: float, ahead: float, size: float)
 
     0 where rounding decides.
 
-    For k < 0 the speed grows again after 2 pi - asin|k|, and is looked at there if that comes first; |k| < 1
-    where the other onset exists and the body can rest.
+    In the opposite window the load is against the slide, whose speed falls up to there, for k < 0 too.
 
     Parameters
     ----------
@@ -240,20 +239,8 @@ def outlasts(own: Start, other: Start, offset: float, ahead: float, size: float)
         Speed that the load alone would leave, over C, and the size of what cancels in it: ``cosine_lead`` of
         lines, ``speed_at_close`` of other drives.
     """
-    onset, k = own.onset, own.onset.k
-    c = other.window + offset - (onset.c - own.window)
-    if k < 0.0:
-        crest = math.acos(min(-k, 1.0))
-        if c > crest:
-            c = crest
-            root = math.sqrt(max((1.0 - k) * (1.0 + k), 0.0))
-            if onset.sin > 0.0:
-                ahead = -onset.excess * (onset.excess + 2.0 * k) / (onset.sin + root)
-                size = onset.excess * (onset.excess - 2.0 * k) / (onset.sin + root)
-            else:
-                ahead = onset.sin - root
-                size = abs(ahead)
-    loss = k * (PI + onset.c + c)
+    onset = own.onset
+    loss = onset.k * (PI + own.window + other.window + offset)
     return rounded_sign(ahead - loss, size + abs(loss))
 
 
