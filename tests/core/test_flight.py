@@ -125,6 +125,24 @@ def test_the_landing_is_the_first_return_to_the_trough(most_throw: float) -> Non
         assert got.impact == pytest.approx(-rate, abs=1e-12 * throw)
 
 
+def test_a_flight_flown_backwards_is_a_flight() -> None:
+    # K sin p is the same at pi - p: a take-off that is barely one becomes a landing that barely touches
+    draw, grazing = random.Random(3), 0
+    for _ in range(4000):
+        throw, speed = math.exp(draw.uniform(0.1, 3.0)), math.exp(draw.uniform(-6.0, 0.0))
+        lift_off = math.asin(1.0 / throw)
+        phase = draw.uniform(lift_off - 2.0 * math.sqrt(speed / throw), math.pi - lift_off)
+        there = _flight(throw, phase, speed)
+        if there.length < 0.5:
+            continue
+        back = _flight(throw, math.pi - phase - there.length, there.impact)
+        lost = 64.0 * EPS * (there.impact + throw + there.length) * (1.0 + there.length) / speed
+        assert back.length == pytest.approx(there.length, rel=0.0, abs=lost)
+        assert back.impact == pytest.approx(speed, rel=0.0, abs=lost * (1.0 + throw))
+        grazing += phase < lift_off  # where the trough, seen backwards, does not yet press
+    assert grazing > 300
+
+
 @pytest.mark.parametrize("phase", [-1.0, 0.0, 2.9, 4.0])
 @pytest.mark.parametrize("speed", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_a_short_bounce_lasts_twice_its_speed_over_the_load(phase: float, speed: float) -> None:
