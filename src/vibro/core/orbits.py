@@ -350,8 +350,7 @@ def _first_on_way(cycle: HoppingCycle, hops: Hops, start: float, home: Orbit) ->
     if 0.0 <= _distance(start, way, home.velocity) < nearest:
         first, nearest = home, _distance(start, way, home.velocity)
     if has_stop(home.cycle) and way != 0.0:
-        target = first.velocity if first.status == Status.OK else way * cycle.bound
-        sliding = between(cycle, hops, start, target)
+        sliding = between(cycle, hops, start, first.velocity)  # home lies on the way: first is one
         if sliding.status == Status.OK and 0.0 <= _distance(start, way, sliding.velocity) < nearest:
             first = sliding
     return first if first.status == Status.OK else home
