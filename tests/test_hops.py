@@ -79,6 +79,27 @@ def test_a_long_chain_of_bounces_that_accumulates_is_one_event() -> None:
 # --- where rounding would choose the motion ---------------------------------------------------------
 
 
+def test_a_body_that_its_bounces_stop_is_held_by_kinetic_friction_alone() -> None:
+    # however small they are: a summed chain ends as one that is flown bounce by bounce
+    draw = np.random.default_rng(1)
+    n = 600
+    drive, mu_s = draw.uniform(0.2, 1.2, n), draw.uniform(0.2, 1.5, n)
+    trough = draw.uniform(-0.3, 0.3, n) * np.arctan(mu_s)
+    throw, mu_d = draw.uniform(1.05, 3.0, n), mu_s * draw.uniform(0.2, 0.7, n)
+    amplitude = throw * 9.81 * np.cos(trough) / np.sin(drive) / ANGULAR**2
+    plastic, tiny, small = (
+        vibro.solve(Scene(
+            amplitude=amplitude, frequency=FREQUENCY, drive_angle=drive, static_friction=mu_s,
+            kinetic_friction=mu_d, trough_angle=trough, restitution=e,
+        )).displacement_per_cycle / amplitude
+        for e in (0.0, 1e-9, 1e-7)
+    )  # fmt: skip
+    known = ~np.isnan(tiny)
+    assert np.array_equal(known, ~np.isnan(small))
+    assert np.abs(tiny - small)[known].max() < 2e-6
+    assert np.count_nonzero(np.abs(plastic - small)[known] > 1e-3) > 20  # where stiction holds it
+
+
 @pytest.mark.parametrize(
     "values",
     [

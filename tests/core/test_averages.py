@@ -33,7 +33,7 @@ LIST = list(range(BODIES))
 
 
 def _averaged(loads: Loads, restitution: float, length: int = 12, longest: bool = True) -> Means:
-    return averages(track_of(loads), restitution, length, longest, FLIGHTS, HOPS)
+    return averages(track_of(loads, restitution), restitution, length, longest, FLIGHTS, HOPS)
 
 
 def _bodies() -> _Bodies:
@@ -153,7 +153,7 @@ def test_means_are_those_of_a_body_walked_for_long() -> None:
 
 def test_sums_are_those_of_all_bodies() -> None:
     loads, e = ellipse(4.3, 0.8, 1.0, 0.7, 0.5, 0.4, 0.05), 0.2
-    track, means = track_of(loads), _averaged(loads, e, 8)
+    track, means = track_of(loads, e), _averaged(loads, e, 8)
     start = release(track)
     entered = with_same_ground_speed(loads, start.velocity, start.phase, track.lift_off)
     path = time = aloft = impact = peak = 0.0
@@ -177,13 +177,13 @@ def test_sums_are_those_of_all_bodies() -> None:
 def test_without_friction_bodies_keep_their_velocity_over_the_ground() -> None:
     # as long as no contact stops them
     loads = line(2.45, 30.0, 0.5, 0.0)
-    start = release(track_of(loads))
+    start = release(track_of(loads, 0.0))
     ground = start.velocity + loads.drive_tangential * math.cos(start.phase)
     means = _averaged(loads, 0.3)
     assert abs(means.displacement - TURN * ground) < 6.0 * means.deviation
     # one that takes off at its release has the velocity of the trough there
     aloft = ellipse(2.45, 0.8, 1.0, 1.2, 0.5, 0.0)
-    assert release(track_of(aloft)).aloft
+    assert release(track_of(aloft, 0.0)).aloft
     means = _averaged(aloft, 0.3)
     assert abs(means.displacement - TURN * 0.8) < 6.0 * means.deviation
     assert means.deviation < 0.4
@@ -206,7 +206,7 @@ def test_the_error_shrinks_with_the_root_of_the_sample() -> None:
 
 def test_gains_are_changes_of_the_velocity_over_the_ground() -> None:
     for loads, e in ((line(2.45, 30.0, 0.5, 0.05, 2.0), 0.3), (line(4.3, 30.0, 0.5, 0.4, -5.0), 0.2)):
-        track = track_of(loads)
+        track = track_of(loads, 0.0)
         averages(track, e, 6, True, FLIGHTS, HOPS)
         bodies, gained = _bodies(), []
         slid = _slide(track, HOPS, bodies)
@@ -231,7 +231,7 @@ def test_gains_are_changes_of_the_velocity_over_the_ground() -> None:
 
 def test_bodies_that_remember_get_the_velocity_of_balance() -> None:
     loads = line(2.45, 30.0, 0.5, 1e-3, 0.02)
-    track, a = track_of(loads), loads.drive_tangential
+    track, a = track_of(loads, 0.0), loads.drive_tangential
     means = _averaged(loads, 0.3, 24)
     bodies = _bodies()
     # from wherever the search begins, it ends where gains cancel
@@ -255,7 +255,7 @@ def test_bodies_that_remember_get_the_velocity_of_balance() -> None:
 
 def test_corrections_of_paths_cancel_and_follow_the_gains() -> None:
     loads = line(2.45, 30.0, 0.5, 1e-3)
-    track, bodies = track_of(loads), _bodies()
+    track, bodies = track_of(loads, 0.0), _bodies()
     _averaged(loads, 0.3, 24)
     corrected = [bodies.path[i] for i in range(2 * BODIES)]
     gains = [bodies.gain[i] for i in range(2 * BODIES)]
@@ -303,7 +303,7 @@ def test_a_body_that_has_not_stopped_again_may_yet_run_away() -> None:
 def test_stable_cycles_of_one_bounce_are_averaged_with_the_irregular_motion() -> None:
     loads, e = line(1.5, 30.0, 0.5, 0.4), 0.7
     throw = loads.drive_normal / loads.weight_normal
-    track = track_of(loads)
+    track = track_of(loads, 0.0)
     means = Means(Status.AVERAGED, 2.0, 0.1, 0.9, 0.3, 0.25)
     turns = [
         m for m in range(1, 65) if single_bounce(throw, e, m).exists and single_bounce(throw, e, m).stable
@@ -326,7 +326,7 @@ def test_stable_cycles_of_one_bounce_are_averaged_with_the_irregular_motion() ->
     assert out.peak == pytest.approx(max(0.25, *peaks), rel=1e-12)
     # none of them: nothing changes
     assert (
-        _with_single_bounces(track_of(line(1.01, 30.0, 0.5, 0.4)), 0.0, means, 0.1, HOPS, FLIGHTS.speed)
+        _with_single_bounces(track_of(line(1.01, 30.0, 0.5, 0.4), 0.0), 0.0, means, 0.1, HOPS, FLIGHTS.speed)
         == means
     )
 
@@ -343,7 +343,7 @@ def test_above_a_throw_number_of_two_single_bounces_capture_hardly_anything(
 def test_a_stable_bounce_that_runs_away_leaves_no_mean() -> None:
     loads = line(1.5, 30.0, 0.5, 0.1, -8.0)
     means = Means(Status.AVERAGED, 2.0, 0.1, 0.9, 0.3, 0.25)
-    out = _with_single_bounces(track_of(loads), 0.7, means, 0.1, HOPS, FLIGHTS.speed)
+    out = _with_single_bounces(track_of(loads, 0.7), 0.7, means, 0.1, HOPS, FLIGHTS.speed)
     assert out.status == Status.RUNAWAY
     assert all(math.isnan(x) for x in out[1:])
 

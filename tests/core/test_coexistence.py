@@ -58,7 +58,7 @@ def test_the_other_flights_of_that_scene() -> None:
         write_hop(TWO_FLIGHTS, FLIGHTS.phase[row], FLIGHTS.length[row], FLIGHTS.impulse[row], HOPS, row)
     velocity, path = -0.5859803624769713 * scale, 0.0
     for _ in range(100):
-        now = return_map(track_of(TWO_FLIGHTS), HOPS, other.first, last, 0.0, 0.0, velocity)
+        now = return_map(track_of(TWO_FLIGHTS, 0.0), HOPS, other.first, last, 0.0, 0.0, velocity)
         velocity, path = now.velocity, now.displacement
     assert path / scale == pytest.approx(7.36196, rel=2e-6)
 
@@ -132,12 +132,12 @@ def _ends(cycle: HoppingCycle) -> list[float]:
 def test_all_other_sliding_is_found(ellipses: bool, seed: int) -> None:
     several = alone = 0
     for loads, e in draw(50, seed, throw=(1.01, 2.0), ratio=(0.02, 0.2), ellipses=ellipses):
-        entry = enter(track_of(loads), e, FLIGHTS, HOPS)
+        entry = enter(track_of(loads, e), e, FLIGHTS, HOPS)
         motion = entry.motion
         if not motion.repeats:
             continue
         last, duration = motion.first + motion.count, TURN * motion.cycles
-        cycle = hopping_cycle(track_of(loads), motion.first, last, motion.landing, motion.rest, duration)
+        cycle = hopping_cycle(track_of(loads, e), motion.first, last, motion.landing, motion.rest, duration)
         ends = _ends(cycle)
         if not ends:
             continue
@@ -201,7 +201,7 @@ def test_bodies_on_which_nothing_acts_may_keep_another_velocity() -> None:
 
 
 def test_fixed_points_are_told_apart_beyond_rounding() -> None:
-    cycle = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.4)), 0, 0, 0.0, 0.0, TURN)
+    cycle = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.4), 0.0), 0, 0, 0.0, 0.0, TURN)
 
     def orbit(velocity: float, slope: float) -> Orbit:
         return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0, True), Status.OK)

@@ -100,7 +100,7 @@ def test_cycles_are_those_of_walks_from_rest(
         except (NeverSettlesError, NeverEndsError):
             continue
         seen += 1
-        aloft += release(track_of(loads)).aloft
+        aloft += release(track_of(loads, 0.0)).aloft
         # the walk leaves the shortest bounces out
         within = 1e-10 if e == 0.0 else 1e-6
         assert found.period == cycle.period
@@ -118,7 +118,7 @@ def _aloft(
     throw: float, mu_d: float, phase: float = 1.5, mu_s: float = 0.5, along: float = 0.9, trough: float = 0.0
 ) -> Loads:
     loads = ellipse(throw, along, 1.0, phase, mu_s, mu_d, trough)
-    assert release(track_of(loads)).aloft
+    assert release(track_of(loads, 0.0)).aloft
     return loads
 
 
@@ -130,7 +130,7 @@ def test_a_body_released_where_the_trough_cannot_bear_it_takes_off_at_once(phase
         loads = ellipse(throw, 0.9, 1.0, phase, 0.5, 0.0)
         found, cycle = _solved(loads), walked(loads)
         assert found.displacement == pytest.approx(cycle.displacement, abs=1e-11)
-        track = track_of(loads)
+        track = track_of(loads, 0.0)
         if release(track).aloft:
             entry = enter(track, 0.0, FLIGHTS, HOPS)
             # unless a contact stops it, its velocity over the ground is that of the trough at its release
@@ -142,7 +142,7 @@ def test_a_body_released_where_the_trough_cannot_bear_it_takes_off_at_once(phase
 
 def test_a_contact_forgets_the_flights_from_the_release() -> None:
     loads = _aloft(2.0, 0.3)
-    track = track_of(loads)
+    track = track_of(loads, 0.0)
     entry = enter(track, 0.0, FLIGHTS, HOPS)
     # the first flight begins at the release, and ends in a contact that lasts to the lift-off
     motion = bounces(2.0, 0.0, FLIGHTS, 256, 1.5, 0.0, False)
@@ -156,7 +156,7 @@ def test_a_contact_forgets_the_flights_from_the_release() -> None:
 def test_a_body_may_never_come_to_contact_from_its_release() -> None:
     # a plastic body that is thrown again, once a turn, each time it lands
     loads = _aloft(3.6, 0.3, 0.6)
-    entry = enter(track_of(loads), 0.0, FLIGHTS, HOPS)
+    entry = enter(track_of(loads, 0.0), 0.0, FLIGHTS, HOPS)
     assert entry.motion.rest == 0.0
     assert entry.motion.approach > 0
     found = _solved(loads)
@@ -180,7 +180,7 @@ def test_the_motion_of_contacts_is_known_where_rounding_chooses_how_it_begins() 
         throw = loads.drive_normal / loads.weight_normal
         motion = bounces(throw, 0.6, FLIGHTS, 256, 1.3, 0.0, False)
         late = not motion.repeats
-        entry = enter(track_of(loads), 0.6, FLIGHTS, HOPS)
+        entry = enter(track_of(loads, 0.6), 0.6, FLIGHTS, HOPS)
         rested = bounces(throw, 0.6, FLIGHTS, 256, math.nan, math.nan, True)
         if late and rested.repeats and rested.rest > 0.0:
             known += 1
@@ -199,7 +199,7 @@ def test_a_body_enters_a_cycle_amid_its_motion_with_the_velocity_of_its_approach
     seen = 0
     for scene in draw(60, 6, throw=(3.3, 6.0), restitution=0.3, ratio=(0.0, 0.0), slope=0.0):
         loads, e = scene
-        track = track_of(loads)
+        track = track_of(loads, 0.0)
         entry = enter(track, e, FLIGHTS, HOPS)
         motion = entry.motion
         if not motion.repeats or motion.rest > 0.0:
@@ -228,7 +228,7 @@ def test_impact_and_flight_are_those_of_all_flights_of_the_cycle() -> None:
     aloft = sum(FLIGHTS.length[row] for row in rows)
     assert found.flight_fraction == pytest.approx(aloft / (2.0 * TURN), rel=1e-15)
     # a cycle's displacement is told per drive cycle
-    track, entry = track_of(loads), enter(track_of(loads), 0.0, FLIGHTS, HOPS)
+    track, entry = track_of(loads, 0.0), enter(track_of(loads, 0.0), 0.0, FLIGHTS, HOPS)
     velocity, path = entry.velocity, 0.0
     for _ in range(300):
         now = return_map(track, HOPS, rows[0], rows[-1] + 1, motion.landing, motion.rest, velocity)

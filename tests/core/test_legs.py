@@ -96,20 +96,20 @@ def test_forcing_stays_finite_where_friction_and_weight_are_extreme() -> None:
 
 @pytest.mark.parametrize("loads", SCENES)
 def test_a_body_at_rest_starts_where_the_load_outgrows_static_friction(loads: Loads) -> None:
-    track = track_of(loads)
+    track = track_of(loads, 0.0)
     onsets = [(track.forward_onset, Mode.FORWARD), (track.back_onset, Mode.BACK)]
     assert any(not math.isnan(onset) for onset, _ in onsets)
     for onset, mode in onsets:
         if not math.isnan(onset):
             assert 0.0 <= onset < TURN
-            assert mode_of(loads, onset - 1e-9, 0.0) == Mode.REST
-            assert mode_of(loads, onset + 1e-9, 0.0) == mode
+            assert mode_of(loads, onset - 1e-9, 0.0, loads.static_friction) == Mode.REST
+            assert mode_of(loads, onset + 1e-9, 0.0, loads.static_friction) == mode
 
 
 @pytest.mark.parametrize(("factor", "starts"), [(1.0 - 1e-12, True), (1.0, False), (1.0 + 1e-12, False)])
 def test_a_load_that_just_equals_static_friction_starts_no_slide(factor: float, starts: bool) -> None:
     # alpha = 0, level trough: the load has amplitude 1 both ways, friction holds mu_s n
-    track = track_of(Loads(1.0, 0.0, 2.0 * factor, 0.0, 2.0, 0.5, 0.4, 0.0, 1.0, True))
+    track = track_of(Loads(1.0, 0.0, 2.0 * factor, 0.0, 2.0, 0.5, 0.4, 0.0, 1.0, True), 0.0)
     assert math.isnan(track.forward_onset) is not starts
     assert math.isnan(track.back_onset) is not starts
 
@@ -123,15 +123,15 @@ def test_a_body_that_its_drive_presses_down_never_starts_back_in_contact(
     # Eq. (7) holds up to the lift-off at any throw number
     loads = _line(drive, 1.0 / load, 1.6, 0.8, trough)
     assert loads.drive_tangential < loads.static_friction * loads.drive_normal
-    assert math.isnan(track_of(loads).back_onset)
+    assert math.isnan(track_of(loads, 0.0).back_onset)
     touches = [p for p in np.linspace(0.0, TURN, 2001).tolist() if _normal(loads, p) > 0.0]
     assert len(touches) > 1000
-    assert all(mode_of(loads, phase, 0.0) != Mode.BACK for phase in touches)
+    assert all(mode_of(loads, phase, 0.0, loads.static_friction) != Mode.BACK for phase in touches)
 
 
 @pytest.mark.parametrize("throw", [1.0 - 1e-15, 1.0, 1.0 + 1e-15, 2.0, 1e6])
 def test_the_trough_falls_away_at_the_phase_whose_sine_is_one_over_the_throw_number(throw: float) -> None:
-    lift_off = track_of(Loads(0.8, throw, 1.0, 0.0, 0.8, 0.5, 0.4, 0.0, 1.0, True)).lift_off
+    lift_off = track_of(Loads(0.8, throw, 1.0, 0.0, 0.8, 0.5, 0.4, 0.0, 1.0, True), 0.0).lift_off
     if throw > 1.0:
         assert 0.0 < lift_off < 0.5 * math.pi
         assert math.sin(lift_off) == pytest.approx(1.0 / throw, rel=1e-15)
@@ -336,17 +336,21 @@ def test_at_zero_velocity_the_loads_decide_and_equality_is_rest() -> None:
     # alpha = 0, level trough: load sin p, friction holds mu_s n = 1/2
     loads = Loads(1.0, 0.0, 1.0, 0.0, 1.0, 0.5, 0.4, 0.0, 1.0, True)
     half = math.asin(0.5)
-    assert mode_of(loads._replace(static_friction=math.sin(1.0)), 1.0, 0.0) == Mode.REST
+    assert mode_of(loads, 1.0, 0.0, math.sin(1.0)) == Mode.REST
     for phase, mode in ((half - 1e-12, Mode.REST), (half + 1e-12, Mode.FORWARD)):
-        assert mode_of(loads, phase, 0.0) == mode
-        assert mode_of(loads, -phase, 0.0) == (Mode.BACK if mode == Mode.FORWARD else Mode.REST)
-    assert mode_of(loads, 0.5 * math.pi, -1e-300) == Mode.BACK
-    assert mode_of(loads, -0.5 * math.pi, 1e-300) == Mode.FORWARD
+        assert mode_of(loads, phase, 0.0, loads.static_friction) == mode
+        opposite = Mode.BACK if mode == Mode.FORWARD else Mode.REST
+        assert mode_of(loads, -phase, 0.0, loads.static_friction) == opposite
+    # after bounces kinetic friction alone holds
+    assert [track_of(loads, e).landed_friction for e in (0.0, 1e-300, 0.5)] == [0.5, 0.4, 0.4]
+    assert mode_of(loads, half - 1e-12, 0.0, 0.4) == Mode.FORWARD
+    assert mode_of(loads, 0.5 * math.pi, -1e-300, loads.static_friction) == Mode.BACK
+    assert mode_of(loads, -0.5 * math.pi, 1e-300, loads.static_friction) == Mode.FORWARD
 
 
 def test_rest_lasts_until_the_nearer_onset_or_the_end_of_the_contact() -> None:
     loads = SCENES[0]
-    track = track_of(loads)
+    track = track_of(loads, 0.0)
     assert track.forward_onset < track.back_onset
     before = track.forward_onset - 0.25
     leg = contact_leg(track, Mode.REST, before, 0.7, math.inf)
@@ -370,7 +374,7 @@ def test_rest_lasts_until_the_nearer_onset_or_the_end_of_the_contact() -> None:
 @pytest.mark.parametrize(("mode", "way"), [(Mode.FORWARD, 1.0), (Mode.BACK, -1.0)])
 @pytest.mark.parametrize("limit", [0.4, 3.0, math.inf])
 def test_a_slide_obeys_newtons_second_law(loads: Loads, mode: Mode, way: float, limit: float) -> None:
-    track, phase, velocity = track_of(loads), 2.3, way * 0.6
+    track, phase, velocity = track_of(loads, 0.0), 2.3, way * 0.6
     leg = contact_leg(track, mode, phase, velocity, limit)
     assert leg.settled
     # Gauss-Legendre quadrature of Eq. (2): velocity, displacement and normal impulse
@@ -401,14 +405,14 @@ def test_slides_turn_rest_and_are_cut_in_the_scenes_above() -> None:
     seen = set()
     for loads in SCENES:
         for mode, way in ((Mode.FORWARD, 1.0), (Mode.BACK, -1.0)):
-            seen.add((mode, contact_leg(track_of(loads), mode, 2.3, way * 0.6, math.inf).next_mode))
+            seen.add((mode, contact_leg(track_of(loads, 0.0), mode, 2.3, way * 0.6, math.inf).next_mode))
     assert seen == {(mode, after) for mode in (2, 3) for after in (4, 5 - mode)}
 
 
 @pytest.mark.parametrize("loads", [SCENES[1], SCENES[4]])
 def test_neighbours_come_closer_by_the_gain_where_they_turn(loads: Loads) -> None:
     """Slide two bodies through a turn and compare the difference of their velocities, Eq. (26)."""
-    track, end, checked = track_of(loads), 0.0, 0
+    track, end, checked = track_of(loads, 0.0), 0.0, 0
     for mode, way in ((Mode.FORWARD, 1.0), (Mode.BACK, -1.0)):
         for phase in np.linspace(0.0, 6.0, 13).tolist():
             first = contact_leg(track, mode, phase, way * 0.6, math.inf)
@@ -426,11 +430,11 @@ def test_neighbours_come_closer_by_the_gain_where_they_turn(loads: Loads) -> Non
 
 
 def test_gravity_that_friction_does_not_hold_lets_a_slide_go_on_for_ever() -> None:
-    track = track_of(_line(20.0, 0.9, 0.9, 0.1, -20.0))
+    track = track_of(_line(20.0, 0.9, 0.9, 0.1, -20.0), 0.0)
     leg = contact_leg(track, Mode.FORWARD, 1.0, 5.0, math.inf)
     assert (leg.length, leg.next_mode, leg.gain, leg.settled) == (math.inf, Mode.FORWARD, 1.0, True)
     assert all(math.isnan(x) for x in (leg.velocity, leg.displacement, leg.impulse, leg.top))
-    back = contact_leg(track_of(_line(20.0, 0.9, 0.9, 0.1, 20.0)), Mode.BACK, 1.0, -5.0, math.inf)
+    back = contact_leg(track_of(_line(20.0, 0.9, 0.9, 0.1, 20.0), 0.0), Mode.BACK, 1.0, -5.0, math.inf)
     assert (back.length, back.next_mode) == (math.inf, Mode.BACK)
     cut = contact_leg(track, Mode.FORWARD, 1.0, 5.0, TURN)
     gained = -TURN * forcing(track.loads, 1.0).drag  # Eq. (24)
@@ -441,7 +445,7 @@ def test_gravity_that_friction_does_not_hold_lets_a_slide_go_on_for_ever() -> No
 def test_a_line_is_an_ellipse_without_phase_difference() -> None:
     line = SCENES[1]
     ellipse = line._replace(line=False)
-    one, other = track_of(line), track_of(ellipse)
+    one, other = track_of(line, 0.0), track_of(ellipse, 0.0)
     assert one[3:] == pytest.approx(other[3:], rel=1e-15, nan_ok=True)
     for mode, velocity in ((Mode.FORWARD, 0.4), (Mode.BACK, -0.4)):
         legs = [contact_leg(t, mode, 1.0, velocity, 2.0) for t in (one, other)]
@@ -451,6 +455,6 @@ def test_a_line_is_an_ellipse_without_phase_difference() -> None:
 def test_a_slide_that_stops_where_the_trough_has_just_fallen_away_turns_without_friction() -> None:
     # a rounding after the lift-off the normal load is negative, and there is no friction then
     loads = Loads(0.5, 2.0, 1.0, 0.0, 0.5, 0.6, 0.4, 0.0, 1.0, True)
-    leg = contact_leg(track_of(loads), Mode.BACK, 1.3, -0.05, math.inf)
+    leg = contact_leg(track_of(loads, 0.0), Mode.BACK, 1.3, -0.05, math.inf)
     assert _normal(loads, 1.3 + leg.length) < 0.0
     assert (leg.next_mode, leg.gain) == (Mode.FORWARD, 1.0)

@@ -33,7 +33,7 @@ EPS = 2.0**-52
 
 def _cycle(loads: Loads, restitution: float = 0.0) -> tuple[HoppingCycle, float, int] | None:
     """Find the cycle of the normal motion, the velocity with which a body enters it, and its period."""
-    track = track_of(loads)
+    track = track_of(loads, 0.0)
     entry = enter(track, restitution, FLIGHTS, HOPS)
     motion = entry.motion
     if not motion.repeats:
@@ -65,12 +65,12 @@ def _iterated(cycle: HoppingCycle, velocity: float, most: int = 300) -> tuple[fl
 
 
 def _bare(loads: Loads, duration: float = TURN) -> HoppingCycle:
-    return hopping_cycle(track_of(loads), 0, 0, 0.0, 0.0, duration)
+    return hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, 0.0, duration)
 
 
 def test_a_cycle_s_sizes_are_those_of_its_loads() -> None:
     loads = line(1.5, 30.0, 0.5, 0.25, 7.0)
-    cycle = hopping_cycle(track_of(loads), 3, 8, 1.25, 2.5, 3.0 * TURN)
+    cycle = hopping_cycle(track_of(loads, 0.0), 3, 8, 1.25, 2.5, 3.0 * TURN)
     a, n, t = loads.drive_tangential, loads.weight_normal, loads.weight_tangential
     assert (cycle.first, cycle.last, cycle.landing, cycle.rest) == (3, 8, 1.25, 2.5)
     assert cycle.drive == a
@@ -302,7 +302,7 @@ def test_a_rest_leaves_nothing_to_rounding_where_kinetic_friction_just_holds_gra
 @pytest.mark.parametrize("throw", [2.9, 40.0, 2e3, 1e5])
 def test_a_body_on_which_nothing_acts_keeps_its_velocity_over_the_ground(throw: float) -> None:
     loads = line(throw, 1.0, 0.5, 0.0)
-    start = release(track_of(loads))
+    start = release(track_of(loads, 0.0))
     found, period = _solved(loads)
     # it may rest a little, just before the forward onset
     assert found.status == Status.OK if has_stop(found.cycle) else Status.BOUNDARY
@@ -437,12 +437,12 @@ def test_the_fixed_point_without_a_stop_is_found_from_either_side() -> None:
 
 def test_slides_that_are_not_solved_leave_the_orbit_unresolved() -> None:
     loads = line(1.5, 30.0, 0.5, 0.4)
-    track: Track = track_of(loads)
+    track: Track = track_of(loads, 0.0)
     # a contact that never ends has more legs than any
     cycle = hopping_cycle(track, 0, 0, 1.0, math.inf, TURN)
     assert not cycle_from(cycle, HOPS, 0.0).settled
     assert orbit_from(cycle, HOPS, 0.0).status == Status.UNRESOLVED
-    neutral = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.0)), 0, 0, 1.0, math.inf, TURN)
+    neutral = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.0), 0.0), 0, 0, 1.0, math.inf, TURN)
     assert orbit_from(neutral, HOPS, 0.0).status == Status.UNRESOLVED
     none = Orbit(0.0, Return(0.0, 0.0, 0.0, 0.0, 0.0, 0, True), Status.UNRESOLVED)
     assert [o.status for o in _stops(cycle, 0.0)] == [none.status] * 3

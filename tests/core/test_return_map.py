@@ -46,7 +46,7 @@ def _hops(scene: Drawn) -> Bounces:
 
 def _returned(scene: Drawn, motion: Bounces, velocity: float) -> Return:
     last = motion.first + motion.count
-    track = track_of(scene.loads)
+    track = track_of(scene.loads, 0.0)
     return return_map(track, HOPS, motion.first, last, motion.landing, motion.rest, velocity)
 
 
@@ -189,7 +189,7 @@ def test_the_map_never_decreases_and_its_slope_is_its_derivative() -> None:
 
 
 def test_impacts_take_what_friction_can_and_no_more() -> None:
-    track = track_of(line(1.5, 30.0, 0.5, 0.4))
+    track = track_of(line(1.5, 30.0, 0.5, 0.4), 0.0)
     for brake in (0.5, 0.3, 0.1):
         for column, value in zip(HOPS, (0.2, 1.0, 0.05, brake, 0.25, -0.1, 0.0, 0.0), strict=True):
             column[0] = value
@@ -213,7 +213,7 @@ def test_impacts_take_what_friction_can_and_no_more() -> None:
 
 
 def test_a_start_faster_than_all_that_follows_is_the_peak() -> None:
-    track = track_of(line(1.5, 30.0, 0.5, 0.4))
+    track = track_of(line(1.5, 30.0, 0.5, 0.4), 0.0)
     for column, value in zip(HOPS, (-0.2, 1.0, 0.0, 10.0, 0.0, -0.2, 0.0, 0.0), strict=True):
         column[0] = value
     assert return_map(track, HOPS, 0, 1, 0.0, 0.0, 0.7).peak == 0.7
@@ -233,7 +233,7 @@ def test_contacts_amid_hops_are_those_at_the_end_of_a_cycle() -> None:
                 column[count + row] = column[row]
         for row in (count - 1, 2 * count - 1):
             HOPS.landing[row], HOPS.rest[row] = motion.landing, motion.rest
-        both = return_map(track_of(scene.loads), HOPS, 0, 2 * count, 0.0, 0.0, 0.3)
+        both = return_map(track_of(scene.loads, 0.0), HOPS, 0, 2 * count, 0.0, 0.0, 0.3)
         assert both.velocity == two.velocity
         assert both.slope == pytest.approx(one.slope * two.slope, rel=1e-15)
         assert both.displacement == pytest.approx(one.displacement + two.displacement, abs=1e-14)
@@ -247,7 +247,7 @@ def test_contacts_amid_hops_are_those_at_the_end_of_a_cycle() -> None:
 
 def test_a_contact_of_more_legs_than_there_can_be_is_not_settled() -> None:
     scene = line(1.5, 30.0, 0.5, 0.4)
-    contact = return_map(track_of(scene), HOPS, 0, 0, 1.0, math.inf, 0.0)
+    contact = return_map(track_of(scene, 0.0), HOPS, 0, 0, 1.0, math.inf, 0.0)
     assert not contact.settled
     assert spelt_text(contact.pattern).endswith("...")
 
@@ -284,7 +284,7 @@ def test_bodies_leave_as_they_do_in_a_walk() -> None:
         if slope >= loads.static_friction * loads.weight_normal or loads.weight_across < 0.0:
             continue
         velocity, at_once = _first_lift_off(loads)
-        start = release(track_of(loads))
+        start = release(track_of(loads, 0.0))
         assert start.aloft == at_once
         assert start.velocity == pytest.approx(velocity, abs=1e-12)
         assert start.phase == pytest.approx(
@@ -303,7 +303,7 @@ def test_a_line_s_release_is_that_of_the_ellipse_that_it_is() -> None:
         loads = scene.loads
         if abs(loads.weight_tangential) >= loads.static_friction * loads.weight_normal or not loads.line:
             continue
-        closed, followed = (release(track_of(x)) for x in (loads, loads._replace(line=False)))
+        closed, followed = (release(track_of(x, 0.0)) for x in (loads, loads._replace(line=False)))
         assert closed.velocity == pytest.approx(followed.velocity, abs=1e-13)
         assert closed.velocity > 0.0
         # Eq. (35)
@@ -323,7 +323,7 @@ def test_a_line_s_release_is_that_of_the_ellipse_that_it_is() -> None:
 )
 def test_a_release_at_the_lift_off_itself_is_no_other_take_off(beyond: float, aloft: bool) -> None:
     loads = ellipse(2.0, 1.0, 0.8, math.asin(0.5) + beyond, 0.5, 0.4, 0.1)
-    start = release(track_of(loads))
+    start = release(track_of(loads, 0.0))
     assert start.aloft == aloft
     assert start.phase == pytest.approx(math.asin(0.5) + max(beyond, 0.0), abs=2e-10)
     assert abs(start.velocity) < 1e-6
@@ -332,7 +332,7 @@ def test_a_release_at_the_lift_off_itself_is_no_other_take_off(beyond: float, al
 @pytest.mark.parametrize(("beyond", "aloft"), [(-1e-6, True), (-1e-12, True), (1e-12, False), (1e-6, False)])
 def test_the_trough_bears_a_body_again_half_a_turn_after_it_falls_away(beyond: float, aloft: bool) -> None:
     loads = ellipse(2.0, 1.0, 0.8, math.pi - math.asin(0.5) + beyond, 0.5, 0.4)
-    assert release(track_of(loads)).aloft == aloft
+    assert release(track_of(loads, 0.0)).aloft == aloft
 
 
 def test_the_velocity_over_the_ground_is_that_of_the_body_and_the_trough() -> None:

@@ -118,7 +118,7 @@ def _slides_otherwise(loads: Loads, restitution: float, flights: Flights, hops: 
     The one without a stop is either that from rest, or it is looked for: between the limits of all velocities
     and the outermost fixed points with a stop.
     """
-    track = track_of(loads)
+    track = track_of(loads, restitution)
     entry = enter(track, restitution, flights, hops)
     motion = entry.motion
     if not motion.repeats:

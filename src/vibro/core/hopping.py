@@ -99,7 +99,7 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
         return _unanswered(Status.INDETERMINATE)
     if slope >= loads.static_friction * weight:
         return _unanswered(Status.RUNAWAY)
-    track = track_of(loads)
+    track = track_of(loads, restitution)
     out = _cycle(track, restitution, flights, hops)
     for stage in range(3):
         if out.status == Status.UNRESOLVED:

@@ -99,6 +99,9 @@ class Track(NamedTuple):
         Phase at which a body at rest starts to slide, in [0, 2 pi); NaN where it never starts that way [rad].
     lift_off : float
         Phase asin(1/K) at which the trough falls away under the body, Eq. (27); inf where K <= 1 [rad].
+    landed_friction : float
+        Coefficient that holds a body which a landing has stopped: mu_s, but mu_d where it bounces, since
+        nothing holds it between two bounces, Eq. (33).
     """
 
     loads: Loads
@@ -107,15 +110,17 @@ class Track(NamedTuple):
     forward_onset: float
     back_onset: float
     lift_off: float
+    landed_friction: float
 
 
-def track_of(loads: Loads) -> Track:
+def track_of(loads: Loads, restitution: float) -> Track:
     """Prepare a scene for its legs."""
     lift_off = INF
     if loads.drive_normal > loads.weight_normal:
         lift_off = math.asin(loads.weight_normal / loads.drive_normal)
     forward, back = forcing(loads, 1.0), forcing(loads, -1.0)
-    return Track(loads, forward, back, _onset(loads, 1.0), _onset(loads, -1.0), lift_off)
+    landed = loads.static_friction if restitution == 0.0 else loads.kinetic_friction
+    return Track(loads, forward, back, _onset(loads, 1.0), _onset(loads, -1.0), lift_off, landed)
 
 
 def _onset(loads: Loads, way: float) -> float:
@@ -251,12 +256,15 @@ def _zero_of_speed(at: Forcing, top: float, low: float, high: float) -> float:
     return high
 
 
-def mode_of(loads: Loads, phase: float, velocity: float) -> int:
-    """Return what a body in contact does, a ``Mode``: at zero velocity the loads decide, Eq. (2)."""
+def mode_of(loads: Loads, phase: float, velocity: float, friction: float) -> int:
+    """Return what a body in contact does, a ``Mode``: at zero velocity the loads decide, Eq. (2).
+
+    ``friction`` is the coefficient that holds it there.
+    """
     way = velocity
     if velocity == 0.0:
         load = tangential_load(loads, phase)
-        if abs(load) > loads.static_friction * normal_load(loads, phase):
+        if abs(load) > friction * normal_load(loads, phase):
             way = load
     if way == 0.0:
         return Mode.REST

@@ -164,16 +164,16 @@ def return_map(
             out.settled,
         )
         if hops.rest[row] > 0.0:
-            out = _contact(track, out, hops.landing[row], hops.rest[row])
+            out = _contact(track, out, hops.landing[row], hops.rest[row], track.landed_friction)
     if rest > 0.0:
-        out = _contact(track, out, landing, rest)
+        out = _contact(track, out, landing, rest, track.landed_friction)
     return out
 
 
-def _contact(track: Track, out: Return, landing: float, rest: float) -> Return:
-    """Slide and rest from a landing until the lift-off."""
+def _contact(track: Track, out: Return, landing: float, rest: float, friction: float) -> Return:
+    """Slide and rest from a landing until the lift-off; ``friction`` holds a body that stands there."""
     phase, left = landing, rest
-    mode = mode_of(track.loads, landing, out.velocity)
+    mode = mode_of(track.loads, landing, out.velocity, friction)
     for _ in range(_MOST_LEGS):
         leg = contact_leg(track, mode, phase, out.velocity, left)
         out = Return(
@@ -234,7 +234,7 @@ def release(track: Track) -> Release:
         return Release(False, track.lift_off, 0.0)
     if loads.drive_normal * math.sin(phase) > loads.weight_normal:
         return Release(True, wrap(phase), 0.0)
-    slid = _contact(track, Return(0.0, 1.0, 0.0, 0.0, 0.0, 0, True), phase, wait)
+    slid = _contact(track, Return(0.0, 1.0, 0.0, 0.0, 0.0, 0, True), phase, wait, loads.static_friction)
     return Release(False, track.lift_off, slid.velocity)
 
 

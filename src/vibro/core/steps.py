@@ -102,7 +102,7 @@ class Step(NamedTuple):
 def course_of(loads: Loads, restitution: float) -> Course:
     """Prepare a scene for following a body."""
     at = thresholds(loads)
-    track = track_of(loads)
+    track = track_of(loads, restitution)
     rests = abs(loads.weight_tangential) < loads.static_friction * loads.weight_normal
     # a line that presses the body down more than it pushes has a window both ways, but one is not in contact
     slips_forward = rests and at.forward and not math.isnan(track.forward_onset)
@@ -147,8 +147,9 @@ def starting(course: Course, phase: float, velocity: float) -> State:
 
     Where the trough cannot bear it, N < 0, it leaves at once.
     """
-    phase = wrap(phase + phase_difference(course.track.loads))
-    mode = mode_of(course.track.loads, phase, velocity)
+    loads = course.track.loads
+    phase = wrap(phase + phase_difference(loads))
+    mode = mode_of(loads, phase, velocity, loads.static_friction)
     if math.isfinite(course.track.lift_off) and course.throw * math.sin(phase) > 1.0:
         mode = Mode.FLIGHT
     return State(0, phase, mode, 0.0, velocity, 0.0)
@@ -229,7 +230,8 @@ def _in_flight(course: Course, now: State) -> Step:
     end = touch + landed.length
     turns = math.floor(end / TURN)
     phase = end - TURN * turns
-    mode = mode_of(loads, phase, slowed) if landed.contact else Mode.FLIGHT
+    held = course.track.landed_friction
+    mode = mode_of(loads, phase, slowed, held) if landed.contact else Mode.FLIGHT
     after = State(now.cycle + int(turns), phase, mode, now.position + path, slowed, landed.take_off)
     return Step(length, path, velocity, hop.impact, 1.0 if left > 0.0 else 0.0, after)
 
