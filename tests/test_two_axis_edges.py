@@ -54,6 +54,25 @@ def test_without_motion_along_a_level_trough_bodies_rest(along: float) -> None:
     assert [Status(s) for s in cycle.status] == [*[Status.OK] * 3, Status.BOUNDARY]
 
 
+def test_without_motion_along_a_level_trough_bodies_hop_on_the_spot() -> None:
+    draw = np.random.default_rng(2)
+    throw, lead, mu_s = draw.uniform(1.0, 3.5, 400), draw.uniform(-3.0, 3.0, 400), draw.uniform(0.1, 1.0, 400)
+    cycle = drives(0.0, throw, lead, mu_s, 0.05).solve()
+    assert "F" not in "".join(cycle.pattern.tolist())
+    assert (cycle.displacement_per_cycle[cycle.status == Status.OK] == 0.0).all()
+
+
+@pytest.mark.parametrize("above", [1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11])
+def test_without_kinetic_friction_a_quarter_turn_ends_slides_just_where_the_window_closes(above: float) -> None:
+    draw = np.random.default_rng(3)
+    mu_s, ratio = draw.uniform(0.1, 1.0, 400), draw.uniform(0.1, 3.0, 400)
+    along = mu_s / np.hypot(1.0, mu_s * ratio) * (1.0 + above)
+    borne = ratio * along < 1.0
+    cycle = drives(along[borne], (ratio * along)[borne], math.pi / 2.0, mu_s[borne], 0.0).solve()
+    assert np.count_nonzero(borne) > 100
+    assert (cycle.status == Status.BOUNDARY).all()
+
+
 def test_without_motion_along_the_trough_bodies_creep_downhill() -> None:
     some = random_drives(40, 13, steepest=0.95, throw=(0.3, 0.999)).changed(along=0.0)
     seen = compare(some)

@@ -27,7 +27,7 @@ __all__ = ["check_switch", "level_of", "solve"]
 
 # Cells of a range: many enough that Python takes no time between them, few enough that an interrupt is
 # noticed within a fraction of a second.
-_IN_CONTACT: Final = 32_768
+_IN_CONTACT: Final = 8192
 _HOPPING: Final = 32
 _SEARCHED: Final = 16
 

@@ -67,9 +67,9 @@ def _flattened(values: tuple[Any, ...]) -> list[Any]:
     flat: list[Any] = []
     for value in values:
         if isinstance(value, tuple):
-            flat += _flattened(value)
+            flat += value
         else:
-            flat.append(value.ctypes.data if hasattr(value, "ctypes") else value)
+            flat.append(value if isinstance(value, int | float) else value.ctypes.data)
     return flat
 
 

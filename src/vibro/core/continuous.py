@@ -79,7 +79,10 @@ def likely_sliding(loads: Loads, forward: Onset, back: Onset) -> ContinuousSlidi
         return _of_a_line(loads, forward, back)
     if _is_steep(loads):
         return half_length_root(loads, forward, back)
-    return _from_middle(loads, _lower_root(loads))
+    if not (loads.drive_tangential > 0.0 and loads.kinetic_friction * loads.weight_normal > 0.0):
+        return no_cycle()
+    at = _middle_equation(loads)
+    return _from_middle(loads, at, _lower_root(at))
 
 
 def _of_a_line(loads: Loads, forward: Onset, back: Onset) -> ContinuousSliding:
@@ -132,15 +135,12 @@ def _middle_equation(loads: Loads) -> _Middle:
     )
 
 
-def _lower_root(loads: Loads) -> float:
+def _lower_root(at: _Middle) -> float:
     """Find z = cot m of the cycle, the lower root of Eq. (60); NaN where there is none.
 
     On a level trough its left side is concave and not positive at the start, so that Halley's iteration rises
     to the root, or passes the top of the curve. On an incline it need not be, and a root may be missed.
     """
-    if not (loads.drive_tangential > 0.0 and loads.kinetic_friction * loads.weight_normal > 0.0):
-        return NAN
-    at = _middle_equation(loads)
     least = at.capacity - QUARTER * abs(at.weight)
     if not 0.0 < least < 1.0:  # the drive cannot outweigh the drag
         return NAN
@@ -179,11 +179,10 @@ def _lower_root(loads: Loads) -> float:
     return NAN
 
 
-def _from_middle(loads: Loads, z: float) -> ContinuousSliding:
+def _from_middle(loads: Loads, at: _Middle, z: float) -> ContinuousSliding:
     """Form the cycle from z = cot m, where it is one; Eq. (59)."""
     if math.isnan(z):
         return no_cycle()
-    at = _middle_equation(loads)
     rho = at.rho_0 + at.rho_1 * z
     if not abs(rho) < 1.0:
         return no_cycle()

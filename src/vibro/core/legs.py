@@ -130,7 +130,9 @@ def _onset(loads: Loads, way: float) -> float:
     threshold = friction * loads.weight_normal + way * loads.weight_tangential
     # a line that presses the body down more than it pushes never starts it back in contact, Eq. (7)
     pressed = loads.line and way < 0.0 and shift == 0.0
-    if pressed or not abs(threshold) < amplitude:
+    # without any load the trough falls away where friction would let go
+    free = loads.drive_tangential == 0.0 and loads.weight_tangential == 0.0
+    if pressed or free or not abs(threshold) < amplitude:
         return NAN
     return wrap(math.asin(threshold / amplitude) - shift)
 

@@ -204,7 +204,7 @@ def reaches(loads: Loads, own: Start, other: Start, offset: float) -> int:
     drag = onset.load * onset.k
     loss = drag * (own.window - other.window + (offset + PI))
     begin = onset.load * onset.sin
-    scale = begin - other.open_rate if loads.line else onset.load + other.onset.load
+    scale = begin - other.open_rate if loads.line else _rounding_size(own, other)
     return rounded_sign(begin - other.open_rate - loss, scale + abs(drag))
 
 
@@ -247,4 +247,10 @@ def outlasts(own: Start, other: Start, offset: float, ahead: float, size: float)
 def speed_at_close(own: Start, other: Start) -> tuple[float, float]:
     """Return what ``outlasts`` needs of drives that do not move along a line."""
     load = own.onset.load
-    return own.onset.sin - other.close_rate / load, 1.0 + other.onset.load / load
+    return own.onset.sin - other.close_rate / load, _rounding_size(own, other) / load
+
+
+def _rounding_size(own: Start, other: Start) -> float:
+    """Size of what cancels between rates of two windows: in one of the length w they are good to eps / w."""
+    shorter = min(own.window, other.window) + _TINY
+    return (own.onset.load + other.onset.load) * (1.0 + 1.0 / shorter)
