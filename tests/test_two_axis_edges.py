@@ -63,7 +63,7 @@ def test_without_motion_along_a_level_trough_bodies_hop_on_the_spot() -> None:
 
 
 @pytest.mark.parametrize("above", [1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11])
-def test_without_kinetic_friction_a_quarter_turn_ends_slides_just_where_the_window_closes(above: float) -> None:
+def test_without_kinetic_friction_a_quarter_turn_ends_slides_where_the_window_closes(above: float) -> None:
     draw = np.random.default_rng(3)
     mu_s, ratio = draw.uniform(0.1, 1.0, 400), draw.uniform(0.1, 3.0, 400)
     along = mu_s / np.hypot(1.0, mu_s * ratio) * (1.0 + above)

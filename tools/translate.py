@@ -535,6 +535,7 @@ class _Function:
         raise self._refused(node, "no translation")
 
     def _argument(self, node: ast.expr, kind: str) -> str:
+        # a record that is no variable, or field of one, is put into a place of its own
         value, owner = self._converted(node, kind), node
         if kind not in self._program.records:
             return value

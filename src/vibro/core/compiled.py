@@ -60,6 +60,8 @@ class Doors:
         """Hand over a contiguous array, which must outlive the call, as one buffer."""
         if self._library is None:
             return memoryview(array.reshape(-1))  # type: ignore[arg-type]
+        if array.size and array.flags.writeable:  # in a quarter of the time of ``array.ctypes``
+            return ctypes.addressof(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]
         return array.ctypes.data
 
 
