@@ -48,16 +48,19 @@ def contact_fields(n: int) -> dict[str, Any]:
     }
 
 
-def ellipse_fields(n: int) -> dict[str, Any]:
-    """Give the same drives by both amplitudes, with a random phase between them."""
-    fields = contact_fields(n)
-    amplitude, alpha = fields.pop("amplitude"), fields.pop("drive_angle")
-    phase = np.random.default_rng(4).uniform(-np.pi, np.pi, n)
-    return fields | {
-        "along_amplitude": amplitude * np.cos(alpha),
-        "normal_amplitude": amplitude * np.sin(alpha),
+def as_ellipses(fields: dict[str, Any], phase: Any) -> dict[str, Any]:
+    """Give the same drives by both amplitudes, with a phase between them."""
+    others = {name: x for name, x in fields.items() if name not in ("amplitude", "drive_angle")}
+    return others | {
+        "along_amplitude": fields["amplitude"] * np.cos(fields["drive_angle"]),
+        "normal_amplitude": fields["amplitude"] * np.sin(fields["drive_angle"]),
         "normal_phase": phase,
     }
+
+
+def ellipse_fields(n: int) -> dict[str, Any]:
+    """Contact scenes with a random phase."""
+    return as_ellipses(contact_fields(n), np.random.default_rng(4).uniform(-np.pi, np.pi, n))
 
 
 def hopping_scene(n: int, restitution: float) -> vibro.Scene:

@@ -19,27 +19,15 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from against import contact_fields
+from against import GRAVITY, as_ellipses, contact_fields
 from scipy.optimize import elementwise
 
 import vibro
 from vibro.accuracy.events import simulate_by_events
 from vibro.accuracy.motion import motions
 
-G0 = 9.81  # [m/s^2]
 HARMONIC_SCENES = 16_384  # one block: they take some hundred times as long
 BLOCK = 16_384  # [scenes] so that the temporaries of the plain formulas stay in cache too
-
-
-def as_ellipses(fields: dict[str, np.ndarray], phase: np.ndarray | float) -> vibro.Scene:
-    """Give the same drives by both amplitudes, with a phase between them."""
-    others = {name: x for name, x in fields.items() if name not in ("amplitude", "drive_angle")}
-    return vibro.Scene(
-        along_amplitude=fields["amplitude"] * np.cos(fields["drive_angle"]),
-        normal_amplitude=fields["amplitude"] * np.sin(fields["drive_angle"]),
-        normal_phase=phase,
-        **others,
-    )
 
 
 def with_harmonics(fields: dict[str, np.ndarray]) -> vibro.Scene:
@@ -79,7 +67,7 @@ def forward_slides(fields: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarra
     """Start p0 and resistance k of the forward slides of the scenes that slip, by the textbook formulas."""
     along, across = np.cos(fields["drive_angle"]), np.sin(fields["drive_angle"])
     mu_s, mu_d = fields["static_friction"], fields["kinetic_friction"]
-    load = fields["amplitude"] * (2.0 * np.pi * fields["frequency"]) ** 2 / G0
+    load = fields["amplitude"] * (2.0 * np.pi * fields["frequency"]) ** 2 / GRAVITY
     s = mu_s / (load * (along + mu_s * across))
     slips = s < 1.0
     return np.arcsin(s[slips]), (mu_d / (load * (along + mu_d * across)))[slips]
@@ -179,7 +167,7 @@ def main() -> None:
         rows.append((f"vibro.solve, {cores} threads", n, solve_time(scene, cores, repeats)))
     phases = np.random.default_rng(2).uniform(-np.pi, np.pi, n)
     for name, phase in (("phase 0", 0.0), ("random phase", phases)):
-        ellipses = as_ellipses(fields, phase)
+        ellipses = vibro.Scene(**as_ellipses(fields, phase))
         rows.append((f"the same drives as ellipses, {name}, 1 thread", n, solve_time(ellipses, 1, repeats)))
     some = min(n, HARMONIC_SCENES)
     harmonics = with_harmonics({name: field[:some] for name, field in fields.items()})

@@ -206,7 +206,7 @@ def test_the_error_shrinks_with_the_root_of_the_sample() -> None:
 
 def test_gains_are_changes_of_the_velocity_over_the_ground() -> None:
     for loads, e in ((line(2.45, 30.0, 0.5, 0.05, 2.0), 0.3), (line(4.3, 30.0, 0.5, 0.4, -5.0), 0.2)):
-        track = track_of(loads, 0.0)
+        track = track_of(loads, e)
         averages(track, e, 6, True, FLIGHTS, HOPS)
         bodies, gained = _bodies(), []
         slid = _slide(track, HOPS, bodies)
@@ -231,7 +231,7 @@ def test_gains_are_changes_of_the_velocity_over_the_ground() -> None:
 
 def test_bodies_that_remember_get_the_velocity_of_balance() -> None:
     loads = line(2.45, 30.0, 0.5, 1e-3, 0.02)
-    track, a = track_of(loads, 0.0), loads.drive_tangential
+    track, a = track_of(loads, 0.3), loads.drive_tangential
     means = _averaged(loads, 0.3, 24)
     bodies = _bodies()
     # from wherever the search begins, it ends where gains cancel
@@ -255,7 +255,7 @@ def test_bodies_that_remember_get_the_velocity_of_balance() -> None:
 
 def test_corrections_of_paths_cancel_and_follow_the_gains() -> None:
     loads = line(2.45, 30.0, 0.5, 1e-3)
-    track, bodies = track_of(loads, 0.0), _bodies()
+    track, bodies = track_of(loads, 0.3), _bodies()
     _averaged(loads, 0.3, 24)
     corrected = [bodies.path[i] for i in range(2 * BODIES)]
     gains = [bodies.gain[i] for i in range(2 * BODIES)]
@@ -303,7 +303,7 @@ def test_a_body_that_has_not_stopped_again_may_yet_run_away() -> None:
 def test_stable_cycles_of_one_bounce_are_averaged_with_the_irregular_motion() -> None:
     loads, e = line(1.5, 30.0, 0.5, 0.4), 0.7
     throw = loads.drive_normal / loads.weight_normal
-    track = track_of(loads, 0.0)
+    track = track_of(loads, e)
     means = Means(Status.AVERAGED, 2.0, 0.1, 0.9, 0.3, 0.25)
     turns = [
         m for m in range(1, 65) if single_bounce(throw, e, m).exists and single_bounce(throw, e, m).stable

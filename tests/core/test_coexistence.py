@@ -58,7 +58,7 @@ def test_the_other_flights_of_that_scene() -> None:
         write_hop(TWO_FLIGHTS, FLIGHTS.phase[row], FLIGHTS.length[row], FLIGHTS.impulse[row], HOPS, row)
     velocity, path = -0.5859803624769713 * scale, 0.0
     for _ in range(100):
-        now = return_map(track_of(TWO_FLIGHTS, 0.0), HOPS, other.first, last, 0.0, 0.0, velocity)
+        now = return_map(track_of(TWO_FLIGHTS, RESTITUTION), HOPS, other.first, last, 0.0, 0.0, velocity)
         velocity, path = now.velocity, now.displacement
     assert path / scale == pytest.approx(7.36196, rel=2e-6)
 

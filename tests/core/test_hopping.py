@@ -199,7 +199,7 @@ def test_a_body_enters_a_cycle_amid_its_motion_with_the_velocity_of_its_approach
     seen = 0
     for scene in draw(60, 6, throw=(3.3, 6.0), restitution=0.3, ratio=(0.0, 0.0), slope=0.0):
         loads, e = scene
-        track = track_of(loads, 0.0)
+        track = track_of(loads, e)
         entry = enter(track, e, FLIGHTS, HOPS)
         motion = entry.motion
         if not motion.repeats or motion.rest > 0.0:

@@ -33,7 +33,7 @@ EPS = 2.0**-52
 
 def _cycle(loads: Loads, restitution: float = 0.0) -> tuple[HoppingCycle, float, int] | None:
     """Find the cycle of the normal motion, the velocity with which a body enters it, and its period."""
-    track = track_of(loads, 0.0)
+    track = track_of(loads, restitution)
     entry = enter(track, restitution, FLIGHTS, HOPS)
     motion = entry.motion
     if not motion.repeats:

@@ -46,7 +46,7 @@ def _hops(scene: Drawn) -> Bounces:
 
 def _returned(scene: Drawn, motion: Bounces, velocity: float) -> Return:
     last = motion.first + motion.count
-    track = track_of(scene.loads, 0.0)
+    track = track_of(scene.loads, scene.restitution)
     return return_map(track, HOPS, motion.first, last, motion.landing, motion.rest, velocity)
 
 
@@ -233,7 +233,7 @@ def test_contacts_amid_hops_are_those_at_the_end_of_a_cycle() -> None:
                 column[count + row] = column[row]
         for row in (count - 1, 2 * count - 1):
             HOPS.landing[row], HOPS.rest[row] = motion.landing, motion.rest
-        both = return_map(track_of(scene.loads, 0.0), HOPS, 0, 2 * count, 0.0, 0.0, 0.3)
+        both = return_map(track_of(scene.loads, scene.restitution), HOPS, 0, 2 * count, 0.0, 0.0, 0.3)
         assert both.velocity == two.velocity
         assert both.slope == pytest.approx(one.slope * two.slope, rel=1e-15)
         assert both.displacement == pytest.approx(one.displacement + two.displacement, abs=1e-14)

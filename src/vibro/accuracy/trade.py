@@ -120,7 +120,7 @@ def best_reference() -> Reference:
     try:
         from vibro.accuracy.reference import DIGITS, exact_cycle
     except ModuleNotFoundError as exc:
-        if exc.name != "mpmath":  # anything else is broken, and must not pass for a choice
+        if exc.name != "mpmath":  # another library that is missing or broken must not go unnoticed
             raise
         return Reference("event-driven simulation, DOP853 at rtol 1e-13", _converged, 300)
 

@@ -329,6 +329,7 @@ def _first_from_rest(loads: Loads, pair: Pair) -> int:
     # of the cycle and the one before it: after two slides without a rest there is none.
     draws = half_length_root(loads, pair.forward.onset, pair.back.onset).valid
     way = 1.0 if t < 0.0 else -1.0
+    turn = phase_offset(loads, mu_d)
     c = wrap_around(QUARTER - phase - own_phase(loads, way, mu_d))
     for count in range(_MOST_SLIDES):
         own, other = (pair.forward, pair.back) if way > 0.0 else (pair.back, pair.forward)
@@ -341,6 +342,6 @@ def _first_from_rest(loads: Loads, pair: Pair) -> int:
             return 1 if way > 0.0 else -1
         if draws and count > 0:
             return 0
-        c = PI + c - 2.0 * x + way * phase_offset(loads, mu_d)
+        c = PI + c - 2.0 * x + way * turn
         way = -way
     return 0

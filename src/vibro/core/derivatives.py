@@ -61,7 +61,7 @@ def load_slope(loads: Loads, pattern: int) -> float:
 
 
 def displacement_rate(loads: Loads, pattern: int, change: Change) -> float:
-    """Differentiate the displacement of a steady contact cycle with respect to one input, Eqs. (45)-(50).
+    """Differentiate the displacement of a steady contact cycle by one input, Eqs. (45)-(50) and (64).
 
     Within its pattern: 0 at rest, NaN where there is no steady contact cycle of up to two slides.
     """
@@ -85,7 +85,7 @@ def displacement_rate(loads: Loads, pattern: int, change: Change) -> float:
     elif second.from_rest:
         two_shift = _start_shift(loads, change, second)
         one_shift = two.end + two.end_gain * two_shift
-    else:  # continuous sliding: both starts follow each other
+    else:  # continuous sliding: both starts follow each other, Eq. (64)
         closing = _closing(loads, first, second)
         if closing == 0.0:  # next to no friction: any cycle closes
             return NAN

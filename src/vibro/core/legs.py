@@ -101,7 +101,7 @@ class Track(NamedTuple):
         Phase asin(1/K) at which the trough falls away under the body, Eq. (27); inf where K <= 1 [rad].
     landed_friction : float
         Coefficient that holds a body which a landing has stopped: mu_s, but mu_d where it bounces, since
-        nothing holds it between two bounces, Eq. (33).
+        nothing holds it between two bounces (docs/theory.md, section 10).
     """
 
     loads: Loads

@@ -350,7 +350,8 @@ def _first_on_way(cycle: HoppingCycle, hops: Hops, start: float, home: Orbit) ->
     if 0.0 <= _distance(start, way, home.velocity) < nearest:
         first, nearest = home, _distance(start, way, home.velocity)
     if has_stop(home.cycle) and way != 0.0:
-        sliding = between(cycle, hops, start, first.velocity)  # home lies on the way: first is one
+        # home lies on the way, so that first is home or a fixed point before it
+        sliding = between(cycle, hops, start, first.velocity)
         if sliding.status == Status.OK and 0.0 <= _distance(start, way, sliding.velocity) < nearest:
             first = sliding
     return first if first.status == Status.OK else home

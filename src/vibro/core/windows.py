@@ -251,6 +251,6 @@ def speed_at_close(own: Start, other: Start) -> tuple[float, float]:
 
 
 def _rounding_size(own: Start, other: Start) -> float:
-    """Size of what cancels between rates of two windows: in one of the length w they are good to eps / w."""
+    """Size of what cancels between rates of two windows: in one of half-length w they are good to eps / w."""
     shorter = min(own.window, other.window) + _TINY
     return (own.onset.load + other.onset.load) * (1.0 + 1.0 / shorter)
