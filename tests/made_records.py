@@ -14,10 +14,10 @@ from scenes import Groups, line_of
 from two_axis_walk import Body as BodyOnEllipse
 
 import vibro
+from vibro.drives import Ellipse
 from vibro.records.alignment import Observation
 from vibro.records.cycles import HOPS
 from vibro.records.reading import Record
-from vibro.scene import EllipticalFields
 
 Floats = NDArray[np.float64]
 
@@ -167,7 +167,7 @@ def _on_a_line(scene: vibro.Scene) -> Walk:
 
 def _on_an_ellipse(scene: vibro.Scene) -> Walk:
     fields = scene.arrays()
-    assert isinstance(fields, EllipticalFields)
+    assert isinstance(fields, Ellipse)
     along, normal, lead, *others = (float(x) for x in fields[:8])
     frequency, mu_s, mu_d, trough, gravity = others
     cycle = BodyOnEllipse(along, normal, lead, frequency, mu_s, mu_d, trough, gravity).settle()

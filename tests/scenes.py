@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from vibro import Scene, SteadyCycle, solve
 from vibro.core.drives import Loads, directions, ellipse_loads, ellipse_scale, line_loads, weight_over_load
-from vibro.scene import EllipticalFields, LinearFields
+from vibro.drives import Ellipse, Line
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,10 +56,10 @@ def at_load(
 def loads_of(scene: Scene) -> list[Loads]:
     """Form the groups of scenes, one by one over the flattened grid."""
     found, fields = [], scene.flat()
-    if isinstance(fields, LinearFields):
+    if isinstance(fields, Line):
         for a, f, alpha, mu_s, mu_d, beta, g, _ in zip(*(x.tolist() for x in fields), strict=True):
             found.append(line_loads(weight_over_load(a, f, g), directions(alpha, beta), mu_s, mu_d))
-    elif isinstance(fields, EllipticalFields):
+    elif isinstance(fields, Ellipse):
         for x, y, phase, f, mu_s, mu_d, beta, g, _ in zip(*(x.tolist() for x in fields), strict=True):
             scale = ellipse_scale(x, y)
             weight, angles = weight_over_load(scale, f, g), directions(phase, beta)
@@ -67,10 +67,10 @@ def loads_of(scene: Scene) -> list[Loads]:
     return found
 
 
-def line_of(scene: Scene) -> LinearFields:
+def line_of(scene: Scene) -> Line:
     """Return the fields of scenes whose drives move along lines."""
     fields = scene.arrays()
-    assert isinstance(fields, LinearFields)
+    assert isinstance(fields, Line)
     return fields
 
 

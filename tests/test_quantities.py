@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vibro.drives import Ellipse, Line
 from vibro.errors import InputError
 from vibro.quantities import (
     DRIVES,
@@ -28,7 +29,7 @@ from vibro.quantities import (
     find_quantity,
     kinetic_friction,
 )
-from vibro.scene import EllipticalFields, LinearFields, Scene
+from vibro.scene import Scene
 
 
 @pytest.mark.parametrize(
@@ -131,7 +132,7 @@ def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
     lists = {"along_harmonics", "normal_harmonics"}
     assert set(parameters) - lists | {*STANDS_FOR, "trough_length", *HARMONIC} == set(QUANTITIES)
     drives = {*LINEAR, *ELLIPTICAL, *lists}
-    assert {*LinearFields._fields, *EllipticalFields._fields, *lists} == set(parameters)
+    assert {*Line._fields, *Ellipse._fields, *lists} == set(parameters)
     for name, parameter in parameters.items():
         default = QUANTITIES[name].default if name in QUANTITIES else None
         if name in drives:
@@ -142,9 +143,7 @@ def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
             assert parameter.default == QUANTITIES[name].to_si(default)
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in DRIVES + LinearFields._fields if name != "static_friction"]
-)
+@pytest.mark.parametrize("name", [name for name in DRIVES + Line._fields if name != "static_friction"])
 def test_a_range_ends_where_it_says(name: str) -> None:
     quantity = QUANTITIES[name]
     for end, belongs, outward in (

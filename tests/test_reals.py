@@ -15,10 +15,10 @@ import pytest
 from scenes import scene_with
 
 import vibro
+from vibro.drives import Line
 from vibro.errors import InputError, SceneError, VibroError
 from vibro.quantities import BY_COLUMN, QUANTITIES
 from vibro.reals import NotRealError, real_array, real_number
-from vibro.scene import LinearFields
 
 NUMBERS: list[tuple[Any, Any]] = [
     (1, 1.0),
@@ -130,7 +130,7 @@ SWEEP = vibro.sweep(
     kinetic_friction=0.5, accuracy="regimes",
 )  # fmt: skip
 TAKERS: dict[str, tuple[Callable[[Any], Any], type[VibroError]]] = {
-    **{name: (of_scene(name), SceneError) for name in LinearFields._fields},
+    **{name: (of_scene(name), SceneError) for name in Line._fields},
     "length": (lambda value: vibro.arrival_time(SCENE, value), SceneError),
     "length ": (lambda value: CYCLE.traverse_time(value), SceneError),
     "cycles": (lambda value: vibro.simulate(SCENE, cycles=value), SceneError),

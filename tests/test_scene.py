@@ -12,7 +12,7 @@ import pytest
 from scenes import line_of
 
 from vibro import Scene, SceneError, Status, VibroError, solve
-from vibro.scene import EllipticalFields, LinearFields
+from vibro.drives import Ellipse, Line
 
 VALID: dict[str, Any] = {
     "amplitude": 1e-3,
@@ -203,8 +203,8 @@ def test_an_ellipse_has_no_fields_of_a_line_and_the_other_way_round() -> None:
     ellipse, line = Scene(**ELLIPSE), Scene(**VALID)
     assert ellipse.amplitude is ellipse.drive_angle is None
     assert line.along_amplitude is line.normal_amplitude is line.normal_phase is None
-    assert isinstance(ellipse.arrays(), EllipticalFields)
-    assert isinstance(line.arrays(), LinearFields)
+    assert isinstance(ellipse.arrays(), Ellipse)
+    assert isinstance(line.arrays(), Line)
 
 
 def test_the_phase_of_an_ellipse_is_0_where_it_is_not_given() -> None:
@@ -286,7 +286,7 @@ def test_fields_of_an_ellipse_are_replaced_and_one_drive_by_another() -> None:
         "amplitude": 1e-3,
         "drive_angle": 0.3,
     }
-    assert isinstance(dataclasses.replace(ellipse, **line).arrays(), LinearFields)
+    assert isinstance(dataclasses.replace(ellipse, **line).arrays(), Line)
     mixed: dict[str, Any] = {"amplitude": 1e-3}
     with pytest.raises(SceneError, match="drive = "):
         dataclasses.replace(ellipse, **mixed)

@@ -9,9 +9,9 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.core.compiled import doors
+from vibro.drives import Line
 from vibro.errors import Problem, SceneError
 from vibro.reals import NotRealError, real_array
-from vibro.scene import LinearFields
 from vibro.solver import Grid, over_cells
 from vibro.steady import solve
 
@@ -36,6 +36,8 @@ _BEGINNINGS: Final = {
 }
 _LATE: Final = "load for forward slip"
 
+# [1] Relative distance of two loads that are one, found in closed form and as a root.
+_SAME: Final = 1e-13
 
 _RANGE: Final = 8_192  # [cells] so that an interrupt is noticed within a fraction of a second
 
@@ -108,6 +110,11 @@ def critical_loads(scene: Scene) -> CriticalLoads:
         shape of angles and frictions, which broadcasts against the scene's [1]. inf where a transition never
         happens, 0 where it always has; NaN where mu_d > mu_s or mu_s = 0.
 
+    Raises
+    ------
+    InputError
+        If the drive has harmonics (``Ability.FLIGHT``).
+
     Notes
     -----
     Closed forms, Eqs. (4), (5) and (21), and one root in a bracket, Eq. (22). They agree with ``solve`` on
@@ -121,12 +128,7 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     >>> print(f"{vibro.critical_loads(scene).forward_onset:.6f}")
     0.620395
     """
-    fields = scene.arrays()
-    if isinstance(fields, LinearFields):
-        frictions = fields.static_friction, fields.kinetic_friction
-        return critical_loads_of_lines(fields.drive_angle, *frictions, fields.trough_angle)
-    one = np.ones(())  # what has no effect does not broadcast
-    return _critical_loads(Grid(fields._replace(frequency=one, gravity=one, restitution=one - one)))
+    return _critical_loads(Grid(scene.arrays().at_any_load()))
 
 
 def critical_loads_of_lines(
@@ -156,7 +158,7 @@ def _lines(*fields: ArrayLike) -> Grid:
     """Make a grid of drives along lines from their angles and frictions alone."""
     alpha, mu_s, mu_d, beta = (np.asarray(x, np.float64) for x in fields)
     one = np.ones(())
-    return Grid(LinearFields(one, one, alpha, mu_s, mu_d, beta, one, one - one))
+    return Grid(Line(one, one, alpha, mu_s, mu_d, beta, one, one - one))
 
 
 def _critical_loads(grid: Grid) -> CriticalLoads:
@@ -189,6 +191,8 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     ------
     SceneError
         If the scene is more than one operating point.
+    InputError
+        If its drive has harmonics.
 
     Examples
     --------
@@ -207,7 +211,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     loads = {name: float(value) for name, value in critical_loads(scene)._asdict().items()}
     found = []
     for name, load in loads.items():
-        merely_load = name == "back_onset" and load == loads["back_slip"]
+        merely_load = name == "back_onset" and math.isclose(load, loads["back_slip"], rel_tol=_SAME)
         if merely_load or not 0.0 < load < math.inf or (name != "hop" and load >= loads["hop"]):
             continue
         ratio = float(scene.load) / load
@@ -220,12 +224,12 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     return tuple(sorted(found, key=lambda transition: transition.amplitude))
 
 
-def back_slip_of(fields: LinearFields) -> NDArray[np.bool_]:
+def back_slip_of(fields: Line) -> NDArray[np.bool_]:
     """Tell whether bodies slip back by Eqs. (5) and (17) alone, also where mu_d > mu_s.
 
     Parameters
     ----------
-    fields : LinearFields
+    fields : Line
         Drives along a line in contact; the fields broadcast against each other.
 
     Returns
@@ -267,13 +271,8 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     Closed form, Eq. (43). Above it an edge lifts before the part first slips: theory.md, section 12, has the
     proof, and tests/test_limits.py integrates Newton's law on both sides of it.
     """
-    fields = scene.arrays()
-    one = np.ones(())
-    if isinstance(fields, LinearFields):
-        fields = fields._replace(amplitude=one)
-    return _tipping_load(
-        fields._replace(frequency=one, gravity=one, kinetic_friction=one - one), _stand_ratios(stand_ratio)
-    )
+    fields = scene.arrays().at_any_load()
+    return _tipping_load(fields._replace(kinetic_friction=np.zeros(())), _stand_ratios(stand_ratio))
 
 
 def tipping_load_of_lines(
@@ -282,7 +281,7 @@ def tipping_load_of_lines(
     """Return ``tipping_load`` of drives along a line, from what it depends on; of the broadcast shape."""
     alpha, mu_s, beta = (np.asarray(x, np.float64) for x in (drive_angle, static_friction, trough_angle))
     one = np.ones(())
-    fields = LinearFields(one, one, alpha, mu_s, one - one, beta, one, one - one)
+    fields = Line(one, one, alpha, mu_s, one - one, beta, one, one - one)
     return _tipping_load(fields, np.asarray(stand_ratio, np.float64))
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.harmonic.arrays import each, largest_amplitude
+from vibro.core.harmonic.arrays import each
+from vibro.drives import KINDS, Ellipse, Harmonics, Line, read_harmonics
 from vibro.errors import Problem, SceneError
-from vibro.harmonics import HarmonicFields, harmonic_fields, read_harmonics
-from vibro.quantities import DEFAULTS, ELLIPTICAL, LINEAR, QUANTITIES, STANDARD_GRAVITY
+from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
@@ -19,74 +19,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.harmonics import Harmonics
+    from vibro.drives import Pairs
 
     Floats = NDArray[np.float64]
 
-__all__ = [
-    "EllipticalFields", "Fields", "HarmonicFields", "LinearFields", "Scene", "field_range", "field_text",
-]  # fmt: skip
+__all__ = ["Fields", "Scene", "field_range", "field_text"]
 
 
-class LinearFields(NamedTuple):
-    """A drive along a line: its scene's fields, [m, Hz, rad, 1, 1, rad, m/s^2, 1]."""
+Fields = Line | Ellipse | Harmonics
 
-    amplitude: Floats
-    frequency: Floats
-    drive_angle: Floats
-    static_friction: Floats
-    kinetic_friction: Floats
-    trough_angle: Floats
-    gravity: Floats
-    restitution: Floats
-
-    @property
-    def scale(self) -> Floats:
-        """Length that the solvers count in, A [m]."""
-        return self.amplitude
-
-    @property
-    def reach(self) -> Floats:
-        """Farthest that the trough gets from its middle [m]."""
-        return self.amplitude
-
-
-class EllipticalFields(NamedTuple):
-    """A drive along an ellipse: its scene's fields, [m, m, rad, Hz, 1, 1, rad, m/s^2, 1]."""
-
-    along_amplitude: Floats
-    normal_amplitude: Floats
-    normal_phase: Floats
-    frequency: Floats
-    static_friction: Floats
-    kinetic_friction: Floats
-    trough_angle: Floats
-    gravity: Floats
-    restitution: Floats
-
-    @property
-    def scale(self) -> Floats:
-        """Length that the solvers count in, the larger of both amplitudes [m]."""
-        return largest_amplitude(self.along_amplitude, self.normal_amplitude)
-
-    @property
-    def reach(self) -> Floats:
-        """Farthest that the trough gets from its middle, half of the ellipse's larger axis [m]."""
-        x, y = self.along_amplitude, self.normal_amplitude
-        # of the sum and the difference of two rotations against each other
-        sine, cosine = y * np.sin(self.normal_phase), y * np.cos(self.normal_phase)
-        return np.asarray(0.5 * (np.hypot(x + sine, cosine) + np.hypot(x - sine, cosine)))
-
-
-Fields = LinearFields | EllipticalFields | HarmonicFields
-
-# What tells each kind of drive.
-_HARMONICS: Final = ("along_harmonics", "normal_harmonics")
-_DRIVES: Final[dict[type[Fields], tuple[str, ...]]] = {
-    LinearFields: LINEAR,
-    EllipticalFields: ELLIPTICAL,
-    HarmonicFields: _HARMONICS,
-}
 _EITHER: Final = (
     "either amplitude and drive_angle, or along_amplitude and normal_amplitude, or along_harmonics and"
     " normal_harmonics"
@@ -110,16 +51,18 @@ def field_range(name: str) -> str:
 
 def _kind_of(values: dict[str, Any]) -> type[Fields]:
     """Find which drive is given; fill in the phase that may be left out."""
-    given = {kind: [n for n in names if values.get(n) is not None] for kind, names in _DRIVES.items()}
+    given = {kind: [n for n in kind.told_by if values.get(n) is not None] for kind in KINDS}
     kinds = [kind for kind, names in given.items() if names]
     if len(kinds) != 1:
         named = " and ".join(name for names in given.values() for name in names) or "none"
         raise SceneError((Problem("drive", named, _EITHER),))
     (kind,) = kinds
-    if kind is EllipticalFields and values.get("normal_phase") is None:
-        values["normal_phase"] = 0.0
-    missing = [name for name in _DRIVES[kind] if values.get(name) is None]
-    if missing and kind is not HarmonicFields:
+    may_miss = {"normal_phase": 0.0, "along_harmonics": (), "normal_harmonics": ()}
+    for name in kind.told_by:
+        if values.get(name) is None and name in may_miss:
+            values[name] = may_miss[name]
+    missing = [name for name in kind.told_by if values.get(name) is None]
+    if missing:
         beside = f"given beside {given[kind][0]}"
         raise SceneError(tuple(Problem(name, "None", beside) for name in missing))
     return kind
@@ -185,8 +128,8 @@ class Scene:
     along_amplitude: Floats | None
     normal_amplitude: Floats | None
     normal_phase: Floats | None
-    along_harmonics: Harmonics | None
-    normal_harmonics: Harmonics | None
+    along_harmonics: Pairs | None
+    normal_harmonics: Pairs | None
     static_friction: Floats
     kinetic_friction: Floats
     trough_angle: Floats
@@ -240,10 +183,7 @@ class Scene:
     @property
     def shape(self) -> tuple[int, ...]:
         """Common shape of the fields."""
-        fields = self.arrays()
-        if isinstance(fields, HarmonicFields):  # more of them than an iterator of NumPy takes
-            return np.broadcast_shapes(*(x.shape for _, _, x in fields.members()))
-        return np.broadcast(*fields).shape
+        return self.arrays().shape
 
     @property
     def load(self) -> Floats:
@@ -253,9 +193,8 @@ class Scene:
         that differ by less than 1e-6 of them it may be the lower one.
         """
         with np.errstate(over="ignore", invalid="ignore"):  # inf, or NaN, beyond the range of doubles
-            w, fields = 2.0 * np.pi * self.frequency, self.arrays()
-            reach = fields.acceleration_reach if isinstance(fields, HarmonicFields) else fields.reach
-            return np.asarray(reach * w**2 / self.gravity)
+            w = 2.0 * np.pi * self.frequency
+            return np.asarray(self.arrays().acceleration_reach * w**2 / self.gravity)
 
     @property
     def scale(self) -> Floats:
@@ -269,14 +208,7 @@ class Scene:
 
     def arrays(self) -> Fields:
         """Return the fields of this scene's drive, in their declared order."""
-        if self.amplitude is not None:
-            return LinearFields._make(getattr(self, name) for name in LinearFields._fields)
-        if self.along_amplitude is not None:
-            return EllipticalFields._make(getattr(self, name) for name in EllipticalFields._fields)
-        assert self.along_harmonics is not None
-        assert self.normal_harmonics is not None
-        others = [getattr(self, name) for name in HarmonicFields._fields[4:]]
-        return harmonic_fields(self.along_harmonics, self.normal_harmonics, others)
+        return next(kind for kind in KINDS if getattr(self, kind.told_by[0]) is not None).of(self)
 
     def flat(self) -> Fields:
         """Return the fields as 1-D arrays over all scenes, in the order of their cells."""
@@ -291,12 +223,13 @@ class Scene:
 
     def _set(self, values: dict[str, Any]) -> None:
         kind, problems = _kind_of(values), []
+        is_given = {*kind.told_by, *kind._fields}
         for name in self.__dataclass_fields__:
             x: Any = None
-            if name in _HARMONICS and kind is HarmonicFields:
-                x, wrong = read_harmonics(name, values.get(name))
+            if name in Harmonics.told_by and name in is_given:
+                x, wrong = read_harmonics(name, values[name])
                 problems += wrong
-            elif name in kind._fields:
+            elif name in is_given:
                 try:
                     x = real_array(values[name])
                 except NotRealError as exc:
@@ -304,20 +237,20 @@ class Scene:
                     continue
                 x.flags.writeable = False
             object.__setattr__(self, name, x)
-        if kind is HarmonicFields and not (problems or self.along_harmonics or self.normal_harmonics):
+        if kind is Harmonics and not (problems or self.along_harmonics or self.normal_harmonics):
             problems.append(Problem("along_harmonics", "none", "at least one pair, or normal_harmonics"))
         if problems:
             raise SceneError(tuple(problems))
         try:
             _ = self.shape
         except ValueError:
-            shapes = ", ".join(f"{name} {x.shape}" for name, _, x in self._members())
+            shapes = ", ".join(f"{name} {x.shape}" for name, _, x in self.arrays().members())
             problem = Problem("shapes", shapes, "broadcastable against each other, like a ufunc's arguments")
             raise SceneError((problem,)) from None
 
     def _field_problems(self) -> list[Problem]:
         problems = []
-        for field, name, x in self._members():
+        for field, name, x in self.arrays().members():
             if not x.ndim:  # plain numbers take a tenth of the time
                 number = float(x)
                 if not (math.isfinite(number) and QUANTITIES[name].allows(number)):
@@ -327,13 +260,6 @@ class Scene:
             if np.count_nonzero(good) < x.size:
                 problems.append(Problem(field, field_text(name, float(x[~good].flat[0])), field_range(name)))
         return problems
-
-    def _members(self) -> list[tuple[str, str, Floats]]:
-        """Return every array with the name of its field, and of a quantity with the same unit and range."""
-        fields = self.arrays()
-        if isinstance(fields, HarmonicFields):
-            return fields.members()
-        return [(name, name, x) for name, x in fields._asdict().items()]
 
     def _combination_problems(self) -> list[Problem]:
         bad = np.asarray(self.kinetic_friction > self.static_friction)

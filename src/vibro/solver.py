@@ -12,14 +12,13 @@ from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.compiled import doors
 from vibro.core.samples import BODIES, ROWS
 from vibro.parallel import in_parallel
-from vibro.scene import EllipticalFields, LinearFields
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from vibro.scene import Fields
+    from vibro.drives import Drive
 
     Floats = NDArray[np.float64]
 
@@ -33,8 +32,13 @@ class Grid:
 
     Parameters
     ----------
-    fields : LinearFields or EllipticalFields
+    fields : Drive
         Of a scene; they broadcast against each other, and nothing is copied for that.
+
+    Raises
+    ------
+    InputError
+        If the drive has harmonics.
 
     Attributes
     ----------
@@ -44,14 +48,8 @@ class Grid:
         Number of cells.
     """
 
-    def __init__(self, fields: Fields) -> None:
-        if isinstance(fields, EllipticalFields):
-            arrays = tuple(fields)
-        elif isinstance(fields, LinearFields):
-            arrays = (fields.amplitude, fields.drive_angle, _ONE, *fields[1:2], *fields[3:])
-        else:
-            fields.refuse()
-        is_ellipse = isinstance(fields, EllipticalFields)
+    def __init__(self, fields: Drive) -> None:
+        arrays, is_ellipse = fields.columns()
         ndims = {x.ndim for x in arrays}
         if ndims == {0}:  # one scene: one small buffer
             self.shape: tuple[int, ...] = ()

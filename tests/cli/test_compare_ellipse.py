@@ -153,4 +153,4 @@ def test_drives_with_harmonics_are_refused(run: Run, data: Path, tmp_path: Path)
     for columns in (BODY, (*BODY, *TROUGH)):
         result = run("compare", path, data, *columns)
         assert (result.exit_code, result.stdout) == (2, "")
-        assert "error: a drive with harmonics cannot be compared with a record" in result.stderr
+        assert "error: a drive with harmonics: flights, histories" in result.stderr

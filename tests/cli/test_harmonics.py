@@ -129,7 +129,7 @@ def test_regions_of_a_map_are_those_of_its_cells() -> None:
         (("solve", *NUT, "--along-2", "0.3"), "a drive moves either along a line or along an ellipse"),
         (("solve", "--along", "1", "--normal", "0", "--along-phase-2", "9", "-f", "10", *FRICTION),
          "missing: second along amplitude (--along-2)"),
-        (("simulate", *SLIP_STICK), "a drive with harmonics: of its bodies"),
+        (("simulate", *SLIP_STICK), "a drive with harmonics: flights"),
         (("traverse-time", *SLIP_STICK, "--along-2", ".1:.3:3", "-L", "6", "--exact"), "--exact: bodies of"),
         (("solve", *SLIP_STICK, "--stand-ratio", "0.3"), "a drive with harmonics"),
     ],

@@ -26,8 +26,8 @@ from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.return_map import Hops
 from vibro.core.scenes import Scenes, no_directions, seek, unit_point_at
 from vibro.core.windows import thresholds
+from vibro.drives import Line
 from vibro.results.steady import RESULTS
-from vibro.scene import LinearFields
 from vibro.slopes import Gradient, displacement_gradient, slides_of
 from vibro.solver import Grid, Scratch
 
@@ -247,7 +247,7 @@ def test_critical_loads_go_to_their_fields() -> None:
     for scene in (LINES, ELLIPSES):
         found = vibro.critical_loads(scene)
         fields = scene.arrays()
-        if isinstance(fields, LinearFields):
+        if isinstance(fields, Line):
             fields = fields._replace(amplitude=np.ones(()))
         grid = Grid(fields)
         scenes, place = Scenes(*grid.scenes), doors().row(grid.place())

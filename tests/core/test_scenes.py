@@ -14,7 +14,7 @@ from vibro import Scene
 from vibro.core.compiled import Doors, doors
 from vibro.core.drives import directions, ellipse_scale
 from vibro.core.scenes import Scenes, advance, no_directions, point_at, seek, unit_point_at
-from vibro.harmonics import HarmonicFields
+from vibro.drives import Harmonics
 from vibro.solver import Grid, Scratch, over_cells
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def test_harmonics_have_no_cells_here() -> None:
         along_harmonics=[(1e-3, 0.0), (2e-4, 0.3)], frequency=20.0, static_friction=0.5, kinetic_friction=0.4
     )
     fields = scene.arrays()
-    assert isinstance(fields, HarmonicFields)
+    assert isinstance(fields, Harmonics)
     with pytest.raises(Exception, match="harmonic"):
         Grid(fields)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scenes import scene_with
 
-from vibro import Regime, Scene, SceneError, Status, guarantee, solve
+from vibro import InputError, Regime, Scene, SceneError, Status, guarantee, solve
 from vibro.inverse.certain import certain
 from vibro.limits import critical_loads_of_lines
 
@@ -311,5 +311,5 @@ def test_other_drives_are_not_known() -> None:
         static_friction=0.5,
         kinetic_friction=0.4,
     )
-    with pytest.raises(SceneError, match="this is not known"):
+    with pytest.raises(InputError, match="an ellipse: closed forms and proved bounds"):
         certain(ellipse, static_friction=STATIC, second_friction=KINETIC, is_ratio=False)

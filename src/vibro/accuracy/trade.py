@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.accuracy.methods import METHODS, Answers, answers_of, converged_answers
 from vibro.accuracy.sample import draw_scenes, take_scenes
 from vibro.core.codes import Regime
-from vibro.scene import LinearFields, Scene
+from vibro.drives import Ability, Line
+from vibro.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -127,8 +128,8 @@ def best_reference() -> Reference:
     def answer(scene: Scene, tick: Tick) -> Answers:
         cycles = []
         start = time.perf_counter()
-        flat = scene.flat()
-        assert isinstance(flat, LinearFields)
+        flat: Any = scene.flat()
+        flat.require(Ability.PROOF)
         for values in zip(*(field.tolist() for field in flat[:-1]), strict=True):
             cycles.append(exact_cycle(values))
             tick()
@@ -223,7 +224,7 @@ def _sample(grid: Grid, scenes: int, reference: Reference, tick: Tick) -> tuple[
         )
     fields = {
         name: np.concatenate([getattr(part, name) for part, _ in parts] or [np.empty(0)])
-        for name in LinearFields._fields
+        for name in Line._fields
     }
     displacement = np.concatenate([a.displacement for _, a in parts] or [np.empty(0)])
     regime = np.concatenate([a.regime for _, a in parts] or [np.empty(0, np.int8)])

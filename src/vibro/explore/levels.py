@@ -18,9 +18,9 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.core.hopping import MOST_THROW
+from vibro.drives import Ability
 from vibro.limits import CriticalLoads
 from vibro.results.steady import RESULTS, SteadyCycle
-from vibro.scene import EllipticalFields, HarmonicFields
 from vibro.sweeps.grid import scene_of
 from vibro.sweeps.run import limits_of
 
@@ -110,8 +110,8 @@ class MapCells:
         self._limit_rows: list[CriticalLoads] = []
         values = grid.values()
         scene = scene_of(values)
-        kind = type(scene.arrays())
-        self._harmonic = kind is HarmonicFields
+        drive = scene.arrays()
+        self._harmonic = not drive.can(Ability.FLIGHT)
         if self._harmonic:
             self._solved, waiting = _unsolved(grid.shape), np.ones(grid.shape, np.bool_)
         else:
@@ -126,7 +126,7 @@ class MapCells:
         self._line = None if self._is_solved else _Line.over(grid, scene, waiting)
         if self._line is not None and not grid.fixed["restitution"] and expected <= patience:
             self._line.solve_more()
-        self._has_limits = kind is not EllipticalFields
+        self._has_limits = drive.can(Ability.PROOF) or self._harmonic
         if self._has_limits:
             self._limits = limits_of(values)
         self._turn = _Turn()

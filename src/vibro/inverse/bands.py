@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.drives import Ability
 from vibro.errors import Problem, SceneError, shown
-from vibro.harmonics import HarmonicFields
 from vibro.inverse.boxes import Box
 from vibro.inverse.ellipses import EllipticalBox
 from vibro.quantities import QUANTITIES
@@ -34,8 +34,7 @@ def one_point(scene: object) -> None:
     """Refuse what is not one operating point of a drive along a line or an ellipse."""
     if not isinstance(scene, Scene):
         raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
-    if isinstance(scene.arrays(), HarmonicFields):
-        raise SceneError((Problem("drive", "harmonics", "along a line or an ellipse"),))
+    scene.arrays().require(Ability.FLIGHT)
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
 

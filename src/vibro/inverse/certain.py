@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.errors import Problem, SceneError
+from vibro.drives import Ability, Line
 from vibro.inverse.bands import line_box_of
 from vibro.limits import back_slip_of
-from vibro.scene import LinearFields, Scene
+from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -112,9 +112,7 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
     >>> found.lowest.tolist(), found.highest.tolist()
     ([0, 0, 1, 1, 2, 3], [0, 1, 1, 2, 2, 3])
     """
-    if not isinstance(scene.arrays(), LinearFields):
-        allowed = "amplitude and drive_angle: for other drives this is not known"
-        raise SceneError((Problem("drive", "an ellipse or harmonics", allowed),))
+    scene.arrays().require(Ability.PROOF)
     second = "friction_ratio" if is_ratio else "kinetic_friction"
     bands = {"static_friction": static_friction, second: second_friction}
     box = line_box_of(Scene(**_ANY, static_friction=1.0, kinetic_friction=0.0), bands)
@@ -170,7 +168,7 @@ def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Reg
     for _ in range(_HALVINGS):
         if not which.size:
             break
-        part = LinearFields(*(x.take(which) for x in points))
+        part = Line(*(x.take(which) for x in points))
         near, far = (end, start) if slips_back else (start, end)
         proved = _slips_back(part, near, box.kinetic_span(far)[last]) == slips_back
         middle = 0.5 * (start + end)
@@ -183,7 +181,7 @@ def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Reg
     codes.reshape(-1)[cells[fails]] = otherwise
 
 
-def _slips_back(fields: LinearFields, static_friction: Floats, kinetic_friction: Floats) -> Bools:
+def _slips_back(fields: Line, static_friction: Floats, kinetic_friction: Floats) -> Bools:
     """Tell which bodies on a decline slip back, by Eqs. (5) and (17).
 
     One that static friction does not hold runs away forward, as one does that it barely holds and kinetic

@@ -63,6 +63,8 @@ def simulate(
     SceneError, VibroError
         If an argument is out of its range, or the scene has no motion that could be followed, or the body
         never covers ``length``.
+    InputError
+        If the drive has harmonics.
 
     Notes
     -----

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import LETTERS, Mode, Regime, Status
-from vibro.core.harmonic.arrays import CycleLeg
+from vibro.core.harmonic.arrays import CycleLeg, each
 from vibro.core.harmonic.legs import harmonic_legs
+from vibro.drives import Ability, Harmonics
 from vibro.errors import VibroError
 from vibro.motion.histories import follow, is_followed, simulate
 from vibro.results.history import Legs
-from vibro.scene import EllipticalFields, HarmonicFields
 from vibro.slopes import slides_of
 from vibro.solver import Grid
 from vibro.steady import solve
@@ -72,17 +72,16 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
         In the order of the pattern; empty where there is no steady cycle, or none that could be followed, or
         one with flights that does not begin to repeat within 1000 drive cycles.
     """
-    fields = scene.flat()
-    if isinstance(fields, HarmonicFields):
-        legs = harmonic_legs(fields.harmonic_loads())
+    fields = scene.arrays()
+    if not fields.can(Ability.FLIGHT):
+        legs = harmonic_legs(each(Harmonics.of(scene), np.ravel).loads())
     else:
         grid = Grid(scene.arrays())
         if not is_followed(grid):
             return ()
         cycle = solve(scene, flight=False)
         if cycle.regime == Regime.HOPPING:
-            lead = fields.normal_phase.item() if isinstance(fields, EllipticalFields) else 0.0
-            legs = _legs_with_flights(grid, math.remainder(lead, _TURN))
+            legs = _legs_with_flights(grid, math.remainder(fields.phase.item(), _TURN))
         else:
             legs = _contact_legs(scene, cycle)
     w, scale = 2.0 * math.pi * float(scene.frequency), float(scene.scale)

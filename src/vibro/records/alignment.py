@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from vibro.drives import Ability
 from vibro.errors import InputError
-from vibro.harmonics import HarmonicFields
 from vibro.quantities import AMPLITUDES, QUANTITIES
 from vibro.records.folding import Folded, fold, independent_samples
 from vibro.records.signals import MOST
@@ -234,11 +234,9 @@ def check_scene(scene: Scene) -> None:
         1e-20 to 1e20 in SI units.
     """
     fields = scene.arrays()
-    if isinstance(fields, HarmonicFields):
-        raise InputError(
-            "a drive with harmonics cannot be compared with a record",
-            hint="give its fundamental alone: -A and -a, or --along, --normal and --phase",
-        )
+    fields.require(
+        Ability.FLIGHT, hint="give its fundamental alone: -A and -a, or --along, --normal and --phase"
+    )
     largest = max((name for name in AMPLITUDES if name in fields._fields), key=lambda n: getattr(fields, n))
     problems = []
     for name in (largest, "frequency", "gravity"):

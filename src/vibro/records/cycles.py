@@ -12,7 +12,7 @@ from vibro.core.codes import PATTERNS, Regime, is_answered
 from vibro.errors import VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import computed
-from vibro.scene import EllipticalFields, LinearFields, Scene
+from vibro.scene import Scene
 from vibro.slopes import slides_of
 from vibro.steady import solve
 
@@ -178,11 +178,6 @@ def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
         except VibroError:  # it repeats its motion only every few cycles, or never
             labels[cell] = ""
     fields = scene.flat()
-    if isinstance(fields, EllipticalFields):
-        along = fields.along_amplitude
-    else:
-        assert isinstance(fields, LinearFields)
-        along = fields.amplitude * np.cos(fields.drive_angle)
-    scales, inertias = np.asarray(fields.scale), along * (_TURN * fields.frequency) ** 2
+    scales, inertias = np.asarray(fields.scale), fields.along * (_TURN * fields.frequency) ** 2
     zeros, starts, lengths, sizes, resistances = slides
     return Cycles(labels, values, scales, inertias, zeros, starts, lengths, sizes, resistances, hopping)

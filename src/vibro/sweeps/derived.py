@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import SPELT_PATTERNS, Pattern, Status
+from vibro.drives import Ability
 from vibro.limits import stays_upright, tipping_load
 from vibro.quantities import LENGTH, QUANTITIES
 from vibro.results.steady import (
@@ -23,7 +24,6 @@ from vibro.results.steady import (
     Result,
 )
 from vibro.results.sweep import Block, Column
-from vibro.scene import HarmonicFields
 from vibro.slopes import load_slope
 from vibro.sweeps.grid import scene_of
 
@@ -78,16 +78,13 @@ def _stroke(block: Block) -> Floats:
     """From one end of the trough's path to the other, the farther way."""
     if "amplitude" in block.values:
         return 2.0 * block.values["amplitude"]
-    scene = scene_of(block.values)
-    if isinstance(scene.arrays(), HarmonicFields):  # whose path need not be symmetric
-        return _unknown(block)
-    return np.asarray(LENGTH.from_si(2.0 * scene.reach))
+    return np.asarray(LENGTH.from_si(scene_of(block.values).arrays().stroke))
 
 
 def _speed_exponent(block: Block) -> Floats:
     """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where none is conveyed."""
     cycle, scene = block.cycle, scene_of(block.values)
-    if isinstance(scene.arrays(), HarmonicFields):
+    if not scene.arrays().can(Ability.FLIGHT):
         return _unknown(block)
     pattern = cycle.pattern_code
     displacement = cycle.displacement_per_cycle / scene.scale

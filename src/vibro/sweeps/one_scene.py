@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import PHASE_NAMES, Regime, Status
+from vibro.drives import Ability
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, scene_fields
-from vibro.scene import HarmonicFields, Scene
+from vibro.scene import Scene
 from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
 from vibro.sweeps.run import sweep_blocks
 
@@ -212,7 +213,7 @@ class OneScene:
     @property
     def has_harmonics(self) -> bool:
         """Whether the drive has harmonics, of which it is not known what comes next."""
-        return isinstance(self.scene.arrays(), HarmonicFields)
+        return not self.scene.arrays().can(Ability.FLIGHT)
 
     def transitions(self) -> tuple[Transition, ...]:
         """Return where each kind of motion begins; none where that is not known."""

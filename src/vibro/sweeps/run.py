@@ -9,13 +9,13 @@ import numpy as np
 
 from vibro.axes import Axis
 from vibro.core.codes import Status
+from vibro.drives import Ability
 from vibro.limits import critical_loads
 from vibro.motion.arrivals import arrival_time
 from vibro.parallel import BLOCK, cores, grid_blocks, within
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.results.sweep import Block, SweepResult
-from vibro.scene import HarmonicFields
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -171,7 +171,7 @@ def _solved_indices(grid: Grid, drawn: Mapping[str, tuple[int, ...]]) -> dict[st
 def limits_of(values: Mapping[str, Floats]) -> CriticalLoads | None:
     """Find the critical loads of cells; nothing where their drives have harmonics."""
     scene = scene_of(values)
-    return None if isinstance(scene.arrays(), HarmonicFields) else critical_loads(scene)
+    return critical_loads(scene) if scene.arrays().can(Ability.FLIGHT) else None
 
 
 def _resolution(ranges: int, kept: int, *, bounces: bool) -> int:
