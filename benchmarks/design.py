@@ -27,13 +27,12 @@ import vibro
 from vibro import Regime, Scene
 from vibro.inverse import extremes
 from vibro.inverse.bands import box_of
-from vibro.inverse.caps import hop_load
 from vibro.inverse.extremes import Seen, searched
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from vibro.inverse.boxes import Box
+    from vibro.inverse.spaces import Box
 
     Row = dict[str, Any]
 
@@ -91,7 +90,7 @@ def random_box(rng: np.random.Generator) -> Box:
         **({"friction_ratio": tuple(ratio)} if rng.random() < 0.5 else kinetic),
     }
     box = box_of(scene, bands)
-    load = float(hop_load(box)) * rng.uniform(0.3, 0.98)
+    load = float(box.hop_load) * rng.uniform(0.3, 0.98)
     amplitude = load * box.gravity / (2.0 * math.pi * box.frequency[1]) ** 2
     return replace(box, amplitude=(amplitude * (1.0 - drift), amplitude))
 

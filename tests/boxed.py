@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from vibro import Regime, Scene, SteadyCycle, solve
-from vibro.inverse.bands import line_box_of
-from vibro.inverse.caps import back_slip_load, hop_load
+from vibro.drives import Line
+from vibro.inverse.bands import box_of
+from vibro.inverse.proofs import back_slip_load
 from vibro.inverse.questions import Question
 from vibro.inverse.specs import Drive, Goal, Spec
 
@@ -106,8 +107,8 @@ def boxes(
         kinetic_friction=low * ratio[0],
         trough_angle=trough,
     )
-    box = line_box_of(scene, bands)
-    most = float(hop_load(box))
+    box = box_of(scene, bands)
+    most = float(box.hop_load)
     if forward:
         most = min(most, float(back_slip_load(box)))
     load = most * draw(st.floats(0.1, most_load))
@@ -143,9 +144,12 @@ def question_of(row: dict[str, Any]) -> Question:
     trough = math.radians(row["trough_angle_deg"])
     drive = Drive(
         name=row["id"],
-        amplitude=(0.0, row.get("amplitude_max_mm", math.inf) / 1e3),
-        frequency=(span(row["frequency_hz"]),),
-        drive_angle=((math.radians(low), math.radians(high)),),
+        kind=Line,
+        choices={
+            "amplitude": ((0.0, row.get("amplitude_max_mm", math.inf) / 1e3),),
+            "frequency": (span(row["frequency_hz"]),),
+            "drive_angle": ((math.radians(low), math.radians(high)),),
+        },
         acceleration=row.get("acceleration_max_g", math.inf),
     )
     bands = {**friction_of(row), "trough_angle": (trough, trough)}

@@ -6,6 +6,11 @@ import copy
 import tomllib
 from typing import Any
 
+from vibro.drives import Ellipse, Line
+from vibro.inverse.spaces import SPACES
+from vibro.quantities import QUANTITIES
+from vibro.results.designs import Design, DesignResult
+
 FEEDER = """
 [scene]
 static_friction = "0.3:0.5"
@@ -67,3 +72,14 @@ def changed(**entries: Any) -> dict[str, Any]:
         if value is None:
             del entry[key]
     return content
+
+
+def answered(met: bool, *designs: Design) -> DesignResult:
+    """Make an answer of designs that a test wrote by hand, with their settings in SI units."""
+    settings = []
+    for design in designs:
+        space = SPACES[Line if design.drive_angle_deg is not None else Ellipse]
+        values = {knob: getattr(design, QUANTITIES[knob].column) for knob in space.knobs}
+        known = {knob: QUANTITIES[knob].to_si(x) for knob, x in values.items() if x is not None}
+        settings.append(space.setting(**known) if known.keys() == values.keys() else None)
+    return DesignResult(met, designs, tuple(settings))

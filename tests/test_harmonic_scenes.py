@@ -132,7 +132,5 @@ def test_hopping_is_told_and_not_followed() -> None:
     ids=["critical loads", "transitions", "simulate", "arrival time"],
 )
 def test_what_is_not_known_is_refused_with_what_there_is(ask: Any) -> None:
-    with pytest.raises(
-        VibroError, match="a drive with harmonics: flights, histories and critical loads"
-    ):
+    with pytest.raises(VibroError, match="a drive with harmonics: flights, histories and critical loads"):
         ask(Scene(along_harmonics=SLIP_STICK, **REST))

@@ -34,7 +34,7 @@ def test_solving_loads_no_library_for_tables_pictures_or_the_command_line() -> N
 
 # What each public name gives when it is called as its documentation says.
 CALLS = {
-    "DesignResult": "vibro.DesignResult(True, ()).met",
+    "DesignResult": "vibro.DesignResult(True, (), ()).met",
     "FileError": "issubclass(vibro.FileError, vibro.VibroError)",
     "InputError": "issubclass(vibro.InputError, vibro.VibroError)",
     "Guarantee": "isinstance(vibro.guarantee(scene), vibro.Guarantee)",

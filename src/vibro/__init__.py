@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
     from vibro.core.codes import Regime, Status
     from vibro.errors import FileError, InputError, SceneError, VibroError
-    from vibro.inverse.amplitudes import feasible_amplitudes
     from vibro.inverse.designs import design
     from vibro.inverse.guarantees import guarantee
+    from vibro.inverse.windows import feasible_amplitudes
     from vibro.inverse.yields import yield_share
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
@@ -72,7 +72,7 @@ _HOMES = {
     "arrival_time": "vibro.motion.arrivals",
     "critical_loads": "vibro.limits",
     "design": "vibro.inverse.designs",
-    "feasible_amplitudes": "vibro.inverse.amplitudes",
+    "feasible_amplitudes": "vibro.inverse.windows",
     "guarantee": "vibro.inverse.guarantees",
     "open_sweep": "vibro.sweeps.stored",
     "read_scene": "vibro.sweeps.whole",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from commands import Run, rows_of
+from questions import answered
 
 import vibro
 from vibro.files.toml_files import read_toml
@@ -95,7 +96,7 @@ def answer(*, met: bool) -> DesignResult:
         *rows("magnet", "back-slip"),
         *rows("magnet", "hopping"),
     ]
-    return DesignResult(met, tuple(found))
+    return answered(met, *found)
 
 
 def found(monkeypatch: pytest.MonkeyPatch, result: DesignResult) -> list[Spec]:
@@ -116,7 +117,7 @@ def found(monkeypatch: pytest.MonkeyPatch, result: DesignResult) -> list[Spec]:
 def coarse() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("vibro.plots.settings._RESOLVED", 41)
-        patch.setattr("vibro.inverse.fields._POINTS", {False: 41, True: 41})
+        patch.setattr("vibro.inverse.pictured._POINTS", {False: 41, True: 41})
         yield
 
 
@@ -205,9 +206,7 @@ frequency_hz = 25
         SAFEST, amplitude_mm=None, drive_angle_deg=None, along_amplitude_mm=0.9, normal_amplitude_mm=0.3,
         normal_phase_deg=-58.5, frequency_hz=25.0, amplitude_low_mm=0.7, amplitude_high_mm=1.0,
     )  # fmt: skip
-    found(
-        monkeypatch, DesignResult(True, tuple(rows("motor", "forward-slip", safest=design, gentlest=design)))
-    )
+    found(monkeypatch, answered(True, *rows("motor", "forward-slip", safest=design, gentlest=design)))
     result = run("design", "bowl.toml", "-o", "bowl")
     assert (result.exit_code, "met by motor" in squeezed(result.stdout)) == (0, True)
     lines = squeezed(result.stdout)
@@ -281,7 +280,7 @@ def test_where_nothing_is_guaranteed_there_is_nothing_to_draw(
     assert ask("-o", "nut").exit_code == 0
     regimes = ("forward-slip", "back-slip", "hopping")
     empty = [d for drive in ("motor", "magnet") for regime in regimes for d in rows(drive, regime)]
-    found(monkeypatch, DesignResult(False, tuple(empty)))
+    found(monkeypatch, answered(False, *empty))
     result = run("design", "nut.toml", "-o", "nut", "--force")
     assert result.exit_code == 4
     assert sorted(path.name for path in Path().iterdir()) == ["nut.csv", "nut.json", "nut.toml"]
@@ -333,9 +332,7 @@ def test_the_margin_in_words(
     )
     Path("known.toml").write_text(known, encoding="utf-8")
     design = replace(SAFEST, margin=margin)
-    found(
-        monkeypatch, DesignResult(True, tuple(rows("motor", "forward-slip", safest=design, gentlest=design)))
-    )
+    found(monkeypatch, answered(True, *rows("motor", "forward-slip", safest=design, gentlest=design)))
     assert f"margin {text}" in squeezed(run("design", "known.toml").stdout)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,14 +13,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import line_of, scene_with
 
-from vibro.inverse.bands import line_box_of
-from vibro.inverse.caps import back_slip_load, hop_load, onset_load, tip_load
+from vibro.inverse.bands import box_of
+from vibro.inverse.proofs import back_slip_load, onset_load, tip_load
 from vibro.limits import critical_loads_of_lines, tipping_load_of_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Box
+    from vibro.inverse.spaces import Box
 
     Floats = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ def grid_of(box: Box) -> Any:
 def criticals_of(box: Box) -> Any:
     points = grid_of(box)
     return critical_loads_of_lines(
-        points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
+        points.shape[0], points.static_friction, points.kinetic_friction, points.trough_angle
     )
 
 
@@ -53,25 +54,23 @@ def assert_least(cap: Floats, loads: Floats) -> None:
 
 @given(drawn)
 def test_hop_and_onset(box: Boxed) -> None:
-    one = line_box_of(box.scene, box.bands)
+    one = box_of(box.scene, box.bands)
     loads = criticals_of(one)
-    assert float(hop_load(one)) == pytest.approx(np.min(loads.hop), rel=1e-12)
+    assert float(one.hop_load) == pytest.approx(np.min(loads.hop), rel=1e-12)
     assert float(onset_load(one)) == pytest.approx(np.max(loads.forward_onset), rel=1e-12)
 
 
 @given(drawn)
 def test_back_slip(box: Boxed) -> None:
-    one = line_box_of(box.scene, box.bands)
+    one = box_of(box.scene, box.bands)
     assert_least(back_slip_load(one), criticals_of(one).back_slip)
 
 
 @given(drawn, st.floats(0.1, 1.5))
 def test_tip(box: Boxed, stand_ratio: float) -> None:
-    one = line_box_of(box.scene, box.bands)
+    one = box_of(box.scene, box.bands)
     points = grid_of(one)
-    loads = tipping_load_of_lines(
-        points.drive_angle, points.static_friction, points.trough_angle, stand_ratio
-    )
+    loads = tipping_load_of_lines(points.shape[0], points.static_friction, points.trough_angle, stand_ratio)
     assert_least(tip_load(one, stand_ratio), loads)
     if one.static_friction[1] <= stand_ratio:
         assert math.isinf(tip_load(one, stand_ratio))
@@ -84,7 +83,7 @@ def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
             scene = scene_with(
                 drive_angle=math.radians(10), trough_angle=math.radians(trough), kinetic_friction=0.1
             )
-            box = line_box_of(scene, {"static_friction": (0.4, 1.5), "friction_ratio": (0.4, ratio)})
+            box = box_of(scene, {"static_friction": (0.4, 1.5), "friction_ratio": (0.4, ratio)})
             mu_s = np.linspace(0.4, 1.5, 20001)
             angle = line_of(scene).drive_angle
             loads = critical_loads_of_lines(angle, mu_s, ratio * mu_s, scene.trough_angle).back_slip
@@ -100,7 +99,7 @@ def test_caps_of_many_boxes_are_those_of_each() -> None:
     bands = {"static_friction": (0.5, 0.9), "friction_ratio": (0.4, 0.8)}
     for trough in (0.0, math.radians(-8)):
         scenes = [scene_with(drive_angle=float(a), trough_angle=trough) for a in angles[:, 0]]
-        single = [line_box_of(scene, bands) for scene in scenes]
-        many = line_box_of(scenes[0], bands).__class__(**{**vars(single[0]), "drive_angle": (angles, angles)})
-        for cap in (hop_load, onset_load, back_slip_load, lambda box: tip_load(box, 0.6)):
+        single = [box_of(scene, bands) for scene in scenes]
+        many = replace(single[0], shape={"drive_angle": (angles, angles)})
+        for cap in (lambda box: box.hop_load, onset_load, back_slip_load, lambda box: tip_load(box, 0.6)):
             np.testing.assert_array_equal(np.ravel(cap(many)), [float(cap(box)) for box in single])

@@ -9,10 +9,9 @@ import pytest
 
 import vibro
 from vibro.core.codes import Regime
-from vibro.inverse.optima import Optimiser
+from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.specs import Drive
 from vibro.results.designs import Design
 
 ORDER = ("forward-slip", "back-slip", "hopping")
@@ -23,11 +22,9 @@ def rows(question: dict[str, Any]) -> dict[tuple[str, str], Design]:
     return {(d.highest_regime, d.design): d for d in vibro.design(question).designs}
 
 
-def optimiser(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> Optimiser:
+def optimiser(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> LineOptimiser:
     spec = read_spec(question)
-    drive = spec.drives[0]
-    assert isinstance(drive, Drive)
-    return Optimiser(Question(spec, drive, highest))
+    return LineOptimiser(Question(spec, spec.drives[0], highest))
 
 
 def one_drive(scene: dict[str, Any], drive: dict[str, Any], speed: float, **more: Any) -> dict[str, Any]:

@@ -9,17 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from questions import answered
 
 import vibro
 from vibro import InputError, Regime
 from vibro.inverse.designs import chosen_of
-from vibro.inverse.elliptical_optima import EllipticalOptimiser
-from vibro.inverse.elliptical_questions import EllipticalQuestion, EllipticalSetting, question_of
-from vibro.inverse.elliptical_rows import EllipticalRows
-from vibro.inverse.fields import setting_fields, speed_band
+from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.pictured import setting_fields, speed_band
+from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.rows import nominal_scene
+from vibro.inverse.rows import find
+from vibro.inverse.spaces import Setting
 from vibro.results.designs import Design, DesignResult
 
 FREQUENCY, FRICTION, GRAVITY = 25.0, 0.3, 9.81
@@ -38,11 +39,9 @@ BEST = {
 THROWS = (0.2, 0.5, 0.8, 1.0)
 
 
-def asked(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> EllipticalQuestion:
+def asked(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> Question:
     spec = read_spec(question)
-    found = question_of(spec, spec.drives[0], highest)
-    assert isinstance(found, EllipticalQuestion)
-    return found
+    return Question(spec, spec.drives[0], highest)
 
 
 def one_drive(
@@ -61,11 +60,11 @@ def best_phase(load: float, throw: float) -> tuple[float, float, float]:
         "frequency_hz": FREQUENCY,
     }
     question = asked(one_drive({"static_friction": FRICTION, "friction_ratio": 1}, drive))
-    best = EllipticalOptimiser(question).fastest()
+    best = EllipseOptimiser(question).fastest()
     assert best is not None
     phases = np.radians(np.linspace(-180.0, 180.0, 3601))
-    around = EllipticalSetting(best.setting.along_amplitude, best.setting.normal_amplitude, phases, FREQUENCY)
-    speed = vibro.solve(nominal_scene(question, around), flight=False).mean_velocity
+    around = Setting(best.setting.along_amplitude, best.setting.normal_amplitude, phases, FREQUENCY)
+    speed = vibro.solve(question.nominal_scene(around), flight=False).mean_velocity
     assert best.speed >= speed.max() * (1 - 1e-12)
     return (
         math.degrees(best.setting.normal_phase),
@@ -110,12 +109,12 @@ LOOSE = one_drive(
 @pytest.mark.parametrize("highest", [Regime.FORWARD_SLIP, Regime.BACK_SLIP])
 def test_no_setting_is_faster_or_gentler(highest: Regime) -> None:
     question = asked(LOOSE, highest)
-    optimiser = EllipticalOptimiser(question)
+    optimiser = EllipseOptimiser(question)
     fastest = optimiser.fastest()
     assert fastest is not None
     setting = fastest.setting
     assert question.load(setting) <= 1.5
-    guarantee = guarantee_of(question.boxes(setting))
+    guarantee = guarantee_of(question.box(setting))
     assert max(guarantee.regimes) <= highest
     assert guarantee.speed_min == pytest.approx(fastest.speed, rel=1e-6)
     target = 0.7 * fastest.speed
@@ -123,12 +122,11 @@ def test_no_setting_is_faster_or_gentler(highest: Regime) -> None:
     assert gentlest is not None
     assert gentlest.speed >= target
     rng = np.random.default_rng(1)
-    drive = question.drive
-    spans = (drive.along_amplitude, drive.normal_amplitude, drive.normal_phase)
-    along, normal, phase = (rng.uniform(*span, 20000) for span in spans)
-    drawn = EllipticalSetting(along, normal, phase, np.full(20000, 25.0))
+    knobs = ("along_amplitude", "normal_amplitude", "normal_phase")
+    along, normal, phase = (rng.uniform(*question.drive.span(knob), 20000) for knob in knobs)
+    drawn = Setting(along, normal, phase, np.full(20000, 25.0))
     allowed = question.load(drawn) <= 1.5
-    drawn = EllipticalSetting(*(x[allowed] for x in drawn))
+    drawn = Setting(*(x[allowed] for x in drawn))
     speed = optimiser.least(drawn, 1.0)
     assert speed.max() <= fastest.speed * (1 + 1e-6)
     assert speed.max() >= 0.85 * fastest.speed  # the sample comes close
@@ -190,10 +188,8 @@ def test_designs_within_a_regime_are_designs_within_the_next() -> None:
 def test_a_window_is_of_both_amplitudes() -> None:
     drive = {"along_amplitude_mm": "0.3:1", "normal_amplitude_mm": "0.1:0.3", "frequency_hz": 25}
     drive |= {"normal_phase_deg": -50}
-    spec = read_spec(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 30.0))
-    question = question_of(spec, spec.drives[0], Regime.BACK_SLIP)
-    assert isinstance(question, EllipticalQuestion)
-    row = EllipticalRows(question, {}).row("fastest")
+    question = asked(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 30.0))
+    row = find(question, {}).row("fastest")
     assert (row.high_set_by, row.low_set_by, row.set_by) == ("limit", "speed", "limit")
     assert row.amplitude_high_mm == pytest.approx(row.along_amplitude_mm, rel=1e-9)
     assert row.amplitude_low_mm is not None
@@ -201,24 +197,25 @@ def test_a_window_is_of_both_amplitudes() -> None:
     assert row.normal_amplitude_mm is not None
     for factor, holds in ((1 + 1e-7, True), (1 - 1e-7, False)):
         share = factor * row.amplitude_low_mm / row.along_amplitude_mm
-        setting = EllipticalSetting(
+        setting = Setting(
             share * row.along_amplitude_mm / 1e3,
             share * row.normal_amplitude_mm / 1e3,
             math.radians(-50.0),
             25.0,
         )
-        assert (guarantee_of(question.boxes(setting)).speed_min >= 0.03) is holds
+        assert (guarantee_of(question.box(setting)).speed_min >= 0.03) is holds
 
 
 def test_a_trough_that_moves_along_its_normal_alone_has_a_window_and_pictures() -> None:
     drive = {"along_amplitude_mm": 0, "normal_amplitude_mm": "0.1:0.35", "frequency_hz": 25}
     scene = {"static_friction": "0.2:0.25", "friction_ratio": 0.9, "trough_angle_deg": -8}
     spec = read_spec(one_drive(scene, drive, 2.0))
-    row = EllipticalRows(asked(one_drive(scene, drive, 2.0)), {}).row("fastest")
+    finder = find(asked(one_drive(scene, drive, 2.0)), {})
+    row = finder.row("fastest")
     assert row.amplitude_low_mm is not None
     assert row.amplitude_high_mm is not None
     assert 0.1 <= row.amplitude_low_mm < row.amplitude_high_mm == pytest.approx(0.35, rel=1e-9)
-    chosen = chosen_of(spec, DesignResult(False, (row,)))
+    chosen = chosen_of(spec, DesignResult(False, (row,), (finder.found["fastest"].setting,)))
     assert chosen is not None
     fields = setting_fields(spec, chosen)
     assert fields.amplitude == "normal_amplitude"
@@ -232,7 +229,7 @@ def test_pictures_show_what_bodies_do() -> None:
         drive="drive 1", highest_regime="back-slip", design="fastest", along_amplitude_mm=0.5,
         normal_amplitude_mm=0.2, normal_phase_deg=-50.0, frequency_hz=25.0,
     )  # fmt: skip
-    chosen = chosen_of(spec, DesignResult(False, (design,)))
+    chosen = chosen_of(spec, answered(False, design))
     assert chosen is not None
     fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)
     assert fields.amplitude == "along_amplitude"
@@ -266,7 +263,7 @@ def test_pictures_show_what_bodies_do() -> None:
     assert len(shown) >= 4
     # the largest acceleration, which is more than that along the trough
     limit = fields.most_load * UNIT
-    edge = EllipticalSetting(limit, 0.4 * limit, math.radians(-50.0), 25.0)
+    edge = Setting(limit, 0.4 * limit, math.radians(-50.0), 25.0)
     assert float(asked(known).load(edge)) == pytest.approx(1.5, rel=1e-12)
 
 
@@ -278,12 +275,12 @@ def test_the_nearest_drive_meets_the_goal() -> None:
         "frequency_hz": 50,
     }
     question = asked(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 80.0))
-    row = EllipticalRows(question, {}).row("fastest")
+    row = find(question, {}).row("fastest")
     assert row.frequency_needed_hz is not None
     assert row.amplitude_needed_mm is not None
     x, y = row.amplitude_needed_mm / 1e3, 0.4 * row.amplitude_needed_mm / 1e3
-    setting = EllipticalSetting(x, y, math.radians(-60.0), row.frequency_needed_hz)
-    assert guarantee_of(question.boxes(setting)).speed_min == pytest.approx(0.08, rel=1e-6)
+    setting = Setting(x, y, math.radians(-60.0), row.frequency_needed_hz)
+    assert guarantee_of(question.box(setting)).speed_min == pytest.approx(0.08, rel=1e-6)
 
 
 def test_largest_amplitudes_keep_to_the_acceleration() -> None:
@@ -292,22 +289,23 @@ def test_largest_amplitudes_keep_to_the_acceleration() -> None:
     frequency = np.full(phase.shape, 25.0)
     for share in (0.0, 0.3, 0.9, 0.999):
         y = np.full(phase.shape, share * 1.5 * UNIT)
-        x = question.most_along(frequency, y, phase)
-        load = question.load(EllipticalSetting(x, y, phase, frequency))
+        x = EllipseOptimiser(question)._most_along(frequency, y, phase)
+        load = question.load(Setting(x, y, phase, frequency))
         assert np.all(load <= 1.5 * (1 + 1e-15))
         np.testing.assert_allclose(load, 1.5, rtol=1e-11)
-    assert np.all(question.most_along(frequency, np.full(phase.shape, 1.6 * UNIT), phase) == 0.0)
+    assert np.all(
+        EllipseOptimiser(question)._most_along(frequency, np.full(phase.shape, 1.6 * UNIT), phase) == 0.0
+    )
 
 
 def test_the_numbers_of_the_documentation_about_the_bowl() -> None:
     spec = read_spec(BOWL)
     found = []
     for drive in spec.drives:
-        question = question_of(spec, drive, Regime.BACK_SLIP)
-        assert isinstance(question, EllipticalQuestion)
-        best = EllipticalOptimiser(question).fastest()
+        question = Question(spec, drive, Regime.BACK_SLIP)
+        best = EllipseOptimiser(question).fastest()
         assert best is not None
-        nominal = vibro.solve(nominal_scene(question, best.setting)).mean_velocity
+        nominal = vibro.solve(question.nominal_scene(best.setting)).mean_velocity
         found.append((1e3 * best.speed, 1e3 * float(nominal), math.degrees(best.setting.normal_phase)))
     assert found[0] == pytest.approx((0.553467, 9.26439, 0.0), rel=1e-5, abs=1e-9)
     assert found[1] == pytest.approx((28.1914, 30.8711, -64.21), rel=1e-4)

@@ -11,10 +11,12 @@ import pytest
 from boxed import ROWS, question_of
 
 from vibro import Regime, Scene, solve
+from vibro.drives import Line
 from vibro.inverse.exchange import MOST_MARGIN
 from vibro.inverse.guarantees import guarantee_of
-from vibro.inverse.optima import Optimiser
-from vibro.inverse.questions import Question, Setting
+from vibro.inverse.lines import LineOptimiser
+from vibro.inverse.questions import Question
+from vibro.inverse.spaces import Setting
 from vibro.inverse.specs import Drift, Drive, Goal, Spec
 
 if TYPE_CHECKING:
@@ -49,11 +51,9 @@ def grid_of(question: Question, count: int) -> Grid:
     """
     rng = np.random.default_rng(0)
     drive, bands = question.drive, question.spec.bands
-    (choice,) = question.ranges
-    angle = rng.uniform(*choice.drive_angle, count)
-    frequency = rng.uniform(*choice.frequency, count)
+    angle, frequency = (rng.uniform(*drive.span(knob), count) for knob in ("drive_angle", "frequency"))
     weight = np.minimum(drive.acceleration, 1.0 / np.sin(angle)) * question.spec.gravity  # hop, level
-    most = np.minimum(drive.amplitude[1], weight / (2.0 * np.pi * frequency) ** 2)
+    most = np.minimum(drive.span("amplitude")[1], weight / (2.0 * np.pi * frequency) ** 2)
     amplitude = most * np.where(rng.random(count) < 0.3, 1.0, rng.random(count))
     mu_s, second = (
         x.ravel()
@@ -65,10 +65,11 @@ def grid_of(question: Question, count: int) -> Grid:
         )
     )
     mu_d = second * mu_s if "friction_ratio" in bands else np.minimum(second, mu_s)
-    setting = Setting(amplitude, frequency, angle)
+    turned = {"amplitude": amplitude, "frequency": frequency, "drive_angle": angle}
+    setting = question.space.setting(**turned)
     cycle = solve(
         Scene(
-            **{name: values[:, None] for name, values in setting._asdict().items()},
+            **{name: values[:, None] for name, values in turned.items()},
             static_friction=mu_s,
             kinetic_friction=mu_d,
             trough_angle=bands["trough_angle"][0],
@@ -86,16 +87,15 @@ def one(setting: Setting, index: int) -> Setting:
 
 def guaranteed(question: Question, setting: Setting, scale: float = 1.0) -> float:
     """Guarantee of a setting; -inf where a body exceeds the regime."""
-    found = guarantee_of(question.boxes(setting, scale))
+    found = guarantee_of(question.box(setting, scale))
     return found.speed_min if max(found.regimes) <= question.highest else -math.inf
 
 
 def assert_allowed(question: Question, found: Optimum) -> None:
     """A setting is within the limits of its drive, and does what is said of it."""
     drive, setting = question.drive, found.setting
-    assert drive.amplitude[0] <= setting.amplitude <= drive.amplitude[1] * (1 + 1e-12)
-    assert any(low <= setting.frequency <= high for low, high in drive.frequency)
-    assert any(low <= setting.drive_angle <= high for low, high in drive.drive_angle)
+    for knob, value in question.space.turned(setting).items():
+        assert any(low * (1 - 1e-12) <= value <= high * (1 + 1e-12) for low, high in drive.choices[knob])
     assert question.load(setting) <= drive.acceleration * (1 + 1e-12)
     assert guaranteed(question, setting) == pytest.approx(found.speed, rel=1e-6)
 
@@ -103,7 +103,7 @@ def assert_allowed(question: Question, found: Optimum) -> None:
 @pytest.mark.parametrize("name", IDS)
 def test_no_setting_is_faster(name: str) -> None:
     question = row_question(name)
-    found = Optimiser(question).fastest()
+    found = LineOptimiser(question).fastest()
     assert found is not None
     assert_allowed(question, found)
     grid = grid_of(question, 8000)
@@ -117,10 +117,10 @@ def test_no_setting_is_faster(name: str) -> None:
 @pytest.mark.parametrize("name", IDS[2:])
 def test_no_setting_is_gentler(name: str) -> None:
     question = row_question(name)
-    fastest = Optimiser(question).fastest()
+    fastest = LineOptimiser(question).fastest()
     assert fastest is not None
     target = 0.7 * fastest.speed
-    found = Optimiser(question).gentlest(target)
+    found = LineOptimiser(question).gentlest(target)
     assert found is not None
     assert_allowed(question, found)
     assert found.speed >= target * (1 - 1e-12)
@@ -139,7 +139,7 @@ def test_no_setting_is_gentler(name: str) -> None:
 )
 def test_no_setting_is_safer(name: str, drifts: bool) -> None:
     question = row_question(name, **({"amplitude": 0.01, "drive_angle": math.radians(0.5)} if drifts else {}))
-    optimiser = Optimiser(question)
+    optimiser = LineOptimiser(question)
     fastest = optimiser.fastest()
     assert fastest is not None
     target = 0.7 * fastest.speed
@@ -161,7 +161,7 @@ def test_no_setting_is_safer(name: str, drifts: bool) -> None:
 
 def test_a_margin_is_of_the_setting_alone() -> None:
     question = row_question("fastest-05")
-    optimiser = Optimiser(question)
+    optimiser = LineOptimiser(question)
     fastest = optimiser.fastest()
     assert fastest is not None
     assert optimiser.margin(fastest.setting, fastest.speed * (1 - 1e-9)) == pytest.approx(1.0, abs=1e-6)
@@ -169,18 +169,21 @@ def test_a_margin_is_of_the_setting_alone() -> None:
     without = replace(
         question, spec=replace(question.spec, bands={k: (b[1],) * 2 for k, b in question.spec.bands.items()})
     )
-    best = Optimiser(without).fastest()
-    assert Optimiser(without).safest(1e-3) == best
-    assert Optimiser(without).safest(10.0) is None
+    best = LineOptimiser(without).fastest()
+    assert LineOptimiser(without).safest(1e-3) == best
+    assert LineOptimiser(without).safest(10.0) is None
 
 
 def test_what_cannot_be_is_told() -> None:
     question = row_question("fastest-02")
-    optimiser = Optimiser(question)
+    optimiser = LineOptimiser(question)
     assert optimiser.gentlest(0.08) is None
     assert optimiser.safest(0.08) is None
-    tiny = replace(question, drive=replace(question.drive, amplitude=(0.0, 1e-6)))
-    assert Optimiser(tiny).fastest() is None
+    tiny = replace(
+        question,
+        drive=replace(question.drive, choices={**question.drive.choices, "amplitude": ((0.0, 1e-6),)}),
+    )
+    assert LineOptimiser(tiny).fastest() is None
 
 
 def test_a_slowest_body_that_moves_along_a_jump_is_not_lost() -> None:
@@ -190,8 +193,10 @@ def test_a_slowest_body_that_moves_along_a_jump_is_not_lost() -> None:
         "friction_ratio": (0.45, 0.5),
         "trough_angle": (math.radians(-6.7),) * 2,
     }
-    drive = Drive("drive", (0.0, 0.85e-3), ((10.0, 25.5),), ((math.radians(15), math.radians(57)),))
+    angles = math.radians(15), math.radians(57)
+    choices = {"amplitude": ((0.0, 0.85e-3),), "frequency": ((10.0, 25.5),), "drive_angle": (angles,)}
+    drive = Drive("drive", Line, choices)
     question = Question(Spec(bands, (drive,), Goal(0.02, Regime.BACK_SLIP)), drive, Regime.BACK_SLIP)
-    found = Optimiser(question).fastest()
+    found = LineOptimiser(question).fastest()
     assert found is not None
     assert_allowed(question, found)

@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from questions import FEEDER, GOOD, PLACES, changed
 
 from vibro.core.codes import Regime
+from vibro.drives import Line
 from vibro.errors import FileError, InputError
 from vibro.inverse.reading import read_spec
-from vibro.inverse.specs import Drift, Drive, Goal, Spec
+from vibro.inverse.specs import Drift, Drive, Goal, Span, Spec
 from vibro.quantities import QUANTITIES
 
 
@@ -28,6 +29,11 @@ def refusal(content: Any) -> InputError:
     with pytest.raises(InputError) as caught:
         read_spec(content)
     return caught.value
+
+
+def line(name: str, amplitude: Span, frequency: Any, drive_angle: Any, *acceleration: float) -> Drive:
+    choices = {"amplitude": (amplitude,), "frequency": frequency, "drive_angle": drive_angle}
+    return Drive(name, Line, choices, *acceleration)
 
 
 def test_a_question_is_read_exactly(tmp_path: Path) -> None:
@@ -42,8 +48,8 @@ def test_a_question_is_read_exactly(tmp_path: Path) -> None:
             "trough_angle": (deg(3), deg(3)),
         },
         drives=(
-            Drive("magnet", (0.0, 0.0008), ((50.0, 50.0), (100.0, 100.0)), ((deg(10), deg(40)),), 4.0),
-            Drive("drive 2", (0.0005, 0.003), ((15.0, 25.0),), ((deg(20), deg(20)), (deg(30.5), deg(30.5)))),
+            line("magnet", (0.0, 0.0008), ((50.0, 50.0), (100.0, 100.0)), ((deg(10), deg(40)),), 4.0),
+            line("drive 2", (0.0005, 0.003), ((15.0, 25.0),), ((deg(20), deg(20)), (deg(30.5), deg(30.5)))),
         ),
         goal=Goal(0.08, Regime.FORWARD_SLIP, 0.1, 0.4),
         drift=Drift(0.05, 0.01, deg(1), deg(0.5)),
@@ -57,7 +63,7 @@ def test_what_is_left_out_has_its_default() -> None:
     spec = read_spec(GOOD)
     assert spec.bands["trough_angle"] == (0.0, 0.0)
     assert spec == Spec(spec.bands, spec.drives, Goal(0.08))
-    assert spec.drives == (Drive("drive 1", (0.0, 0.0008), ((50.0, 50.0),), ((deg(10), deg(40)),)),)
+    assert spec.drives == (line("drive 1", (0.0, 0.0008), ((50.0, 50.0),), ((deg(10), deg(40)),)),)
     assert spec.goal.highest_regime is Regime.BACK_SLIP
 
 
@@ -85,9 +91,9 @@ def test_bands(entries: dict[str, Any], field: str, expected: tuple[float, float
 @pytest.mark.parametrize(
     ("key", "value", "field", "expected"),
     [
-        ("amplitude_mm", "0.1:0.8", "amplitude", (0.0001, 0.0008)),
-        ("amplitude_mm", "0:800um", "amplitude", (0.0, 0.0008)),
-        ("amplitude_mm", "0.8:0.8", "amplitude", (0.0008, 0.0008)),
+        ("amplitude_mm", "0.1:0.8", "amplitude", ((0.0001, 0.0008),)),
+        ("amplitude_mm", "0:800um", "amplitude", ((0.0, 0.0008),)),
+        ("amplitude_mm", "0.8:0.8", "amplitude", ((0.0008, 0.0008),)),
         ("frequency_hz", [50], "frequency", ((50.0, 50.0),)),
         ("frequency_hz", (50, "3000rpm", 60), None, "must ascend and differ"),
         ("frequency_hz", np.array([50, 60]), "frequency", ((50.0, 50.0), (60.0, 60.0))),
@@ -101,7 +107,8 @@ def test_drives(key: str, value: Any, field: str | None, expected: Any) -> None:
     if field is None:
         assert expected in str(refusal(content))
     else:
-        assert getattr(read_spec(content).drives[0], field) == expected
+        (drive,) = read_spec(content).drives
+        assert (drive.name if field == "name" else drive.choices[field]) == expected
 
 
 def test_a_single_drive_may_be_a_table_of_its_own() -> None:

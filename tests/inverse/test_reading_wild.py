@@ -14,7 +14,7 @@ from wild import KEY, TOML_VALUE, exactly
 
 from vibro.errors import InputError
 from vibro.inverse.reading import read_spec
-from vibro.inverse.specs import Drive, Spec
+from vibro.inverse.specs import Spec
 
 
 def check(spec: Spec) -> None:
@@ -27,14 +27,14 @@ def check(spec: Spec) -> None:
     assert spec.drives
     assert len({drive.name for drive in spec.drives}) == len(spec.drives)
     for drive in spec.drives:
-        assert isinstance(drive, Drive)
-        assert 0.0 <= drive.amplitude[0] <= drive.amplitude[1] < math.inf
-        assert drive.amplitude[1] > 0.0
+        low, high = drive.span("amplitude")
+        assert 0.0 <= low <= high < math.inf
+        assert high > 0.0
         assert drive.acceleration > 0.0
         assert all(0.0 < low <= high < math.inf for low, high in drive.frequency)
         assert drive.frequency
-        assert drive.drive_angle
-        for low, high in drive.drive_angle:
+        assert drive.choices["drive_angle"]
+        for low, high in drive.choices["drive_angle"]:
             assert 0.0 <= low <= high
             assert high + spec.drift.drive_angle + trough[1] + spec.drift.trough_angle < math.pi / 2
     assert 0.0 < spec.goal.speed < math.inf

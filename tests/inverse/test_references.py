@@ -12,7 +12,7 @@ from boxed import REGIMES, ROWS, friction_of, question_of
 import vibro
 from vibro.inverse.exchange import Optimum
 from vibro.inverse.guarantees import guarantee_of
-from vibro.inverse.optima import Optimiser
+from vibro.inverse.lines import LineOptimiser
 
 KINDS = {"amplitude": 4, "range": 4, "window": 2, "fastest": 4, "gentlest": 1, "yield": 1}
 
@@ -40,10 +40,15 @@ def scene_of(row: dict[str, Any], **values: float) -> vibro.Scene:
 def guaranteed(row: dict[str, Any], found: Optimum | None) -> float:
     """Recompute the guarantee of a setting that was found, which has to keep to the regime [mm/s]."""
     assert found is not None
-    result = guarantee_of(question_of(row).boxes(found.setting))
+    result = guarantee_of(question_of(row).box(found.setting))
     assert max(result.regimes) <= REGIMES[row["regime"]]
     assert found.speed == pytest.approx(result.speed_min, rel=1e-9)
     return 1e3 * result.speed_min
+
+
+def turned(row: dict[str, Any], found: Optimum) -> dict[str, Any]:
+    """Return amplitude, frequency and drive angle of a setting."""
+    return question_of(row).space.turned(found.setting)
 
 
 def test_no_row_is_left_out() -> None:
@@ -99,20 +104,22 @@ def test_where_no_amplitude_will_do_the_fastest_one_is_known(row: dict[str, Any]
             found = vibro.guarantee(scene_of(row, amplitude=amplitude / 1e3), **friction_of(row))
             assert (1e3 * found.speed_min >= row["target_mm_s"]) is holds
         return
-    optimiser = Optimiser(question_of(row))
+    optimiser = LineOptimiser(question_of(row))
     assert optimiser.gentlest(row["target_mm_s"] / 1e3) is None
     fastest = optimiser.fastest()
     assert guaranteed(row, fastest) == pytest.approx(
         row["answer"]["largest_guaranteed_speed_mm_s"], rel=row["rtol"]
     )
     assert fastest is not None
-    assert 1e3 * fastest.setting.amplitude == pytest.approx(row["answer"]["at_amplitude_mm"], rel=row["rtol"])
+    assert 1e3 * turned(row, fastest)["amplitude"] == pytest.approx(
+        row["answer"]["at_amplitude_mm"], rel=row["rtol"]
+    )
 
 
 @of("fastest")
 def test_fastest(row: dict[str, Any]) -> None:
     answer, question = row["answer"], question_of(row)
-    found = Optimiser(question).fastest()
+    found = LineOptimiser(question).fastest()
     speed = guaranteed(row, found)
     assert found is not None
     assert speed == pytest.approx(answer["speed_guaranteed_mm_s"], rel=row["rtol"])
@@ -120,7 +127,7 @@ def test_fastest(row: dict[str, Any]) -> None:
     assert load == pytest.approx(answer["load"], rel=row["rtol_setting"])
     assert (speed >= row["target_mm_s"]) is answer["feasible"]
     if "set_by" in answer:  # two limits may meet at an optimum
-        caps = question.caps(np.array([[found.setting.drive_angle]]))
+        caps = LineOptimiser(question)._caps(np.array([[turned(row, found)["drive_angle"]]]))
         reached = {name for name, cap in caps.items() if float(cap[0, 0]) <= load * (1 + 1e-6)}
         assert answer["set_by"] in reached
         assert load <= min(float(cap[0, 0]) for cap in caps.values()) * (1 + 1e-12)
@@ -129,19 +136,19 @@ def test_fastest(row: dict[str, Any]) -> None:
         assert found.setting.frequency * share == pytest.approx(
             answer["frequency_needed_hz"], rel=row["rtol"]
         )
-        needed = 1e3 * found.setting.amplitude / share**2
+        needed = 1e3 * turned(row, found)["amplitude"] / share**2
         assert needed == pytest.approx(answer["amplitude_then_mm"], rel=3 * row["rtol"])
 
 
 @of("gentlest")
 def test_gentlest(row: dict[str, Any]) -> None:
     answer, question = row["answer"], question_of(row)
-    found = Optimiser(question).gentlest(row["target_mm_s"] / 1e3)
+    found = LineOptimiser(question).gentlest(row["target_mm_s"] / 1e3)
     assert guaranteed(row, found) >= row["target_mm_s"] * (1 - 1e-12)
     assert found is not None
     assert float(question.load(found.setting)) == pytest.approx(answer["acceleration_g"], rel=row["rtol"])
-    setting = found.setting
-    found_setting = (1e3 * setting.amplitude, setting.frequency, math.degrees(setting.drive_angle))
+    amplitude, frequency, angle = turned(row, found).values()
+    found_setting = (1e3 * amplitude, frequency, math.degrees(angle))
     names = ("amplitude_mm", "frequency_hz", "drive_angle_deg")
     assert found_setting == pytest.approx([answer[name] for name in names], rel=row["rtol_setting"])
 

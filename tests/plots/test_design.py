@@ -10,16 +10,17 @@ import numpy as np
 import pytest
 from drawn import corners, curve, legend, only_map, path_of, said, words
 from matplotlib.path import Path as Outline
+from questions import answered
 
 import vibro
 from vibro import Regime
 from vibro.inverse.designs import chosen_of
-from vibro.inverse.fields import setting_fields, speed_band
+from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.reading import read_spec
 from vibro.plots import settings as settings_module
 from vibro.plots.design import DESIGN_PICTURES, design_figures
 from vibro.plots.settings import LIVELIER, Settings
-from vibro.results.designs import Design, DesignResult
+from vibro.results.designs import Design
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -73,7 +74,7 @@ def design_of(spec: Spec, drive: int, a: float, f: float, angle: float, **more: 
         drive_angle_deg=angle,
         **more,
     )
-    chosen = chosen_of(spec, DesignResult(met=True, designs=(design,)))
+    chosen = chosen_of(spec, answered(True, design))
     assert chosen is not None
     return spec, chosen
 
@@ -209,7 +210,7 @@ def test_what_meets_the_goal_is_what_every_part_does(which: str, request: pytest
     found = cycles(spec, chosen, frequency, amplitude)
     allowed = (found.regime <= goal.highest_regime).all(axis=1)
     slowest = np.where(allowed, np.nan_to_num(found.mean_velocity, nan=-1.0).min(axis=1), -1.0)
-    possible = amplitude <= 1e3 * drive.amplitude[1]
+    possible = amplitude <= 1e3 * drive.span("amplitude")[1]
     possible &= np.any([(low <= frequency) & (frequency <= high) for low, high in drive.frequency], axis=0)
     settings = Settings(spec, chosen, setting_fields(spec, chosen))
     excess = settings.meets(amplitude, frequency)

@@ -12,7 +12,7 @@ from vibro.cli.report import aligned, bound
 from vibro.cli.request import checked_number, request_of
 from vibro.core.codes import Regime
 from vibro.files.publication import json_text
-from vibro.inverse.amplitudes import feasible_amplitudes
+from vibro.inverse.windows import feasible_amplitudes
 from vibro.limits import critical_loads
 from vibro.quantities import DEFAULTS, LEAST_SPEED, LENGTH, QUANTITIES, SPEED, scene_fields
 from vibro.scene import Scene

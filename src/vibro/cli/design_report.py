@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 
 from vibro.cli.report import aligned, bound
 from vibro.core.codes import Regime
-from vibro.inverse.specs import EllipticalDrive
 from vibro.quantities import LENGTH, QUANTITIES, SPEED
 from vibro.sweeps.one_scene import number
 
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from vibro.inverse.designs import Chosen
-    from vibro.inverse.specs import AnyDrive, Spec
+    from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Design, DesignResult
 
 __all__ = ["design_report"]
@@ -23,17 +22,14 @@ __all__ = ["design_report"]
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 _NEARLY: Final = 0.999  # throw number of a setting that is about to hop
 _NONE: Final = "-"
-# Heads of a setting, by its columns.
-_OF_LINES: Final = {
-    "amplitude_mm": ("amplitude", "[mm]"),
-    "frequency_hz": ("frequency", "[Hz]"),
-    "drive_angle_deg": ("angle", "[deg]"),
-}
-_OF_ELLIPSES: Final = {
-    "along_amplitude_mm": ("along", "[mm]"),
-    "normal_amplitude_mm": ("normal", "[mm]"),
-    "normal_phase_deg": ("phase", "[deg]"),
-    "frequency_hz": ("frequency", "[Hz]"),
+# Heads of a setting, by its knobs.
+_HEAD_OF: Final = {
+    "amplitude": "amplitude",
+    "along_amplitude": "along",
+    "normal_amplitude": "normal",
+    "normal_phase": "phase",
+    "frequency": "frequency",
+    "drive_angle": "angle",
 }
 _HEADS: Final = tuple(
     zip(
@@ -47,7 +43,6 @@ _HEADS: Final = tuple(
         strict=True,
     )
 )
-_ELLIPTICAL: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
 _MOST_MARGIN: Final = 10.0
 # What happens beyond the end of a window of amplitudes.
 _BEYOND: Final[Mapping[str, str]] = {
@@ -190,9 +185,10 @@ def _least(design: Design) -> str:
     return "nothing" if speed is None else bound(speed, SPEED.unit, upper=False)
 
 
-def _table(drive: AnyDrive, spec: Spec, result: DesignResult) -> str:
+def _table(drive: Drive, spec: Spec, result: DesignResult) -> str:
     designs = [d for d in result.designs if d.drive == drive.name]
-    setting = _OF_ELLIPSES if isinstance(drive, EllipticalDrive) else _OF_LINES
+    knobs = [QUANTITIES[knob] for knob in drive.space.knobs]
+    setting = {knob.column: (_HEAD_OF[knob.name], f"[{knob.unit}]") for knob in knobs}
     heads = [
         ("", *first, *others)
         for first, others in zip(zip(*setting.values(), strict=True), _HEADS, strict=True)
@@ -213,18 +209,14 @@ def _regime(label: str) -> Regime:
     return next(regime for regime in _REGIMES if regime.label == label)
 
 
-def _limits(drive: AnyDrive) -> str:
+def _limits(drive: Drive) -> str:
     """Say what a drive can do."""
-    choices = {"frequency": drive.frequency}
-    if isinstance(drive, EllipticalDrive):
-        parts = [_span(name, getattr(drive, name)) for name in _ELLIPTICAL]
-    else:
-        low, high = drive.amplitude
-        most = f"amplitude up to {number(LENGTH.from_si(high), 'mm')}"
-        parts = [_span("amplitude", (low, high)) if low else most]
-        choices["drive_angle"] = drive.drive_angle
-    for name, spans in choices.items():
-        label = QUANTITIES[name].label
+    parts = []
+    for name in drive.space.knobs:
+        label, spans = QUANTITIES[name].label, drive.choices[name]
+        if name == "amplitude" and spans[0][0] == 0.0:
+            parts.append(f"amplitude up to {number(LENGTH.from_si(spans[0][1]), 'mm')}")
+            continue
         parts.append(f"{label} {' or '.join(_span(name, span).removeprefix(f'{label} ') for span in spans)}")
     if math.isfinite(drive.acceleration):
         parts.append(f"acceleration up to {number(drive.acceleration)} g")

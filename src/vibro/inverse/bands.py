@@ -9,8 +9,7 @@ import numpy as np
 
 from vibro.drives import Ability
 from vibro.errors import Problem, SceneError, shown
-from vibro.inverse.boxes import Box
-from vibro.inverse.ellipses import EllipticalBox
+from vibro.inverse.spaces import SPACES, Box
 from vibro.quantities import QUANTITIES
 from vibro.reals import NotRealError, real_array
 from vibro.scene import Scene, field_range, field_text
@@ -20,35 +19,24 @@ if TYPE_CHECKING:
 
     from vibro.inverse.specs import Span
 
-__all__ = ["BANDED", "BANDED_ELLIPSES", "box_of", "line_box_of", "one_point"]
+__all__ = ["box_of", "one_point"]
 
 _PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "trough_angle")
-#: What may be a band of a scene whose drive moves along a line.
-BANDED: Final = ("amplitude", "frequency", "drive_angle", *_PARTS)
-#: The same of one whose drive moves along an ellipse.
-BANDED_ELLIPSES: Final = ("along_amplitude", "normal_amplitude", "normal_phase", "frequency", *_PARTS)
 _RIGHT_ANGLE: Final = 0.5 * math.pi
 
 
-def one_point(scene: object) -> None:
-    """Refuse what is not one operating point of a drive along a line or an ellipse."""
+def one_point(scene: object, needs: Ability = Ability.FLIGHT) -> None:
+    """Refuse what is not one operating point, or whose drive lacks an ability."""
     if not isinstance(scene, Scene):
         raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
-    scene.arrays().require(Ability.FLIGHT)
+    scene.arrays().require(needs)
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
 
 
-def line_box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> Box:
-    """Return the box of a scene's bands, as ``box_of``; of drives along a line alone."""
-    box = box_of(scene, bands, leaves_out=leaves_out)
-    if not isinstance(box, Box):
-        drive = "amplitude and drive_angle: for a drive along an ellipse this is not known"
-        raise SceneError((Problem("drive", "along_amplitude and normal_amplitude", drive),))
-    return box
-
-
-def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> Box | EllipticalBox:
+def box_of(
+    scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "", needs: Ability = Ability.FLIGHT
+) -> Box:
     """Return the box of a scene's bands.
 
     Parameters
@@ -59,14 +47,19 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
         By the names of fields, in SI units and radians.
     leaves_out : str
         A field that may have no band here.
+    needs : Ability
+        What the drive must be able to do.
 
     Raises
     ------
     SceneError
         It lists all that is wrong.
+    InputError
+        If the drive lacks an ability.
     """
-    one_point(scene)
-    banded = BANDED_ELLIPSES if scene.amplitude is None else BANDED
+    one_point(scene, needs)
+    space = SPACES[type(scene.arrays())]
+    banded = (*space.knobs, *_PARTS)
     known = [name for name in banded if name != leaves_out]
     problems = []
     given: dict[str, Span] = {}
@@ -90,20 +83,23 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
     fields = {name: float(value) for name, value in scene.arrays()._asdict().items()}
     spans = {name: given.get(name, (fields.get(name, math.nan),) * 2) for name in banded}
     is_ratio = "friction_ratio" in given
-    parts: dict[str, Any] = {
-        "trough_angle": spans["trough_angle"],
-        "static_friction": spans["static_friction"],
-        "second_friction": spans["friction_ratio" if is_ratio else "kinetic_friction"],
-        "is_ratio": is_ratio,
-        "gravity": fields["gravity"],
-        "restitution": fields["restitution"],
-    }
-    of_drive: dict[str, Any] = {name: spans[name] for name in banded if name not in _PARTS}
-    box = (EllipticalBox if scene.amplitude is None else Box)(**of_drive, **parts)
+    shape = {name: spans[name] for name in space.shape}
+    box = Box(
+        space=space,
+        factor=spans.get("amplitude", (1.0, 1.0)),
+        frequency=spans["frequency"],
+        shape=shape,
+        trough_angle=spans["trough_angle"],
+        static_friction=spans["static_friction"],
+        second_friction=spans["friction_ratio" if is_ratio else "kinetic_friction"],
+        is_ratio=is_ratio,
+        gravity=fields["gravity"],
+        restitution=fields["restitution"],
+    )
     if not is_ratio and spans["kinetic_friction"][0] > spans["static_friction"][1]:
         limit = f"<= static_friction = {spans['static_friction'][1]:.15g} somewhere in its band"
         problems.append(Problem("kinetic_friction", f"{spans['kinetic_friction'][0]:.15g}", limit))
-    if isinstance(box, Box):
+    if "drive_angle" in shape:
         problems += _line_problems(box)
     if problems:
         raise SceneError(tuple(problems))
@@ -113,7 +109,7 @@ def box_of(scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "") -> B
 def _line_problems(box: Box) -> list[Problem]:
     """Tell what a drive along a line cannot be."""
     problems = []
-    drive, trough = box.drive_angle[1], box.trough_angle[1]
+    drive, trough = box.shape["drive_angle"][1], box.trough_angle[1]
     if drive + trough >= _RIGHT_ANGLE:
         limit = f"less than 90 deg together with trough_angle = {field_text('trough_angle', trough)}"
         problems.append(Problem("drive_angle", field_text("drive_angle", drive), limit))

@@ -8,7 +8,8 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.drives import Ability, Line
-from vibro.inverse.bands import line_box_of
+from vibro.inverse.bands import box_of
+from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import back_slip_of
 from vibro.scene import Scene
 from vibro.steady import solve
@@ -16,7 +17,7 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Box
+    from vibro.inverse.spaces import Box
     from vibro.inverse.specs import Span
 
     Bools = NDArray[np.bool_]
@@ -27,10 +28,6 @@ __all__ = ["Certain", "certain"]
 
 # Rounds of halving a band of static friction on declines; each halves the sliver that is not told.
 _HALVINGS: Final = 12
-
-# [1] Share of the weight down the trough by which kinetic friction must outweigh it: without, rounding alone
-# makes bodies run away.
-_BRAKED: Final = 1e-12
 
 # Some operating point: bands of frictions are read beside one.
 _ANY: Final = {"amplitude": 1e-3, "frequency": 50.0, "drive_angle": 0.3}
@@ -115,7 +112,7 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
     scene.arrays().require(Ability.PROOF)
     second = "friction_ratio" if is_ratio else "kinetic_friction"
     bands = {"static_friction": static_friction, second: second_friction}
-    box = line_box_of(Scene(**_ANY, static_friction=1.0, kinetic_friction=0.0), bands)
+    box = box_of(Scene(**_ANY, static_friction=1.0, kinetic_friction=0.0), bands)
     low, high = (np.asarray(end) for end in box.static_span)
     least, most = box.kinetic_span(low), box.kinetic_span(high)
 
@@ -134,7 +131,7 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
     speed = np.asarray(roughest.mean_velocity)
     if low < high or least[0] < most[1]:
         lean = np.sin(scene.trough_angle)
-        braked = least[0] * np.cos(scene.trough_angle) + lean >= _BRAKED * np.abs(lean)
+        braked = least[0] * np.cos(scene.trough_angle) + lean >= TOLERANCES.braked * np.abs(lean)
         proved = (highest == Regime.NO_SLIP) | ((highest == Regime.FORWARD_SLIP) & braked)
         speed = np.where(proved, speed, np.nan)
     return Certain(lowest, highest, speed)

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from vibro.drives import Ability
 from vibro.errors import Problem, SceneError
 from vibro.scene import Scene
 from vibro.slopes import displacement_gradient
@@ -52,7 +53,7 @@ def speed_costs(scene: Scene) -> dict[str, float]:
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    if scene.amplitude is None:
+    if not scene.arrays().can(Ability.PROOF):
         return _differences(scene)
     cycle = solve(scene, flight=False)
     displacement = float(cycle.displacement_per_cycle / scene.scale) or math.nan

@@ -5,19 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
 from vibro.core.codes import Regime
-from vibro.inverse.caps import back_slip_load, hop_load, onset_load
 from vibro.inverse.costs import speed_costs
-from vibro.inverse.ellipses import EllipticalBox, critical, extreme_ratio
-from vibro.inverse.elliptical_questions import question_of
-from vibro.inverse.elliptical_rows import EllipticalRows, ellipse_of
-from vibro.inverse.line_rows import LineRows
+from vibro.inverse.proofs import first_ratio, last_ratio
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.rounding import in_si
-from vibro.inverse.rows import KINDS, Rows, nominal_scene
+from vibro.inverse.rows import KINDS, find
+from vibro.inverse.spaces import Setting
 from vibro.quantities import SPEED
 from vibro.results.designs import DesignResult
 
@@ -25,9 +19,9 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping
 
-    from vibro.inverse.boxes import Box
     from vibro.inverse.rows import Found
-    from vibro.inverse.specs import AnyDrive, Spec
+    from vibro.inverse.spaces import Box
+    from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Design
 
 __all__ = ["Chosen", "chosen_of", "design", "find_designs"]
@@ -74,25 +68,22 @@ def design(spec: str | os.PathLike[str] | Mapping[str, Any]) -> DesignResult:
 def find_designs(spec: Spec, tell: Callable[[int, int], None] | None = None) -> DesignResult:
     """Find the designs of a checked question; ``tell`` is told how many of all are found."""
     designs: list[Design] = []
+    settings: list[tuple[float, ...] | None] = []
     total = len(spec.drives) * len(_REGIMES) * len(KINDS)
     for drive in spec.drives:
-        calmer: dict[str, Found] = {}
+        calmer: Mapping[str, Found] = {}
         for regime in _REGIMES:
-            question = question_of(spec, drive, regime)
-            rows: Rows
-            if isinstance(question, Question):
-                rows = LineRows(question, calmer)
-            else:
-                rows = EllipticalRows(question, calmer)
-            designs += [rows.row(kind) for kind in KINDS]
+            finder = find(Question(spec, drive, regime), calmer)
+            calmer = finder.found
+            designs += [finder.row(kind) for kind in KINDS]
+            settings += [calmer[kind].setting if kind in calmer else None for kind in KINDS]
             if tell:
                 tell(len(designs), total)
-            calmer = rows.found
     target, highest = spec.goal.speed, spec.goal.highest_regime.label
     met = any(
         d.highest_regime == highest and (d.speed_min_mm_s or 0.0) >= SPEED.from_si(target) for d in designs
     )
-    return DesignResult(met, tuple(designs))
+    return DesignResult(met, tuple(designs), tuple(settings))
 
 
 @dataclass(frozen=True)
@@ -101,11 +92,11 @@ class Chosen:
 
     Attributes
     ----------
-    drive : Drive or EllipticalDrive
+    drive : Drive
         Its drive.
     design : Design
         The safest of the best drive within the goal's regime; the fastest where no drive meets the goal.
-    setting : Setting or EllipticalSetting
+    setting : Setting
         In SI units and radians.
     loads : dict of str to float
         Load now over the load at which something happens first, or last.
@@ -113,9 +104,9 @@ class Chosen:
         Change of the speed in the middle of all bands for 1 % of an input, by its field [%].
     """
 
-    drive: AnyDrive
+    drive: Drive
     design: Design
-    setting: Any
+    setting: Setting
     loads: dict[str, float]
     costs: dict[str, float]
 
@@ -125,39 +116,23 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     highest = spec.goal.highest_regime
     wanted = "safest" if result.met else "fastest"
     rows = [
-        (d, drive)
+        (d, setting, drive)
         for drive in spec.drives
-        for d in result.designs
-        if (d.drive, d.highest_regime, d.design) == (drive.name, highest.label, wanted)
-        and d.frequency_hz is not None
+        for d, setting in zip(result.designs, result.settings, strict=True)
+        if (d.drive, d.highest_regime, d.design) == (drive.name, highest.label, wanted) and setting
     ]
     if not rows:
         return None
-    best, drive = max(rows, key=lambda row: (row[0].margin or 0.0, row[0].speed_min_mm_s or 0.0))
-    question = question_of(spec, drive, highest)
-    setting: Any
-    box: Box | EllipticalBox
-    if isinstance(question, Question):
-        setting = in_si((best.amplitude_mm or 0.0, best.frequency_hz or 0.0, best.drive_angle_deg or 0.0))
-        box = question.boxes(setting)
-    else:
-        setting = ellipse_of(best)
-        box = question.boxes(setting)
-    return Chosen(drive, best, setting, _loads(box), speed_costs(nominal_scene(question, setting)))
+    best, values, drive = max(rows, key=lambda row: (row[0].margin or 0.0, row[0].speed_min_mm_s or 0.0))
+    question, setting = Question(spec, drive, highest), Setting(*values)
+    costs = speed_costs(question.nominal_scene(setting))
+    return Chosen(drive, best, setting, _loads(question.box(setting)), costs)
 
 
-def _loads(box: Box | EllipticalBox) -> dict[str, float]:
-    """Tell the load now over the load at which something happens first, or last."""
-    least, most = (float(load) for load in box.load)
-    with np.errstate(divide="ignore"):
-        hops = most / float(hop_load(box))
-        if isinstance(box, EllipticalBox):
-            slips_back = extreme_ratio(box, critical("back_slip"), largest=True)[0]
-            starts = extreme_ratio(box, critical("forward_onset"), largest=False)[0]
-        else:
-            slips_back, starts = most / float(back_slip_load(box)), least / float(onset_load(box))
+def _loads(box: Box) -> dict[str, float]:
+    """Load now over the load at which something happens first, or last."""
     return {
-        "the first part slips back": slips_back,
-        "the first part hops": hops,
-        "the last part starts": starts,
+        "the first part slips back": first_ratio(box, Regime.BACK_SLIP),
+        "the first part hops": first_ratio(box, Regime.HOPPING),
+        "the last part starts": last_ratio(box, Regime.FORWARD_SLIP),
     }

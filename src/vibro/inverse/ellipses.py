@@ -1,169 +1,282 @@
-"""Boxes of bands of an elliptical drive, and the bodies that stand for them."""
+"""The gentlest, the fastest and the safest setting of an elliptical drive, by evolutions."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+import math
+from dataclasses import replace
+from itertools import product
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.inverse.boxes import Parts, inside
-from vibro.inverse.evolution import evolve, sobol
-from vibro.inverse.extremes import corners
+from vibro.core.codes import Regime
+from vibro.inverse.exchange import MOST_MARGIN, Effort, Exchange, Optimum
+from vibro.inverse.extremes import least_of
+from vibro.inverse.proofs import corners, extreme_ratio, first_ratio
+from vibro.inverse.questions import MOST_THROW
+from vibro.inverse.rounding import moved, within
+from vibro.inverse.search import evolve, scatter, sobol
+from vibro.inverse.spaces import Setting
+from vibro.inverse.specs import Goal
+from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
-from vibro.scene import Scene
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Ends
+    from vibro.inverse.questions import Question
+    from vibro.inverse.rows import Found
+    from vibro.inverse.specs import Span
 
     Floats = NDArray[np.float64]
 
-__all__ = ["EllipticalBodies", "EllipticalBox", "EllipticalPoints", "critical", "extreme_ratio"]
+__all__ = ["EllipseOptimiser"]
 
-_FIRST: Final = 5  # base-2 logarithm of the bodies looked at first, beside corners
-_GENERATIONS: Final = 60
 _SEED: Final = 1
-_SAME: Final = 6  # digits of shares in which bodies differ
+_IN_CONTACT: Final = Effort(population=5, generations=100, margins=33, margin=1e-4, scale=3e-2, exchanges=6)
+_FLYING: Final = Effort(population=7, generations=3, margins=17, margin=1e-2, scale=0.1, exchanges=1)
+_BOUNCING: Final = Effort(
+    population=5, generations=1, margins=5, margin=0.1, scale=0.3, exchanges=1
+)  # they take long
+_NUDGES: Final = 3  # steps of the last digit that amplitudes may be moved inwards
+_SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
+# Costs of settings that do not do it, each worse than the one before: [1] over loads and speeds.
+_SLOW: Final = 1e6
+_RESTS: Final = 2e6
+_FORBIDDEN: Final = 3e6
 
 
-class EllipticalPoints(NamedTuple):
-    """Points of a box, by the fields of ``Scene`` [m, m, rad, Hz, rad, 1, 1]."""
+class EllipseOptimiser(Exchange):
+    """Optimal settings of an elliptical drive.
 
-    along_amplitude: Floats
-    normal_amplitude: Floats
-    normal_phase: Floats
-    frequency: Floats
-    trough_angle: Floats
-    static_friction: Floats
-    kinetic_friction: Floats
-
-
-@dataclass(frozen=True, kw_only=True)
-class EllipticalBox(Parts):
-    """A closed box of bands of an elliptical drive.
-
-    Attributes
-    ----------
-    factor : pair
-        Band of what both amplitudes are multiplied with: they drift together [1].
-    along_amplitude, normal_amplitude, normal_phase, frequency : pair
-        Bands [m, m, rad, Hz].
-    """
-
-    along_amplitude: Ends
-    normal_amplitude: Ends
-    normal_phase: Ends
-    frequency: Ends
-    factor: Ends = (1.0, 1.0)
-
-    axes = (
-        "factor", "along_amplitude", "normal_amplitude", "normal_phase", "frequency", "trough_angle",
-        "static_friction", "second_friction",
-    )  # fmt: skip
-
-    @property
-    def load(self) -> tuple[Floats, Floats]:
-        """Smallest and largest acceleration normal to the trough over gravity."""
-        low, high = (
-            np.asarray(s * y * (2.0 * np.pi * np.asarray(f)) ** 2 / self.gravity)
-            for s, y, f in zip(self.factor, self.normal_amplitude, self.frequency, strict=True)
-        )
-        return low, high
-
-    @property
-    def lift(self) -> Floats:
-        """Largest share of a load that is normal to the trough."""
-        return np.ones(())
-
-    @property
-    def spans(self) -> tuple[Ends, ...]:
-        """Bands of ``axes``, the last one as it is given."""
-        return (
-            self.factor, self.along_amplitude, self.normal_amplitude, self.normal_phase, self.frequency,
-            self.trough_angle, self.static_span, self.second_friction,
-        )  # fmt: skip
-
-    def hops(self, points: EllipticalPoints) -> NDArray[np.bool_]:
-        """Tell which points throw their bodies."""
-        w = 2.0 * np.pi * points.frequency
-        return np.asarray(points.normal_amplitude * w**2 / self.gravity > np.cos(points.trough_angle))
-
-    def points(self, shares: Floats) -> EllipticalPoints:
-        """Return the points at shares of the bands."""
-        factor, *others, mu_s = (inside(span, s) for span, s in zip(self.spans[:-1], shares, strict=False))
-        x, y, phase, frequency, beta = others
-        mu_d = inside(self.kinetic_span(mu_s), shares[-1])
-        return EllipticalPoints(factor * x, factor * y, phase, frequency, beta, mu_s, mu_d)
-
-    def scene(self, points: EllipticalPoints, *, fast: bool) -> Scene:  # a point is one scene
-        """Return scenes at the points, in SI units."""
-        return Scene.allowing_infeasible(**points._asdict(), **self.constants)
-
-
-class EllipticalBodies(NamedTuple):
-    """Bodies of a box, at shares of its bands, of shape (axes, n)."""
-
-    shares: Floats
-
-    def joined(self, box: Any, shares: Floats) -> EllipticalBodies:  # wherever they move
-        """Add bodies; those that are there already are left out."""
-        both = np.hstack([self.shares, shares])
-        _, first = np.unique(np.round(both, _SAME), axis=1, return_index=True)
-        return EllipticalBodies(both[:, np.sort(first)])
-
-    def at(self, boxes: EllipticalBox) -> Floats:
-        """Return the shares of all bodies in m boxes, of shape (axes, m, n)."""
-        m = np.broadcast(*(end for span in boxes.spans for end in span)).shape[0]
-        return np.repeat(self.shares[:, None, :], m, axis=1)
-
-
-def critical(name: str) -> Callable[[Scene], Floats]:
-    """Return what tells the load of scenes at which something begins: a field of ``CriticalLoads``."""
-
-    def load(scene: Scene) -> Floats:
-        return np.asarray(getattr(critical_loads(scene), name))
-
-    return load
-
-
-def extreme_ratio(
-    box: EllipticalBox, critical_load: Callable[[Scene], Floats], *, largest: bool
-) -> tuple[float, Floats]:
-    """Search a box for the largest, or the least load over the load at which something begins.
+    Every free amplitude, phase and frequency is a coordinate of one search: of the frequency the least is not
+    always the best here, since one amplitude may be fixed.
 
     Parameters
     ----------
-    box : EllipticalBox
-        A single box.
-    critical_load : callable
-        Returns that load of scenes.
-    largest : bool
-        Which of the two.
-
-    Returns
-    -------
-    ratio, shares : float, (axes, 1) array
-        The ratio, and where it is.
+    question : Question
+        What is asked.
     """
-    free = box.varies
-    side = -1.0 if largest else 1.0
 
-    def ratios(shares: Floats) -> Floats:
-        scene = box.scene(box.points(shares), fast=True)
+    surpluses = (0.0, 1e-4, 1e-2)  # each asks for a search
+    gentlest_above = "limit"
+
+    def __init__(self, question: Question) -> None:
+        one = question.box(Setting(1.0, 1.0, 0.0, 1.0))
+        effort = _IN_CONTACT
+        if question.flies:
+            effort = _BOUNCING if question.spec.restitution else _FLYING
+        super().__init__(question, effort, corners(one.varies))
+        self._checked = question.highest
+
+    def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
+        """Look for the body that slips back first, too, where none may."""
+        slower = super().finds_slower(optimum, scale)
+        if self._checked is not Regime.FORWARD_SLIP:
+            return slower
+        box = self._question.box(optimum.setting, scale)
+        ratio, shares = extreme_ratio(box, lambda scene: critical_loads(scene).back_slip, largest=True)
+        known = self.scenarios.size
+        if ratio > 1.0:
+            self.scenarios = self.scenarios.joined(box, shares)
+        return slower or self.scenarios.size > known
+
+    def _fastest(self, scale: float, generations: int) -> Optimum | None:
+        """Return the fastest setting for the bodies looked at."""
+
+        def cost(setting: Setting, shares: Floats) -> Floats:
+            speeds = self.least(setting, scale)
+            return np.where(
+                speeds == 0.0, _RESTS - shares, np.where(np.isinf(speeds), _FORBIDDEN + shares, -speeds)
+            )
+
+        setting, least = self._best(cost, scale, generations)
+        return Optimum(setting, -least) if least < 0.0 else None
+
+    def _gentlest(self, target: float) -> Optimum | None:
+        """Return the setting of least load that reaches a speed, for the bodies looked at."""
+
+        def cost(setting: Setting, shares: Floats) -> Floats:
+            speeds = self.least(setting, 1.0)
+            slow = np.where(np.isinf(speeds), _FORBIDDEN + shares, _SLOW * (2.0 - speeds / target))
+            return np.where(speeds >= target, self._question.load(setting), slow)
+
+        setting, least = self._best(cost, 1.0, self._effort.generations)
+        if least >= _SLOW:
+            return None
+        columns = Setting(*(np.array([x]) for x in setting))
+        return Optimum(setting, float(self.least(columns, 1.0)[0]))
+
+    def _best(
+        self, cost: Callable[[Setting, Floats], Floats], scale: float, generations: int
+    ) -> tuple[Setting, float]:
+        """Return the best setting of all ranges of the frequency, and its cost."""
+        ranges = self._question.drive.frequency
+        return min((self._best_of(cost, f, scale, generations) for f in ranges), key=lambda best: best[1])
+
+    def _best_of(
+        self,
+        cost: Callable[[Setting, Floats], Floats],
+        frequency: Span,
+        scale: float,
+        generations: int,
+    ) -> tuple[Setting, float]:
+        """Minimise the cost of settings and of the shares of their amplitudes, and say what it is."""
+        along, normal, phases, _ = spans = self._spans(frequency)
+        free = [low < high for low, high in spans]
+
+        def placed(x: Floats) -> tuple[Setting, Floats, NDArray[np.bool_]]:
+            shares = np.zeros((4, x.shape[1]))
+            shares[free] = x
+            f, phase = _between(frequency, shares[3]), _between(phases, shares[2])
+            most = self._most_normal(f, scale)
+            y, possible = _below(most, normal, shares[1])
+            most = self._most_along(f, y, phase)
+            x_, fits = _below(most, along, shares[0])
+            return Setting(x_, y, phase, f), shares[0] + shares[1], possible & fits
+
+        def whole(x: Floats) -> Floats:
+            setting, shares, possible = placed(x)
+            costs = np.full(x.shape[1], 2.0 * _FORBIDDEN) + shares
+            if possible.any():
+                some = Setting(*(values[possible] for values in setting))
+                costs[possible] = cost(some, shares[possible])
+            return costs
+
+        if not any(free):
+            x = np.zeros((0, 1))
+        else:
+            first = sobol(sum(free), self._effort.population + sum(free) - 1, _SEED)
+            if self._question.flies:
+                more = first.shape[1] // _SCATTERED
+                x, _ = scatter(whole, first, more=more, rounds=generations, seed=_SEED)
+            else:
+                x, _ = evolve(whole, first, generations=generations, seed=_SEED)
+        setting = placed(x)[0]
+        return Setting(*(float(values[0]) for values in setting)), float(whole(x)[0])
+
+    def _spans(self, frequency: Span) -> tuple[Span, Span, Span, Span]:
+        """Return the ranges of both amplitudes, the phase and the frequency."""
+        x, y, phase = (self._question.drive.span(knob) for knob in Setting._fields[:3])
+        return x, y, phase, frequency
+
+    def _most_normal(self, frequency: Floats, scale: float) -> Floats:
+        """Largest nominal amplitude normal to the trough: up to the hop, or the last throw number sought."""
+        question = self._question
+        unit = question.box(Setting(1.0, 1.0, 0.0, 1.0), scale)
+        weight = question.spec.gravity * unit.hop_load / (2.0 * np.pi * frequency) ** 2
+        most = MOST_THROW if question.flies else 1.0
+        return np.asarray(most * weight / question.growth(scale) * (1.0 - TOLERANCES.beside))
+
+    def _most_along(self, frequency: Floats, normal_amplitude: Floats, phase: Floats) -> Floats:
+        """Largest amplitude along the trough that the drive's acceleration allows; 0 where it allows none.
+
+        With reach R an ellipse fits in where (R^2 - X^2) (R^2 - Y^2) is at least (X Y cos phi)^2.
+        """
+        acceleration = self._question.drive.acceleration * self._question.spec.gravity
+        if math.isinf(acceleration):
+            return np.full(np.shape(frequency), np.inf)
+        reach = acceleration / (2.0 * np.pi * frequency) ** 2
+        share = np.minimum(normal_amplitude / reach, 1.0)
+        sine = share * np.sin(phase)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(scene.load / critical_load(scene))
+            rest = (1.0 - share) * (1.0 + share) / ((1.0 - sine) * (1.0 + sine))
+        # upright where the normal amplitude takes it all
+        most = reach * np.sqrt(np.nan_to_num(rest, nan=0.0)) * (1.0 - TOLERANCES.beside)
+        return np.where(normal_amplitude <= reach, most, 0.0)
 
-    def placed(x: Floats) -> Floats:
-        shares = np.zeros((len(box.axes), x.shape[1]))
-        shares[free] = x
-        return shares
+    def has_more(self) -> bool:
+        """Whether some setting, or a wider band, is allowed here that a lower regime does not allow."""
+        question, drive = self._question, self._question.drive
+        fastest = max(high for _, high in drive.frequency)
+        widest = question.box(Setting(1.0, drive.span("normal_amplitude")[1], 0.0, fastest), MOST_MARGIN)
+        return not question.flies or widest.throw_number > 1.0 - TOLERANCES.beside
 
-    best = np.zeros((0, 1))
-    if free.any():
-        first = np.hstack([corners(box)[free], sobol(int(free.sum()), _FIRST, _SEED)])
-        best, _ = evolve(lambda x: side * ratios(placed(x)), first, generations=_GENERATIONS, seed=_SEED)
-    return float(ratios(placed(best))[0]), placed(best)
+    def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
+        """Return settings in the units outside with so many digits, from the nearest one inwards."""
+        f, ranges = setting.frequency, self._question.drive.frequency
+        spans = self._spans(min(ranges, key=lambda span: max(span[0] - f, f - span[1])))
+        values = [float(QUANTITIES[name].from_si(x)) for name, x in setting._asdict().items()]
+        step = 1 if up else -1
+        for steps in product(range(-step, step * _NUDGES, step), repeat=2):
+            sizes = [moved(x, digits, n, up=up) for x, n in zip(values, steps, strict=False)]
+            # a phase has its digits after the point: 0 is one like all others
+            rounded = [*sizes, round(values[2], digits - 3), values[3]]
+            yield tuple(
+                within(x, name, span, digits)
+                for x, name, span in zip(rounded, Setting._fields, spans, strict=True)
+            )
+
+    def is_allowed(self, setting: Setting) -> bool:
+        """Tell whether a drive may be set so."""
+        load = float(self._question.load(setting))
+        return load <= self._question.drive.acceleration * (1.0 + TOLERANCES.converted)
+
+    def keeps_to_regime(self, found: Found) -> bool:
+        """Tell whether every body of a setting keeps to the regime, as far as searches find."""
+        if any(regime > self._question.highest for regime in found.guarantee.regimes):
+            return False
+        if self._question.highest is not Regime.FORWARD_SLIP:
+            return True
+        return first_ratio(self._question.box(found.setting), Regime.BACK_SLIP) <= 1.0
+
+    def limit(self, found: Found, scale: float) -> str:
+        """Tell what keeps a setting from being better with bands of a scale."""
+        question, setting, drive = self._question, found.setting, self._question.drive
+        if question.landings.scaled(TOLERANCES.nearly).worst(question.box(setting, scale)).size:
+            return "limit"
+        nearly = 1.0 - TOLERANCES.at
+        if not question.flies and question.box(setting, scale).throw_number >= nearly:
+            return "hop"
+        beyond = setting.scaled(1.0 + TOLERANCES.at)
+        both = Setting(*(np.array(pair) for pair in zip(setting, beyond, strict=True)))
+        here, there = self.least(both, scale)
+        if math.isinf(there):
+            return self._forbids(beyond, scale)
+        if there < here * (1.0 - TOLERANCES.fall):
+            return "back slip"
+        at_most = (
+            setting.along_amplitude >= drive.span("along_amplitude")[1] * nearly,
+            setting.normal_amplitude >= drive.span("normal_amplitude")[1] * nearly,
+            float(question.load(setting)) >= drive.acceleration * nearly,
+        )
+        return "limit" if any(at_most) else "speed"
+
+    def first_cap(self) -> str:
+        """Tell what ends the load before any speed is guaranteed."""
+        question = self._question
+        lowest = min(low for low, _ in question.drive.frequency)
+        if question.drive.span("normal_amplitude")[0] > float(self._most_normal(np.array(lowest), 1.0)):
+            return "hop"
+        lower, higher = Regime.FORWARD_SLIP, replace(question, highest=Regime.BACK_SLIP)
+        slips = question.highest is lower and EllipseOptimiser(higher).fastest()
+        return "back slip" if slips else "limit"
+
+    def _forbids(self, setting: Setting, scale: float) -> str:
+        """Tell what keeps a setting from being allowed: what it may do without."""
+        spec = self._question.spec
+        anywhere = replace(spec, stand_ratio=math.inf)
+        for name, question in {
+            "tip": replace(self._question, spec=anywhere),
+            "limit": replace(self._question, spec=replace(anywhere, goal=Goal(spec.goal.speed))),
+            "back slip": replace(self._question, spec=anywhere, highest=Regime.BACK_SLIP),
+        }.items():
+            one = Setting(*(np.array([x]) for x in setting))
+            if np.isfinite(least_of(question.speeds(one, self.scenarios, scale))[0]):
+                return name
+        return "hop"
+
+
+def _between(span: Span, share: Floats) -> Floats:
+    """Value at a share of a range, exact at its ends."""
+    return np.where(share == 1.0, span[1], span[0] + share * (span[1] - span[0]))
+
+
+def _below(most: Floats, span: Span, share: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """Value at a share of what of a range is allowed, and whether anything is."""
+    low, high = span
+    top = np.clip(most, low, high)
+    return np.where(share == 1.0, top, low + share * (top - low)), most >= low * (1.0 - math.ulp(1.0))

@@ -1,28 +1,32 @@
-"""Optimal settings by an exchange, whatever the drive.
+"""Optimal settings of a drive by an exchange of scenarios, for every kind of drive.
 
-A setting is optimal for some bodies of its box; bodies that turn out to be slower there than all before are
-looked at from then on.
+A setting is optimal for some scenarios of its box. A body that turns out to be slower there than all of them
+becomes a scenario too, and the setting is optimised again.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.inverse.extremes import Seen, least_of
 from vibro.inverse.guarantees import bound
+from vibro.inverse.scenarios import Scenarios
+from vibro.inverse.search import close_in
+from vibro.inverse.spaces import Setting
+from vibro.inverse.tolerances import TOLERANCES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from numpy.typing import NDArray
 
-    from vibro.inverse.bodies import Bodies
-    from vibro.inverse.ellipses import EllipticalBodies
+    from vibro.inverse.questions import Question
+    from vibro.inverse.rows import Found
 
     Floats = NDArray[np.float64]
 
@@ -32,7 +36,6 @@ __all__ = ["MOST_MARGIN", "Effort", "Exchange", "Optimum"]
 MOST_MARGIN: Final = 10.0
 
 _STEPS: Final = 60  # at most, to the root of a speed
-_HOLDS: Final = 1e-9  # of the speed, by which a search may find less than the bodies at hand
 _DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's drift, for every body that was the slowest
 
 
@@ -64,7 +67,7 @@ class Effort:
 class Optimum(NamedTuple):
     """A setting, and the speed that the bodies looked at reach there [m/s]."""
 
-    setting: Any
+    setting: Setting
     speed: float
 
 
@@ -73,21 +76,27 @@ class Exchange(ABC):
 
     Parameters
     ----------
-    question : Question or EllipticalQuestion
+    question : Question
         What is asked.
     effort : Effort
         How closely is looked.
-    bodies : Bodies or EllipticalBodies
-        Those looked at first.
+    shares : (axes, n) array
+        The bodies looked at first.
     """
 
     #: Highest regime that a body may have to be counted at all; what its load tells need not be looked for.
     _checked = Regime.HOPPING
 
-    def __init__(self, question: Any, effort: Effort, bodies: Bodies | EllipticalBodies) -> None:
+    #: Shares of the goal beyond it, for which a gentlest setting is sought that can be rounded.
+    surpluses: tuple[float, ...]
+    #: What the gentlest design is set by that is faster than it need be.
+    gentlest_above: str
+
+    def __init__(self, question: Question, effort: Effort, shares: Floats) -> None:
         self._question, self._effort = question, effort
+        self._target = question.spec.goal.speed
         #: The bodies looked at.
-        self.bodies: Any = bodies
+        self.scenarios = Scenarios.fixed(shares)
 
     @abstractmethod
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
@@ -96,6 +105,30 @@ class Exchange(ABC):
     @abstractmethod
     def _gentlest(self, target: float) -> Optimum | None:
         """Return the setting of least load that reaches a speed, for the bodies looked at."""
+
+    @abstractmethod
+    def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterable[tuple[float, ...]]:
+        """Return knobs in the units outside, with so many digits, from the nearest setting inwards."""
+
+    @abstractmethod
+    def is_allowed(self, setting: Setting) -> bool:
+        """Tell whether the drive may be set so."""
+
+    @abstractmethod
+    def limit(self, found: Found, scale: float) -> str:
+        """Name the active constraint of a setting with bands of a scale."""
+
+    @abstractmethod
+    def first_cap(self) -> str:
+        """Name what ends the load before any speed is guaranteed."""
+
+    def has_more(self) -> bool:
+        """Whether some setting, or a wider band, is allowed here that a lower regime does not allow."""
+        return True
+
+    def keeps_to_regime(self, found: Found) -> bool:
+        """Tell whether every body of a setting keeps to the regime."""
+        return True
 
     def fastest(self, scale: float = 1.0) -> Optimum | None:
         """Return the setting of the largest guaranteed speed; None where none guarantees any."""
@@ -142,7 +175,7 @@ class Exchange(ABC):
         widest = max(holds)
         return holds[widest], widest
 
-    def margin(self, setting: Any, target: float) -> float | None:
+    def margin(self, setting: Setting, target: float) -> float | None:
         """Return the largest scale at which a setting guarantees a speed; None where none does.
 
         Boxes of growing scale hold each other, so that what fails at one fails at every larger one.
@@ -154,32 +187,32 @@ class Exchange(ABC):
             margin = self._margin(setting, target)
         return margin
 
-    def _margin(self, setting: Any, target: float) -> float | None:
-        low, high = 0.0, MOST_MARGIN
-        while high - low > self._effort.margin:
-            scales = np.linspace(low, high, self._effort.margins)
-            many = setting._make(np.full(scales.size, float(x)) for x in setting)
-            holds = self._holds(many, scales) & (self.least(many, scales) >= target)
-            fails = np.flatnonzero(~holds)
-            if not fails.size:
-                return high
-            if fails[0] == 0:
-                return None if low == 0.0 else low
-            low, high = float(scales[fails[0] - 1]), float(scales[fails[0]])
-        return low
+    def _margin(self, setting: Setting, target: float) -> float | None:
+        def surplus(scales: Floats) -> Floats:
+            many = Setting(*(np.full(scales.size, float(x)) for x in setting))
+            holds = self._holds(many, scales.ravel()) & (self.least(many, scales.ravel()) >= target)
+            return np.where(holds, 1.0, -1.0).reshape(scales.shape)
 
-    def holds(self, setting: Any, target: float) -> bool:
+        if surplus(np.zeros(1))[0] < 0.0:
+            return None
+        if surplus(np.array([MOST_MARGIN]))[0] > 0.0:
+            return MOST_MARGIN
+        effort = self._effort
+        inside, _ = close_in(surplus, 0.0, MOST_MARGIN, absolute=effort.margin, sections=effort.margins)
+        return float(inside)
+
+    def holds(self, setting: Setting, target: float) -> bool:
         """Tell whether the bodies looked at reach a speed at a setting, within the regime."""
-        one = setting._make(np.array([float(x)]) for x in setting)
+        one = Setting(*(np.array([float(x)]) for x in setting))
         return bool(self._holds(one, 1.0)[0] and self.least(one, 1.0)[0] >= target)
 
-    def _holds(self, setting: Any, scale: Floats | float) -> NDArray[np.bool_]:
+    def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
         """Tell whether settings keep to the regime, as far as that is known before bodies are looked at."""
         return np.ones(np.broadcast_shapes(np.shape(setting[0]), np.shape(scale)), np.bool_)
 
-    def least(self, setting: Any, scale: Floats | float) -> Floats:
+    def least(self, setting: Setting, scale: Floats | float) -> Floats:
         """Least speeds of the bodies looked at, at settings [m/s]."""
-        return least_of(self._question.speeds(setting, self.bodies, scale))
+        return least_of(self._question.speeds(setting, self.scenarios, scale))
 
     def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
         """Find an optimum again until no body is slower there than those looked at."""
@@ -192,13 +225,13 @@ class Exchange(ABC):
 
     def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
         """Look for a body that is slower at an optimum than those looked at; look at it from now on."""
-        box = self._question.boxes(optimum.setting, scale)
+        box = self._question.box(optimum.setting, scale)
         slowest = bound(box, fast=False, seen=Seen(), seeds=1, highest=self._checked).extreme
         new = self._question.landings.worst(box)
-        if slowest.speed < optimum.speed - _HOLDS * abs(optimum.speed):
+        if slowest.speed < optimum.speed - TOLERANCES.searched * abs(optimum.speed):
             shares = np.repeat(slowest.shares, _DRIFTS.size if box.varies[0] else 1, axis=1)
             shares[0, 1:] = _DRIFTS[1:] if box.varies[0] else 0.0
             new = np.hstack([new, slowest.shares, shares])
-        known = int(self.bodies.shares.shape[1])
-        self.bodies = self.bodies.joined(box, new)
-        return int(self.bodies.shares.shape[1]) > known
+        known = self.scenarios.size
+        self.scenarios = self.scenarios.joined(box, new)
+        return self.scenarios.size > known

@@ -8,43 +8,30 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import product
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
-from vibro.inverse.boxes import Box, Points
-from vibro.inverse.caps import hop_load
-from vibro.inverse.evolution import evolve, scatter, sobol
-from vibro.limits import critical_loads_of_lines
+from vibro.inverse.proofs import corners, steeper_is_slower
+from vibro.inverse.search import evolve, scatter, sobol
+from vibro.inverse.tolerances import TOLERANCES
+from vibro.limits import critical_loads
 from vibro.results.steady import SteadyCycle
 from vibro.steady import solve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Parts
+    from vibro.inverse.spaces import Box, Points
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
 __all__ = [
-    "ANY_LANDING",
-    "SEEDS",
-    "Extreme",
-    "Landings",
-    "Seen",
-    "corners",
-    "counted",
-    "least_of",
-    "look_around",
-    "sampled",
-    "searched",
-    "speeds_of",
-    "steeper_is_slower",
-    "taken",
-]
+    "ANY_LANDING", "SEEDS", "Extreme", "Landings", "Seen", "counted", "least_of", "look_around", "sampled",
+    "searched", "speeds_of", "taken",
+]  # fmt: skip
 
 # Standard errors by which the speed of a body counts as less than its mean, where that is a mean.
 _ERRORS: Final = 3.0
@@ -61,7 +48,6 @@ _SEEDED: Final = 8  # of these in every first population
 # ones; the second pair where impacts are not plastic, which takes a hundred times as long.
 _SAMPLES: Final = {False: (11, 7), True: (6, 5)}
 _LOOKS: Final = 12  # base-2 logarithm of the samples whose regimes are looked at
-_BESIDE: Final = 1e-12  # relative distance from a critical load
 _LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
 _ROUNDS: Final = 3  # of samples closer to the extreme ones
 
@@ -133,12 +119,12 @@ class Landings(NamedTuple):
         too_hard = np.asarray(cycle.impact_velocity > self.impact_speed)
         return too_hard | (cycle.flight_fraction > self.flight_fraction)
 
-    def worst(self, box: Parts) -> Floats:
+    def worst(self, box: Box) -> Floats:
         """Return the bodies of a box that exceed them most among samples, as shares, of shape (axes, n)."""
         limited = math.isfinite(self.impact_speed) or math.isfinite(self.flight_fraction)
-        if not limited or float(box.load[1]) <= float(hop_load(box)):
+        if not limited or not box.may_hop:
             return np.empty((len(box.axes), 0))
-        shares = corners(box)
+        shares = corners(box.varies)
         if box.varies.any():
             samples = np.zeros((len(box.axes), 2**_LANDINGS))
             samples[box.varies] = sobol(int(box.varies.sum()), _LANDINGS, _SEED)
@@ -174,48 +160,32 @@ def least_of(speed: Floats) -> Floats:
     return np.where(known.any(axis=1), np.where(known, speed, np.inf).min(axis=1), -np.inf)
 
 
-def corners(box: Parts) -> Floats:
-    """Return the corners of a box that differ, as shares, of shape (axes, n); those without a width at 0."""
-    return _corners(box.varies)
-
-
-def _corners(varies: NDArray[np.bool_]) -> Floats:
-    return np.array(list(product(*((0.0, 1.0) if free else (0.0,) for free in varies)))).T
-
-
-def look_around(box: Parts, seen: Seen) -> None:
-    """See which regimes there are in a box.
-
-    At samples and corners and, of a drive along a line, at corners at every load at which their regime
-    changes: what the first and the last body do that slips, slips back or hops.
-    """
+def look_around(box: Box, seen: Seen) -> None:
+    """See which regimes there are in a box: at samples, corners, and corners where their regime changes."""
     axes = np.flatnonzero(box.varies)
     shares = np.zeros((len(box.axes), 2**_LOOKS))
     shares[axes] = sobol(axes.size, _LOOKS, _SEED) if axes.size else 0.0
-    shares = np.hstack([corners(box), shares, np.full((len(box.axes), 1), 0.5)])
-    points = box.points(shares)
-    if isinstance(box, Box):
-        points = _with_changes(box, points)
+    shares = np.hstack([corners(box.varies), shares, np.full((len(box.axes), 1), 0.5)])
+    points = _with_changes(box, box.points(shares))
     speeds_of(box.scene(points, fast=False), fast=False, flight=False, seen=seen)
 
 
 def _with_changes(box: Box, points: Points) -> Points:
     """Add the corners at both sides of every load at which their regime changes."""
-    ends = box.points(corners(box))
-    least_angles = np.clip(np.arctan(ends.static_friction), *box.drive_angle)
-    ends = Points(*np.hstack([ends, ends._replace(drive_angle=least_angles)]))
-    loads = critical_loads_of_lines(
-        ends.drive_angle, ends.static_friction, ends.kinetic_friction, ends.trough_angle
-    )
-    for load in loads:
-        for side in (1.0 - _BESIDE, 1.0 + _BESIDE):
-            within = np.clip(np.nan_to_num(load, posinf=np.inf) * side, *box.load)
-            points = Points(*np.hstack([points, ends._replace(load=within)]))
+    ends = box.points(corners(box.varies))
+    if "drive_angle" in box.shape:  # the onset is least at the angle of friction
+        angle = np.clip(np.arctan(ends.static_friction), *box.shape["drive_angle"])
+        ends = ends.joined(ends._replace(shape=(angle,)))
+    scene = box.scene(ends, fast=False)
+    for load in critical_loads(scene):
+        at = ends.load * np.nan_to_num(load, posinf=np.inf) / scene.load
+        for side in (1.0 - TOLERANCES.beside, 1.0 + TOLERANCES.beside):
+            points = points.joined(ends._replace(load=np.clip(at * side, *box.load)))
     return points
 
 
 def searched(
-    box: Parts, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING
+    box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING
 ) -> Extreme:
     """Find the slowest or the fastest of the bodies in contact by differential evolution.
 
@@ -224,7 +194,7 @@ def searched(
 
     Parameters
     ----------
-    box : Parts
+    box : Box
         A single box.
     fast : bool
         Which of the two.
@@ -260,7 +230,7 @@ def searched(
 
     if not axes.size:
         return taken(box, fixed, fast=fast, flight=False, seen=seen, highest=highest)
-    ends = _corners(free)[axes]
+    ends = corners(free)[axes]
     if free[0]:  # of the load: past a drop the speed may fall for a while, within a sliver of the load
         along = np.repeat(ends[:, ends[0] == 0.0], _DIPS.size, axis=1)
         along[0] = np.tile(_DIPS, along.shape[1] // _DIPS.size)
@@ -275,7 +245,7 @@ def searched(
     return taken(box, shares_of(x), fast=fast, flight=False, seen=seen, highest=highest)
 
 
-def sampled(box: Parts, *, fast: bool, seen: Seen) -> Extreme:
+def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
     """Find the slowest or the fastest of the bodies that hop among samples; NaN if none was found.
 
     Speeds of hopping bodies are not smooth in anything, so that a search has nothing to hold on to: a few
@@ -295,12 +265,12 @@ def sampled(box: Parts, *, fast: bool, seen: Seen) -> Extreme:
         costs = np.full(x.shape[1], np.nan)
         hops = box.hops(points)
         if hops.any():
-            scene = box.scene(points._make(p[hops] for p in points), fast=fast)
+            scene = box.scene(points.kept(hops), fast=fast)
             costs[hops] = side * speeds_of(scene, fast=fast, flight=True, seen=seen)
             seen.excluded += int(np.count_nonzero(np.isnan(costs[hops])))
         return costs
 
-    shares = np.hstack([corners(box)[axes], sobol(axes.size, first, _SEED)])
+    shares = np.hstack([corners(box.varies)[axes], sobol(axes.size, first, _SEED)])
     x, best = scatter(cost, shares, more=2**more, rounds=_ROUNDS, seed=_SEED)
     if math.isnan(best):
         return Extreme(math.nan, shares_of(x), box.scene(box.points(shares_of(x)), fast=fast))
@@ -308,7 +278,7 @@ def sampled(box: Parts, *, fast: bool, seen: Seen) -> Extreme:
 
 
 def taken(
-    box: Parts,
+    box: Box,
     shares: Floats,
     *,
     fast: bool,
@@ -326,13 +296,7 @@ def taken(
     return Extreme(found[which], shares, scenes[which])
 
 
-def steeper_is_slower(box: Parts) -> bool:
-    """Whether a steeper trough is slower for every body, Eq. (53)."""
-    steepest = max(abs(angle) for angle in box.trough_angle)
-    return bool(box.static_friction[1] * math.tan(steepest) < 1.0)
-
-
-def _may_run_away(box: Parts) -> bool:
+def _may_run_away(box: Box) -> bool:
     """Whether gravity along the trough outweighs kinetic friction for some body, up or down."""
     least, _ = box.kinetic_span(np.asarray(box.static_span[0]))
     return bool(least <= math.tan(max(abs(angle) for angle in box.trough_angle)))

@@ -10,19 +10,9 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.inverse.bands import box_of
-from vibro.inverse.boxes import Box
-from vibro.inverse.caps import back_slip_load, hop_load
-from vibro.inverse.extremes import (
-    SEEDS,
-    Extreme,
-    Seen,
-    look_around,
-    sampled,
-    searched,
-    speeds_of,
-    steeper_is_slower,
-    taken,
-)
+from vibro.inverse.extremes import SEEDS, Extreme, Seen, look_around, sampled, searched, speeds_of, taken
+from vibro.inverse.proofs import back_slip_load, is_braked, steeper_is_slower
+from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
 from vibro.results.designs import Guarantee
 from vibro.scene import Scene
@@ -30,16 +20,11 @@ from vibro.scene import Scene
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.boxes import Parts
+    from vibro.inverse.spaces import Box
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Bound", "bound", "guarantee", "guarantee_of", "is_braked"]
-
-_NEAR: Final = 1e-7  # relative distance to a critical load at which a limit at it is looked for
-_BESIDE: Final = 1e-9  # [1] from there, where the speed is compared
-_JUMP: Final = 1e-6  # relative change of the speed that is a jump, not a slope
-_TOP: Final = 1e-10  # [1] to which the share of the fastest drive angle is found
+__all__ = ["Bound", "bound", "guarantee", "guarantee_of"]
 
 _AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude")
 # Loads at which the speed may jump; where back slip begins with its load, that is told.
@@ -93,7 +78,7 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     return guarantee_of(box_of(scene, bands))
 
 
-def guarantee_of(box: Parts) -> Guarantee:
+def guarantee_of(box: Box) -> Guarantee:
     """Return what holds in a single box."""
     seen = Seen()
     look_around(box, seen)
@@ -120,19 +105,16 @@ class Bound(NamedTuple):
     proof: str
 
 
-def bound(
-    box: Parts, *, fast: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING
-) -> Bound:
+def bound(box: Box, *, fast: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING) -> Bound:
     """Find the slowest or the fastest body of a single box, by so many searches.
 
     A body in a higher regime than ``highest`` is slower, or faster, than all others.
     """
-    most = float(box.load[1])
-    hops = most > float(hop_load(box))
+    hops = box.may_hop
     if not box.varies.any():
         only = taken(box, np.zeros((len(box.axes), 1)), fast=fast, flight=True, seen=seen, highest=highest)
-        return Bound(only, "corners" if isinstance(box, Box) else "sampled" if hops else "searched")
-    if isinstance(box, Box) and not hops and _is_monotone(box):
+        return Bound(only, "corners" if box.space.proves else "sampled" if hops else "searched")
+    if box.space.proves and not hops and _is_monotone(box):
         return _fastest_forward(box, seen) if fast else Bound(_slowest_forward(box, seen), "corners")
     extreme = searched(box, fast=fast, hops=hops, seen=seen, seeds=seeds, highest=highest)
     if not hops:
@@ -150,13 +132,6 @@ def _is_monotone(box: Box) -> bool:
     return slips_forward and is_braked(box) and steeper_is_slower(box)
 
 
-def is_braked(box: Box) -> bool:
-    """Whether kinetic friction outweighs the weight down the trough for every body that slides forward."""
-    steepest = box.trough_angle[0]
-    kinetic, _ = box.kinetic_span(np.asarray(box.static_span[0]))
-    return bool(kinetic * math.cos(steepest) + math.sin(steepest) >= 0.0)
-
-
 def _slowest_forward(box: Box, seen: Seen) -> Extreme:
     """Slowest of bodies that slip forward at most: the roughest, weakly driven, on the steepest trough.
 
@@ -171,7 +146,7 @@ def _fastest_forward(box: Box, seen: Seen) -> Bound:
     """Fastest of bodies that slip forward at most: where no end is it, the top between is searched."""
     shares = np.array([[1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
     found = [taken(box, shares[:, [i]], fast=True, flight=False, seen=seen) for i in range(2)]
-    (low, high), point = box.drive_angle, box.points(shares[:, :1])
+    (low, high), point = box.shape["drive_angle"], box.points(shares[:, :1])
     tops = (math.atan(float(mu[0])) for mu in (point.kinetic_friction, point.static_friction))
     first, last = ((min(max(top, low), high) - low) / ((high - low) or 1.0) for top in tops)
 
@@ -184,7 +159,7 @@ def _fastest_forward(box: Box, seen: Seen) -> Bound:
         from scipy.optimize import minimize_scalar  # late: it takes a fifth of a second to load
 
         peak = minimize_scalar(
-            lambda u: -at(u).speed, bounds=(first, last), method="bounded", options={"xatol": _TOP}
+            lambda u: -at(u).speed, bounds=(first, last), method="bounded", options={"xatol": TOLERANCES.top}
         )
         top = at(float(peak.x))
         if top.speed > best.speed:
@@ -204,12 +179,12 @@ def _limit(extreme: Extreme) -> str:
     known = critical_loads(extreme.scene)
     for name, text in _JUMPS.items():
         critical = float(np.ravel(getattr(known, name))[0])
-        if not (math.isfinite(critical) and abs(load - critical) <= _NEAR * critical):
+        if not (math.isfinite(critical) and abs(load - critical) <= TOLERANCES.near * critical):
             continue
-        beside = critical / load * (1.0 + _BESIDE * np.array([-1.0, 1.0]))
+        beside = critical / load * (1.0 + TOLERANCES.either_side * np.array([-1.0, 1.0]))
         fields: dict[str, Any] = {**at, **{field: at[field] * beside for field in _AMPLITUDES if field in at}}
         below, above = speeds_of(Scene(**fields), fast=False, flight=False)
-        if abs(above - below) > _JUMP * max(abs(above), abs(below)):
+        if abs(above - below) > TOLERANCES.jump * max(abs(above), abs(below)):
             is_above = abs(extreme.speed - above) < abs(extreme.speed - below)
             return f"from {'above' if is_above else 'below'} the load at which {text}"
     return ""

@@ -9,11 +9,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from vibro.drives import Ellipse, Line
 from vibro.errors import InputError, shown
 from vibro.files.toml_files import read_toml
 from vibro.inverse.catalogue import Row
-from vibro.inverse.specs import AnyDrive, Drift, Drive, EllipticalDrive, Goal, Spec
+from vibro.inverse.specs import Drift, Drive, Goal, Spec
 from vibro.inverse.tables import ANGLE, EXAMPLES, KEYS, Problems, Table, is_name
+from vibro.quantities import ELLIPTICAL, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -138,7 +140,7 @@ def _drive_tables(given: Any, problems: Problems) -> list[Table]:
     return [Table("drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
 
 
-def _drive(table: Table, usual_name: str) -> AnyDrive:
+def _drive(table: Table, usual_name: str) -> Drive:
     elliptical = [key for key in _OF_ELLIPSES if key in table.given]
     if elliptical:
         return _ellipse(table, usual_name, elliptical)
@@ -146,30 +148,26 @@ def _drive(table: Table, usual_name: str) -> AnyDrive:
     table.needs("frequency_hz")
     table.needs("drive_angle_deg")
     low, high = table.get("stroke_mm", (0.0, 0.0))
-    return Drive(
-        name=table.get("name", usual_name),
-        amplitude=table.get("amplitude_mm", (low / 2.0, high / 2.0)),
-        frequency=table.get("frequency_hz", ()),
-        drive_angle=table.get("drive_angle_deg", ()),
-        acceleration=table.get("acceleration_g", Drive.acceleration),
-    )
+    choices = {
+        "amplitude": (table.get("amplitude_mm", (low / 2.0, high / 2.0)),),
+        "frequency": table.get("frequency_hz", ()),
+        "drive_angle": table.get("drive_angle_deg", ()),
+    }
+    name, most = table.get("name", usual_name), table.get("acceleration_g", Drive.acceleration)
+    return Drive(name, Line, choices, most)
 
 
-def _ellipse(table: Table, usual_name: str, given: Sequence[str]) -> EllipticalDrive:
+def _ellipse(table: Table, usual_name: str, given: Sequence[str]) -> Drive:
     table.needs("frequency_hz")
     for key in _OF_ELLIPSES[:2]:
         table.needs(key)
     for key in _OF_LINES:
         if key in table.given:
             table.refuse(key, f"not beside {' and '.join(given)} of an elliptical drive", f"give {_PAIRS}")
-    return EllipticalDrive(
-        name=table.get("name", usual_name),
-        along_amplitude=table.get("along_amplitude_mm", (0.0, 0.0)),
-        normal_amplitude=table.get("normal_amplitude_mm", (0.0, 0.0)),
-        normal_phase=table.get("normal_phase_deg", (0.0, 0.0)),
-        frequency=table.get("frequency_hz", ()),
-        acceleration=table.get("acceleration_g", EllipticalDrive.acceleration),
-    )
+    choices = {knob: (table.get(QUANTITIES[knob].column, (0.0, 0.0)),) for knob in ELLIPTICAL}
+    choices["frequency"] = table.get("frequency_hz", ())
+    name, most = table.get("name", usual_name), table.get("acceleration_g", Drive.acceleration)
+    return Drive(name, Ellipse, choices, most)
 
 
 def _goal(goal: Table, scene: Table) -> Goal:
@@ -197,7 +195,7 @@ def _stand_ratio(part: Table) -> float:
     return float(part.get("half_base_mm", 1.0) / part.get("centre_height_mm", 1.0))
 
 
-def _check_names(drives: Sequence[AnyDrive], problems: Problems) -> None:
+def _check_names(drives: Sequence[Drive], problems: Problems) -> None:
     for name, count in Counter(drive.name for drive in drives).items():
         if count > 1:
             what = f"[[drive]] name = {shown(name)}: {count} drives have it"
@@ -206,9 +204,10 @@ def _check_names(drives: Sequence[AnyDrive], problems: Problems) -> None:
 
 def _check_drift(spec: Spec, drift: Table) -> None:
     """Refuse drifts of what no drive has."""
-    elliptical = [isinstance(drive, EllipticalDrive) for drive in spec.drives]
-    for key, known in (("normal_phase_deg", any(elliptical)), ("drive_angle_deg", not all(elliptical))):
-        if elliptical and not known and key in drift.given:
+    knobs = {knob for drive in spec.drives for knob in drive.choices}
+    for name in ("normal_phase", "drive_angle"):
+        key = QUANTITIES[name].column
+        if knobs and name not in knobs and key in drift.given:
             drift.refuse(key, f"no drive has {key}")
 
 
@@ -226,10 +225,9 @@ def _check_angles(spec: Spec, drives: Sequence[Table], problems: Problems) -> No
                 f" be less than {_degrees(slides)}, where parts of static_friction {friction:g} slide down"
             )
     for drive, table in zip(spec.drives, drives, strict=True):
-        if isinstance(drive, EllipticalDrive):
-            continue
-        reach = max((end for _, end in drive.drive_angle), default=0.0) + spec.drift.drive_angle + highest
-        if drive.drive_angle and reach >= 0.5 * math.pi - _ROUNDED:
+        angles = drive.choices.get("drive_angle", ())
+        reach = max((end for _, end in angles), default=0.0) + spec.drift.drive_angle + highest
+        if angles and reach >= 0.5 * math.pi - _ROUNDED:
             why = f"with the trough and the drifts it is up to {_degrees(reach)}; must be less than 90 deg"
             table.refuse("drive_angle_deg", why)
 
@@ -237,13 +235,7 @@ def _check_angles(spec: Spec, drives: Sequence[Table], problems: Problems) -> No
 def _check_accelerations(spec: Spec, drives: Sequence[Table]) -> None:
     """Refuse drives whose gentlest setting exceeds their own limit."""
     for drive, table in zip(spec.drives, drives, strict=True):
-        w = 2.0 * math.pi * min((low for low, _ in drive.frequency), default=0.0)
-        if isinstance(drive, EllipticalDrive):
-            # whatever the phase, the ellipse reaches as far as the larger of both amplitudes
-            amplitude = max(drive.along_amplitude[0], drive.normal_amplitude[0])
-        else:
-            amplitude = drive.amplitude[0]
-        least = amplitude * w * w / spec.gravity
+        least = drive.least_acceleration / spec.gravity
         if least > drive.acceleration:
             table.refuse(
                 "acceleration_g", f"amplitude and frequency are such that it is at least {least:.6g}"

@@ -2,33 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Final
 
-from vibro.inverse.questions import Setting
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from vibro.inverse.questions import Range
     from vibro.inverse.specs import Span
 
-__all__ = ["in_si", "nearest", "outside", "rounded", "within"]
+__all__ = ["moved", "nearest", "rounded", "within"]
 
 _SPELLED: Final = 15  # digits that tell every value that somebody gave
-
-
-def in_si(printed: tuple[float, float, float]) -> Setting:
-    """Convert a setting from the units outside."""
-    return Setting(
-        *(QUANTITIES[name].to_si(value) for name, value in zip(Setting._fields, printed, strict=True))
-    )
-
-
-def outside(ends: Range, setting: Setting) -> float:
-    """Return how far a setting lies outside a range, relative to its values."""
-    pairs = zip(ends, (setting.frequency, setting.drive_angle), strict=True)
-    beyond = [max(low - x, x - high, 0.0) / (abs(x) or 1.0) for (low, high), x in pairs]
-    return max(map(float, beyond))
 
 
 def within(value: float, name: str, ends: Span, digits: int) -> float:
@@ -47,3 +32,12 @@ def rounded(value: float, digits: int, *, down: bool) -> float:
 def nearest(value: float, digits: int) -> float:
     """Round to so many digits."""
     return float(f"{value:.{digits}g}")
+
+
+def moved(value: float, digits: int, steps: int, *, up: bool) -> float:
+    """Move a value by some steps of its last digit from the next whole one in a direction."""
+    if value == 0.0:
+        return value
+    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    count = math.ceil(value / unit) if up else math.floor(value / unit)
+    return (count + steps) * unit

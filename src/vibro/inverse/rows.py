@@ -1,108 +1,155 @@
-"""The designs of one drive within one regime, as rows of a table."""
+"""The designs of one drive within one regime: found, rounded so that they hold as printed, as table rows."""
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
-from vibro.inverse.caps import hop_load
+from vibro.drives import Ellipse, Line
+from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.rounding import rounded
-from vibro.quantities import SPEED
+from vibro.inverse.tolerances import TOLERANCES
+from vibro.inverse.windows import window_of
+from vibro.quantities import QUANTITIES, SPEED
 from vibro.results.designs import Design
-from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Mapping
 
     from vibro.inverse.exchange import Exchange, Optimum
-    from vibro.results.designs import Guarantee, Interval
+    from vibro.inverse.questions import Question
+    from vibro.inverse.spaces import Setting
+    from vibro.results.designs import Guarantee
 
-__all__ = ["AT", "KINDS", "NEARLY", "Found", "Rows", "nominal_scene"]
+__all__ = ["KINDS", "Finder", "Found", "find"]
 
 KINDS: Final = ("gentlest", "fastest", "safest")
-DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
-_SPARE: Final = 1e-8  # of the frequency of the nearest drive, for what is lost by rounding its amplitude
-NEARLY: Final = 0.98  # of a limit on landings: a setting there is at it
-_OF_PARTS: Final = ("trough_angle", "static_friction", "kinetic_friction")
-AT: Final = 1e-6  # relative distance to a limit that is at it
+_DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
+_OPTIMISERS: Final[Mapping[type, type[Exchange]]] = {Line: LineOptimiser, Ellipse: EllipseOptimiser}
 
 
 @dataclass(frozen=True)
 class Found:
-    """A setting as it is printed, what it guarantees, and its margin, and by which optimiser."""
+    """A setting, its knobs as they are printed, what it guarantees, and its margin by which optimiser."""
 
-    setting: Any
+    setting: Setting
     printed: tuple[float, ...]
     guarantee: Guarantee
     margin: float | None = None
     optimiser: Exchange | None = None
 
 
-class Rows(ABC):
-    """The designs of one drive within one regime.
+@dataclass(frozen=True)
+class Finder:
+    """What looks for the designs of a question.
+
+    Attributes
+    ----------
+    question : Question
+        What is asked.
+    optimiser : Exchange
+        What looks for optimal settings; it keeps the scenarios that it met.
+    found : mapping of str to Found
+        The designs by their kind, without those that there are not.
+    """
+
+    question: Question
+    optimiser: Exchange
+    found: Mapping[str, Found]
+
+    def set_by(self, kind: str) -> str | None:
+        """Name the active constraint of a design; None where the goal is not met, except of the fastest."""
+        found, optimiser = self.found.get(kind), self.optimiser
+        if found is None:
+            return optimiser.first_cap() if kind == "fastest" else None
+        if kind == "gentlest":
+            enough = self.question.spec.goal.speed * (1.0 + TOLERANCES.at)
+            return optimiser.gentlest_above if found.guarantee.speed_min > enough else "speed"
+        return optimiser.limit(found, found.margin or 1.0 if kind == "safest" else 1.0)
+
+    def row(self, kind: str) -> Design:
+        """Return a design as a row of a table; with what ends it alone where there is none."""
+        found, question = self.found.get(kind), self.question
+        row = Design(
+            drive=question.drive.name,
+            highest_regime=question.highest.label,
+            design=kind,
+            set_by=self.set_by(kind),
+        )
+        if found is None:
+            return row
+        g, goal, length = found.guarantee, question.spec.goal, question.spec.length
+        columns = (QUANTITIES[knob].column for knob in question.space.knobs)
+        settings: dict[str, Any] = dict(zip(columns, found.printed, strict=True))
+        row = replace(row, **settings)
+        window, speed = window_of(question, found), g.speed_min
+        needed, stroke = _nearest_drive(row.nominal_mm or 0.0, settings["frequency_hz"], speed, goal.speed)
+        return replace(
+            row,
+            acceleration_g=float(question.load(found.setting)),
+            speed_min_mm_s=_mm(speed),
+            speed_nominal_mm_s=_mm(float(solve(question.nominal_scene(found.setting)).mean_velocity)),
+            speed_max_mm_s=_mm(g.speed_max),
+            traverse_time_max_s=length / speed if length is not None and speed > 0.0 else None,
+            amplitude_low_mm=None if window is None else _mm(window.low),
+            amplitude_high_mm=None if window is None else _mm(window.high),
+            low_set_by=None if window is None else window.low_set_by,
+            high_set_by=None if window is None else window.high_set_by,
+            margin=found.margin,
+            throw_number_max=question.box(found.setting).throw_number,
+            frequency_needed_hz=needed,
+            amplitude_needed_mm=stroke,
+            proof=g.proof_min,
+            coexists=g.coexists,
+            excluded=g.excluded,
+        )
+
+
+def find(question: Question, calmer: Mapping[str, Found]) -> Finder:
+    """Find the gentlest, the fastest and the safest setting that hold as they are printed.
 
     Parameters
     ----------
-    question : Question or EllipticalQuestion
+    question : Question
         What is asked.
-    optimiser : Exchange
-        What looks for optimal settings.
     calmer : mapping of str to Found
         The designs within a lower regime, which are designs here too.
     """
+    optimiser = _OPTIMISERS[question.drive.kind](question)  # type: ignore[call-arg]
+    finder = _Search(question, optimiser, question.spec.goal.speed)
+    return Finder(question, optimiser, finder.found(calmer))
 
-    #: Of the goal, for a gentlest setting that can be rounded.
-    _surpluses: tuple[float, ...]
-    #: What the gentlest design is set by that is faster than it need be.
-    _gentlest_above: str
-    #: Columns of a printed setting.
-    _columns: tuple[str, ...]
 
-    def __init__(self, question: Any, optimiser: Exchange, calmer: Mapping[str, Found]) -> None:
-        self._question = question
-        self._target = question.spec.goal.speed
-        self._optimiser = optimiser
-        #: The designs by their kind, without those that there are not.
-        self.found: dict[str, Found] = {}
-        if not self._has_more():
-            self.found.update(calmer)
-            return
-        self._keep("fastest", [self._settled(optimiser.fastest(), None, up=False), calmer.get("fastest")])
-        fastest = self.found.get("fastest")
-        if fastest is None or fastest.guarantee.speed_min < self._target:
-            return
-        self._keep("gentlest", [self._gentlest(), calmer.get("gentlest"), fastest])
-        safest: list[Found | None] = [fastest]
-        if question.spec.has_bands:
-            best = self._settled(optimiser.safest(self._target), self._target, up=False)
-            safest = [best, calmer.get("safest"), *self.found.values()]
-        self._keep("safest", safest)
+@dataclass(frozen=True)
+class _Search:
+    question: Question
+    optimiser: Exchange
+    target: float
 
-    @abstractmethod
-    def _roundings(self, setting: Any, digits: int, *, up: bool) -> Iterable[tuple[tuple[float, ...], Any]]:
-        """Return settings in the units outside with so many digits, from the nearest one inwards."""
-
-    @abstractmethod
-    def _is_allowed(self, setting: Any) -> bool:
-        """Tell whether a drive may be set so."""
-
-    @abstractmethod
-    def _limit(self, found: Found, scale: float) -> str:
-        """Tell what keeps a setting from being better with bands of a scale."""
-
-    @abstractmethod
-    def _first_cap(self) -> str:
-        """Tell what ends the load before any speed is guaranteed."""
-
-    @abstractmethod
-    def _window(self, found: Found) -> Interval | None:
-        """Return the amplitudes that keep the guarantee and hold the design."""
+    def found(self, calmer: Mapping[str, Found]) -> dict[str, Found]:
+        """Find the designs, by their kind."""
+        if not self.optimiser.has_more():
+            return dict(calmer)
+        fastest = self._best("fastest", self._held(self.optimiser.fastest(), None, up=False), calmer)
+        if fastest is None:
+            return {}
+        found = {"fastest": fastest}
+        if fastest.guarantee.speed_min < self.target:
+            return found
+        gentlest = self._best("gentlest", self._gentlest(), calmer, fastest)
+        assert gentlest is not None
+        found["gentlest"] = gentlest
+        if self.question.spec.has_bands:
+            best = self._held(self.optimiser.safest(self.target), self.target, up=False)
+            safest = self._best("safest", best, calmer, *found.values())
+        else:
+            safest = fastest
+        assert safest is not None
+        return {**found, "safest": safest}
 
     def _gentlest(self) -> Found | None:
         """Return the gentlest setting that holds as it is printed.
@@ -110,114 +157,65 @@ class Rows(ABC):
         It may stand where the speed just reaches the goal and back slip just enters: no rounding holds there,
         but one beside a setting for a little more speed does.
         """
-        for surplus in self._surpluses:
-            optimum = self._optimiser.gentlest(self._target * (1.0 + surplus))
-            if found := self._settled(optimum, self._target, up=True):
+        for surplus in self.optimiser.surpluses:
+            optimum = self.optimiser.gentlest(self.target * (1.0 + surplus))
+            if found := self._held(optimum, self.target, up=True):
                 return found
         return None
 
-    def _keep(self, kind: str, candidates: Iterable[Found | None]) -> None:
-        """Keep the best of candidates, with its margin."""
-        known = [found for found in candidates if found is not None]
+    def _best(
+        self, kind: str, new: Found | None, calmer: Mapping[str, Found], *others: Found
+    ) -> Found | None:
+        """Return the best of some designs, with its margin; None without any."""
+        known = [found for found in (new, calmer.get(kind), *others) if found is not None]
         if kind == "safest":
             known = [self._with_margin(found) for found in known]
         merits: dict[str, Callable[[Found], float]] = {
             "fastest": lambda found: found.guarantee.speed_min,
-            "gentlest": lambda found: -float(self._question.load(found.setting)),
+            "gentlest": lambda found: -float(self.question.load(found.setting)),
             "safest": lambda found: found.margin or 0.0,
         }
-        if known:
-            self.found[kind] = self._with_margin(max(known, key=merits[kind]))
+        return self._with_margin(max(known, key=merits[kind])) if known else None
 
     def _with_margin(self, found: Found) -> Found:
         """Add the margin of a design: at least 1 where it meets the goal."""
-        if found.optimiser is self._optimiser or not self._question.spec.has_bands:
+        if found.optimiser is self.optimiser or not self.question.spec.has_bands:
             return found
-        margin = self._optimiser.margin(found.setting, self._target)
-        if found.guarantee.speed_min >= self._target:  # what holds in a lower regime holds here
+        margin = self.optimiser.margin(found.setting, self.target)
+        if found.guarantee.speed_min >= self.target:  # what holds in a lower regime holds here
             margin = max(margin or 1.0, found.margin or 1.0, 1.0)
-        return replace(found, margin=margin, optimiser=self._optimiser)
+        return replace(found, margin=margin, optimiser=self.optimiser)
 
-    def _settled(self, optimum: Optimum | None, target: float | None, *, up: bool) -> Found | None:
+    def _held(self, optimum: Optimum | None, target: float | None, *, up: bool) -> Found | None:
         """Round a setting inwards, so that it holds as it is printed."""
         if optimum is None:
             return None
-        for digits in DIGITS:
-            for printed, setting in self._roundings(optimum.setting, digits, up=up):
-                if not self._optimiser.holds(setting, target or 0.0) or not self._is_allowed(setting):
+        least, space = target or 0.0, self.question.space
+        for digits in _DIGITS:
+            for printed in self.optimiser.roundings(optimum.setting, digits, up=up):
+                pairs = zip(space.knobs, printed, strict=True)
+                setting = space.setting(**{knob: QUANTITIES[knob].to_si(x) for knob, x in pairs})
+                if not self.optimiser.holds(setting, least) or not self.optimiser.is_allowed(setting):
                     continue
-                found = Found(setting, printed, guarantee_of(self._question.boxes(setting)))
-                if found.guarantee.speed_min >= (target or 0.0) and self._keeps_to_regime(found):
+                found = Found(setting, printed, guarantee_of(self.question.box(setting)))
+                if found.guarantee.speed_min >= least and self.optimiser.keeps_to_regime(found):
                     return found
         return None
 
-    def _has_more(self) -> bool:
-        """Whether some setting, or a wider band, is allowed here that a lower regime does not allow."""
-        return True
 
-    def _keeps_to_regime(self, found: Found) -> bool:
-        """Tell whether every body of a setting keeps to the regime."""
-        return True
+def _nearest_drive(
+    amplitude: float, frequency: float, speed: float, goal: float
+) -> tuple[float | None, float | None]:
+    """Return frequency and amplitude of the nearest drive that meets the goal, so rounded [Hz, mm].
 
-    def _set_by(self, kind: str) -> str | None:
-        """Tell what keeps a design from being better; None where the goal is not met, but for the fastest."""
-        found = self.found.get(kind)
-        if found is None:
-            return self._first_cap() if kind == "fastest" else None
-        if kind == "gentlest":
-            return self._gentlest_above if found.guarantee.speed_min > self._target * (1.0 + AT) else "speed"
-        return self._limit(found, found.margin or 1.0 if kind == "safest" else 1.0)
-
-    def row(self, kind: str) -> Design:
-        """Return a design as a row of a table; with what ends it alone where there is none."""
-        found = self.found.get(kind)
-        question, goal = self._question, self._question.spec.goal
-        row = Design(
-            drive=question.drive.name,
-            highest_regime=question.highest.label,
-            design=kind,
-            set_by=self._set_by(kind),
-        )
-        if found is None:
-            return row
-        g = found.guarantee
-        settings: dict[str, Any] = dict(zip(self._columns, found.printed, strict=True))
-        row = replace(row, **settings)
-        amplitude, frequency = row.nominal_mm or 0.0, settings["frequency_hz"]
-        window = self._window(found)
-        length, speed = question.spec.length, g.speed_min
-        met = speed >= goal.speed
-        # the nearest drive, rounded so that it does
-        needed = rounded(frequency * speed / goal.speed * (1.0 - _SPARE), DIGITS[0], down=True)
-        stroke = rounded(amplitude * (frequency / needed) ** 2, DIGITS[0], down=True)
-        box = question.boxes(found.setting)
-        return replace(
-            row,
-            acceleration_g=float(question.load(found.setting)),
-            speed_min_mm_s=_mm(speed),
-            speed_nominal_mm_s=_mm(float(solve(nominal_scene(question, found.setting)).mean_velocity)),
-            speed_max_mm_s=_mm(g.speed_max),
-            traverse_time_max_s=length / speed if length is not None else None,
-            amplitude_low_mm=None if window is None else _mm(window.low),
-            amplitude_high_mm=None if window is None else _mm(window.high),
-            low_set_by=None if window is None else window.low_set_by,
-            high_set_by=None if window is None else window.high_set_by,
-            margin=found.margin,
-            throw_number_max=float(box.load[1] / hop_load(box)),
-            frequency_needed_hz=None if met else needed,
-            amplitude_needed_mm=None if met else stroke,
-            proof=g.proof_min,
-            coexists=g.coexists,
-            excluded=g.excluded,
-        )
-
-
-def nominal_scene(question: Any, setting: Any) -> Scene:
-    """Return the scene of a setting in the middle of all bands."""
-    box = question.boxes(setting, 0.0)
-    point = box.points(np.full((len(box.axes), 1), 0.5))
-    parts = {name: float(getattr(point, name)[0]) for name in _OF_PARTS}
-    return Scene(**setting._asdict(), **parts, **box.constants)
+    At one load the speed goes with 1/f. Nothing is needed where the goal is met, and a drive that conveys
+    nothing has none at its load.
+    """
+    if speed >= goal or not speed > 0.0:
+        return None, None
+    needed = rounded(frequency * speed / goal * (1.0 - TOLERANCES.spare), _DIGITS[0], down=True)
+    stroke = rounded(amplitude * (frequency / needed) ** 2, _DIGITS[0], down=True)
+    return needed, stroke
 
 
 def _mm(value: float) -> float | None:

@@ -7,13 +7,18 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from vibro.core.codes import Regime
+from vibro.inverse.spaces import SPACES
 from vibro.quantities import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["AnyDrive", "Drift", "Drive", "EllipticalDrive", "Goal", "Spec"]
+    from vibro.drives import Ellipse, Line
+    from vibro.inverse.spaces import Space
 
+__all__ = ["Drift", "Drive", "Goal", "Span", "Spec"]
+
+#: Both ends of a closed interval.
 Span = tuple[float, float]
 
 
@@ -25,46 +30,41 @@ class Drive:
     ----------
     name : str
         For tables.
-    amplitude : tuple of float
-        Smallest and largest [m]; the smallest is 0 where only the largest is given.
-    frequency, drive_angle : tuple of pairs of float
-        The choices: each is a range with its ends, equal for a single value [Hz, rad].
-    acceleration : float
-        Largest A w^2 / g [1]; inf without a limit.
-    """
-
-    name: str
-    amplitude: Span
-    frequency: tuple[Span, ...]
-    drive_angle: tuple[Span, ...]
-    acceleration: float = math.inf
-
-
-@dataclass(frozen=True)
-class EllipticalDrive:
-    """An elliptical drive and what may be chosen of it; limits hold for nominal values.
-
-    Attributes
-    ----------
-    name : str
-        For tables.
-    along_amplitude, normal_amplitude, normal_phase : tuple of float
-        Ranges with their ends, equal for a single value [m, m, rad].
-    frequency : tuple of pairs of float
-        The choices, as for ``Drive`` [Hz].
+    kind : type
+        ``Line`` or ``Ellipse``.
+    choices : mapping of str to tuple of pairs of float
+        Of every knob (``Space.knobs``) the ranges to choose from, each with its ends, equal for a single
+        value [SI]. Of the frequency and of the drive angle of a line there may be several.
     acceleration : float
         Largest acceleration along the path over g [1]; inf without a limit.
     """
 
     name: str
-    along_amplitude: Span
-    normal_amplitude: Span
-    normal_phase: Span
-    frequency: tuple[Span, ...]
+    kind: type[Line] | type[Ellipse]
+    choices: Mapping[str, tuple[Span, ...]]
     acceleration: float = math.inf
 
+    @property
+    def space(self) -> Space:
+        """What turns it."""
+        return SPACES[self.kind]
 
-AnyDrive = Drive | EllipticalDrive
+    @property
+    def frequency(self) -> tuple[Span, ...]:
+        """All ranges of its frequency [Hz]."""
+        return self.choices["frequency"]
+
+    def span(self, knob: str) -> Span:
+        """Return the range of a knob that has one [SI]."""
+        (span,) = self.choices[knob]
+        return span
+
+    @property
+    def least_acceleration(self) -> float:
+        """Largest acceleration of its gentlest setting [m/s^2]; of an ellipse of any phase at least that."""
+        amplitudes = [self.choices[knob][0][0] for knob in self.choices if knob.endswith("amplitude")]
+        w = 2.0 * math.pi * min((low for low, _ in self.frequency), default=0.0)
+        return max(amplitudes) * w * w
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class Spec:
     bands : mapping of str to pair of float
         What is known of parts and trough, by field: static_friction, kinetic_friction or friction_ratio,
         trough_angle, without drift; both ends are equal where it is known [1, rad].
-    drives : tuple of Drive or EllipticalDrive
+    drives : tuple of Drive
         What may be chosen.
     goal : Goal
         What is wanted.
@@ -134,7 +134,7 @@ class Spec:
     """
 
     bands: Mapping[str, Span]
-    drives: tuple[AnyDrive, ...]
+    drives: tuple[Drive, ...]
     goal: Goal
     drift: Drift = field(default_factory=Drift)
     length: float | None = None

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.inverse.amplitudes import positive, regime_of
-from vibro.inverse.bands import line_box_of
+from vibro.inverse.bands import box_of
+from vibro.inverse.windows import positive, regime_of
 from vibro.scene import Scene
 from vibro.steady import solve
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.codes import Regime
-    from vibro.inverse.boxes import Box
+    from vibro.inverse.spaces import Box
 
     Floats = NDArray[np.float64]
 
@@ -26,9 +26,6 @@ _SCRAMBLES: Final = 8
 _FIRST: Final = 14  # base-2 logarithm of the points of a scramble, doubled until the error is small enough
 _LAST: Final = 20
 _ERROR: Final = 3e-4
-_FIELDS: Final = (
-    "amplitude", "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_angle",
-)  # fmt: skip
 
 
 def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any) -> tuple[float, float]:
@@ -68,7 +65,7 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     """
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
-    box = line_box_of(scene, bands)
+    box = box_of(scene, bands)
     shares: list[float] = []
     error = math.inf
     for logarithm in range(_FIRST, _LAST + 1):
@@ -86,19 +83,23 @@ def _share(box: Box, target: float, highest: Regime, logarithm: int, seed: int) 
     from scipy.stats import qmc  # late: it takes a fifth of a second to load
 
     spans = (
-        box.amplitude, box.frequency, box.drive_angle, box.trough_angle, box.static_friction,
+        box.factor, box.frequency, *box.shape.values(), box.trough_angle, box.static_span,
         box.second_friction,
     )  # fmt: skip
     low, high = (np.array(ends, np.float64)[:, None] for ends in zip(*spans, strict=True))
     points = qmc.Sobol(len(spans), rng=np.random.default_rng(seed)).random_base2(logarithm).T
-    amplitude, frequency, alpha, beta = (low + points * (high - low))[:4]
+    factor, frequency, *shape, beta, mu_s, mu_d = low + points * (high - low)
     if box.is_ratio:
-        mu_s, ratio = (low + points * (high - low))[4:]
-        mu_d = np.minimum(ratio * mu_s, mu_s)
+        mu_d = np.minimum(mu_d * mu_s, mu_s)
     else:
-        mu_s, mu_d = _cut(box, points[4], points[5])
-    fields = (amplitude, frequency, alpha, mu_s, mu_d, beta)
-    cycle = solve(Scene.allowing_infeasible(**dict(zip(_FIELDS, fields, strict=True)), **box.constants))
+        mu_s, mu_d = _cut(box, points[-2], points[-1])
+    motion = box.space.motion(factor, tuple(shape))
+    cycle = solve(
+        Scene.allowing_infeasible(
+            **motion, frequency=frequency, trough_angle=beta, static_friction=mu_s, kinetic_friction=mu_d,
+            **box.constants,
+        )
+    )  # fmt: skip
     reaches = (cycle.mean_velocity >= target) & (cycle.regime <= highest)
     return float(np.mean(reaches))
 

@@ -164,10 +164,14 @@ class DesignResult:
         Whether some drive guarantees the goal within its highest regime.
     designs : tuple of Design
         For every drive and regime the gentlest, the fastest and the safest design.
+    settings : tuple of tuple of float, or None
+        Of each design the motion of the trough, in full precision: its amplitudes along and normal to it [m],
+        the phase by which the latter leads [rad], and the frequency [Hz].
     """
 
     met: bool
     designs: tuple[Design, ...]
+    settings: tuple[tuple[float, ...] | None, ...]
 
     @property
     def columns(self) -> tuple[DesignColumn, ...]:

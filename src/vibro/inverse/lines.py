@@ -1,42 +1,47 @@
-"""The gentlest, the fastest and the safest setting of a drive.
+"""The gentlest, the fastest and the safest setting of a drive along a line.
 
 Amplitude and frequency enter through the load G = A w^2 / g and a factor 1/f on all speeds, so that of all
 settings with one load the lowest frequency is the best: what is left to choose is a drive angle and a load.
-Bodies that turn out to be slower at an optimum than all before are looked at from then on (an exchange).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.inverse.bodies import Bodies
-from vibro.inverse.caps import onset_load
-from vibro.inverse.crossings import first_crossing
-from vibro.inverse.evolution import evolve, scatter, sobol
+from vibro.drives import Line
 from vibro.inverse.exchange import Effort, Exchange, Optimum
-from vibro.inverse.extremes import ANY_LANDING, corners, steeper_is_slower
-from vibro.inverse.guarantees import is_braked
-from vibro.inverse.questions import Setting
-from vibro.limits import critical_loads_of_lines
+from vibro.inverse.extremes import ANY_LANDING
+from vibro.inverse.proofs import corners, is_braked, onset_load, regime_loads, steeper_is_slower, tip_load
+from vibro.inverse.questions import MOST_THROW
+from vibro.inverse.rounding import moved, within
+from vibro.inverse.scenarios import entry_loads
+from vibro.inverse.search import evolve, first_crossing, scatter, sobol
+from vibro.inverse.spaces import SPACES, Setting
+from vibro.inverse.tolerances import TOLERANCES
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
-    from vibro.inverse.questions import Question, Range
+    from vibro.inverse.questions import Question
+    from vibro.inverse.rows import Found
+    from vibro.inverse.spaces import Box
+    from vibro.inverse.specs import Span
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Optimiser"]
+__all__ = ["LineOptimiser"]
 
+_LINES: Final = SPACES[Line]
 _SLOWEST_LOAD: Final = 1e-2  # of the largest load, from which on settings are looked for
-_BESIDE: Final = 1e-12  # [1] below a critical load
-_ROUNDING: Final = 1e-13  # [1] of a load that is formed anew from amplitude and frequency: caps leave more
+_NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inwards
 _SEED: Final = 1
 
 
@@ -50,28 +55,30 @@ class _Effort(Effort):
         Drive angles looked at first, and rounds of looking closer.
     loads : int
         Loads between which a speed is looked for.
-    climbs, steps : int
-        Rounds of looking closer at peaks of the speed, and of bisection between two loads.
+    climbs : int
+        Rounds of looking closer at peaks of the speed.
+    width : float
+        Relative width to which a load is found.
     """
 
     angles: int
     rounds: int
     loads: int
     climbs: int
-    steps: int
+    width: float
 
 
 _IN_CONTACT: Final = _Effort(
-    angles=65, rounds=9, loads=129, population=6, generations=80, climbs=5, steps=60, margins=33,
+    angles=65, rounds=9, loads=129, population=6, generations=80, climbs=5, width=0.0, margins=33,
     margin=1e-6, scale=1e-6, exchanges=8,
 )  # fmt: skip
 _FLYING: Final = _Effort(
-    angles=33, rounds=3, loads=65, population=8, generations=3, climbs=1, steps=30, margins=33,
+    angles=33, rounds=3, loads=65, population=8, generations=3, climbs=1, width=5e-11, margins=33,
     margin=1e-3, scale=1e-3, exchanges=2,
 )  # fmt: skip
 # impacts that are not plastic take long
 _BOUNCING: Final = _Effort(
-    angles=9, rounds=1, loads=17, population=7, generations=2, climbs=0, steps=12, margins=9,
+    angles=9, rounds=1, loads=17, population=7, generations=2, climbs=0, width=6e-5, margins=9,
     margin=3e-2, scale=3e-2, exchanges=1,
 )  # fmt: skip
 
@@ -82,7 +89,22 @@ _KEPT: Final = 3  # angles to look around in each round
 _CLOSER: Final = 17  # angles around each, closer by a factor of 8
 
 
-class Optimiser(Exchange):
+class Range(NamedTuple):
+    """A choice of frequencies and drive angles without a gap [Hz, rad]."""
+
+    frequency: Span
+    drive_angle: Span
+
+    def distance(self, turned: Mapping[str, Any]) -> float:
+        """How far a setting lies outside, relative to its values."""
+        beyond = (
+            max(low - x, x - high, 0.0) / (abs(x) or 1.0)
+            for (low, high), x in ((self[i], turned[name]) for i, name in enumerate(self._fields))
+        )
+        return float(max(beyond))
+
+
+class LineOptimiser(Exchange):
     """Optimal settings of a drive along a line.
 
     Parameters
@@ -91,9 +113,13 @@ class Optimiser(Exchange):
         What is asked.
     """
 
+    surpluses = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
+    gentlest_above = "onset"
+
     def __init__(self, question: Question) -> None:
-        angle = question.ranges[0].drive_angle[0]
-        one = question.boxes(Setting(1.0, 1.0, angle))
+        choices = question.drive.choices
+        self._ranges = [Range(f, a) for f in question.drive.frequency for a in choices["drive_angle"]]
+        one = question.box(_unit(question.drive.choices["drive_angle"][0][0]))
         effort = _IN_CONTACT
         if question.flies:
             effort = _BOUNCING if question.spec.restitution else _FLYING
@@ -104,39 +130,85 @@ class Optimiser(Exchange):
                 [[0, 0, 1, 1], [0, 1, 0, 1], [1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0]], np.float64
             )
         else:
-            shares = corners(one)
-        super().__init__(question, effort, Bodies.staying(shares))
+            shares = corners(one.varies)
+        super().__init__(question, effort, shares)
+
+    def _caps(self, drive_angle: Floats, scale: Floats | float = 1.0) -> dict[str, Floats]:
+        """Nominal loads up to which a drive angle may be driven, by what ends there, of its shape.
+
+        The largest acceleration is for nominal values, and no matter of the scale. Settings that hop are not
+        sought beyond a throw number of 10.
+        """
+        question = self._question
+        box = question.box(_unit(drive_angle), scale)
+        loads = self._tip_loads(box) | regime_loads(box, question.highest)
+        most = question.growth(scale)
+        shape = np.broadcast_shapes(np.shape(drive_angle), np.shape(scale))
+        # a load that is NaN is of bodies without static friction, of which nothing is known
+        loads = {name: np.nan_to_num(load, nan=0.0, posinf=math.inf) for name, load in loads.items()}
+        least = 1.0 - TOLERANCES.beside
+        caps = {name: np.broadcast_to(load / most * least, shape) for name, load in loads.items()}
+        limit = np.full(shape, question.drive.acceleration)
+        if question.flies:
+            limit = np.minimum(limit, MOST_THROW * box.hop_load / most)
+        return {**caps, "limit": limit}
+
+    def _tip_loads(self, box: Box) -> dict[str, Floats]:
+        """Load up to which every part stays upright, where it must: nothing is known of landings."""
+        ratio = self._question.spec.stand_ratio
+        if math.isinf(ratio):
+            return {}
+        load = tip_load(box, ratio)
+        return {"tip": np.minimum(load, box.hop_load) if self._question.flies else load}
+
+    def _setting(self, load: Floats, frequency: tuple[Any, Any], drive_angle: Floats) -> Setting:
+        """Return the fastest setting of a load: that of the lowest frequency which the stroke allows.
+
+        At one load the speed of every body goes with 1/f.
+        """
+        question = self._question
+        weight = np.maximum(load, TOLERANCES.short) * question.spec.gravity / (4.0 * math.pi**2)  # A f^2
+        least, most = question.drive.span("amplitude")
+        f = np.clip(np.sqrt(weight / most), *frequency)
+        amplitude = np.clip(weight / (f * f), least, most)
+        return question.space.setting(amplitude=amplitude, frequency=f, drive_angle=drive_angle)
 
     def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
         """Tell whether settings keep to the regime."""
         question = self._question
-        caps = question.caps(np.reshape(setting.drive_angle, (-1, 1)), np.reshape(scale, (-1, 1)))
-        load = question.load(setting) * (1.0 - _ROUNDING)
+        angles = question.space.turned(setting)["drive_angle"]
+        caps = self._caps(np.reshape(angles, (-1, 1)), np.reshape(scale, (-1, 1)))
+        load = question.load(setting) * (1.0 - TOLERANCES.rounding)
         least = np.min([cap[:, 0] for name, cap in caps.items() if name != "limit"], axis=0, initial=np.inf)
         return np.asarray(load <= least)
 
     def _tops(self, angles: Floats, choice: Range, scale: float) -> Floats:
         """Largest nominal loads at drive angles."""
-        caps = self._question.caps(angles[:, None], scale).values()
+        caps = self._caps(angles[:, None], scale).values()
         reach = np.full(angles.size, self._reach(choice)[1])
         return np.asarray(np.min([*(cap[:, 0] for cap in caps), reach], axis=0))
 
     def _reach(self, choice: Range) -> tuple[float, float]:
-        low, high = self._question.reach(choice.frequency)
+        """Smallest and largest load that the amplitudes allow within a range of frequencies."""
+        low, high = (
+            a * (2.0 * math.pi * f) ** 2 / self._question.spec.gravity
+            for a, f in zip(self._question.drive.span("amplitude"), choice.frequency, strict=True)
+        )
         return low, high
 
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
         """Return the fastest setting for the bodies looked at."""
         search = self._fastest_at_the_top if self._monotone else self._fastest_below
-        found = [search(choice, scale, generations) for choice in self._question.ranges]
+        found = [search(choice, scale, generations) for choice in self._ranges]
         best = max(found, key=lambda optimum: optimum.speed)
         return best if best.speed > 0.0 else None
 
     def _value(self, angles: Floats, loads: Floats, choice: Range, scale: float) -> Floats:
         """Guaranteed speeds of the fastest settings of loads; -inf where a load is beyond reach."""
-        setting = self._question.setting(loads, choice.frequency, angles)
+        setting = self._setting(loads, choice.frequency, angles)
         low, high = self._reach(choice)
-        inside = (loads >= low * (1.0 - _BESIDE)) & (loads <= high * (1.0 + _BESIDE)) & (loads > 0.0)
+        beside = TOLERANCES.beside
+        inside = (loads >= low * (1.0 - beside)) & (loads <= high * (1.0 + beside)) & (loads > 0.0)
         return np.where(inside, self.least(setting, scale), -np.inf)
 
     def _fastest_at_the_top(self, choice: Range, scale: float, generations: int) -> Optimum:
@@ -146,7 +218,7 @@ class Optimiser(Exchange):
             return self._value(angles, self._tops(angles, choice, scale), choice, scale)
 
         angle = np.array([_best(value, choice.drive_angle, self._closely)])
-        setting = self._question.setting(self._tops(angle, choice, scale), choice.frequency, angle)
+        setting = self._setting(self._tops(angle, choice, scale), choice.frequency, angle)
         return _optimum(setting, float(value(angle)[0]))
 
     def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
@@ -160,15 +232,13 @@ class Optimiser(Exchange):
             angles = _between(choice.drive_angle, shares[0])
             tops = self._tops(angles, choice, scale)
             loads = tops * np.minimum(np.maximum(least / tops, _SLOWEST_LOAD), 1.0) ** shares[1]
-            lowest = self._question.setting(loads, choice.frequency, angles).frequency
-            setting = self._question.setting(
-                loads, (lowest * (fastest / lowest) ** shares[2], fastest), angles
-            )
+            lowest = self._setting(loads, choice.frequency, angles).frequency
+            setting = self._setting(loads, (lowest * (fastest / lowest) ** shares[2], fastest), angles)
             return loads, tops, setting
 
         def speed(x: Floats) -> Floats:
             loads, tops, setting = placed(x)
-            possible = (tops > 0.0) & (loads >= least * (1.0 - _BESIDE))
+            possible = (tops > 0.0) & (loads >= least * (1.0 - TOLERANCES.beside))
             return np.where(possible, self.least(setting, scale), -np.inf)
 
         def cost(x: Floats) -> Floats:
@@ -191,7 +261,7 @@ class Optimiser(Exchange):
     def _gentlest(self, target: float) -> Optimum | None:
         """Return the setting of least load that reaches a speed, for the bodies looked at."""
         found = []
-        for choice in self._question.ranges:
+        for choice in self._ranges:
 
             def value(angles: Floats, choice: Range = choice) -> Floats:
                 loads = self._first_load(angles, target, choice)
@@ -205,7 +275,7 @@ class Optimiser(Exchange):
             angle = np.array([_best(value, choice.drive_angle, self._closely)])
             load = self._first_load(angle, target, choice)
             if np.isfinite(load[0]):
-                setting = self._question.setting(load, choice.frequency, angle)
+                setting = self._setting(load, choice.frequency, angle)
                 speed = float(self._value(angle, load, choice, 1.0)[0])
                 found.append((float(load[0]), _optimum(setting, speed)))
         return min(found, key=lambda pair: pair[0])[1] if found else None
@@ -213,9 +283,9 @@ class Optimiser(Exchange):
     def _first_load(self, angles: Floats, target: float, choice: Range) -> Floats:
         """Least loads that reach a speed at drive angles; inf where none does."""
         tops = self._tops(angles, choice, 1.0)
-        boxes = self._question.boxes(Setting(1.0, 1.0, angles[:, None]))
+        boxes = self._question.box(_unit(angles[:, None]))
         # every body must have started forward
-        onset = onset_load(boxes) / boxes.load[0] * self._question.load(Setting(1.0, 1.0, 0.0))
+        onset = onset_load(boxes) / boxes.load[0] * self._question.load(_unit(0.0))
         bottom = np.maximum(onset[:, 0], self._reach(choice)[0])
         if not self._monotone:
             bottom = np.maximum(bottom, _SLOWEST_LOAD * tops)
@@ -226,23 +296,72 @@ class Optimiser(Exchange):
             shares = np.linspace(0.0, 1.0, self._closely.loads)
             grid = bottom[:, None] * (tops / bottom)[:, None] ** shares
             entries = self._entries(angles)
-            beside = np.hstack([entries * (1.0 - _BESIDE), entries * (1.0 + _BESIDE)])
+            beside = np.hstack([entries * (1.0 - TOLERANCES.beside), entries * (1.0 + TOLERANCES.beside)])
             grid = np.sort(np.hstack([grid, np.clip(beside, bottom[:, None], tops[:, None])]), axis=1)
 
         def value(rows: NDArray[np.intp], loads: Floats) -> Floats:
             return self._value(angles[rows], loads, choice, 1.0)
 
-        return first_crossing(value, grid, target, climbs=self._closely.climbs, steps=self._closely.steps)
+        return first_crossing(value, grid, target, climbs=self._closely.climbs, relative=self._closely.width)
 
     def _entries(self, angles: Floats) -> Floats:
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""
-        boxes = self._question.boxes(Setting(1.0, 1.0, angles[:, None]))
-        points = boxes.points(self.bodies.at(boxes))
-        known = critical_loads_of_lines(
-            points.drive_angle, points.static_friction, points.kinetic_friction, points.trough_angle
+        boxes = self._question.box(_unit(angles[:, None]))
+        points = boxes.points(self.scenarios.at(boxes))
+        entries = entry_loads(boxes, points) / points.load * self._question.load(_unit(0.0))
+        return np.where(np.isfinite(entries), entries, 0.0)
+
+    def roundings(self, setting: Setting, digits: int, *, up: bool) -> list[tuple[float, ...]]:
+        """Return amplitude, frequency and drive angle in the units outside, from the nearest inwards."""
+        turned = self._question.space.turned(setting)
+        amplitude, frequency, angle = (float(QUANTITIES[k].from_si(float(x))) for k, x in turned.items())
+        nearest = min(self._ranges, key=lambda ends: ends.distance(turned))
+        near = (
+            within(frequency, "frequency", nearest.frequency, digits),
+            within(angle, "drive_angle", nearest.drive_angle, digits),
         )
-        own = points.load / self._question.load(Setting(1.0, 1.0, 0.0))
-        return np.where(np.isfinite(known.back_slip), known.back_slip / own, 0.0)
+        # the load that the setting has, with the rounded frequency
+        amplitude *= (frequency / near[0]) ** 2
+        ends, step = self._question.drive.span("amplitude"), 1 if up else -1
+        tried = (moved(amplitude, digits, n, up=up) for n in range(-step, step * _NUDGES, step))
+        return [(within(x, "amplitude", ends, digits), *near) for x in tried]
+
+    def is_allowed(self, setting: Setting) -> bool:
+        """Tell whether the drive may be set so."""
+        question, drive, slack = self._question, self._question.drive, TOLERANCES.converted
+        turned = question.space.turned(setting)
+        inside = min(ends.distance(turned) for ends in self._ranges) <= slack
+        least, most = drive.span("amplitude")
+        stroke = least * (1.0 - slack) <= turned["amplitude"] <= most * (1.0 + slack)
+        return bool(inside and stroke and question.load(setting) <= drive.acceleration * (1.0 + slack))
+
+    def limit(self, found: Found, scale: float) -> str:
+        """Name the active constraint of a setting with bands of a scale."""
+        question = self._question
+        load = float(question.load(found.setting))
+        landings = question.landings.scaled(TOLERANCES.nearly)
+        if landings.worst(question.box(found.setting, scale)).size:
+            return "limit"
+        turned = question.space.turned(found.setting)
+        caps = self._caps(np.array([[turned["drive_angle"]]]), scale)
+        name, cap = min(((name, float(cap[0, 0])) for name, cap in caps.items()), key=lambda pair: pair[1])
+        if load >= cap * (1.0 - TOLERANCES.at):
+            return name
+        most = question.drive.span("amplitude")[1]
+        return "limit" if turned["amplitude"] >= most * (1.0 - TOLERANCES.at) else "speed"
+
+    def first_cap(self) -> str:
+        """Name what ends the load before any speed is guaranteed, in the middle of the drive angles."""
+        middle = np.array([[float(np.mean(self._ranges[0].drive_angle))]])
+        caps = {name: float(cap[0, 0]) for name, cap in self._caps(middle).items()}
+        reach = max(self._reach(choice)[1] for choice in self._ranges)
+        caps["limit"] = min(caps["limit"], reach)
+        return min(caps, key=lambda name: caps[name])
+
+
+def _unit(drive_angle: Any) -> Setting:
+    """Return the setting of an amplitude of 1 m at 1 Hz."""
+    return _LINES.setting(amplitude=1.0, frequency=1.0, drive_angle=drive_angle)
 
 
 def _optimum(setting: Setting, speed: float) -> Optimum:

@@ -1,0 +1,215 @@
+"""What corners of a box prove, and what is searched where they prove nothing: where bodies change regime.
+
+Everything is a ratio: the load of a body over the load at which something begins. Where the largest ratio of
+a box is 1, the first body does it; where the smallest one is, all do. Ratios grow with the amplitude.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.inverse.search import evolve, sobol
+from vibro.limits import critical_loads, critical_loads_of_lines, tipping_load, tipping_load_of_lines
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from vibro.inverse.spaces import Box
+    from vibro.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+__all__ = [
+    "back_slip_load", "corners", "extreme_ratio", "first_ratio", "is_braked", "last_ratio", "onset_load",
+    "regime_loads", "steeper_is_slower", "tip_load", "tip_ratio",
+]  # fmt: skip
+
+_EDGE: Final = 65  # static frictions at which an edge of the box is looked at
+_ROUNDS: Final = 5  # of looking closer, each by a factor of 32
+_FIRST: Final = 5  # base-2 logarithm of the bodies looked at first, beside corners, where none are proved
+_GENERATIONS: Final = 60
+_SEED: Final = 1
+
+# The field of ``CriticalLoads`` at which each regime begins.
+_BEGINS: Final = {
+    Regime.FORWARD_SLIP: "forward_onset",
+    Regime.BACK_SLIP: "back_slip",
+    Regime.HOPPING: "hop",
+}
+
+
+def corners(varies: NDArray[np.bool_]) -> Floats:
+    """Return the corners of a box that differ, as shares, of shape (axes, n); axes without a width at 0."""
+    ends = np.meshgrid(*((0.0, 1.0) if free else (0.0,) for free in varies), indexing="ij")
+    return np.array([end.ravel() for end in ends])
+
+
+def first_ratio(box: Box, regime: Regime) -> float:
+    """Largest load over that at which a regime begins, in a single box: above 1 some body is in it."""
+    most = float(box.load[1])
+    if regime is Regime.HOPPING:
+        return box.throw_number
+    if not box.space.proves:
+        return extreme_ratio(box, _critical(regime), largest=True)[0]
+    if regime is Regime.BACK_SLIP:
+        return most / float(back_slip_load(box))
+    # the onset is least at an end of the drive angles, or at the angle of friction, on the flattest trough
+    (a_low, a_high), mu_s = box.shape["drive_angle"], box.static_span[0]
+    angles = np.array([a_low, a_high, np.clip(math.atan(mu_s), a_low, a_high)])
+    onsets = critical_loads_of_lines(angles, mu_s, mu_s, box.trough_angle[0]).forward_onset
+    return most / float(np.min(onsets))
+
+
+def last_ratio(box: Box, regime: Regime) -> float:
+    """Smallest load over that at which a regime begins, in a single box: above 1 every body is in it."""
+    if not box.space.proves:
+        return extreme_ratio(box, _critical(regime), largest=False)[0]
+    least, (a_low, a_high), (b_low, b_high) = float(box.load[0]), box.shape["drive_angle"], box.trough_angle
+    if regime is Regime.FORWARD_SLIP:
+        return least / float(onset_load(box))
+    if regime is Regime.BACK_SLIP:
+        mu_s = box.static_span[1]
+        kinetic, _ = box.kinetic_span(mu_s)
+        return least / float(critical_loads_of_lines(a_high, mu_s, kinetic, b_low).back_slip)
+    flattest = max(math.cos(b_low), math.cos(b_high), 1.0 if b_low < 0.0 < b_high else 0.0)
+    return least * math.sin(a_low) / flattest
+
+
+def tip_ratio(box: Box, stand_ratio: float) -> float:
+    """Largest load over that at which an edge of a part lifts, in a single box; 0 where none can."""
+    if math.isinf(stand_ratio):
+        return 0.0
+    if box.space.proves:
+        return float(box.load[1] / tip_load(box, stand_ratio))
+    return extreme_ratio(box, lambda scene: tipping_load(scene, stand_ratio), largest=True)[0]
+
+
+def _critical(regime: Regime) -> Callable[[Scene], Floats]:
+    return lambda scene: np.asarray(getattr(critical_loads(scene), _BEGINS[regime]))
+
+
+def extreme_ratio(
+    box: Box, critical_load: Callable[[Scene], Floats], *, largest: bool
+) -> tuple[float, Floats]:
+    """Search a single box for the largest, or the smallest, load over a critical load.
+
+    Parameters
+    ----------
+    box : Box
+        A single box.
+    critical_load : callable
+        Returns that load of scenes.
+    largest : bool
+        Which of the two.
+
+    Returns
+    -------
+    ratio, shares : float, (axes, 1) array
+        The ratio, and where it is.
+    """
+    free = box.varies
+    side = -1.0 if largest else 1.0
+
+    def ratios(shares: Floats) -> Floats:
+        scene = box.scene(box.points(shares), fast=True)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(scene.load / critical_load(scene))
+
+    def placed(x: Floats) -> Floats:
+        shares = np.zeros((len(box.axes), x.shape[1]))
+        shares[free] = x
+        return shares
+
+    best = np.zeros((0, 1))
+    if free.any():
+        first = np.hstack([corners(free)[free], sobol(int(free.sum()), _FIRST, _SEED)])
+        best, _ = evolve(lambda x: side * ratios(placed(x)), first, generations=_GENERATIONS, seed=_SEED)
+    return float(ratios(placed(best))[0]), placed(best)
+
+
+def regime_loads(box: Box, highest: Regime) -> dict[str, Floats]:
+    """Return the loads up to which every body of drives along lines keeps to a regime, by what ends there."""
+    loads = {}
+    if highest is not Regime.HOPPING:
+        loads["hop"] = box.hop_load
+    if highest is Regime.FORWARD_SLIP:
+        loads["back slip"] = back_slip_load(box)
+    return loads
+
+
+def onset_load(box: Box) -> Floats:
+    """Load above which the last body starts forward, Eq. (5).
+
+    Over the drive angle it has one minimum, over the trough angle one maximum.
+    """
+    mu_s, angles = box.static_friction[1], box.shape["drive_angle"]
+    hardest = np.clip(0.5 * np.pi - np.arctan(mu_s), *box.trough_angle)
+    return np.maximum(*(critical_loads_of_lines(a, mu_s, mu_s, hardest).forward_onset for a in angles))
+
+
+def back_slip_load(box: Box) -> Floats:
+    """Load above which the first body slips back.
+
+    It rises with static friction and the drive angle and falls with kinetic friction and the trough angle
+    (theory.md, section 14): a corner of the box. Only on a decline, where kinetic friction goes along with
+    the static one, it may fall on the way: there the edge is searched.
+    """
+    least, most = box.trough_angle
+    load = _back_slip_load(box, most)
+    # where friction is so high that it holds better on a slope, either end may be the first
+    return load if np.all(least == most) else np.minimum(load, _back_slip_load(box, least))
+
+
+def _back_slip_load(box: Box, beta: Floats | float) -> Floats:
+    """Return the same at one trough angle."""
+    alpha = box.shape["drive_angle"][0]
+    low, high = box.static_span
+
+    def load(mu_s: Floats) -> Floats:
+        return np.asarray(critical_loads_of_lines(alpha, mu_s, box.kinetic_span(mu_s)[1], beta).back_slip)
+
+    if np.all(np.asarray(beta) >= 0.0) or np.all(low == high):
+        return load(np.asarray(low))
+    start, end = (np.asarray(x, np.float64) for x in (low, high))
+    for _ in range(_ROUNDS):
+        mu_s = start + np.linspace(0.0, 1.0, _EDGE) * (end - start)
+        loads = load(mu_s)
+        best = np.argmin(loads, axis=-1)[..., None]
+        around = (np.clip(best + side, 0, _EDGE - 1) for side in (-1, 1))
+        start, end = (np.take_along_axis(np.broadcast_to(mu_s, loads.shape), i, -1) for i in around)
+    least = np.take_along_axis(loads, best, -1)
+    return least if np.ndim(alpha) else least[..., 0]
+
+
+def tip_load(box: Box, stand_ratio: float) -> Floats:
+    """Load up to which no edge of any part lifts that starts from rest, Eq. (43); inf where none can.
+
+    The onset that decides is least at an end of each band, or at the angle whose tangent is the stand ratio.
+    """
+    least = math.atan(stand_ratio)
+    (a_low, a_high), mu_s = box.shape["drive_angle"], box.static_friction[1]
+    loads = [
+        tipping_load_of_lines(alpha, mu_s, beta, stand_ratio)
+        for alpha in (a_low, a_high, np.clip(least, a_low, a_high))
+        for beta in box.trough_angle
+    ]
+    return np.asarray(np.min(np.broadcast_arrays(*loads), axis=0))
+
+
+def is_braked(box: Box) -> bool:
+    """Whether kinetic friction outweighs the weight down the trough for every body that slides forward."""
+    steepest = box.trough_angle[0]
+    kinetic, _ = box.kinetic_span(np.asarray(box.static_span[0]))
+    return bool(kinetic * math.cos(steepest) + math.sin(steepest) >= 0.0)
+
+
+def steeper_is_slower(box: Box) -> bool:
+    """Whether a steeper trough is slower for every body, Eq. (53)."""
+    steepest = max(abs(angle) for angle in box.trough_angle)
+    return bool(box.static_friction[1] * math.tan(steepest) < 1.0)

@@ -1,0 +1,226 @@
+"""Numerical searches that know nothing of bodies: where something changes, and minima in a unit cube."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["close_in", "evolve", "first_crossing", "scatter", "sobol"]
+
+_OVERHANG: Final = 0.1  # beyond each end, searched for the end itself: optima lie on faces
+_SETTLED: Final = 1e-12  # relative spread of the population at which the search ends
+_WORST: Final = 1e30  # in place of larger costs, so that populations have a spread
+
+_KEPT: Final = 8  # points around which more are scattered
+_AROUND: Final = 0.1  # first standard deviation of these
+_CLOSER: Final = 0.4  # factor from round to round
+
+_PEAK: Final = 17  # points around a peak between two points of the grid
+
+
+def close_in(
+    residual: Callable[[Floats], Floats],
+    inside: Floats | float,
+    outside: Floats | float,
+    *,
+    relative: float = 0.0,
+    absolute: float = 0.0,
+    sections: int = 1,
+) -> tuple[Floats, Floats]:
+    """Close in on where a residual changes its sign.
+
+    Parameters
+    ----------
+    residual : callable
+        Of arguments of shape ``(*shape, sections)``; returns as many values, >= 0 where what is asked for
+        holds. Speeds jump, so that its sign counts and its size does not.
+    inside, outside : array or float
+        Arguments of one shape at which it holds, and at which it does not.
+    relative, absolute : float
+        Widths at which the search ends: of the argument, and in its unit. Without both it goes on to
+        neighbouring doubles.
+    sections : int
+        Arguments looked at in every bracket at once: a call that costs the same for many is best asked so.
+
+    Returns
+    -------
+    inside, outside : array
+        The last argument at which it holds, and the first at which it does not.
+    """
+    inside, outside = np.asarray(inside, np.float64), np.asarray(outside, np.float64)
+    shares = np.arange(1.0, sections + 1.0) / (sections + 1.0)
+    while inside.size and np.any(np.abs(outside - inside) > relative * np.abs(inside) + absolute):
+        between = inside[..., None] + shares * (outside - inside)[..., None]
+        if np.all((between == inside[..., None]) | (between == outside[..., None])):
+            break
+        fails = ~(np.asarray(residual(between)) >= 0.0)
+        all_held = ~fails.any(axis=-1)
+        first = np.where(all_held, sections, np.argmax(fails, axis=-1))
+        points = np.concatenate([inside[..., None], between, outside[..., None]], axis=-1)
+        inside, outside = (np.take_along_axis(points, (first + i)[..., None], -1)[..., 0] for i in range(2))
+    return inside, outside
+
+
+def first_crossing(
+    value: Callable[[NDArray[np.intp], Floats], Floats],
+    grid: Floats,
+    target: float,
+    *,
+    climbs: int,
+    relative: float,
+) -> Floats:
+    """Return the least argument at which each function reaches a target.
+
+    Parameters
+    ----------
+    value : callable
+        ``value(rows, x)`` returns the values of the functions ``rows`` at x, 1-D.
+    grid : (m, n) array
+        Arguments of each of m functions, ascending, close enough together that it has one peak at most
+        between two neighbours of one; both sides of its jumps are among them.
+    target : float
+        What is to be reached.
+    climbs : int
+        Rounds of looking closer at peaks, each by a factor of 8.
+    relative : float
+        Width to which arguments are found, of them.
+
+    Returns
+    -------
+    (m,) array
+        At the argument the target is reached; inf where it never is.
+
+    Notes
+    -----
+    A target that is reached on a peak alone is reached between points of a grid that all miss it: every peak
+    before the first point that reaches it is climbed.
+    """
+    rows, columns = np.indices(grid.shape)
+    values = value(rows.ravel(), grid.ravel()).reshape(grid.shape)
+    holds = values >= target
+    last = grid.shape[1] - 1
+    first = np.where(holds.any(axis=1), np.argmax(holds, axis=1), last + 1)
+    places = np.arange(len(grid))
+    reached = first <= last
+    high = np.where(reached, grid[places, np.minimum(first, last)], np.inf)
+    low = grid[places, np.clip(first - 1, 0, last)]
+
+    is_peak = (columns > 0) & (columns < first[:, None]) & (values > 0.0)
+    is_peak[:, 1:] &= values[:, 1:] >= values[:, :-1]
+    is_peak[:, :-1] &= values[:, :-1] >= values[:, 1:]
+    row, column = np.nonzero(is_peak)
+    start, end = grid[row, column - 1], grid[row, np.minimum(column + 1, last)]
+    for _ in range(climbs):
+        x = np.linspace(start, end, _PEAK, axis=-1)
+        near = value(np.repeat(row, _PEAK), x.ravel()).reshape(x.shape)
+        for i in np.flatnonzero(near.max(axis=1, initial=-np.inf) >= target):
+            j = int(np.argmax(near[i] >= target))
+            if x[i, j] < high[row[i]]:
+                high[row[i]], low[row[i]] = x[i, j], x[i, max(j - 1, 0)]
+        best, peaks = np.argmax(near, axis=1), np.arange(len(row))
+        start = x[peaks, np.maximum(best - 1, 0)]
+        end = x[peaks, np.minimum(best + 1, _PEAK - 1)]
+
+    known = np.flatnonzero(np.isfinite(high))
+    high[known], _ = close_in(
+        lambda x: (value(known, x[:, 0]) - target)[:, None], high[known], low[known], relative=relative
+    )
+    return high
+
+
+def sobol(dimensions: int, logarithm: int, seed: int) -> Floats:
+    """Return scrambled Sobol points in the unit cube, of shape (dimensions, 2**logarithm)."""
+    from scipy.stats import qmc  # late: it takes a fifth of a second to load
+
+    points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(logarithm)
+    return np.asarray(points.T)
+
+
+def evolve(
+    cost: Callable[[Floats], Floats], first: Floats, *, generations: int, seed: int
+) -> tuple[Floats, float]:
+    """Minimise a function over the unit cube.
+
+    Parameters
+    ----------
+    cost : callable
+        Of points of shape (d, n); returns n costs, NaN where a point does not count.
+    first : (d, n) array
+        The first population.
+    generations : int
+        After which the search ends at the latest.
+    seed : int
+        Of the search.
+
+    Returns
+    -------
+    point, cost : (d, 1) array, float
+        The best point that was met.
+    """
+    from scipy.optimize import Bounds, differential_evolution  # late: it takes a fifth of a second to load
+
+    def inside(x: Floats) -> Floats:
+        return np.clip(x, 0.0, 1.0)
+
+    def bounded(x: Floats, /) -> Floats:
+        costs = np.clip(cost(inside(x)), -_WORST, _WORST)
+        return np.where(np.isnan(costs), _WORST, costs)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of spreads that overflow
+        found = differential_evolution(
+            bounded,  # type: ignore[arg-type]  # vectorised
+            Bounds(np.full(len(first), -_OVERHANG), np.full(len(first), 1.0 + _OVERHANG)),
+            init=first.T,
+            maxiter=generations,
+            tol=_SETTLED,
+            rng=np.random.default_rng(seed),
+            polish=False,
+            updating="deferred",
+            vectorized=True,
+        )
+    return inside(found.x[:, None]), float(found.fun)
+
+
+def scatter(
+    cost: Callable[[Floats], Floats], first: Floats, *, more: int, rounds: int, seed: int
+) -> tuple[Floats, float]:
+    """Minimise a function over the unit cube that is not smooth in anything: by samples.
+
+    Parameters
+    ----------
+    cost : callable
+        As for ``evolve``.
+    first : (d, n) array
+        The points looked at first.
+    more, rounds : int
+        How many more are looked at in each round, closer and closer around the best.
+    seed : int
+        Of these.
+
+    Returns
+    -------
+    point, cost : (d, 1) array, float
+        The best point; NaN for its cost where none counts.
+    """
+    rng = np.random.default_rng(seed)
+    points, costs = first, cost(first)
+    for n in range(rounds + 1):
+        order = np.argsort(costs)[:_KEPT]  # NaN last
+        points, costs = points[:, order], costs[order]
+        if n == rounds or not len(first):
+            break
+        around = np.repeat(points, -(-more // order.size), axis=1)
+        around += _AROUND * _CLOSER**n * rng.standard_normal(around.shape)
+        around = np.clip(around, 0.0, 1.0)
+        points, costs = np.hstack([points, around]), np.append(costs, cost(around))
+    return points[:, :1], float(costs[0])

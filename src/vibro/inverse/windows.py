@@ -1,0 +1,519 @@
+"""Which amplitudes guarantee a speed: ``vibro.feasible_amplitudes``, and the windows of designs.
+
+The least speed of some scenarios is followed over the amplitude (``_Scan``); where it reaches the target,
+the slowest bodies of whole intervals are looked for, and followed too (``Family``).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.core.codes import Regime
+from vibro.drives import Ability
+from vibro.errors import InputError, shown
+from vibro.inverse.bands import box_of
+from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, counted, least_of
+from vibro.inverse.guarantees import bound
+from vibro.inverse.proofs import corners, first_ratio, last_ratio, tip_ratio
+from vibro.inverse.scenarios import Scenarios
+from vibro.inverse.search import close_in
+from vibro.inverse.spaces import inside
+from vibro.inverse.tolerances import TOLERANCES
+from vibro.limits import critical_loads
+from vibro.reals import NotRealError, real_number
+from vibro.results.designs import Interval
+from vibro.steady import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from vibro.inverse.questions import Question
+    from vibro.inverse.rows import Found
+    from vibro.inverse.spaces import Box, Setting
+    from vibro.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Family", "feasible_amplitudes", "number", "positive", "regime_of", "span_of", "window_of"]
+
+# Times the largest critical load, as far as a body that never hops is followed.
+_BEYOND: Final = 1e3
+_CLOSER: Final = 33  # amplitudes around each extremum of the speed between two of the grid
+_PAST_EDGE: Final = 1e-8  # relative distance from an end at which a jump of the speed has happened
+_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the drift in load, for every body that was found worst
+
+
+class _Detail(NamedTuple):
+    """How closely is looked.
+
+    Attributes
+    ----------
+    amplitudes, rounds : int
+        Amplitudes looked at first, and rounds of looking closer at extrema between them.
+    end : float
+        Relative width to which ends are found.
+    exchanges, halves : int
+        How often slower bodies are looked for, and parts halved that are not confirmed.
+    edge : float
+        Relative width to which an end is found by the slowest body of every amplitude.
+    """
+
+    amplitudes: int
+    rounds: int
+    end: float
+    exchanges: int
+    halves: int
+    edge: float
+
+
+# Of one body, of a box of them, and where they hop, with plastic impacts and others, which take long.
+_ONE: Final = _Detail(4097, 3, 0.0, 0, 0, 0.0)
+_BOX: Final = _Detail(257, 3, 0.0, 6, 5, 1e-10)
+_FLYING: Final = _Detail(129, 1, 1e-9, 2, 2, 1e-4)
+_BOUNCING: Final = _Detail(33, 0, 1e-4, 1, 1, 1e-2)
+
+
+def regime_of(text: object) -> Regime:
+    """Read the highest regime that is allowed."""
+    allowed = {r.label: r for r in (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)}
+    if not isinstance(text, str) or text not in allowed:
+        raise InputError(f"highest_regime = {shown(text)}: must be one of {', '.join(allowed)}")
+    return allowed[text]
+
+
+def number(name: str, value: Any) -> float:
+    """Read a number that is an argument."""
+    try:
+        return real_number(value)
+    except NotRealError as exc:
+        raise InputError(f"{name} = {exc.value}: must be {exc.allowed}") from None
+
+
+def positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
+    """Read a positive number that is an argument."""
+    x = number(name, value)
+    if not x > 0.0 or (finite and math.isinf(x)):
+        allowed = f"finite and > 0 {unit}" if finite else f"> 0 {unit}"
+        raise InputError(f"{name} = {x:.15g} {unit}: must be {allowed}")
+    return x
+
+
+def feasible_amplitudes(
+    scene: Scene,
+    speed: float,
+    *,
+    highest_regime: str = "back-slip",
+    limit: float = math.inf,
+    amplitude_percent: float = 0.0,
+    **bands: Any,
+) -> list[Interval]:
+    """Nominal amplitudes that guarantee a speed over a box of bands.
+
+    Parameters
+    ----------
+    scene : Scene
+        One operating point; its own amplitude is ignored.
+    speed : float
+        Least mean speed, > 0 [m/s].
+    highest_regime : {"back-slip", "forward-slip", "hopping"}, optional
+        Highest regime that may occur anywhere in the box.
+    limit : float, optional
+        Largest nominal amplitude [m]; it must be finite where bodies may hop.
+    amplitude_percent : float, optional
+        By how much the amplitude may be off its nominal value either way, in per cent of it.
+    **bands
+        As for ``vibro.guarantee``, but for the amplitude.
+
+    Returns
+    -------
+    list of Interval
+        Closed intervals by rising amplitude [m], with what ends each below and above; empty where no
+        amplitude does it.
+
+    Raises
+    ------
+    SceneError, InputError
+        If the scene is more than one operating point or of another drive than one along a line, or an
+        argument cannot be.
+
+    Notes
+    -----
+    The least speed over the box is followed over the amplitude through every critical load and between its
+    extrema, and crossings are found to rounding. What it is over the box, ``vibro.guarantee`` confirms for
+    whole intervals; bodies that it finds slower are followed too.
+
+    Examples
+    --------
+    >>> import math, vibro
+    >>> scene = vibro.Scene(amplitude=1e-3, frequency=15, drive_angle=math.radians(20),
+    ...                     static_friction=0.74, kinetic_friction=0.57)
+    >>> for i in vibro.feasible_amplitudes(scene, 0.02815):
+    ...     print(f"{1e3 * i.low:.6f} to {1e3 * i.high:.6f} mm, from {i.low_set_by} to {i.high_set_by}")
+    1.177843 to 1.190299 mm, from speed to back slip
+    1.233006 to 3.229052 mm, from speed to hop
+    """
+    highest = regime_of(highest_regime)
+    target = positive("speed", speed, "m/s")
+    largest = positive("limit", limit, "m", finite=False)
+    percent = number("amplitude_percent", amplitude_percent)
+    if not 0.0 <= percent < 100.0:
+        raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
+    if highest is Regime.HOPPING and math.isinf(largest):
+        raise InputError("limit = inf: must be finite where bodies may hop", hint="give limit=")
+    box = box_of(scene, bands, leaves_out="amplitude", needs=Ability.PROOF)
+    family = Family(replace(box, factor=(1.0, 1.0)), percent / 100.0)
+    return family.intervals(target, highest, largest)
+
+
+def span_of(question: Question, setting: Setting) -> tuple[float, float]:
+    """Smallest and largest amplitude that the drive is capable of, in the proportions of a setting [m]."""
+    space, turned = question.space, question.space.turned(setting)
+    amplitude = float(space.amplitude(setting))
+    shares = [
+        [end / float(turned[knob]) for end in question.drive.span(knob)]
+        for knob in space.knobs
+        if knob.endswith("amplitude") and turned[knob] > 0.0
+    ]
+    return max(low for low, _ in shares) * amplitude, min(high for _, high in shares) * amplitude
+
+
+def window_of(question: Question, found: Found) -> Interval | None:
+    """Return the amplitudes that keep the guarantee and hold the design, in the setting's proportions."""
+    setting, space, target = found.setting, question.space, question.spec.goal.speed
+    if found.guarantee.speed_min < target:
+        return None
+    amplitude = float(space.amplitude(setting))
+    least, most = span_of(question, setting)
+    most = min(most, amplitude * question.drive.acceleration / float(question.load(setting)))
+    box = question.box(setting)
+    unit = amplitude / (sum(box.factor) / 2.0)  # amplitude where the factor is 1
+    family = Family(replace(box, factor=(1.0, 1.0)), question.spec.drift.amplitude, question.landings)
+    tips = tip_ratio(family.across(1.0, 1.0), question.spec.stand_ratio)
+    if tips and question.flies:  # nothing is known of landings
+        tips = max(tips, first_ratio(family.across(1.0, 1.0), Regime.HOPPING))
+    at, others = amplitude / unit, {"tip": 1.0 / tips} if tips else {}
+    for i in family.intervals(target, question.highest, most / unit, others, near=at):
+        if i.low * (1.0 - TOLERANCES.at) <= at <= i.high * (1.0 + TOLERANCES.at):
+            low, by = (i.low * unit, i.low_set_by) if i.low * unit >= least else (least, "limit")
+            return Interval(min(low, amplitude), max(i.high * unit, amplitude), by, i.high_set_by)
+    # the guarantee is confirmed at the design alone: neighbours were searched, and none was
+    below, above = (family.ends_by(at, at * (1.0 + side * TOLERANCES.at)) for side in (-1.0, 1.0))
+    return Interval(amplitude, amplitude, below, above)
+
+
+@dataclass(frozen=True)
+class Family:
+    """Boxes that differ by their nominal factor alone: the amplitude of a line, a number of an ellipse.
+
+    Attributes
+    ----------
+    template : Box
+        With any factor.
+    drift : float
+        By how much the factor may be off, relative to the nominal one.
+    landings : Landings
+        What landings may be at most.
+    """
+
+    template: Box
+    drift: float
+    landings: Landings = ANY_LANDING
+
+    def boxes(self, factors: Floats) -> Box:
+        """Return the boxes of nominal factors, which have the shape (m, 1)."""
+        return self.across(factors, factors)
+
+    def across(self, low: Any, high: Any) -> Box:
+        """Return the box of all that these nominal factors bring."""
+        return replace(self.template, factor=(low * (1.0 - self.drift), high * (1.0 + self.drift)))
+
+    def caps(self, highest: Regime, largest: float, others: Mapping[str, float]) -> dict[str, float]:
+        """Nominal factors up to which a box keeps to a regime, by what ends there; or to other factors."""
+        one = self.across(1.0, 1.0)
+        ratios = {}
+        if highest is not Regime.HOPPING:
+            ratios["hop"] = first_ratio(one, Regime.HOPPING)
+        if highest is Regime.FORWARD_SLIP:
+            ratios["back slip"] = first_ratio(one, Regime.BACK_SLIP)
+        ends = dict(others) | {name: 1.0 / ratio if ratio else math.inf for name, ratio in ratios.items()}
+        # so that its rounding brings no body over it
+        caps = {name: end * (1.0 - TOLERANCES.beside) for name, end in ends.items()}
+        return {**caps, "limit": largest}
+
+    def intervals(
+        self,
+        target: float,
+        highest: Regime,
+        largest: float,
+        others: Mapping[str, float] | None = None,
+        near: float | None = None,
+    ) -> list[Interval]:
+        """Return the nominal amplitudes that guarantee a speed; arguments as for ``caps`` and ``Scan``."""
+        caps = self.caps(highest, largest, others or {})
+        top_by = min(caps, key=lambda name: caps[name])
+        top = caps[top_by]
+        one = self.across(1.0, 1.0)
+        started = last_ratio(one, Regime.FORWARD_SLIP)
+        start = 1.0 / started if started > 0.0 else math.inf
+        wide = bool(one.varies.any())
+        flies = highest is Regime.HOPPING
+        bounces = flies and self.template.restitution > 0.0
+        if wide:
+            detail = _BOUNCING if bounces else _FLYING if flies else _BOX
+        else:
+            detail = _FLYING if bounces else _ONE
+        scenarios = Scenarios.fixed(corners(one.varies))
+        endless = math.isinf(top)  # bodies that never hop are followed to where all has begun
+        if endless:
+            criticals = _Scan(self.boxes, scenarios, target, None).criticals()
+            top, top_by = _BEYOND * max([start, *criticals]), "limit"
+        found: list[Interval] = []
+        missing: list[bool] = []
+        for _ in range(max(detail.exchanges, 1)):
+            scan = _Scan(self.boxes, scenarios, target, self.landings if flies else None)
+            found = scan.intervals(start, top, top_by, detail, near)
+            missing = []
+            for interval in found:
+                worse = self._with_worse(scenarios, interval, target) if wide else None
+                missing.append(worse is not None)
+                scenarios = worse or scenarios
+            if not any(missing):
+                break
+        found = [
+            part
+            for interval, misses in zip(found, missing, strict=True)
+            for part in (self._confirmed(interval, target, detail) if misses else [interval])
+        ]
+        return [i._replace(high=math.inf) if endless and i.high == top else i for i in found]
+
+    def _with_worse(self, scenarios: Scenarios, interval: Interval, target: float) -> Scenarios | None:
+        """Add bodies that miss the target in an interval; None where none does."""
+        slowest, landing = self._slowest(interval.low, interval.high)
+        is_slow = slowest.speed < target * (1.0 - TOLERANCES.searched)
+        if not is_slow and not landing.size:
+            return None
+        shares = np.hstack([landing, slowest.shares]) if is_slow else landing
+        # the factor at which it was found, and how far it drifts there
+        load = float(inside(self.across(interval.low, interval.high).load, slowest.shares[0])[0])
+        middle = 2.0 / sum(float(end) for end in self.across(1.0, 1.0).load)
+        factor = min(max(load * middle, interval.low), interval.high)
+        box = self.across(factor, factor)
+        low, high = (float(end) for end in box.load)
+        if low < high:
+            drifts = np.append(_DRIFTS, min(max((load - low) / (high - low), 0.0), 1.0))
+            count = shares.shape[1]
+            shares = np.repeat(shares, drifts.size, axis=1)
+            shares[0] = np.tile(drifts, count)
+        else:
+            shares[0] = 0.0
+        return scenarios.joined(box, shares)
+
+    def _slowest(self, low: float, high: float, seeds: int = SEEDS) -> tuple[Extreme, Floats]:
+        """Return the slowest body between two amplitudes, and those that land too hard or fly too long."""
+        box = self.across(low, high)
+        seeds = seeds if box.space.proves else 1  # every search of a box that nothing bounds takes a second
+        return bound(box, fast=False, seen=Seen(), seeds=seeds).extreme, self.landings.worst(box)
+
+    def _holds(self, low: float, high: float, target: float, seeds: int = SEEDS) -> bool:
+        """Tell whether all amplitudes between two guarantee a speed."""
+        slowest, landing = self._slowest(low, high, seeds)
+        return slowest.speed >= target * (1.0 - TOLERANCES.searched) and not landing.size
+
+    def _confirmed(self, interval: Interval, target: float, detail: _Detail) -> list[Interval]:
+        """Return the parts of an interval that guarantee a speed, where the slowest bodies differ everywhere.
+
+        Every amplitude is asked for its own slowest body; parts that are not confirmed as a whole are halved,
+        and given up when they are short.
+        """
+        low, high = interval.low, interval.high
+        parts: list[tuple[float, float]] = []
+        for part in self._parts(low, high, self._at(low, target), self._at(high, target), target, detail):
+            if parts and parts[-1][1] == part[0]:  # halves of one
+                part = parts.pop()[0], part[1]
+            parts.append(part)
+        return [
+            Interval(
+                a,
+                b,
+                interval.low_set_by if a == low else self.ends_by(a, a * (1.0 - _PAST_EDGE)),
+                interval.high_set_by if b == high else self.ends_by(b, b * (1.0 + _PAST_EDGE)),
+            )
+            for a, b in parts
+        ]
+
+    def _parts(
+        self, low: float, high: float, holds_low: bool, holds_high: bool, target: float, detail: _Detail
+    ) -> list[tuple[float, float]]:
+        """Return confirmed parts between two amplitudes of which it is known whether they hold."""
+        if holds_low and holds_high and self._holds(low, high, target):
+            return [(low, high)]
+        if holds_low != holds_high:
+            edge = (
+                self._edge(low, high, target, detail.edge)
+                if holds_low
+                else self._edge(high, low, target, detail.edge)
+            )
+            inner = (low, edge) if holds_low else (edge, high)
+            return self._parts(*inner, True, True, target, detail)
+        if not detail.halves:
+            return []
+        detail = detail._replace(halves=detail.halves - 1)
+        middle = math.sqrt(low * high)
+        holds = self._at(middle, target)
+        lower = self._parts(low, middle, holds_low, holds, target, detail)
+        return lower + self._parts(middle, high, holds, holds_high, target, detail)
+
+    def _at(self, amplitude: float, target: float) -> bool:
+        return self._holds(amplitude, amplitude, target, seeds=1)
+
+    def _edge(self, holding: float, failing: float, target: float, width: float) -> float:
+        """Close in on the last factor that holds before one that does not."""
+
+        def holds(factors: Floats) -> Floats:
+            return np.array([1.0 if self._at(float(x), target) else -1.0 for x in factors])
+
+        return float(close_in(holds, holding, failing, relative=width)[0])
+
+    def ends_by(self, inside: float, outside: float) -> str:
+        """Tell whether the least speed jumps between two amplitudes, which it does where back slip enters."""
+        here, there = (self._slowest(a, a)[0].speed for a in (inside, outside))
+        if there >= here * (1.0 - TOLERANCES.fall):
+            return "speed"
+        return "onset" if outside < inside else "back slip"
+
+
+def _run(holds: NDArray[np.bool_], at: int) -> NDArray[np.bool_]:
+    """Return the neighbours of a place that hold without a gap."""
+    gaps = np.flatnonzero(~holds)
+    before, after = gaps[gaps < at], gaps[gaps > at]
+    places = np.arange(holds.size)
+    low = before[-1] if before.size else -1
+    high = after[0] if after.size else holds.size
+    return np.asarray((places > low) & (places < high))
+
+
+class _Scan:
+    """The least speed of chosen bodies of a box, over the nominal amplitude.
+
+    Parameters
+    ----------
+    boxes : callable
+        Returns the boxes of nominal amplitudes of shape (m, 1).
+    scenarios : Scenarios
+        Of each box.
+    target : float
+        Speed that is wanted [m/s].
+    landings : Landings or None
+        What landings may be at most; None where no body hops.
+    """
+
+    def __init__(
+        self,
+        boxes: Callable[[Floats], Box],
+        scenarios: Scenarios,
+        target: float,
+        landings: Landings | None,
+    ) -> None:
+        self._boxes, self._scenarios, self._target, self._landings = boxes, scenarios, target, landings
+
+    def intervals(
+        self, start: float, top: float, top_by: str, detail: _Detail, near: float | None = None
+    ) -> list[Interval]:
+        """Return where the target is reached between two amplitudes.
+
+        Parameters
+        ----------
+        start, top : float
+            The amplitudes [m].
+        top_by : str
+            What sets the second.
+        detail : Detail
+            How closely is looked.
+        near : float, optional
+            An amplitude: of the intervals that alone is wanted which holds it.
+        """
+        criticals = self.criticals()
+        if start == 0.0:
+            start = min(criticals, default=top) / _BEYOND
+        if not start < top:
+            return []
+        grid = np.geomspace(start, top, detail.amplitudes)
+        beside = np.outer(criticals, [1.0 - TOLERANCES.beside, 1.0 + TOLERANCES.beside]).ravel()
+        grid = np.unique(np.concatenate([grid, beside[(beside > grid[0]) & (beside < top)]]))
+        least = self._least(grid)
+        for _ in range(detail.rounds):
+            grid, least = self._closer(grid, least)
+        holds = least >= self._target
+        if near is not None:
+            holds &= _run(holds, int(np.argmin(np.abs(grid - near))))
+        edges = np.flatnonzero(holds[1:] != holds[:-1])
+        holding, failing = self._crossings(
+            np.where(holds[edges], grid[edges], grid[edges + 1]),
+            np.where(holds[edges], grid[edges + 1], grid[edges]),
+            detail.end,
+        )
+        ends = [(x, self._set_by(x, y)) for x, y in zip(holding.tolist(), failing.tolist(), strict=True)]
+        if holds[0]:
+            ends.insert(0, (float(grid[0]), "onset"))
+        if holds[-1]:
+            ends.append((top, top_by))
+        return [
+            Interval(low, high, low_by, high_by)
+            for (low, low_by), (high, high_by) in zip(ends[::2], ends[1::2], strict=True)
+        ]
+
+    def _scene(self, amplitudes: Floats) -> Scene:
+        boxes = self._boxes(amplitudes[:, None])
+        return boxes.scene(boxes.points(self._scenarios.at(boxes)), fast=False)
+
+    def _speeds(self, amplitudes: Floats) -> Floats:
+        """Speeds of all bodies at some amplitudes, of shape (m, n); NaN where one is left out."""
+        cycle = solve(self._scene(amplitudes), flight=self._landings is not None)
+        speed = counted(cycle, fast=False)
+        return speed if self._landings is None else np.where(self._landings.exceeded(cycle), -np.inf, speed)
+
+    def _least(self, amplitudes: Floats) -> Floats:
+        return least_of(self._speeds(amplitudes))
+
+    def criticals(self) -> list[float]:
+        """Nominal amplitudes at which some body changes its regime."""
+        scene = self._scene(np.ones(1))
+        found = np.array([load / scene.load for load in critical_loads(scene)])
+        return [float(x) for x in np.unique(found[np.isfinite(found) & (found > 0.0)])]
+
+    def _closer(self, grid: Floats, least: Floats) -> tuple[Floats, Floats]:
+        """Add amplitudes around every extremum that may cross the target between two of them."""
+        middle, before, after = least[1:-1], least[:-2], least[2:]
+        dips = (middle <= before) & (middle <= after) & (middle >= self._target)
+        tops = (middle >= before) & (middle >= after) & (middle < self._target) & (middle > 0.0)
+        cells = np.flatnonzero(dips | tops) + 1
+        if not cells.size:
+            return grid, least
+        more = np.linspace(grid[cells - 1], grid[cells + 1], _CLOSER)[1:-1].ravel()
+        amplitudes, first = np.unique(np.concatenate([grid, more]), return_index=True)
+        return amplitudes, np.concatenate([least, self._least(more)])[first]
+
+    def _crossings(self, holding: Floats, failing: Floats, width: float) -> tuple[Floats, Floats]:
+        """Close in on amplitudes beyond which the target is missed, to a relative width or to two doubles."""
+
+        def surplus(amplitudes: Floats) -> Floats:
+            return (self._least(amplitudes[:, 0]) - self._target)[:, None]
+
+        return close_in(surplus, holding, failing, relative=width)
+
+    def _set_by(self, inside: float, outside: float) -> str:
+        """Tell what happens between two amplitudes of which one misses the target."""
+        speed = self._speeds(np.array([inside, outside]))
+        body = int(np.nanargmin(speed[1]))
+        if abs(speed[0, body] - speed[1, body]) <= TOLERANCES.jump * abs(speed[0, body]):
+            return "speed"
+        regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
+        if Regime.HOPPING in regimes:
+            return "hop"
+        return "onset" if outside < inside else "back slip"
