@@ -184,5 +184,5 @@ def test_harmonics_are_refused() -> None:
         lambda: vibro.guarantee(two, static_friction=(0.3, 0.5)),
         lambda: vibro.feasible_amplitudes(two, 0.01),
     ):
-        with pytest.raises(InputError, match="a drive with harmonics: .* are known of drives along a line"):
+        with pytest.raises(InputError, match=r"a drive with harmonics: .* are known of drives along a line"):
             call()

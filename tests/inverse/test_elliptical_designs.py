@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,8 +20,9 @@ from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.rows import find
+from vibro.inverse.rows import Finder, Found, find
 from vibro.inverse.spaces import Setting
+from vibro.inverse.windows import Family, window_of
 from vibro.results.designs import Design, DesignResult
 
 FREQUENCY, FRICTION, GRAVITY = 25.0, 0.3, 9.81
@@ -118,7 +120,7 @@ def test_no_setting_is_faster_or_gentler(highest: Regime) -> None:
     assert max(guarantee.regimes) <= highest
     assert guarantee.speed_min == pytest.approx(fastest.speed, rel=1e-6)
     target = 0.7 * fastest.speed
-    gentlest = optimiser.gentlest(target)
+    gentlest = optimiser.least_acceleration(target)
     assert gentlest is not None
     assert gentlest.speed >= target
     rng = np.random.default_rng(1)
@@ -220,6 +222,51 @@ def test_a_trough_that_moves_along_its_normal_alone_has_a_window_and_pictures() 
     fields = setting_fields(spec, chosen)
     assert fields.amplitude == "normal_amplitude"
     assert fields.limits_mm == pytest.approx((0.1, 0.35))
+
+
+def test_a_trough_that_does_not_move_along_its_normal_has_pictures_of_parts_that_never_tip() -> None:
+    drive = {
+        "along_amplitude_mm": "0.1:1",
+        "normal_amplitude_mm": 0,
+        "normal_phase_deg": 0,
+        "frequency_hz": 25,
+    }
+    upright = {"half_base_mm": 6, "centre_height_mm": 8}
+    scene = {"static_friction": "0.35:0.45", "friction_ratio": 0.9, "trough_angle_deg": -3}
+    spec = read_spec(one_drive(scene, drive, 1.0, part=upright))
+    finder = find(Question(spec, spec.drives[0], Regime.BACK_SLIP), {})
+    row = finder.row("fastest")
+    assert row.throw_number_max == 0.0
+    chosen = chosen_of(spec, answered(True, row, replace(row, design="safest")))
+    assert chosen is not None
+    fields = setting_fields(spec, chosen)
+    assert math.isinf(fields.tips)
+    assert math.isinf(fields.begins[Regime.HOPPING][0])
+
+
+@pytest.mark.parametrize("speed", [0.0, -1e-3])
+def test_a_design_that_conveys_nothing_has_no_traverse_time_and_no_nearest_drive(speed: float) -> None:
+    question = asked(one_drive({**LOOSE["scene"], "trough_length_mm": 600}, LOOSE["drive"][0], 20.0))
+    setting = Setting(5e-4, 2e-4, math.radians(-50.0), 25.0)
+    resting = replace(guarantee_of(question.box(setting)), speed_min=speed)
+    found = Found(setting, (0.5, 0.2, -50.0, 25.0), resting)
+    row = Finder(question, EllipseOptimiser(question), {"fastest": found}).row("fastest")
+    assert row.speed_min_mm_s == 1e3 * speed
+    assert row.traverse_time_max_s is None
+    assert row.frequency_needed_hz is None
+    assert row.amplitude_needed_mm is None
+
+
+def test_a_window_that_no_search_confirmed_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    question = asked(one_drive(LOOSE["scene"], LOOSE["drive"][0], 20.0))
+    setting = Setting(6e-4, 2.5e-4, math.radians(-50.0), 25.0)
+    guarantee = guarantee_of(question.box(setting))
+    assert guarantee.speed_min > 0.02  # so that the goal does not end it on either side
+    monkeypatch.setattr(Family, "intervals", lambda *_, **__: [])
+    window = window_of(question, Found(setting, (), guarantee))
+    assert window is not None
+    assert (window.low, window.high) == (6e-4, 6e-4)
+    assert (window.low_set_by, window.high_set_by) == ("unconfirmed", "unconfirmed")
 
 
 def test_pictures_show_what_bodies_do() -> None:

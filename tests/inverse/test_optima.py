@@ -120,7 +120,7 @@ def test_no_setting_is_gentler(name: str) -> None:
     fastest = LineOptimiser(question).fastest()
     assert fastest is not None
     target = 0.7 * fastest.speed
-    found = LineOptimiser(question).gentlest(target)
+    found = LineOptimiser(question).least_acceleration(target)
     assert found is not None
     assert_allowed(question, found)
     assert found.speed >= target * (1 - 1e-12)
@@ -177,7 +177,7 @@ def test_a_margin_is_of_the_setting_alone() -> None:
 def test_what_cannot_be_is_told() -> None:
     question = row_question("fastest-02")
     optimiser = LineOptimiser(question)
-    assert optimiser.gentlest(0.08) is None
+    assert optimiser.least_acceleration(0.08) is None
     assert optimiser.safest(0.08) is None
     tiny = replace(
         question,

@@ -105,7 +105,7 @@ def test_where_no_amplitude_will_do_the_fastest_one_is_known(row: dict[str, Any]
             assert (1e3 * found.speed_min >= row["target_mm_s"]) is holds
         return
     optimiser = LineOptimiser(question_of(row))
-    assert optimiser.gentlest(row["target_mm_s"] / 1e3) is None
+    assert optimiser.least_acceleration(row["target_mm_s"] / 1e3) is None
     fastest = optimiser.fastest()
     assert guaranteed(row, fastest) == pytest.approx(
         row["answer"]["largest_guaranteed_speed_mm_s"], rel=row["rtol"]
@@ -143,7 +143,7 @@ def test_fastest(row: dict[str, Any]) -> None:
 @of("gentlest")
 def test_gentlest(row: dict[str, Any]) -> None:
     answer, question = row["answer"], question_of(row)
-    found = LineOptimiser(question).gentlest(row["target_mm_s"] / 1e3)
+    found = LineOptimiser(question).least_acceleration(row["target_mm_s"] / 1e3)
     assert guaranteed(row, found) >= row["target_mm_s"] * (1 - 1e-12)
     assert found is not None
     assert float(question.load(found.setting)) == pytest.approx(answer["acceleration_g"], rel=row["rtol"])

@@ -52,6 +52,7 @@ _BEYOND: Final[Mapping[str, str]] = {
     "hop": "the first part hops",
     "limit": "the drive ends",
     "tip": "the first part lifts an edge",
+    "unconfirmed": "no amplitude is confirmed",
 }
 _PROOFS: Final[Mapping[str, str]] = {
     "corners": "speeds are monotone along every band (measured over drive angles, else proven)",

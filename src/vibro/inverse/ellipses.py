@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.inverse.exchange import MOST_MARGIN, Effort, Exchange, Optimum
+from vibro.inverse.exchange import MOST_MARGIN, SEED, Effort, Exchange, Optimum
 from vibro.inverse.extremes import least_of
 from vibro.inverse.proofs import corners, extreme_ratio, first_ratio
 from vibro.inverse.questions import MOST_THROW
 from vibro.inverse.rounding import moved, within
-from vibro.inverse.search import evolve, scatter, sobol
-from vibro.inverse.spaces import Setting
+from vibro.inverse.search import placed, sobol
+from vibro.inverse.spaces import Setting, inside
 from vibro.inverse.specs import Goal
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
@@ -35,14 +35,12 @@ if TYPE_CHECKING:
 
 __all__ = ["EllipseOptimiser"]
 
-_SEED: Final = 1
 _IN_CONTACT: Final = Effort(population=5, generations=100, margins=33, margin=1e-4, scale=3e-2, exchanges=6)
 _FLYING: Final = Effort(population=7, generations=3, margins=17, margin=1e-2, scale=0.1, exchanges=1)
 _BOUNCING: Final = Effort(
     population=5, generations=1, margins=5, margin=0.1, scale=0.3, exchanges=1
 )  # they take long
 _NUDGES: Final = 3  # steps of the last digit that amplitudes may be moved inwards
-_SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
 # Costs of settings that do not do it, each worse than the one before: [1] over loads and speeds.
 _SLOW: Final = 1e6
 _RESTS: Final = 2e6
@@ -62,7 +60,7 @@ class EllipseOptimiser(Exchange):
     """
 
     surpluses = (0.0, 1e-4, 1e-2)  # each asks for a search
-    gentlest_above = "limit"
+    least_set_by = "limit"
 
     def __init__(self, question: Question) -> None:
         one = question.box(Setting(1.0, 1.0, 0.0, 1.0))
@@ -96,7 +94,7 @@ class EllipseOptimiser(Exchange):
         setting, least = self._best(cost, scale, generations)
         return Optimum(setting, -least) if least < 0.0 else None
 
-    def _gentlest(self, target: float) -> Optimum | None:
+    def _least_acceleration(self, target: float) -> Optimum | None:
         """Return the setting of least load that reaches a speed, for the bodies looked at."""
 
         def cost(setting: Setting, shares: Floats) -> Floats:
@@ -126,12 +124,12 @@ class EllipseOptimiser(Exchange):
     ) -> tuple[Setting, float]:
         """Minimise the cost of settings and of the shares of their amplitudes, and say what it is."""
         along, normal, phases, _ = spans = self._spans(frequency)
-        free = [low < high for low, high in spans]
+        free = np.array([low < high for low, high in spans])
+        count = int(free.sum())
 
-        def placed(x: Floats) -> tuple[Setting, Floats, NDArray[np.bool_]]:
-            shares = np.zeros((4, x.shape[1]))
-            shares[free] = x
-            f, phase = _between(frequency, shares[3]), _between(phases, shares[2])
+        def settings(x: Floats) -> tuple[Setting, Floats, NDArray[np.bool_]]:
+            shares = placed(free, x)
+            f, phase = inside(frequency, shares[3]), inside(phases, shares[2])
             most = self._most_normal(f, scale)
             y, possible = _below(most, normal, shares[1])
             most = self._most_along(f, y, phase)
@@ -139,23 +137,17 @@ class EllipseOptimiser(Exchange):
             return Setting(x_, y, phase, f), shares[0] + shares[1], possible & fits
 
         def whole(x: Floats) -> Floats:
-            setting, shares, possible = placed(x)
+            setting, shares, possible = settings(x)
             costs = np.full(x.shape[1], 2.0 * _FORBIDDEN) + shares
             if possible.any():
                 some = Setting(*(values[possible] for values in setting))
                 costs[possible] = cost(some, shares[possible])
             return costs
 
-        if not any(free):
-            x = np.zeros((0, 1))
-        else:
-            first = sobol(sum(free), self._effort.population + sum(free) - 1, _SEED)
-            if self._question.flies:
-                more = first.shape[1] // _SCATTERED
-                x, _ = scatter(whole, first, more=more, rounds=generations, seed=_SEED)
-            else:
-                x, _ = evolve(whole, first, generations=generations, seed=_SEED)
-        setting = placed(x)[0]
+        x = np.zeros((0, 1))
+        if count:
+            x = self._minimised(whole, sobol(count, self._effort.population + count - 1, SEED), generations)
+        setting = settings(x)[0]
         return Setting(*(float(values[0]) for values in setting)), float(whole(x)[0])
 
     def _spans(self, frequency: Span) -> tuple[Span, Span, Span, Span]:
@@ -268,11 +260,6 @@ class EllipseOptimiser(Exchange):
             if np.isfinite(least_of(question.speeds(one, self.scenarios, scale))[0]):
                 return name
         return "hop"
-
-
-def _between(span: Span, share: Floats) -> Floats:
-    """Value at a share of a range, exact at its ends."""
-    return np.where(share == 1.0, span[1], span[0] + share * (span[1] - span[0]))
 
 
 def _below(most: Floats, span: Span, share: Floats) -> tuple[Floats, NDArray[np.bool_]]:

@@ -16,9 +16,10 @@ from vibro.core.codes import Regime
 from vibro.inverse.extremes import Seen, least_of
 from vibro.inverse.guarantees import bound
 from vibro.inverse.scenarios import Scenarios
-from vibro.inverse.search import close_in
+from vibro.inverse.search import evolve, scatter
 from vibro.inverse.spaces import Setting
 from vibro.inverse.tolerances import TOLERANCES
+from vibro.roots import close_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -30,11 +31,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["MOST_MARGIN", "Effort", "Exchange", "Optimum"]
+__all__ = ["MOST_MARGIN", "SCATTERED", "SEED", "Effort", "Exchange", "Optimum"]
 
 #: Factor on the bands up to which a margin is followed.
 MOST_MARGIN: Final = 10.0
 
+SEED: Final = 1
+SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
 _STEPS: Final = 60  # at most, to the root of a speed
 _DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's drift, for every body that was the slowest
 
@@ -90,7 +93,7 @@ class Exchange(ABC):
     #: Shares of the goal beyond it, for which a gentlest setting is sought that can be rounded.
     surpluses: tuple[float, ...]
     #: What the gentlest design is set by that is faster than it need be.
-    gentlest_above: str
+    least_set_by: str
 
     def __init__(self, question: Question, effort: Effort, shares: Floats) -> None:
         self._question, self._effort = question, effort
@@ -103,7 +106,7 @@ class Exchange(ABC):
         """Return the fastest setting for the bodies looked at."""
 
     @abstractmethod
-    def _gentlest(self, target: float) -> Optimum | None:
+    def _least_acceleration(self, target: float) -> Optimum | None:
         """Return the setting of least load that reaches a speed, for the bodies looked at."""
 
     @abstractmethod
@@ -130,6 +133,13 @@ class Exchange(ABC):
         """Tell whether every body of a setting keeps to the regime."""
         return True
 
+    def _minimised(self, cost: Callable[[Floats], Floats], first: Floats, generations: int) -> Floats:
+        """Return the point of least cost, of shape (d, 1): what hops is smooth in nothing, and is sampled."""
+        if self._question.flies:  # one look at many settings is cheaper than many looks at few
+            more = first.shape[1] // SCATTERED
+            return scatter(cost, first, more=more, rounds=self._effort.generations, seed=SEED)[0]
+        return evolve(cost, first, generations=generations, seed=SEED)[0]
+
     def fastest(self, scale: float = 1.0) -> Optimum | None:
         """Return the setting of the largest guaranteed speed; None where none guarantees any."""
 
@@ -138,9 +148,9 @@ class Exchange(ABC):
 
         return self._exchanged(best, scale)
 
-    def gentlest(self, target: float) -> Optimum | None:
+    def least_acceleration(self, target: float) -> Optimum | None:
         """Return the setting of least acceleration that guarantees a speed [m/s]; None where none does."""
-        return self._exchanged(lambda: self._gentlest(target), 1.0)
+        return self._exchanged(lambda: self._least_acceleration(target), 1.0)
 
     def safest(self, target: float) -> Optimum | None:
         """Return the setting of the largest margin for a speed [m/s]; None where none guarantees it."""

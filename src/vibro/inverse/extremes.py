@@ -14,7 +14,7 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status, is_answered
 from vibro.inverse.proofs import corners, steeper_is_slower
-from vibro.inverse.search import evolve, scatter, sobol
+from vibro.inverse.search import evolve, placed, scatter, sobol
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
 from vibro.results.steady import SteadyCycle
@@ -126,9 +126,8 @@ class Landings(NamedTuple):
             return np.empty((len(box.axes), 0))
         shares = corners(box.varies)
         if box.varies.any():
-            samples = np.zeros((len(box.axes), 2**_LANDINGS))
-            samples[box.varies] = sobol(int(box.varies.sum()), _LANDINGS, _SEED)
-            shares = np.hstack([shares, samples])
+            samples = sobol(int(box.varies.sum()), _LANDINGS, _SEED)
+            shares = np.hstack([shares, placed(box.varies, samples)])
         # at one load landings are hardest at the lowest frequency
         cycle = solve(box.scene(box.points(shares), fast=True))
         found = ((cycle.impact_velocity, self.impact_speed), (cycle.flight_fraction, self.flight_fraction))
@@ -162,10 +161,9 @@ def least_of(speed: Floats) -> Floats:
 
 def look_around(box: Box, seen: Seen) -> None:
     """See which regimes there are in a box: at samples, corners, and corners where their regime changes."""
-    axes = np.flatnonzero(box.varies)
-    shares = np.zeros((len(box.axes), 2**_LOOKS))
-    shares[axes] = sobol(axes.size, _LOOKS, _SEED) if axes.size else 0.0
-    shares = np.hstack([corners(box.varies), shares, np.full((len(box.axes), 1), 0.5)])
+    free, middle = box.varies, np.full((len(box.axes), 1), 0.5)
+    samples = [placed(free, sobol(int(free.sum()), _LOOKS, _SEED))] if free.any() else []
+    shares = np.hstack([corners(free), *samples, middle])
     points = _with_changes(box, box.points(shares))
     speeds_of(box.scene(points, fast=False), fast=False, flight=False, seen=seen)
 
@@ -251,17 +249,12 @@ def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
     Speeds of hopping bodies are not smooth in anything, so that a search has nothing to hold on to: a few
     thousand points of the whole box, then some around the extreme ones.
     """
-    axes = np.flatnonzero(box.varies)
+    free = box.varies
     first, more = _SAMPLES[box.restitution > 0.0]
     side = -1.0 if fast else 1.0
 
-    def shares_of(x: Floats) -> Floats:
-        shares = np.zeros((len(box.axes), x.shape[1]))
-        shares[axes] = x
-        return shares
-
     def cost(x: Floats) -> Floats:
-        points = box.points(shares_of(x))
+        points = box.points(placed(free, x))
         costs = np.full(x.shape[1], np.nan)
         hops = box.hops(points)
         if hops.any():
@@ -270,11 +263,12 @@ def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
             seen.excluded += int(np.count_nonzero(np.isnan(costs[hops])))
         return costs
 
-    shares = np.hstack([corners(box.varies)[axes], sobol(axes.size, first, _SEED)])
+    shares = np.hstack([corners(free)[free], sobol(int(free.sum()), first, _SEED)])
     x, best = scatter(cost, shares, more=2**more, rounds=_ROUNDS, seed=_SEED)
+    at = placed(free, x)
     if math.isnan(best):
-        return Extreme(math.nan, shares_of(x), box.scene(box.points(shares_of(x)), fast=fast))
-    return taken(box, shares_of(x), fast=fast, flight=True, seen=seen)
+        return Extreme(math.nan, at, box.scene(box.points(at), fast=fast))
+    return taken(box, at, fast=fast, flight=True, seen=seen)
 
 
 def taken(

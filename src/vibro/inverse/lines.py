@@ -14,14 +14,14 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.drives import Line
-from vibro.inverse.exchange import Effort, Exchange, Optimum
+from vibro.inverse.exchange import SCATTERED, SEED, Effort, Exchange, Optimum
 from vibro.inverse.extremes import ANY_LANDING
 from vibro.inverse.proofs import corners, is_braked, onset_load, regime_loads, steeper_is_slower, tip_load
 from vibro.inverse.questions import MOST_THROW
 from vibro.inverse.rounding import moved, within
 from vibro.inverse.scenarios import entry_loads
-from vibro.inverse.search import evolve, first_crossing, scatter, sobol
-from vibro.inverse.spaces import SPACES, Setting
+from vibro.inverse.search import first_crossing, placed, sobol
+from vibro.inverse.spaces import SPACES, Setting, inside
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.quantities import QUANTITIES
 
@@ -42,7 +42,6 @@ __all__ = ["LineOptimiser"]
 _LINES: Final = SPACES[Line]
 _SLOWEST_LOAD: Final = 1e-2  # of the largest load, from which on settings are looked for
 _NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inwards
-_SEED: Final = 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +81,6 @@ _BOUNCING: Final = _Effort(
     margin=3e-2, scale=3e-2, exchanges=1,
 )  # fmt: skip
 
-_SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
 _MISSED: Final = 1e6  # [1] against the load of settings that miss the speed
 _AT_REST: Final = 1e6  # [m/s] against the speed of settings at which no part moves
 _KEPT: Final = 3  # angles to look around in each round
@@ -114,7 +112,7 @@ class LineOptimiser(Exchange):
     """
 
     surpluses = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
-    gentlest_above = "onset"
+    least_set_by = "onset"
 
     def __init__(self, question: Question) -> None:
         choices = question.drive.choices
@@ -208,8 +206,8 @@ class LineOptimiser(Exchange):
         setting = self._setting(loads, choice.frequency, angles)
         low, high = self._reach(choice)
         beside = TOLERANCES.beside
-        inside = (loads >= low * (1.0 - beside)) & (loads <= high * (1.0 + beside)) & (loads > 0.0)
-        return np.where(inside, self.least(setting, scale), -np.inf)
+        possible = (loads >= low * (1.0 - beside)) & (loads <= high * (1.0 + beside)) & (loads > 0.0)
+        return np.where(possible, self.least(setting, scale), -np.inf)
 
     def _fastest_at_the_top(self, choice: Range, scale: float, generations: int) -> Optimum:
         """Search the drive angle alone: the speed rises with the load up to where it must end."""
@@ -224,12 +222,12 @@ class LineOptimiser(Exchange):
     def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
         """Search drive angle, load and, where landings have a limit, frequency."""
         least, fastest = self._reach(choice)[0], choice.frequency[1]
-        frees = [choice.drive_angle[0] < choice.drive_angle[1], True, self._question.landings != ANY_LANDING]
+        turns = choice.drive_angle[0] < choice.drive_angle[1]
+        frees = np.array([turns, True, self._question.landings != ANY_LANDING])
 
-        def placed(x: Floats) -> tuple[Floats, Floats, Setting]:
-            shares = np.zeros((3, x.shape[1]))
-            shares[frees] = x
-            angles = _between(choice.drive_angle, shares[0])
+        def settings(x: Floats) -> tuple[Floats, Floats, Setting]:
+            shares = placed(frees, x)
+            angles = inside(choice.drive_angle, shares[0])
             tops = self._tops(angles, choice, scale)
             loads = tops * np.minimum(np.maximum(least / tops, _SLOWEST_LOAD), 1.0) ** shares[1]
             lowest = self._setting(loads, choice.frequency, angles).frequency
@@ -237,7 +235,7 @@ class LineOptimiser(Exchange):
             return loads, tops, setting
 
         def speed(x: Floats) -> Floats:
-            loads, tops, setting = placed(x)
+            loads, tops, setting = settings(x)
             possible = (tops > 0.0) & (loads >= least * (1.0 - TOLERANCES.beside))
             return np.where(possible, self.least(setting, scale), -np.inf)
 
@@ -245,20 +243,16 @@ class LineOptimiser(Exchange):
             speeds = speed(x)
             # All parts at rest are worse than some that move backwards: the more, the less they are loaded.
             # Otherwise rest, from where no speed leads anywhere, attracts whole populations.
-            return np.where(speeds == 0.0, _AT_REST + x[-1 - frees[2]], -speeds)
+            return np.where(speeds == 0.0, _AT_REST + x[-1 - int(frees[2])], -speeds)
 
-        first = sobol(sum(frees), self._effort.population, _SEED)
-        ends = first.shape[1] // _SCATTERED  # of them at the largest loads, over all angles
+        first = sobol(int(frees.sum()), self._effort.population, SEED)
+        ends = first.shape[1] // SCATTERED  # of them at the largest loads, over all angles
         first[:, :ends] = 0.0
-        first[0, :ends] = np.linspace(0.0, 1.0, ends) if frees[0] else 0.0
-        if self._question.flies:  # one look at many settings is cheaper than many looks at few
-            more = first.shape[1] // _SCATTERED
-            x, _ = scatter(cost, first, more=more, rounds=self._effort.generations, seed=_SEED)
-        else:
-            x, _ = evolve(cost, first, generations=generations, seed=_SEED)
-        return _optimum(placed(x)[2], float(speed(x)[0]))
+        first[0, :ends] = np.linspace(0.0, 1.0, ends) if turns else 0.0
+        x = self._minimised(cost, first, generations)
+        return _optimum(settings(x)[2], float(speed(x)[0]))
 
-    def _gentlest(self, target: float) -> Optimum | None:
+    def _least_acceleration(self, target: float) -> Optimum | None:
         """Return the setting of least load that reaches a speed, for the bodies looked at."""
         found = []
         for choice in self._ranges:
@@ -330,10 +324,12 @@ class LineOptimiser(Exchange):
         """Tell whether the drive may be set so."""
         question, drive, slack = self._question, self._question.drive, TOLERANCES.converted
         turned = question.space.turned(setting)
-        inside = min(ends.distance(turned) for ends in self._ranges) <= slack
+        beyond = min(ends.distance(turned) for ends in self._ranges)
         least, most = drive.span("amplitude")
         stroke = least * (1.0 - slack) <= turned["amplitude"] <= most * (1.0 + slack)
-        return bool(inside and stroke and question.load(setting) <= drive.acceleration * (1.0 + slack))
+        return bool(
+            beyond <= slack and stroke and question.load(setting) <= drive.acceleration * (1.0 + slack)
+        )
 
     def limit(self, found: Found, scale: float) -> str:
         """Name the active constraint of a setting with bands of a scale."""
@@ -367,11 +363,6 @@ def _unit(drive_angle: Any) -> Setting:
 def _optimum(setting: Setting, speed: float) -> Optimum:
     """Return the only one of settings."""
     return Optimum(Setting(*(float(np.ravel(x)[0]) for x in setting)), speed)
-
-
-def _between(span: tuple[float, float], share: Floats) -> Floats:
-    """Value at a share of a range, exact at its ends."""
-    return np.where(share == 1.0, span[1], span[0] + share * (span[1] - span[0]))
 
 
 def _best(value: Callable[[Floats], Floats], span: tuple[float, float], effort: _Effort) -> float:

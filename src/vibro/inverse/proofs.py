@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.inverse.search import evolve, sobol
+from vibro.inverse.search import evolve, placed, sobol
 from vibro.limits import critical_loads, critical_loads_of_lines, tipping_load, tipping_load_of_lines
 
 if TYPE_CHECKING:
@@ -121,16 +121,13 @@ def extreme_ratio(
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(scene.load / critical_load(scene))
 
-    def placed(x: Floats) -> Floats:
-        shares = np.zeros((len(box.axes), x.shape[1]))
-        shares[free] = x
-        return shares
-
     best = np.zeros((0, 1))
     if free.any():
         first = np.hstack([corners(free)[free], sobol(int(free.sum()), _FIRST, _SEED)])
-        best, _ = evolve(lambda x: side * ratios(placed(x)), first, generations=_GENERATIONS, seed=_SEED)
-    return float(ratios(placed(best))[0]), placed(best)
+        best, _ = evolve(
+            lambda x: side * ratios(placed(free, x)), first, generations=_GENERATIONS, seed=_SEED
+        )
+    return float(ratios(placed(free, best))[0]), placed(free, best)
 
 
 def regime_loads(box: Box, highest: Regime) -> dict[str, Floats]:

@@ -68,7 +68,7 @@ class Finder:
             return optimiser.first_cap() if kind == "fastest" else None
         if kind == "gentlest":
             enough = self.question.spec.goal.speed * (1.0 + TOLERANCES.at)
-            return optimiser.gentlest_above if found.guarantee.speed_min > enough else "speed"
+            return optimiser.least_set_by if found.guarantee.speed_min > enough else "speed"
         return optimiser.limit(found, found.margin or 1.0 if kind == "safest" else 1.0)
 
     def row(self, kind: str) -> Design:
@@ -140,7 +140,7 @@ class _Search:
         found = {"fastest": fastest}
         if fastest.guarantee.speed_min < self.target:
             return found
-        gentlest = self._best("gentlest", self._gentlest(), calmer, fastest)
+        gentlest = self._best("gentlest", self._least_acceleration(), calmer, fastest)
         assert gentlest is not None
         found["gentlest"] = gentlest
         if self.question.spec.has_bands:
@@ -151,14 +151,14 @@ class _Search:
         assert safest is not None
         return {**found, "safest": safest}
 
-    def _gentlest(self) -> Found | None:
+    def _least_acceleration(self) -> Found | None:
         """Return the gentlest setting that holds as it is printed.
 
         It may stand where the speed just reaches the goal and back slip just enters: no rounding holds there,
         but one beside a setting for a little more speed does.
         """
         for surplus in self.optimiser.surpluses:
-            optimum = self.optimiser.gentlest(self.target * (1.0 + surplus))
+            optimum = self.optimiser.least_acceleration(self.target * (1.0 + surplus))
             if found := self._held(optimum, self.target, up=True):
                 return found
         return None

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.inverse.search import close_in
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
+from vibro.roots import close_in
 from vibro.steady import solve
 
 if TYPE_CHECKING:

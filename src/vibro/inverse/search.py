@@ -1,4 +1,4 @@
-"""Numerical searches that know nothing of bodies: where something changes, and minima in a unit cube."""
+"""Numerical searches that know nothing of bodies: first crossings, and minima in a unit cube."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from vibro.roots import close_in
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["close_in", "evolve", "first_crossing", "scatter", "sobol"]
+__all__ = ["evolve", "first_crossing", "placed", "scatter", "sobol"]
 
 _OVERHANG: Final = 0.1  # beyond each end, searched for the end itself: optima lie on faces
 _SETTLED: Final = 1e-12  # relative spread of the population at which the search ends
@@ -25,49 +27,6 @@ _AROUND: Final = 0.1  # first standard deviation of these
 _CLOSER: Final = 0.4  # factor from round to round
 
 _PEAK: Final = 17  # points around a peak between two points of the grid
-
-
-def close_in(
-    residual: Callable[[Floats], Floats],
-    inside: Floats | float,
-    outside: Floats | float,
-    *,
-    relative: float = 0.0,
-    absolute: float = 0.0,
-    sections: int = 1,
-) -> tuple[Floats, Floats]:
-    """Close in on where a residual changes its sign.
-
-    Parameters
-    ----------
-    residual : callable
-        Of arguments of shape ``(*shape, sections)``; returns as many values, >= 0 where what is asked for
-        holds. Speeds jump, so that its sign counts and its size does not.
-    inside, outside : array or float
-        Arguments of one shape at which it holds, and at which it does not.
-    relative, absolute : float
-        Widths at which the search ends: of the argument, and in its unit. Without both it goes on to
-        neighbouring doubles.
-    sections : int
-        Arguments looked at in every bracket at once: a call that costs the same for many is best asked so.
-
-    Returns
-    -------
-    inside, outside : array
-        The last argument at which it holds, and the first at which it does not.
-    """
-    inside, outside = np.asarray(inside, np.float64), np.asarray(outside, np.float64)
-    shares = np.arange(1.0, sections + 1.0) / (sections + 1.0)
-    while inside.size and np.any(np.abs(outside - inside) > relative * np.abs(inside) + absolute):
-        between = inside[..., None] + shares * (outside - inside)[..., None]
-        if np.all((between == inside[..., None]) | (between == outside[..., None])):
-            break
-        fails = ~(np.asarray(residual(between)) >= 0.0)
-        all_held = ~fails.any(axis=-1)
-        first = np.where(all_held, sections, np.argmax(fails, axis=-1))
-        points = np.concatenate([inside[..., None], between, outside[..., None]], axis=-1)
-        inside, outside = (np.take_along_axis(points, (first + i)[..., None], -1)[..., 0] for i in range(2))
-    return inside, outside
 
 
 def first_crossing(
@@ -143,6 +102,13 @@ def sobol(dimensions: int, logarithm: int, seed: int) -> Floats:
 
     points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(logarithm)
     return np.asarray(points.T)
+
+
+def placed(free: NDArray[np.bool_], x: Floats) -> Floats:
+    """Return points of the whole cube, of shape (axes, n), from those of its free axes; 0 elsewhere."""
+    shares = np.zeros((len(free), x.shape[1]))
+    shares[free] = x
+    return shares
 
 
 def evolve(

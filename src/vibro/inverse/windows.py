@@ -20,12 +20,12 @@ from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, 
 from vibro.inverse.guarantees import bound
 from vibro.inverse.proofs import corners, first_ratio, last_ratio, tip_ratio
 from vibro.inverse.scenarios import Scenarios
-from vibro.inverse.search import close_in
 from vibro.inverse.spaces import inside
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
+from vibro.roots import close_in
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -202,8 +202,8 @@ def window_of(question: Question, found: Found) -> Interval | None:
         if i.low * (1.0 - TOLERANCES.at) <= at <= i.high * (1.0 + TOLERANCES.at):
             low, by = (i.low * unit, i.low_set_by) if i.low * unit >= least else (least, "limit")
             return Interval(min(low, amplitude), max(i.high * unit, amplitude), by, i.high_set_by)
-    # the guarantee is confirmed at the design alone: neighbours were searched, and none was
-    below, above = (family.ends_by(at, at * (1.0 + side * TOLERANCES.at)) for side in (-1.0, 1.0))
+    # the design holds by itself, and no interval around it was confirmed
+    below, above = (family.ends_at(at, at * (1.0 + side * TOLERANCES.at), target) for side in (-1.0, 1.0))
     return Interval(amplitude, amplitude, below, above)
 
 
@@ -379,6 +379,13 @@ class Family:
             return np.array([1.0 if self._at(float(x), target) else -1.0 for x in factors])
 
         return float(close_in(holds, holding, failing, relative=width)[0])
+
+    def ends_at(self, here: float, beyond: float, target: float) -> str:
+        """Tell what ends a window of one amplitude: what happens beyond it, unless that holds too."""
+        slowest, landing = self._slowest(beyond, beyond)
+        if landing.size:
+            return "limit"
+        return self.ends_by(here, beyond) if slowest.speed < target else "unconfirmed"
 
     def ends_by(self, inside: float, outside: float) -> str:
         """Tell whether the least speed jumps between two amplitudes, which it does where back slip enters."""

@@ -36,7 +36,8 @@ class Interval(NamedTuple):
     low, high : float
         Its ends [m].
     low_set_by, high_set_by : str
-        What ends it: ``speed``, ``onset``, ``back slip``, ``hop``, ``limit`` or ``tip``.
+        What ends it: ``speed``, ``onset``, ``back slip``, ``hop``, ``limit`` or ``tip``; ``unconfirmed``
+        where the search for slower bodies did not come to its end there.
     """
 
     low: float
