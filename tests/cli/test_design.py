@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from commands import Run, rows_of
+from helpers.commands import Run, rows_of
 
 import vibro
 from vibro.files.toml_files import read_toml

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from boxed import Boxed, boxes
+from helpers.boxed import Boxed, boxes
+from helpers.scenes import line_of, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import line_of, scene_with
 
 from vibro.inverse.bands import line_box_of
 from vibro.inverse.caps import back_slip_load, hop_load, onset_load, tip_load

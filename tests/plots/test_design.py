@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from drawn import corners, curve, legend, only_map, path_of, said, words
+from helpers.drawn import corners, curve, legend, only_map, path_of, said, words
 from matplotlib.path import Path as Outline
 
 import vibro

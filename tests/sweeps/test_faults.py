@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from commands import POSIX, VIBRO
-from parted import (
+from helpers.commands import POSIX, VIBRO
+from helpers.parted import (
     COMMAND,
     HOPS,
     INTERRUPTED,
@@ -324,7 +324,7 @@ FULL_DISK = """
 import logging, sys
 from pathlib import Path
 from typing import Any
-from parted import made, resumed, undisturbed
+from helpers.parted import made, resumed, undisturbed
 from vibro.errors import FileError
 from vibro.sweeps.executors import Cluster, Processes, Threads
 
