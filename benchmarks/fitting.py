@@ -37,7 +37,7 @@ from vibro.records.alignment import Observation
 from vibro.records.fitting import Parameter, fit
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from made_records import Walked
+from helpers.made_records import Walked
 
 CYCLES: Final = 6
 JITTER: Final = 0.3  # [sample times]

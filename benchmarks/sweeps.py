@@ -35,7 +35,8 @@ from typing import TYPE_CHECKING, Any, Final
 from unittest.mock import patch
 
 from vibro.axes import parse_axis
-from vibro.parallel import cores, retain_freed_memory
+from vibro.memory import retain_freed_memory
+from vibro.parallel import cores
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.sweeps.columns import Table, columns_of
 from vibro.sweeps.executors import Cluster, Processes, Threads, Workers
@@ -63,6 +64,8 @@ WAYS: Final = {
     "2 processes": 2,
     "Dask, 2 workers": 2,
 }  # cores that each has
+# Of Dask's workers, as docs/scale.md advises; vibro's own processes have these settings anyway.
+RETAINING: Final = {"MALLOC_MMAP_THRESHOLD_": f"{32 << 20}", "MALLOC_TRIM_THRESHOLD_": f"{64 << 20}"}
 TASKS: Final = 300  # that do nothing, to see what one costs
 MEGA: Final = 1e6
 FAULT_PARTS: Final = 3  # after which a fault happens
@@ -127,6 +130,7 @@ def workers_of(way: str) -> Iterator[Workers]:
         elif way == "Dask, 2 workers":
             from distributed import LocalCluster
 
+            os.environ.update(RETAINING)
             cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0")
             workers = Cluster(stack.enter_context(cluster).scheduler_address)
         else:
@@ -156,6 +160,7 @@ def run_way(way: str, cells: float, repeats: int, flight: bool, place: Path) -> 
     grid = grid_of(cells, flight)
     plan = plan_of(grid)
     folder = place / "sweep"
+    retain_freed_memory()  # as the command does
     with workers_of(way) as workers:
         wait([workers.submit(time.sleep, 1.0) for _ in range(workers.number)])
         make(plan_of(grid_of(AN_AMPLITUDE), 10_000), place / "warm", workers)

@@ -10,9 +10,9 @@ import pytest
 from bouncing_body import NAMES, TURN, Bodies, Floats
 from bouncing_exact import Settled, follow
 from bouncing_runs import long_run, recurrence
-from integrated import Body
+from engines.integrated import Body
+from helpers.scenes import Groups
 from numpy.typing import ArrayLike
-from scenes import Groups
 
 Fields = dict[str, Floats]
 

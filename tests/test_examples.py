@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from commands import rows_of
+from helpers.commands import rows_of
 from typer.testing import CliRunner, Result
 
 from vibro.cli.app import app

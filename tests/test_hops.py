@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import at_load, replaced
+from helpers.scenes import at_load, replaced
 
 import vibro
 from vibro import Scene, Status, SteadyCycle

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from plans import store
+from helpers.plans import store
 
 import vibro
 

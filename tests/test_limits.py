@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pytest
-from scenes import GRAVITY, at_load, scene_with
+from helpers.scenes import GRAVITY, at_load, scene_with
 
 import vibro
 from vibro import Regime, SceneError

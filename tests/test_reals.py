@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from scenes import scene_with
+from helpers.scenes import scene_with
 
 import vibro
 from vibro.drives import Line

@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
-from scenes import (
+from helpers.scenes import (
     Groups,
     assert_same,
     at_load,
@@ -20,6 +18,8 @@ from scenes import (
     scene_with,
     solve_one,
 )
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from vibro import (
     Regime,

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import line_of
+from helpers.scenes import line_of
 
 from vibro import Scene, SceneError, Status, VibroError, solve
 from vibro.drives import Ellipse, Line

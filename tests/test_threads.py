@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import assert_same, scene_with
+from helpers.scenes import assert_same, scene_with
 
 from vibro import Status, solve, steady
 from vibro.core.compiled import doors

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import integrated
 import numpy as np
 import pytest
-from scenes import Groups
-from two_axis_scenes import EPS, TURN, compare, drives, random_drives
-from two_axis_tables import ROWS, UNSETTLED_IMPACT, Table, read_rows, read_table
-from two_axis_walk import Body, NeverEndsError
+from engines import integrated
+from engines.two_axis_walk import Body, NeverEndsError
+from helpers.scenes import Groups
+from helpers.two_axis_scenes import EPS, TURN, compare, drives, random_drives
+from helpers.two_axis_tables import ROWS, UNSETTLED_IMPACT, Table, read_rows, read_table
 
 import vibro
 from vibro import Regime, Status

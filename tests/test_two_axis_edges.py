@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from two_axis_scenes import EPS, TURN, Drives, compare, displacement, drives, random_drives, rounding
+from helpers.two_axis_scenes import EPS, TURN, Drives, compare, displacement, drives, random_drives, rounding
 
 import vibro
 from vibro import Regime, SceneError, Status

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from two_axis_scenes import compare, displacement, random_drives, rotated
-from two_axis_tables import UNSETTLED_IMPACT, Table, read_table
+from helpers.two_axis_scenes import compare, displacement, random_drives, rotated
+from helpers.two_axis_tables import UNSETTLED_IMPACT, Table, read_table
 
 from vibro import Regime, Status
 

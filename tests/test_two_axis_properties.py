@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import assume, given
-from hypothesis import strategies as st
-from scenes import FIELDS, assert_same
-from two_axis_scenes import (
+from helpers.scenes import FIELDS, assert_same
+from helpers.two_axis_scenes import (
     FREQUENCY,
     GRAVITY,
     UNIT,
@@ -16,6 +14,8 @@ from two_axis_scenes import (
     random_drives,
     rounding,
 )
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 import vibro
 from vibro import Regime, Scene, Status

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import os
 from collections import deque
-from functools import cache
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,7 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-__all__ = ["BLOCK", "cores", "grid_blocks", "in_parallel", "retain_freed_memory", "within"]
+__all__ = ["BLOCK", "cores", "grid_blocks", "in_parallel", "within"]
 
 # [cells] Few enough that temporaries stay near a core, many enough that threads seldom wait for each other
 # between two NumPy calls (benchmarks/kernel.py).
@@ -23,11 +20,6 @@ BLOCK: Final = 131_072
 
 # [s] How long an interrupt may go unnoticed: on Windows a wait without an end ignores it.
 _PATIENCE: Final = 0.1
-
-# Of malloc.h: from which size [B] a buffer is the system's, and how much of what is freed stays.
-_M_TRIM_THRESHOLD: Final = -1
-_M_MMAP_THRESHOLD: Final = -3
-_MOST_RETAINED: Final = 32 << 20  # the largest that malloc takes, and would adapt to
 
 
 def cores() -> int:
@@ -86,7 +78,6 @@ def in_parallel(
             if done:
                 done(count)
         return
-    retain_freed_memory()
     left = deque(parts)
     failures: list[BaseException] = []
     finished: list[None] = []
@@ -126,16 +117,3 @@ def in_parallel(
                 thread.join()
     if failures:
         raise failures[0]
-
-
-@cache
-def retain_freed_memory() -> None:
-    """Have glibc's malloc keep freed temporaries for reuse, once; elsewhere do nothing.
-
-    Else it hands them back to the system after every step, which costs a fifth of the time in page faults.
-    It would learn not to from one large buffer, but for Dask's workers, whose nannies forbid that.
-    """
-    with contextlib.suppress(AttributeError, OSError, TypeError):  # there is no such function
-        set_option = ctypes.CDLL(None).mallopt
-        set_option(_M_MMAP_THRESHOLD, _MOST_RETAINED)
-        set_option(_M_TRIM_THRESHOLD, 2 * _MOST_RETAINED)

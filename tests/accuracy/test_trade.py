@@ -10,8 +10,8 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
+from helpers.scenes import line_of
 from matplotlib.text import Text
-from scenes import line_of
 
 import vibro
 from vibro.accuracy.events import simulate_by_events

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from commands import Run
+    from helpers.commands import Run
 
 # A shell starts what it runs in the background with interrupts ignored, nohup with hang-ups, and programs
 # inherit that.

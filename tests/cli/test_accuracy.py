@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from commands import rows_of
+from helpers.commands import rows_of
 
 if TYPE_CHECKING:
-    from commands import Run
+    from helpers.commands import Run
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, TELLS_LOADED, VIBRO, Run
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, TELLS_LOADED, VIBRO, Run
 
 import vibro
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import NUT, Run, rows_of
-from made_records import EXAMPLES, STUDY, STUDY_FILE, Walked, nut
+from helpers.commands import NUT, Run, rows_of
+from helpers.made_records import EXAMPLES, STUDY, STUDY_FILE, Walked, nut
 
 SCENE = EXAMPLES / "safety_nut.toml"
 NAMED = ("--time", "Time [s]", "--displacement", "X [mm]", "--velocity", "V [mm/s]")

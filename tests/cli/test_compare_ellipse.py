@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import Run
-from made_records import FREQUENCY, Walked, bowl, trough_record
+from helpers.commands import Run
+from helpers.made_records import FREQUENCY, Walked, bowl, trough_record
 
 from vibro.plots.comparison import comparison_figure
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import NUT, Run
-from made_records import EXAMPLES, STUDY_FILE
+from helpers.commands import NUT, Run
+from helpers.made_records import EXAMPLES, STUDY_FILE
 
 from vibro.plots.comparison import comparison_figure
 from vibro.records.sensitivities import read_sensitivities

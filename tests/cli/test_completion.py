@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 import pytest
-from commands import TELLS_LOADED, VIBRO
+from helpers.commands import TELLS_LOADED, VIBRO
 from typer.testing import CliRunner
 
 from vibro.cli.app import app

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from commands import Run, rows_of
-from questions import answered
+from helpers.commands import Run, rows_of
+from helpers.questions import answered
 
 import vibro
 from vibro.files.toml_files import read_toml

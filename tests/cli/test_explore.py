@@ -18,15 +18,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from commands import NUT, POSIX, started
-from made_records import EXAMPLES
+from helpers.commands import NUT, POSIX, started
+from helpers.made_records import EXAMPLES
 
 from vibro.explore import server
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from commands import Run
+    from helpers.commands import Run
 
 SCENE = str(EXAMPLES / "safety_nut.toml")
 URL = "http://127.0.0.1:8765/?token=t"

@@ -9,8 +9,8 @@ from html import unescape
 from pathlib import Path
 
 import pytest
-from commands import Run, rows_of
-from packed import state_of, table_of
+from helpers.commands import Run, rows_of
+from helpers.packed import state_of, table_of
 
 from vibro.explore.answers import Answers
 from vibro.explore.state import HEIGHT, WIDTH, initial_state

@@ -10,7 +10,7 @@ import pytest
 from vibro.inverse.catalogue import rows
 
 if TYPE_CHECKING:
-    from commands import Run
+    from helpers.commands import Run
 
 
 def test_all_rows_stand_below_their_headings(run: Run) -> None:

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
-from commands import NUT, Run, rows_of
+from helpers.commands import NUT, Run, rows_of
 
 import vibro
 

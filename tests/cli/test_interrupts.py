@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from commands import LONG, NUT, POSIX, SMALL, TABLE, VIBRO, Run, started
+from helpers.commands import LONG, NUT, POSIX, SMALL, TABLE, VIBRO, Run, started
 
 pytestmark = POSIX
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from helpers.wild import AXIS, KEY, KEYS, PIECE, QUANTITY, SECTION, TOML_VALUE, end, exactly
 from hypothesis import given
 from hypothesis import strategies as st
-from wild import AXIS, KEY, KEYS, PIECE, QUANTITY, SECTION, TOML_VALUE, end, exactly
 
 from vibro.axes import parse_axis
 from vibro.errors import InputError
@@ -20,7 +20,7 @@ from vibro.files.scene_files import read_scene_file
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from commands import Run
+    from helpers.commands import Run
 
 
 def attempt(parse: Callable[[], Any]) -> tuple[Any, InputError | None]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 from typer.testing import CliRunner, Result
 
 from vibro.cli.app import app

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from commands import NUT, Run, rows_of
+from helpers.commands import NUT, Run, rows_of
 
 SCENE = """
 [scene]

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from commands import NUT, POSIX, Run, rows_of
-from parted_maps import AXES, PART_NAMES, PARTS, QUICK, contents, error, frame, names, told
+from helpers.commands import NUT, POSIX, Run, rows_of
+from helpers.parted_maps import AXES, PART_NAMES, PARTS, QUICK, contents, error, frame, names, told
 from pyarrow import parquet
 
 WIDE = Path(__file__).parents[2] / "examples" / "wide_sweep.toml"

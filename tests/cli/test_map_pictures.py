@@ -6,9 +6,9 @@ import json
 import re
 from pathlib import Path
 
-import parted_maps
 import pytest
-from commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
+from helpers import parted_maps
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 
 def names() -> list[str]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from commands import Run
-from parted_maps import PART_NAMES, PARTS, QUICK, contents, error, frame, names, told
+from helpers.commands import Run
+from helpers.parted_maps import PART_NAMES, PARTS, QUICK, contents, error, frame, names, told
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 

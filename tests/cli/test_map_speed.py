@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from commands import NUT_ANGLE_AND_FRICTION, Run, rows_of
+from helpers.commands import NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 NUT_MAP = ("map", "-A", "0.5,1.1", "-f", "10:30:5", *NUT_ANGLE_AND_FRICTION, "-o", "out/nut")
 

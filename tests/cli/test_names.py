@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import pytest
-from commands import NUT
-from made_records import EXAMPLES, STUDY_FILE
+from helpers.commands import NUT
+from helpers.made_records import EXAMPLES, STUDY_FILE
 from PIL import Image
 
 if TYPE_CHECKING:
-    from commands import Run
+    from helpers.commands import Run
 
 # Names, and how the metadata of pictures tell them.
 NAMES = {"a$_{x$ =cmd 振动🔩": "a$_{x$ =cmd 振动🔩"}

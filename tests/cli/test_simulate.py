@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from commands import NUT, Run, rows_of
-from made_records import EXAMPLES
+from helpers.commands import NUT, Run, rows_of
+from helpers.made_records import EXAMPLES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import NUT, Run, rows_of
+from helpers.commands import NUT, Run, rows_of
 
 from vibro.sweeps.columns import columns_of
 from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from commands import Run
+from helpers.commands import Run
+from helpers.plans import store
 from PIL import Image
-from plans import store
 
 import vibro
 

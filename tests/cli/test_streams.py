@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import LONG, NUT, POSIX, SMALL, TABLE, VIBRO, started
+from helpers.commands import LONG, NUT, POSIX, SMALL, TABLE, VIBRO, started
 
 pytestmark = POSIX
 

@@ -8,7 +8,7 @@ import re
 from pathlib import Path
 
 import pytest
-from commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
+from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 from vibro.files import tables
 

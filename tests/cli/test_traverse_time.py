@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import NUT, Run, rows_of
+from helpers.commands import NUT, Run, rows_of
 
 from vibro.core.codes import Status
 from vibro.results import SteadyCycle

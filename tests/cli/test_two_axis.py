@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import NUT, Run, rows_of
+from helpers.commands import NUT, Run, rows_of
 
 import vibro
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from helpers.wild import AXIS, DIGITS, EXTREME, KEY, PLAUSIBLE, TABLE, TOML_VALUE, WILD, end, exactly
 from hypothesis import given
 from hypothesis import strategies as st
-from wild import AXIS, DIGITS, EXTREME, KEY, PLAUSIBLE, TABLE, TOML_VALUE, WILD, end, exactly
 
 if TYPE_CHECKING:
-    from commands import Run
+    from helpers.commands import Run
 
 OPTIONS = [
     "-A",

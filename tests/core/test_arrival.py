@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from followed import ALL, CONTACT, FLIGHTS, TURN, ellipse, history_of, line, newton, walked
+from helpers.followed import ALL, CONTACT, FLIGHTS, TURN, ellipse, history_of, line, newton, walked
 
 from vibro.core import arrival
 from vibro.core.arrival import MOST_CYCLES, arrival_cycles

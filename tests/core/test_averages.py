@@ -8,7 +8,7 @@ import random
 import statistics
 
 import pytest
-from hopping_bodies import FLIGHTS, HOPS, ellipse, line, unit, walker
+from helpers.hopping_bodies import FLIGHTS, HOPS, ellipse, line, unit, walker
 
 from vibro.core import averages as averages_module
 from vibro.core.averages import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
+from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
 
 from vibro.core import coexistence as coexistence_module
 from vibro.core.bounces import bounces, single_bounce

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from extremes import extreme_fields
-from scenes import random_scenes
-from solver_doors import compiled, plain
+from helpers.scenes import random_scenes
+from helpers.solver_doors import compiled, plain
 
 import vibro
 from vibro import Scene, Status, VibroError

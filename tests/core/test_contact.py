@@ -8,7 +8,9 @@ from itertools import islice, pairwise
 from typing import TYPE_CHECKING
 
 import pytest
-from contact_loads import (
+from engines.event_walk import Body as Walker
+from engines.two_axis_walk import NeverEndsError, NeverSettlesError
+from helpers.contact_loads import (
     EPS,
     TURN,
     Exact,
@@ -20,10 +22,8 @@ from contact_loads import (
     random_lines,
     random_loads,
 )
-from event_walk import Body as Walker
-from scenes import Groups
-from two_axis_scenes import rotated
-from two_axis_walk import NeverEndsError, NeverSettlesError
+from helpers.scenes import Groups
+from helpers.two_axis_scenes import rotated
 
 from vibro.core import contact as module
 from vibro.core.codes import PATTERNS, Model, Pattern, Regime, Status
@@ -41,7 +41,7 @@ from vibro.core.windows import Thresholds, phase_offset, thresholds
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from two_axis_walk import Body, Cycle
+    from engines.two_axis_walk import Body, Cycle
 
 MODELS = {"_": Model.REST, "F_": Model.ONE_SLIDE, "B_": Model.ONE_SLIDE, "FB": Model.CLOSED_FORM}
 

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
-from contact_loads import EPS, MP, TURN, Exact, heavier, line, random_ellipses, random_lines
+from helpers.contact_loads import EPS, MP, TURN, Exact, heavier, line, random_ellipses, random_lines
 
 from vibro.core import continuous as module
 from vibro.core.continuous import (

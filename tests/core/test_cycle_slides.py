@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import pytest
-from contact_loads import MP, TURN, Exact, ellipse, line, random_loads
+from helpers.contact_loads import MP, TURN, Exact, ellipse, line, random_loads
 
 from vibro.core.codes import PATTERNS, Pattern, Status
 from vibro.core.contact import steady_cycle

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import mpmath
 import numpy as np
 import pytest
-from contact_loads import random_loads
-from scenes import at_load, loads_of
+from helpers.contact_loads import random_loads
+from helpers.scenes import at_load, loads_of
 
 from vibro import Scene, critical_loads, solve
 from vibro.accuracy.reference import DIGITS, exact_cycle

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from followed import (
+from helpers.followed import (
     ALL,
     CONTACT,
     FLIGHTS,

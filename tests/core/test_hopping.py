@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 
 import pytest
-from hopping_bodies import FLIGHTS, HOPS, draw, ellipse, lift_off, line, walked
-from two_axis_walk import NeverEndsError, NeverSettlesError
+from engines.two_axis_walk import NeverEndsError, NeverSettlesError
+from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, lift_off, line, walked
 
 from vibro.core import hopping as hopping_module
 from vibro.core.averages import Means

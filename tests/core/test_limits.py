@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import mpmath
 import numpy as np
 import pytest
-from contact_loads import EPS, ellipse, heavier, line
 from extremes import extreme_fields
+from helpers.contact_loads import EPS, ellipse, heavier, line
+from helpers.scenes import Groups
 from mpmath import mpf
-from scenes import Groups
 
 from vibro import Scene
 from vibro.core import limits as module

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from scenes import at_load, loads_of
-from solver_doors import plain
+from helpers.scenes import at_load, loads_of
+from helpers.solver_doors import plain
 
 import vibro
 from vibro import Regime, Scene, Status

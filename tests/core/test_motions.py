@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from followed import FLIGHTS, LAST, TURN, load_along, load_normal, newton, room, view
+from helpers.followed import FLIGHTS, LAST, TURN, load_along, load_normal, newton, room, view
 
 from vibro.core.arrival import arrival_cycles
 from vibro.core.codes import Mode

@@ -6,7 +6,7 @@ import math
 import random
 
 import pytest
-from hopping_bodies import FLIGHTS, HOPS, Drawn, draw, ellipse, line
+from helpers.hopping_bodies import FLIGHTS, HOPS, Drawn, draw, ellipse, line
 
 from vibro.core import orbits
 from vibro.core.codes import Status, spelt_text

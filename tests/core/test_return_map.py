@@ -7,7 +7,18 @@ import random
 
 import numpy as np
 import pytest
-from hopping_bodies import FLIGHTS, HOPS, Drawn, draw, ellipse, lift_off, line, unit, walk_round, walker
+from helpers.hopping_bodies import (
+    FLIGHTS,
+    HOPS,
+    Drawn,
+    draw,
+    ellipse,
+    lift_off,
+    line,
+    unit,
+    walk_round,
+    walker,
+)
 
 from vibro.core.bounces import Bounces, bounces
 from vibro.core.codes import MOST_LETTERS, Mode, spelt_text

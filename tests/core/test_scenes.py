@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from scenes import loads_of
-from solver_doors import plain
+from helpers.scenes import loads_of
+from helpers.solver_doors import plain
 
 from vibro import Scene
 from vibro.core.compiled import Doors, doors

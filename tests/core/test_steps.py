@@ -7,7 +7,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from followed import ALL, CONTACT, HOPS, TURN, ellipse, line, load_along, load_normal, newton, walked
+from helpers.followed import ALL, CONTACT, HOPS, TURN, ellipse, line, load_along, load_normal, newton, walked
 
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads

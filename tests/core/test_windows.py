@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from contact_loads import EPS, MP, Exact, line, random_ellipses, random_lines, random_loads
+from helpers.contact_loads import EPS, MP, Exact, line, random_ellipses, random_lines, random_loads
 
 from vibro.core import windows
 from vibro.core.drives import Loads, mirrored

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import rows_of
-from packed import state_of, table_of, unpacked
+from helpers.commands import rows_of
+from helpers.packed import state_of, table_of, unpacked
 
 import vibro
 from vibro.explore.answers import Answers
@@ -168,7 +168,7 @@ def test_the_ends_of_sliders_and_axes_are_taken(name: str) -> None:
 def test_what_threads_need_is_imported_before_they_start() -> None:
     """Threads that import one module at once may see half of it."""
     tells_new = (
-        "import sys; from packed import state_of; from vibro.explore.answers import Answers;"
+        "import sys; from helpers.packed import state_of; from vibro.explore.answers import Answers;"
         "from vibro.explore.state import initial_state; answers = Answers(initial_state());"
         "known = {*sys.modules}; answers.map(state_of(view='speed')); answers.map(state_of(view='traverse'));"
         "print(*sorted(name for name in {*sys.modules} - known if name.startswith('matplotlib')))"

@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from explorers import HOST, PORT, ROUTES, TOKEN, FakeAnswers, application, guest, stranger
+from helpers.explorers import HOST, PORT, ROUTES, TOKEN, FakeAnswers, application, guest, stranger
 from starlette.websockets import WebSocketDisconnect
 
 from vibro.errors import InputError, VibroError

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.packed import state_of, unpacked
 from numpy.typing import NDArray
-from packed import state_of, unpacked
 
 import vibro
 from vibro.core.codes import Regime, Status

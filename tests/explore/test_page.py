@@ -6,7 +6,18 @@ import re
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from pages import AMPLITUDE, CONTACT, FREQUENCY, asked, enter, expect, middle, point, speed, until_asked
+from helpers.pages import (
+    AMPLITUDE,
+    CONTACT,
+    FREQUENCY,
+    asked,
+    enter,
+    expect,
+    middle,
+    point,
+    speed,
+    until_asked,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable

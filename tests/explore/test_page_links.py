@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 from xml.etree import ElementTree
 
-from pages import AMPLITUDE, CONTACT, FREQUENCY, asked, enter, expect, speed, until
+from helpers.pages import AMPLITUDE, CONTACT, FREQUENCY, asked, enter, expect, speed, until
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from pages import expect
+from helpers.pages import expect
 from PIL import Image
 
 if TYPE_CHECKING:

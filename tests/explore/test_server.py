@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from explorers import HOST, ROUTES, FakeAnswers, application, guest
+from helpers.explorers import HOST, ROUTES, FakeAnswers, application, guest
 
 from vibro.errors import FileError
 from vibro.explore import server

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FrameType
 
 import pytest
-from outputs import NAMES, POSIX, every, output_set, put, texts
+from helpers.outputs import NAMES, POSIX, every, output_set, put, texts
 
 from vibro.errors import FileError
 

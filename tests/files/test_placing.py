@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from outputs import NAMES, POSIX, every, fail_at, output_set, put, texts, visible
+from helpers.outputs import NAMES, POSIX, every, fail_at, output_set, put, texts, visible
 
 from vibro.errors import FileError
 
@@ -116,8 +116,8 @@ def test_a_file_that_stays_held_is_reported(tmp_path: Path, monkeypatch: pytest.
 )
 def test_runs_that_are_killed_and_runs_that_meet_mix_nothing(tmp_path: Path, how: str) -> None:
     # in a process of its own: one with threads, such as this, must not fork
-    script = Path(__file__).parents[1] / "writers.py"
     done = subprocess.run(
-        [sys.executable, str(script), how, str(tmp_path)], capture_output=True, text=True, check=False
-    )
+        [sys.executable, "-m", "helpers.writers", how, str(tmp_path)],
+        cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False,
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr

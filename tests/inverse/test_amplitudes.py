@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from boxed import Boxed, boxes, with_fields
+from helpers.boxed import Boxed, boxes, with_fields
+from helpers.scenes import replaced, scene_with
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import replaced, scene_with
 
 import vibro
 from vibro import InputError, Regime, SceneError

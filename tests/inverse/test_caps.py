@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from boxed import Boxed, boxes
+from helpers.boxed import Boxed, boxes
+from helpers.scenes import line_of, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import line_of, scene_with
 
 from vibro.inverse.bands import box_of
 from vibro.inverse.proofs import back_slip_load, onset_load, tip_load

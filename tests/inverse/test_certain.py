@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pytest
-from scenes import scene_with
+from helpers.scenes import scene_with
 
 from vibro import InputError, Regime, Scene, SceneError, Status, guarantee, solve
 from vibro.inverse.certain import certain

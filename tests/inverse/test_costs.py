@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import replaced, scene_with
+from helpers.scenes import replaced, scene_with
 
 import vibro
 from vibro.inverse.costs import speed_costs

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from questions import answered
+from helpers.questions import answered
 
 import vibro
 from vibro import InputError, Regime

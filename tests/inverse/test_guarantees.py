@@ -9,10 +9,10 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from boxed import Boxed, boxes, tolerance
+from helpers.boxed import Boxed, boxes, tolerance
+from helpers.scenes import replaced, scene_with
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenes import replaced, scene_with
 
 import vibro
 from vibro import InputError, Regime, SceneError, Status

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pytest
-from boxed import ROWS, question_of
+from helpers.boxed import ROWS, question_of
 
 from vibro import Regime, Scene, solve
 from vibro.drives import Line

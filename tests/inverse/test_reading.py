@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.questions import FEEDER, GOOD, PLACES, changed
 from hypothesis import given
 from hypothesis import strategies as st
-from questions import FEEDER, GOOD, PLACES, changed
 
 from vibro.core.codes import Regime
 from vibro.drives import Line

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from helpers.questions import PLACES, changed
+from helpers.wild import KEY, TOML_VALUE, exactly
 from hypothesis import given
 from hypothesis import strategies as st
-from questions import PLACES, changed
-from wild import KEY, TOML_VALUE, exactly
 
 from vibro.errors import InputError
 from vibro.inverse.reading import read_spec

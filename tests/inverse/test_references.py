@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from boxed import REGIMES, ROWS, friction_of, question_of
+from helpers.boxed import REGIMES, ROWS, friction_of, question_of
 
 import vibro
 from vibro.inverse.exchange import Optimum

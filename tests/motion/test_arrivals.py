@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.scenes import Groups, at_load, contact_groups, random_scenes, replaced, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import Groups, at_load, contact_groups, random_scenes, replaced, scene_with
 
 import vibro
 from vibro import SceneError, Status

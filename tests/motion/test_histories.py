@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.scenes import GRAVITY, Groups, at_load, contact_groups, replaced, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import GRAVITY, Groups, at_load, contact_groups, replaced, scene_with
 from scipy.integrate import solve_ivp
 
 import vibro

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from engines.integrated import LEAST_BOUNCE, TURN, Body
+from helpers.scenes import Groups, at_load, contact_groups, replaced
 from hypothesis import given, settings
-from integrated import LEAST_BOUNCE, TURN, Body
-from scenes import Groups, at_load, contact_groups, replaced
 
 import vibro
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, PERIOD, nut
+from helpers.made_records import FREQUENCY, PERIOD, nut
 
 import vibro
 from vibro.core.codes import PHASE_NAMES

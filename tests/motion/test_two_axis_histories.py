@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from engines.integrated import LEAST_BOUNCE, TURN, Body
+from helpers.scenes import GRAVITY, Groups, loads_of
+from helpers.two_axis_scenes import Drives, random_drives
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from integrated import LEAST_BOUNCE, TURN, Body
-from scenes import GRAVITY, Groups, loads_of
-from two_axis_scenes import Drives, random_drives
 
 import vibro
 from vibro.core.continuous import likely_sliding

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from drawn import OWN, sweep
+from helpers.drawn import OWN, sweep
 
 from vibro.plots import map_figures
 from vibro.results.sweep import SweepResult

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from drawn import GRAVITY, NUT, OWN, legend, lightness, sweep, words
+from helpers.drawn import GRAVITY, NUT, OWN, legend, lightness, sweep, words
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from drawn import corners, curve, legend, only_map, path_of, said, words
+from helpers.drawn import corners, curve, legend, only_map, path_of, said, words
+from helpers.questions import answered
 from matplotlib.path import Path as Outline
-from questions import answered
 
 import vibro
 from vibro import Regime

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from drawn import GRAVITY, curve, legend, maps_of, sweep
+from helpers.drawn import GRAVITY, curve, legend, maps_of, sweep
 
 from vibro.plots import map_figures
 from vibro.plots.style import CURVES, REGIME_COLOURS

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from drawn import OWN, curve, legend, maps_of, only_map, said, sweep
+from helpers.drawn import OWN, curve, legend, maps_of, only_map, said, sweep
 from matplotlib.figure import Figure
 
 from vibro.plots import map_figures

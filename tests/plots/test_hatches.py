@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from drawn import legend, only_map, patch, path_of, said, sweep, words
+from helpers.drawn import legend, only_map, patch, path_of, said, sweep, words
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 

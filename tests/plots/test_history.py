@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from made_records import Walked, nut
+from helpers.made_records import Walked, nut
 from matplotlib.patches import Polygon, Rectangle
 
 import vibro

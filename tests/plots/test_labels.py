@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from drawn import corners
+from helpers.drawn import corners
 from matplotlib.figure import Figure
 
 from vibro.plots.labels import Labeller
 
 if TYPE_CHECKING:
-    from drawn import Floats
+    from helpers.drawn import Floats
     from matplotlib.axes import Axes
     from matplotlib.text import Text
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from drawn import GRAVITY, curve, legend, said, sweep, words
+from helpers.drawn import GRAVITY, curve, legend, said, sweep, words
 from matplotlib.colors import to_rgb
 
 import vibro

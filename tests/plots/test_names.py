@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import pytest
-from drawn import OWN, sweep
-from made_records import Walked, nut
+from helpers.drawn import OWN, sweep
+from helpers.made_records import Walked, nut
 from PIL import Image
 
 import vibro

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from drawn import (
+from helpers.drawn import (
     GRAVITY,
     colours_of,
     curve,
@@ -30,7 +30,7 @@ from vibro.plots.style import AVERAGED_AREA_LABEL, BACKWARDS_LABEL
 from vibro.results.sweep import SweepResult
 
 if TYPE_CHECKING:
-    from drawn import Floats
+    from helpers.drawn import Floats
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 

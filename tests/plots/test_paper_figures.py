@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_records import EXAMPLES
+from helpers.made_records import EXAMPLES
 from matplotlib.figure import Figure
 
 from vibro.plots.style import house_style

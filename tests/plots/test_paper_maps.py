@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from drawn import GRAVITY, words
+from helpers.drawn import GRAVITY, words
 
 if TYPE_CHECKING:
     pass

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from drawn import (
+from helpers.drawn import (
     GRAVITY,
     corners,
     curve,

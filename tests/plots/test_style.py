@@ -9,7 +9,7 @@ import sys
 from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib as mpl
-from drawn import OWN, sweep
+from helpers.drawn import OWN, sweep
 
 from vibro.plots import map_figures, save
 from vibro.plots.style import house_style

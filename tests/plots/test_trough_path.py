@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from made_records import nut
+from helpers.made_records import nut
 from matplotlib.colors import to_rgb
 from matplotlib.text import Annotation
 

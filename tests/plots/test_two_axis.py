@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from drawn import only_map, words
+from helpers.drawn import only_map, words
 
 import vibro
 from vibro import Regime

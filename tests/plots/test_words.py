@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from drawn import OWN, corners, curve, legend, maps_of, sweep, words
+from helpers.drawn import OWN, corners, curve, legend, maps_of, sweep, words
 from matplotlib.path import Path as Outline
 
 from vibro.plots import map_figures
@@ -15,7 +15,7 @@ from vibro.plots.frame import renderer_of
 from vibro.plots.style import CURVES, house_style
 
 if TYPE_CHECKING:
-    from drawn import Floats
+    from helpers.drawn import Floats
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, nut
+from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, nut
 
 import vibro
 from vibro.motion.settled import settled_motion

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, bowl, nut, trough_record
+from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, bowl, nut, trough_record
 
 import vibro
 from vibro.errors import InputError

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, STUDY, STUDY_FILE, Walked, nut
+from helpers.made_records import FREQUENCY, STUDY, STUDY_FILE, Walked, nut
 
 import vibro
 from vibro.errors import InputError

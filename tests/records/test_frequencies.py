@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, Walked, nut
+from helpers.made_records import FREQUENCY, Walked, nut
 
 from vibro.motion.histories import simulate
 from vibro.records.alignment import Observation

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_tables import read, refusal
+from helpers.made_tables import read, refusal
 
 
 def long(lost: dict[int, str], count: int = 100) -> list[str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_tables import POSITIONS, TIMES, lines, read, refusal
+from helpers.made_tables import POSITIONS, TIMES, lines, read, refusal
 
 from vibro.errors import FileError
 from vibro.records.reading import read_record

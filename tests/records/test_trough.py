@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, PERIOD, Walked, nut, trough_record
+from helpers.made_records import FREQUENCY, PERIOD, Walked, nut, trough_record
 
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import pytest
-from scenes import scene_with
+from helpers.scenes import scene_with
 
 import vibro
 from vibro import VibroError

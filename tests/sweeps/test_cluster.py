@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from commands import POSIX
-from parted import (
+from helpers.commands import POSIX
+from helpers.parted import (
     HOPS,
     INTERRUPTED,
     LIMIT,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import mpmath
 import numpy as np
 import pytest
-from scenes import at_load, replaced
+from helpers.scenes import at_load, replaced
 
 from vibro import Scene, critical_loads, solve
 from vibro.accuracy.reference import DIGITS, exact_cycle

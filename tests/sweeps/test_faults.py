@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from commands import POSIX, VIBRO
-from parted import (
+from helpers.commands import POSIX, VIBRO
+from helpers.parted import (
     COMMAND,
     HOPS,
     INTERRUPTED,
@@ -87,7 +87,7 @@ def test_a_killed_process_is_replaced(tmp_path: Path) -> None:
 
 
 def test_processes_that_end_at_once_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.sweeps.executors._follow_parent", partial(os._exit, 1))
+    monkeypatch.setattr("vibro.sweeps.executors._begin_worker", partial(os._exit, 1))
     with pytest.raises(FileError, match="workers end as soon as they begin"):
         made(tmp_path / "wide", Processes(1))
     assert not (tmp_path / "wide").exists()
@@ -97,7 +97,7 @@ def test_processes_that_end_again_and_again_end_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def kill_for_good() -> None:
-        monkeypatch.setattr("vibro.sweeps.executors._follow_parent", partial(os._exit, 1))
+        monkeypatch.setattr("vibro.sweeps.executors._begin_worker", partial(os._exit, 1))
         for child in multiprocessing.active_children():
             child.kill()
 
@@ -324,7 +324,7 @@ FULL_DISK = """
 import logging, sys
 from pathlib import Path
 from typing import Any
-from parted import made, resumed, undisturbed
+from helpers.parted import made, resumed, undisturbed
 from vibro.errors import FileError
 from vibro.sweeps.executors import Cluster, Processes, Threads
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.scenes import FIELDS
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import FIELDS
 
 from vibro.axes import Axis
 from vibro.core.codes import Regime, Status

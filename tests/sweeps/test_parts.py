@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 import pyarrow as arrow
 import pytest
+from helpers.plans import plan_of, swept, written
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plans import plan_of, swept, written
 from pyarrow import parquet
 
 import vibro.sweeps.parted

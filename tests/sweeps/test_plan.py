@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from helpers.plans import plan_of, swept
 from hypothesis import given
 from hypothesis import strategies as st
-from plans import plan_of, swept
 
 from vibro.axes import Axis
 from vibro.core.codes import Level

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from drawn import colours_of, image_of
-from pixels import pixels
+from helpers.drawn import colours_of, image_of
+from helpers.pixels import pixels
 
 import vibro
 from vibro.plots import choose_view, map_figures, results_drawn

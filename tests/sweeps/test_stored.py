@@ -16,8 +16,8 @@ import pandas as pd
 import polars
 import pyarrow.parquet as pq
 import pytest
-from pixels import pixels
-from plans import store
+from helpers.pixels import pixels
+from helpers.plans import store
 
 import vibro
 from vibro.errors import FileError, InputError, VibroError

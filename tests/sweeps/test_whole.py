@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from commands import rows_of
+from helpers.commands import rows_of
 from typer.testing import CliRunner
 
 import vibro

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 from vibro.errors import FileError, VibroError
 from vibro.interrupts import HeldOff, Undone
+from vibro.memory import retain_freed_memory
 from vibro.parallel import cores
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ class Processes(Workers):
         _start_tracker()
         # A forked process would hold the lock of the folder, and whatever this one's threads hold.
         context = multiprocessing.get_context("spawn")
-        self._pool = ProcessPoolExecutor(self.number, context, initializer=_follow_parent)
+        self._pool = ProcessPoolExecutor(self.number, context, initializer=_begin_worker)
         self._undone.__enter__()
         return self
 
@@ -272,11 +273,12 @@ def _kill_children() -> None:
         child.join()
 
 
-def _follow_parent() -> None:
-    """Leave interrupts to the parent, and end with it, however it ends.
+def _begin_worker() -> None:
+    """Keep freed memory; leave interrupts to the parent, and end with it, however it ends.
 
     A process of a pool waits for work at a pipe of which it has both ends: it would wait for ever.
     """
+    retain_freed_memory()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

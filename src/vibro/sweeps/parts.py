@@ -20,7 +20,6 @@ import numpy as np
 
 from vibro.errors import FileError
 from vibro.files.part_sets import new_part, part_name, sync_file
-from vibro.parallel import retain_freed_memory
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.results.sweep import Block
 from vibro.sweeps.parquet_sink import HashedFile, open_writer, row_group, schema_of
@@ -186,7 +185,6 @@ def write_part(job: Job, part: int, pieces: Sequence[Piece] = ()) -> Written | S
         If it cannot be made here.
     """
     check_job(job)
-    retain_freed_memory()
     first, end = job.plan.range_of(part)
     if not pieces and job.plan.grid.flight:
         seconds = _estimate(job, first, end)
@@ -247,7 +245,6 @@ def check_part(job: Job, part: int) -> Written | None:
 def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
     """Solve the first of some cells, as many as patience allows; None if nobody wants them any more."""
     check_job(job)
-    retain_freed_memory()
     began = time.monotonic()
     solved: list[NDArray[Any]] = []
     done, step = start, _FIRST_STEP

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from harmonics import solved
+from helpers.harmonics import solved
 
 from vibro.core.codes import Model, Regime, Status, pattern_texts
 from vibro.core.harmonic.arrays import largest_amplitude

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from harmonics import drawn, drive_of, solved
+from helpers.harmonics import drawn, drive_of, solved
 
 import vibro
 from vibro.core.codes import Model, Pattern, Regime, Status, pattern_texts

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from harmonics import drawn, drive_of, solved
+from helpers.harmonics import drawn, drive_of, solved
 
 from vibro.core.codes import Status, pattern_texts
 

@@ -1,6 +1,6 @@
 """Writers that are killed, or write one set at once: what they leave is whole, and of one of them.
 
-Run as a program, ``writers.py HOW FOLDER``, by tests/files/test_placing.py.
+Run as a program, ``python -m helpers.writers HOW FOLDER``, by tests/files/test_placing.py.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
-from outputs import NAMES, every, fail_at, output_set, put, texts, visible
+from helpers.outputs import NAMES, every, fail_at, output_set, put, texts, visible
 
 from vibro.errors import FileError
 

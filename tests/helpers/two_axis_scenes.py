@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pytest
+from engines.two_axis_walk import Body, Cycle, NeverEndsError, NeverSettlesError, smallest_rotation
 from hypothesis import strategies as st
-from two_axis_walk import Body, Cycle, NeverEndsError, NeverSettlesError, smallest_rotation
 
 from vibro import Scene, Status, SteadyCycle, solve
 

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from harmonic_walk import Drive
+from engines.harmonic_walk import Drive
 
 from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
 from vibro.core.harmonic.solver import SteadyState, harmonic_state

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
-from commands import NUT_ANGLE_AND_FRICTION
+from helpers.commands import NUT_ANGLE_AND_FRICTION
 
 if TYPE_CHECKING:
     from typer.testing import Result

@@ -11,7 +11,7 @@ import random
 from typing import TYPE_CHECKING, Any
 
 import mpmath
-import two_axis_walk
+from engines import two_axis_walk
 
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
 

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from scenes import Groups
+    from helpers.scenes import Groups
 
 TURN = 2.0 * math.pi
 

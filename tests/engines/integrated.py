@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from helpers.scenes import Groups
     from numpy.typing import NDArray
-    from scenes import Groups
 
     Floats = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from commands import Run
+    from helpers.commands import Run
 
 # Of the profile's number of examples.
 SHARES = {"axes": 6.0, "texts": 2.0, "tables": 2.0, "commands": 0.25, "wild": 0.8, "records": 1.0}

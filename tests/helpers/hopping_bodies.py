@@ -6,7 +6,7 @@ import math
 import random
 from typing import TYPE_CHECKING, NamedTuple
 
-from two_axis_walk import Body, Cycle
+from engines.two_axis_walk import Body, Cycle
 
 from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES, Flights
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from event_walk import Body
+from engines.event_walk import Body
+from engines.two_axis_walk import Body as BodyOnEllipse
+from helpers.scenes import Groups, line_of
 from numpy.typing import NDArray
-from scenes import Groups, line_of
-from two_axis_walk import Body as BodyOnEllipse
 
 import vibro
 from vibro.drives import Ellipse
@@ -21,7 +21,7 @@ from vibro.records.reading import Record
 
 Floats = NDArray[np.float64]
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 STUDY: dict[str, Any] = runpy.run_path(str(EXAMPLES / "data" / "make_nut_smoothed_600hz.py"))
 STUDY_FILE = EXAMPLES / "data" / "nut_smoothed_600hz.csv"
 

@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from commands import NUT_ANGLE_AND_FRICTION
+from helpers.commands import NUT_ANGLE_AND_FRICTION
 
 from vibro.axes import parse_axis
 from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, part_name

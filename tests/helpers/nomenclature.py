@@ -1,6 +1,6 @@
 """The tables of docs/nomenclature.md that list inputs and results, made from their descriptions.
 
-python tests/nomenclature.py    # writes them into the page
+python tests/helpers/nomenclature.py    # writes them into the page
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from vibro.scene import Scene
 UNITS = """\
 In options, axes of scene files and arguments of `vibro.sweep`; capitals do not matter, `um` has either micro
 sign. Frictions and the restitution are pure numbers."""
-PAGE = Path(__file__).parents[1] / "docs" / "nomenclature.md"
+PAGE = Path(__file__).parents[2] / "docs" / "nomenclature.md"
 FIELDS = {"along_amplitude_2": "along_harmonics", "normal_amplitude_2": "normal_harmonics"}
 """Fields of a scene that hold several quantities, by the one beside which they are listed."""
 SCENE = {*Scene.__dataclass_fields__, *FIELDS}

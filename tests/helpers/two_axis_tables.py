@@ -10,7 +10,7 @@ import numpy as np
 
 import vibro
 
-DATA = Path(__file__).parent / "data" / "two_axis"
+DATA = Path(__file__).parents[1] / "data" / "two_axis"
 ROWS = {"elliptic_contact": 150, "elliptic_hopping": 30}
 # The impact speed of this row is that of a landing before the motion settled. Each flight takes one turn, and
 # the impact what gravity gave in it: g cos(beta)/f.

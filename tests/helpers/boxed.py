@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 FREQUENCY = 15.0
 GRAVITY = 9.81
 REGIMES = {r.label: r for r in (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)}
-ROWS = json.loads((Path(__file__).parent / "data" / "design_specs.json").read_text(encoding="utf-8"))
+ROWS = json.loads((Path(__file__).parents[1] / "data" / "design_specs.json").read_text(encoding="utf-8"))
 
 
 class Boxed(NamedTuple):

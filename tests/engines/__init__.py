@@ -1,0 +1,18 @@
+"""Solvers written apart from the package, with which the tests compare it. None of them imports vibro.
+
+Each takes the dimensionless groups of a body, or a few numbers. Where an annotation names
+``helpers.scenes.Groups``, the fields of that record alone are read.
+
+event_walk
+    Steady cycle in contact of a drive along a line: slide after slide; each end is a zero of the closed-form
+    speed, by Brent's method in a bracket that holds one alone. Shares nothing.
+two_axis_walk
+    Motion, flights and bounces included, of a drive along two axes: event after event; closed forms between
+    them, and Brent's method between two zeros of the derivative. Shares nothing.
+harmonic_walk
+    Steady cycle in contact of a drive with harmonics: slide after slide; Newton's law integrated in closed
+    form, zeros bracketed on a fine mesh and found by Brent's method. Shares nothing.
+integrated
+    Motion, flights and bounces included, of a drive along a line or an ellipse: ``scipy.integrate.solve_ivp``
+    with an event for every change, no closed form. Shares nothing.
+"""

@@ -1,0 +1,31 @@
+"""Makers of what tests need: scenes, loads, records, questions, sweeps, files, pages; and readers of results.
+
+Each module says what it makes; in brackets, of those that also compute something, what it shares with vibro.
+
+Scenes and loads:
+    scenes            scenes by their load G, lines mostly; equality of cycles
+    two_axis_scenes   drives along two axes as scenes and as bodies of ``engines.two_axis_walk``, compared
+    two_axis_tables   reference tables of elliptical drives, solved
+    harmonics         drives with harmonics, drawn; as bodies of ``engines.harmonic_walk`` (shares the loads)
+    contact_loads     loads of bodies in contact; their motion with 50 digits (shares the record ``Loads``)
+    hopping_bodies    loads of bodies that hop; rounds of ``engines.two_axis_walk`` (shares ``Loads``)
+    followed          bodies stepped by the core; Newton's law by quadrature (shares the core's steps)
+    solver_doors      the solver, compiled or as plain Python
+Records and questions:
+    made_records      records of motions that the engines walk (shares the records' containers)
+    made_tables       small tables of measurements, as text
+    boxed             boxes of bands for inverse design, drawn and sampled
+    questions         a question of inverse design, and changes to it
+    wild              wild input for every reader
+Sweeps and files:
+    plans, parted     sweeps in parts, and programs that make them
+    parted_maps       ``vibro map --table parquet`` and its folder
+    outputs, writers  sets of output files; writers that are killed
+    buffers           where malloc places large buffers
+Pictures, pages, commands:
+    drawn, pixels     artists of pictures; their colours
+    explorers         clients of the explorer that compute nothing
+    packed, pages     answers as the explorer's page reads them; the page in a browser
+    commands          commands run as programs
+    nomenclature      tables of docs/nomenclature.md, made from the schemas (a program)
+"""
