@@ -58,12 +58,12 @@ def first_ratio(box: Box, regime: Regime) -> float:
     if not box.space.proves:
         return extreme_ratio(box, _critical(regime), largest=True)[0]
     if regime is Regime.BACK_SLIP:
-        return most / float(back_slip_load(box))
+        return _ratio(most, back_slip_load(box))
     # the onset is least at an end of the drive angles, or at the angle of friction, on the flattest trough
     (a_low, a_high), mu_s = box.shape["drive_angle"], box.static_span[0]
     angles = np.array([a_low, a_high, np.clip(math.atan(mu_s), a_low, a_high)])
     onsets = critical_loads_of_lines(angles, mu_s, mu_s, box.trough_angle[0]).forward_onset
-    return most / float(np.min(onsets))
+    return _ratio(most, np.min(onsets))
 
 
 def last_ratio(box: Box, regime: Regime) -> float:
@@ -72,11 +72,11 @@ def last_ratio(box: Box, regime: Regime) -> float:
         return extreme_ratio(box, _critical(regime), largest=False)[0]
     least, (a_low, a_high), (b_low, b_high) = float(box.load[0]), box.shape["drive_angle"], box.trough_angle
     if regime is Regime.FORWARD_SLIP:
-        return least / float(onset_load(box))
+        return _ratio(least, onset_load(box))
     if regime is Regime.BACK_SLIP:
         mu_s = box.static_span[1]
         kinetic, _ = box.kinetic_span(mu_s)
-        return least / float(critical_loads_of_lines(a_high, mu_s, kinetic, b_low).back_slip)
+        return _ratio(least, critical_loads_of_lines(a_high, mu_s, kinetic, b_low).back_slip)
     flattest = max(math.cos(b_low), math.cos(b_high), 1.0 if b_low < 0.0 < b_high else 0.0)
     return least * math.sin(a_low) / flattest
 
@@ -86,8 +86,14 @@ def tip_ratio(box: Box, stand_ratio: float) -> float:
     if math.isinf(stand_ratio):
         return 0.0
     if box.space.proves:
-        return float(box.load[1] / tip_load(box, stand_ratio))
+        return _ratio(box.load[1], tip_load(box, stand_ratio))
     return extreme_ratio(box, lambda scene: tipping_load(scene, stand_ratio), largest=True)[0]
+
+
+def _ratio(load: Floats | float, critical: Floats | float) -> float:
+    """Divide a load by a critical one: 0 where something has always begun, inf where it never does."""
+    with np.errstate(divide="ignore"):
+        return float(np.divide(load, critical))
 
 
 def _critical(regime: Regime) -> Callable[[Scene], Floats]:
