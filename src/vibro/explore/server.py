@@ -309,7 +309,7 @@ def serve(
     announce : callable
         Called with the first URL and the port, once the server listens.
     report : callable
-        Told of every exception that nobody expected.
+        Called with every unexpected exception.
 
     Raises
     ------
