@@ -77,10 +77,11 @@ def test_citations_are_understood() -> None:
     assert cited("a value, Eq.\n    # (11)") == {11}
 
 
-def test_equations_are_numbered_once_and_in_order() -> None:
+def test_equations_are_numbered_once_and_none_is_missing() -> None:
     numbers = [int(n) for n in re.findall(r"\\tag\{(\d+)\}", THEORY)]
     assert len(numbers) >= 22
-    assert numbers == sorted(set(numbers))
+    # an equation keeps its number when it moves, so that they do not ascend
+    assert sorted(numbers) == list(range(1, len(numbers) + 1))
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda path: path.relative_to(ROOT).as_posix())

@@ -568,6 +568,22 @@ def test_on_an_incline_the_first_slide_is_that_of_the_walk() -> None:
     assert seen[0] >= 5
 
 
+def test_not_both_slides_from_rest_outlast_the_opposite_window() -> None:
+    # where friction holds a sliding body; on steeper troughs both may, and pushed bodies slide for ever
+    outlasting = {"F": 0, "B": 0}
+    for some in random_loads(4_000, 16, steepest=0.03):
+        loads = some._replace(kinetic_friction=0.1 * some.kinetic_friction)
+        weight = abs(loads.weight_tangential)
+        if weight > loads.kinetic_friction * loads.weight_normal or not slips_both_ways(loads):
+            continue
+        pair = pair_of(loads, thresholds(loads))
+        forward, back = outlasts_back(loads, pair) > 0, module._outlasts_forward(loads, pair) > 0
+        assert not (forward and back), loads
+        outlasting["F"] += forward
+        outlasting["B"] += back
+    assert min(outlasting.values()) > 100
+
+
 def test_the_pair_is_two_slides_and_their_offset() -> None:
     for loads in random_loads(60, 15, steepest=0.5):
         if not slips_both_ways(loads):

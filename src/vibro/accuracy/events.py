@@ -84,7 +84,7 @@ def simulate_by_events(
 
 
 def _next_from_rest(onsets: dict[str, float | None], phase: float) -> tuple[str, float]:
-    """Kind and phase of the next slide of a body at rest; no kind if there is none."""
+    """Direction and phase of the next slide of a body at rest; an empty direction if there is none."""
     coming = [
         (onset + _TURN * math.ceil((phase - onset) / _TURN), kind)
         for kind, onset in onsets.items()

@@ -61,12 +61,12 @@ class Method(NamedTuple):
     Attributes
     ----------
     name, setting : str
-        What it is, and the value of the parameter that trades speed for accuracy.
+        The method, and the value of the parameter that trades speed for accuracy.
     share : float
         Fraction of the sample that it is run on; slow methods are run on the beginning only.
     answer : callable
         ``answer(scene, tick)`` solves scenes of a 1-D shape. It calls ``tick()`` after each of them, or
-        never.
+        not at all.
     """
 
     name: str

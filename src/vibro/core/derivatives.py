@@ -95,7 +95,7 @@ def displacement_rate(loads: Loads, pattern: int, change: Change) -> float:
 
 
 def _load_rates(loads: Loads, change: Change, way: float, friction: float, friction_rate: float) -> _Load:
-    """Differentiate C, psi and the ratio of resistance to load, Eq. (55)."""
+    """Differentiate C, psi and the ratio of resistance to load, Eq. (49)."""
     along, b = way * loads.drive_tangential, loads.drive_normal
     real = along * loads.phase_cosine + friction * b
     imaginary = -along * loads.phase_sine
@@ -136,7 +136,7 @@ def _respond(loads: Loads, change: Change, leg: SlideLeg) -> _Response:
 
 
 def _closing(loads: Loads, first: SlideLeg, second: SlideLeg) -> float:
-    """1 - T' of continuous sliding, section 15, from terms of one sign.
+    """1 - T' of continuous sliding, section 5, from terms of one sign.
 
     At each turn the load along the trough is common to both slides, and friction changes its sign.
     """

@@ -24,7 +24,7 @@ _MOST_WEIGHT: Final = 1e307
 
 
 class Loads(NamedTuple):
-    """Dimensionless groups of one scene, Eqs. (1) and (54).
+    """Dimensionless groups of one scene, Eq. (1).
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ def ellipse_loads(
     along: float, normal: float, weight: float, angles: Directions, static_friction: float,
     kinetic_friction: float,
 ) -> Loads:  # fmt: skip
-    """Form the groups of an elliptical drive, Eq. (54), from X/A, Y/A and 1/G."""
+    """Form the groups of an elliptical drive, Eq. (1), from X/A, Y/A and 1/G."""
     return Loads(
         drive_tangential=along,
         drive_normal=normal,

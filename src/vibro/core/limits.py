@@ -39,7 +39,7 @@ def critical_loads(unit: Loads) -> CriticalLoads:
     Hop and onsets are closed forms, Eqs. (4), (5) and (55). Along a line rest vanishes where both slides of
     continuous sliding start on their onsets, a closed form too, Eq. (21), and back slip enters at its onset
     or at the root of Eq. (22). Other drives are looked at up to the hop, as classes follow each other in one
-    order there too (section 15).
+    order there too (section 6).
     """
     if unit.kinetic_friction > unit.static_friction or unit.static_friction == 0.0:
         return CriticalLoads(NAN, NAN, NAN, NAN, NAN)

@@ -1,4 +1,4 @@
-"""What the page asks for, and its answers; maps that are still being refined are kept between them."""
+"""Answers to the page's requests; maps that are still being refined are kept between requests."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ if TYPE_CHECKING:
 __all__ = ["Answers"]
 
 _KEPT: Final = 16  # maps of about 8 MB
-_PATIENCE: Final = 0.05  # [s] of people who move a slider
-_TURN: Final = 0.1  # [s] that a map is worked on for one request
+_PATIENCE: Final = 0.05  # [s] to wait for a first picture while somebody moves a slider
+_TURN: Final = 0.1  # [s] of work on a map for one request
 
 
 class Answers:
-    """Answers to everything that the page asks; any thread may ask.
+    """Answers to all requests of the page; safe to call from any thread.
 
     Parameters
     ----------
     initial : State
-        What the page begins with.
+        State at the start.
     """
 
     def __init__(self, initial: State) -> None:
@@ -50,14 +50,13 @@ class Answers:
         self._pace = _Pace()
 
     def schema(self) -> dict[str, Any]:
-        """Return what the page has to know of the state, of what JSON has.
+        """Return what the page has to know at the start, as JSON values.
 
         Returns
         -------
         dict
-            ``initial``, what the page begins with; ``idle``, the keys of quantities that say nothing of
-            a drive, by its name; ``regimes`` and ``statuses`` of cells; ``marks``, the bits of what they are
-            marked with.
+            ``initial``, the state at the start; ``idle``, for each drive the keys of quantities that it does
+            not have; ``regimes`` and ``statuses`` of cells; ``marks``, the bits of marks on cells.
         """
         columns = {name: QUANTITIES[name].column for name in CONTROLS if name != "friction_ratio"}
         return {
@@ -72,12 +71,12 @@ class Answers:
         }
 
     def map(self, state: State, *, advance: bool = False) -> bytes:
-        """Return a map as it is, or after it has been worked on, as ``packed_map`` does."""
+        """Return a map as ``packed_map`` does, as it is or after some more work."""
         kept = self._kept(state)
         return packed_map(state, kept.cells(_TURN if advance else 0.0).shown)
 
     def point(self, state: State) -> dict[str, Any]:
-        """Return all that is told of the operating point, of what JSON has."""
+        """Return the report on the operating point, as JSON values."""
         return point_of(state)
 
     def history(self, state: State) -> bytes:
@@ -87,7 +86,7 @@ class Answers:
     def table(self, state: State) -> Iterator[bytes]:
         """Yield the cells of a map as CSV, piece by piece; unless all are exact already, it is solved anew.
 
-        The columns are those of ``vibro map``; with bands what is certain at every cell.
+        The columns are those of ``vibro map``; with bands the axes and the guarantees of every cell.
         """
         grid = state.grid()
         values = grid.values()
@@ -111,7 +110,7 @@ class Answers:
         yield form.rows(columns, Block(values, cycle, grid.length)).encode()
 
     def _kept(self, state: State) -> _Kept:
-        """Return the cells of a state's map, which may have been worked on already."""
+        """Return the cells of a state's map, partly solved if it was asked for before."""
         grid = state.grid()
         key = repr(
             (
@@ -137,7 +136,7 @@ class _Pace:
 
 
 class _Kept:
-    """A map that is kept: several may ask for it, one at a time works on it."""
+    """A map that is kept: several threads may ask for it, one at a time works on it."""
 
     def __init__(self, state: State, pace: _Pace) -> None:
         self._state = state

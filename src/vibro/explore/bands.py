@@ -1,4 +1,4 @@
-"""What holds for all bodies while their friction is known as bands alone."""
+"""Guarantees for all bodies if friction is known as bands only."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["bands_if", "box_of", "certain_of", "extreme_frictions", "guaranteed_
 
 
 def certain_of(state: State, scene: Scene) -> Certain | None:
-    """Find what is certain at every operating point of a scene; nothing without bands."""
+    """Find the guarantees at every operating point of a scene; None without bands."""
     if not state.bands:
         return None
     static, second, is_ratio = box_of(state)
@@ -27,8 +27,8 @@ def certain_of(state: State, scene: Scene) -> Certain | None:
 def bands_if(state: State, *, follows: bool) -> dict[str, str]:
     """Return the bands, by keys, of this state if kinetic friction follows static friction, or does not.
 
-    Where it follows, a band of its ratio stands for its own. Where there are none yet they reach a tenth to
-    either side.
+    Where it follows, a band of the ratio replaces that of kinetic friction. New bands reach a tenth to either
+    side.
     """
     mu_s, mu_d = state.point.fixed["static_friction"], state.point.fixed["kinetic_friction"]
     bands = {**state.bands} or {"static_friction": _scaled((0.9, 1.1), mu_s)}
@@ -52,8 +52,8 @@ def _scaled(band: Span, factor: float) -> Span:
 def extreme_frictions(state: State) -> dict[str, tuple[float, float]]:
     """Return static and kinetic friction of the bodies of the bands that slip first and last.
 
-    Of least static friction it is the one of most kinetic friction, of most static the one of least: on level
-    and climbing troughs these are also the first and the last to slip back.
+    These have least static and most kinetic friction, and most static and least kinetic friction: on level
+    and climbing troughs they are also the first and the last to slip back.
     """
     static, second, is_ratio = box_of(state)
     low, high = static if is_ratio else (max(static[0], second[0]), static[1])
@@ -62,7 +62,7 @@ def extreme_frictions(state: State) -> dict[str, tuple[float, float]]:
 
 
 def box_of(state: State) -> tuple[Span, Span, bool]:
-    """Return the bands of static and of kinetic friction, or of its ratio, and whether it is that."""
+    """Return the bands of static friction and of kinetic friction or its ratio, and whether it is a ratio."""
     static, second = (
         state.bands.get(name, (state.point.fixed[name],) * 2)
         for name in ("static_friction", "kinetic_friction")
@@ -80,7 +80,7 @@ def is_outside(state: State) -> bool:
 
 
 def guaranteed_text(state: State) -> str:
-    """Say what is certain at the operating point; nothing without bands."""
+    """Describe the guarantees at the operating point; empty without bands."""
     found = certain_of(state, state.point.scene())
     if found is None:
         return ""

@@ -1,4 +1,4 @@
-"""What the page lets people move: quantities with the ranges of their sliders, drives, views, presets."""
+"""Controls of the page: quantities with the ranges of their sliders, drives, views, presets."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["BANDS", "CONTROLS", "DRIVES", "PRESETS", "VIEWS", "Control", "Drive"
 
 
 class Control(NamedTuple):
-    """A slider: its ends, its step, and the range that a map's axis has unless told, in the unit outside."""
+    """A slider: its ends, its step, and the default range of a map's axis, in the unit outside."""
 
     low: float
     high: float
@@ -22,7 +22,7 @@ class Control(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """A way in which the trough can move: what tells it, and what its map shows unless told."""
+    """A kind of drive: the quantities that describe it, and the default axes of its map."""
 
     label: str
     quantities: tuple[str, ...]
@@ -31,7 +31,7 @@ class Drive(NamedTuple):
 
 
 class Preset(NamedTuple):
-    """Drives that are often met: what they set."""
+    """Common drives, and the values that they set."""
 
     label: str
     state: dict[str, str]
@@ -47,7 +47,7 @@ DRIVES: Final = {
     "harmonics": Drive("with a second harmonic", (*_ELLIPSE, *_SECOND), "along_phase_2", "along_amplitude_2"),
 }
 
-#: Of every quantity that the page shows, in the order in which it shows them.
+#: Sliders by quantity, in the order of the page.
 CONTROLS: Final = {
     "amplitude": Control(0.01, 5.0, 0.005, "0.1:3"),
     "along_amplitude": Control(0.0, 5.0, 0.01, "0.1:3"),
@@ -69,7 +69,7 @@ CONTROLS: Final = {
 }
 assert set(SWEPT) <= set(CONTROLS) <= set(QUANTITIES)
 
-#: What may be known as a band.
+#: Quantities that may be given as bands.
 BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
 
 VIEWS: Final = {
@@ -148,7 +148,7 @@ PRESETS: Final = {
 
 
 def drive_named(quantities: Collection[str]) -> str:
-    """Name the drive that quantities tell; empty if the page has none such."""
+    """Name the drive that has these quantities; empty if the page has no such drive."""
     for name, drive in DRIVES.items():
         if set(quantities) <= set(drive.quantities):
             return name
@@ -156,5 +156,5 @@ def drive_named(quantities: Collection[str]) -> str:
 
 
 def drives_of(quantity: str) -> list[str]:
-    """Name the drives that a quantity says something about."""
+    """Name the drives that have a quantity."""
     return [name for name, drive in DRIVES.items() if quantity in drive.quantities] or [*DRIVES]

@@ -1,4 +1,4 @@
-"""The settings of the page: boxes that bear keys of the state as their names."""
+"""The form of the page: inputs named by the keys of the state."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def _quantity(name: str) -> Html:
 
 
 def _band(name: str) -> Html:
-    """Write two texts and two sliders: the ends of what is known of a friction."""
+    """Write two texts and two sliders: the ends of a band of friction."""
     key, label = f"{name}_band", QUANTITIES[name].label
     texts, sliders = [], []
     for number, end in enumerate(("least", "most")):

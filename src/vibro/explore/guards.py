@@ -1,4 +1,4 @@
-"""Who may ask the explorer, and how: what stands before every route.
+"""Access checks before every route of the explorer.
 
 The server listens on 127.0.0.1, but so can be reached by any page of the browser and by every user of the
 machine. Host and Origin keep other sites out, also those whose names resolve to 127.0.0.1; a token, which is
@@ -28,7 +28,7 @@ __all__ = ["HEADERS", "LONGEST_QUERY", "Guarded", "RefusedError", "Session", "qu
 
 LONGEST_QUERY: Final = 4096  # characters; a state with every key takes a few hundred
 
-#: Of every response. The page loads what this server sends, and nothing else loads that.
+#: Headers of every response: the page loads from this server only, and no other site may load from it.
 HEADERS: Final = {
     "Referrer-Policy": "no-referrer",
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self';"
@@ -48,16 +48,16 @@ _NO_SESSION: Final = (
 
 
 class RefusedError(VibroError):
-    """A request that is not answered, and why.
+    """A refused request, and the reason.
 
     Attributes
     ----------
     status : HTTPStatus
         Of the response.
     hint : str
-        How to put it right; empty where the message says it itself.
+        The remedy; empty if the message gives it.
     headers : dict of str to str
-        Of the response, beside those of all.
+        Of the response, beside the common ones.
     """
 
     def __init__(self, status: HTTPStatus, text: str, hint: str = "", **headers: str) -> None:
@@ -68,14 +68,14 @@ class RefusedError(VibroError):
 
 
 class Session:
-    """The one browser that may ask: it showed the token first, and has had the cookie since.
+    """The only browser that is served: it showed the token first and has kept the cookie since.
 
     Parameters
     ----------
     port : int
-        Of the server: browsers do not tell cookies of one host's ports apart, so its name does.
+        Of the server, part of the cookie's name: browsers share cookies among the ports of a host.
     token : str
-        In the first URL; it counts once.
+        In the first URL; valid once.
     """
 
     def __init__(self, port: int, token: str) -> None:
@@ -84,7 +84,7 @@ class Session:
         self._value = secrets.token_urlsafe(32)
 
     def begins(self, token: str) -> bool:
-        """Tell whether this is the token, which from then on is none any more."""
+        """Return whether this is the token, which becomes invalid then."""
         if self._token is None or not _same(token, self._token):
             return False
         self._token = None
@@ -92,20 +92,20 @@ class Session:
 
     @property
     def cookie(self) -> str:
-        """What the browser is told to keep."""
+        """The cookie for the browser to keep."""
         return f"{self.name}={self._value}; HttpOnly; SameSite=Strict; Path=/"
 
     def has(self, cookies: str) -> bool:
-        """Tell whether the session's cookie is among those of a request.
+        """Return whether the session's cookie is among those of a request.
 
-        Other programs on this host set cookies too, of any form and of the same name: every one is looked at.
+        Other programs on this host may set cookies of any form and of the same name: all of them are checked.
         """
         pairs = (pair.strip().partition("=") for pair in cookies.split(";"))
         return any(_same(value, self._value) for name, _, value in pairs if name == self.name)
 
 
 def _same(given: str, wanted: str) -> bool:
-    """Compare in a time that tells nothing about where texts differ."""
+    """Compare in a time that does not depend on where texts differ."""
     return secrets.compare_digest(given.encode(), wanted.encode())
 
 
@@ -136,18 +136,18 @@ def query_of(scope: Scope) -> dict[str, str]:
 
 
 class Guarded:
-    """ASGI application that lets through what a session's own page asks, and answers all else itself.
+    """ASGI application that passes on requests of the session's own page, and refuses all others.
 
     Parameters
     ----------
     app : ASGI application
-        What is guarded.
+        Receives the requests that pass.
     session : Session
-        Who may ask.
+        Whose requests pass.
     port : int
         Where the server listens.
     report : callable
-        Told of every exception that nobody expected; the client gets a message without its traceback.
+        Called with every unexpected exception; the client gets a message without its traceback.
     """
 
     def __init__(
@@ -161,7 +161,7 @@ class Guarded:
         self._origins = {f"http://{host}" for host in self._hosts}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request, or refuse it; nobody here speaks through a web socket."""
+        """Answer a request, or refuse it; web sockets are always refused."""
         if scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008})  # before it is accepted: a 403
             return
@@ -182,7 +182,7 @@ class Guarded:
                 await redirect(scope, receive, send_guarded)
             else:
                 await self._app(scope, receive, send_guarded)
-        except ClientDisconnect:  # nobody is there to be answered
+        except ClientDisconnect:  # the client has gone
             return
         except Exception as exc:
             if not isinstance(exc, VibroError):
@@ -210,7 +210,7 @@ class Guarded:
         if scope["path"] == "/" and "token" in query:
             if known:
                 return RedirectResponse("/", HTTPStatus.SEE_OTHER)
-            # HEAD is what looks at links before anybody opens them.
+            # Previews of links send HEAD, which must not use up the token.
             if scope["method"] == "GET" and self._session.begins(query["token"]):
                 cookie = {"Set-Cookie": self._session.cookie}
                 return RedirectResponse("/", HTTPStatus.SEE_OTHER, headers=cookie)
@@ -219,7 +219,7 @@ class Guarded:
         return None
 
     def _check_source(self, scope: Scope, headers: Headers) -> None:
-        """Refuse what another site asks, or makes the browser ask."""
+        """Refuse requests of other sites, also those that they cause the browser to make."""
         hosts = [host.lower() for host in headers.getlist("host")]
         if len(hosts) != 1 or hosts[0] not in self._hosts:
             port = self._port
@@ -230,7 +230,7 @@ class Guarded:
             )
         if any(origin.lower() not in self._origins for origin in headers.getlist("origin")):
             raise RefusedError(HTTPStatus.FORBIDDEN, "Origin: pages of other sites are not answered")
-        # Other ports of this host are the same site, but nobody's who may ask. A link leads to the page.
+        # To a browser other ports of this host are the same site: refuse them. Links may lead to the page.
         is_link = (scope["path"], headers.get("sec-fetch-dest"), headers.get("sec-fetch-mode")) == (
             "/", "document", "navigate",
         )  # fmt: skip
@@ -239,7 +239,7 @@ class Guarded:
 
 
 def _response_of(exc: Exception, *, in_a_tab: bool) -> Response:
-    """Say what is wrong: as plain text where a person opened it, else as JSON."""
+    """Report an error: as plain text if a person opened the address, else as JSON."""
     status, headers = HTTPStatus.BAD_REQUEST, dict[str, str]()
     told: Sequence[str] = (str(exc),)
     fields: Sequence[str] = ()

@@ -38,7 +38,7 @@ def packed_history(state: State) -> bytes:
     -------
     bytes
         As ``pack`` makes them: ``time`` [ms], and what each curve of the panels shows, in the panel's unit;
-        NaN interrupts a curve. Of drives with harmonics a note alone: their bodies are not followed.
+        NaN interrupts a curve. For drives with harmonics only a note: their bodies are not followed.
     """
     if state.point.has_harmonics:
         return pack(
@@ -102,7 +102,7 @@ def packed_history(state: State) -> bytes:
 
 
 def _ends(curves: list[NDArray[np.float32]], most: float | None) -> tuple[float, float]:
-    """Return the ends of a panel's axis: zero is seen, and forces up to the most that is told."""
+    """Return the ends of a panel's axis, with zero inside; forces are cut at the largest of interest."""
     values = np.concatenate([[0.0], *curves])
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     if most is not None:

@@ -46,16 +46,16 @@ _SPACINGS: Final = (16, 8, 4, 2, 1)  # of the lattices [cells]
 
 _FIRST_HARMONIC: Final = 8  # spacing of the lattice of the first picture of drives with harmonics
 _LIMIT_ROWS: Final = 15  # of a map whose critical loads are found at once, which takes 40 us a cell
-_FIRST_CELLS: Final = 64  # solved at once before it is known how long they take
+_FIRST_CELLS: Final = 64  # solved first, to measure how long they take
 _TURN: Final = 0.25  # [s] that solving so many at once may take: of few, each takes ten times as long
 
-# How results of bodies with the same load scale with amplitude and frequency; all others are the same.
+# How results of bodies with the same load scale with amplitude and frequency; other results do not change.
 _WITH_AMPLITUDE: Final = ("displacement_per_cycle",)
 _WITH_SPEED: Final = ("mean_velocity", "peak_velocity", "impact_velocity", "mean_velocity_error")
 
 
 class Shown(NamedTuple):
-    """What is there to be seen of a map, arrays of the grid's shape.
+    """The state of a map, arrays of the grid's shape.
 
     Attributes
     ----------
@@ -69,11 +69,11 @@ class Shown(NamedTuple):
         Critical loads of the cells; of ellipses they take long and are None at first, and of drives with
         harmonics always.
     is_done : bool
-        Whether nothing is left to be computed.
+        Whether all cells are computed.
     share : float
-        Share of the cells that take time which is exact.
+        Exact share of the slow cells.
     text : str
-        What to say of the others.
+        Description of the others.
     """
 
     cycle: SteadyCycle
@@ -95,13 +95,13 @@ class MapCells:
     patience : float, optional
         How long the first loads may take that show a map over amplitude and frequency [s].
     expected : float, optional
-        How long they took last: if longer, they are left to ``advance``. Irregular motion takes ten times as
-        long as motion that repeats, and maps that follow each other are much alike.
+        How long they took for the last map [s]: if longer than ``patience``, they are left to ``advance``.
+        Irregular motion takes ten times as long as periodic motion, and successive maps are much alike.
 
     Attributes
     ----------
     shown : Shown
-        All that is there to be seen; every ``advance`` makes a new one.
+        The state of the map; every ``advance`` makes a new one.
     """
 
     def __init__(self, grid: Grid, *, patience: float = math.inf, expected: float = 0.0) -> None:
@@ -134,11 +134,11 @@ class MapCells:
 
     @property
     def took(self) -> float | None:
-        """How long the first loads took [s]; None where there are none, or not yet."""
+        """How long the first loads took [s]; None if they are not needed, or not solved yet."""
         return None if self._line is None else self._line.took
 
     def _progress(self) -> tuple[float, str]:
-        """Return which share of the cells that take time is exact, and what to say of the others."""
+        """Return the exact share of the slow cells, and a description of the others."""
         if self.is_done:
             return 1.0, ""
         share = self._done / self._waiting.size if self._waiting.size else 1.0
@@ -161,7 +161,7 @@ class MapCells:
         return self._done == self._waiting.size
 
     def advance(self, seconds: float) -> None:
-        """Work on for about so long, one turn at least."""
+        """Continue for about so long, one turn at least."""
         end = time.perf_counter() + seconds
         while not self.is_done:
             if not self._has_limits:
@@ -175,7 +175,7 @@ class MapCells:
         self._show()
 
     def _find_limits(self) -> None:
-        """Find the critical loads of some rows more; where they are all alike of one."""
+        """Find the critical loads of further rows; of one row if all are alike."""
         first = sum(part.hop.shape[0] for part in self._limit_rows)
         part = limits_of(self._grid.values((slice(first, first + _LIMIT_ROWS), slice(None))))
         assert part is not None
@@ -186,7 +186,7 @@ class MapCells:
             self._has_limits = True
 
     def _solve_more(self, count: int) -> int:
-        """Solve so many cells more; return how many there were."""
+        """Solve up to so many further cells; return the number solved."""
         cells = self._waiting[self._done : self._done + count]
         found = self._grid.solve(self._grid.picked(cells))
         for name, values in vars(found).items():
@@ -196,7 +196,7 @@ class MapCells:
         return cells.size
 
     def _show(self) -> None:
-        """Let cells that are not solved show what is nearest to them."""
+        """Let cells that are not solved show the nearest solved ones."""
         cycle, exact = self._solved, self._exact.copy()
         known = np.ones(exact.shape, np.bool_)
         if not self._is_solved:
@@ -232,7 +232,7 @@ class _Turn:
         self._count = _FIRST_CELLS
 
     def take(self, work: Callable[[int], int]) -> None:
-        """Do as much work as a turn has time for; ``work`` returns how much there was."""
+        """Do as much work as a turn has time for; ``work`` returns how much it did."""
         start = time.perf_counter()
         done = work(self._count)
         taken = time.perf_counter() - start
@@ -248,7 +248,7 @@ class _Line:
     took : float or None
         How long the first of them took [s].
     spread : float
-        How far any load between the ends may be off that of the nearest solved body, as a share.
+        Largest relative distance of a load between the ends from the nearest solved one.
     """
 
     def __init__(self, grid: Grid, ends: tuple[float, float], load: Floats) -> None:
@@ -259,7 +259,7 @@ class _Line:
         values = grid.values()
         self._frequency = values["frequency"]
         self._amplitude = values["amplitude"]
-        # Of the reference bodies any frequency will do: the middle one is in nobody's way.
+        # Reference bodies may have any frequency: take the middle one.
         self._reference = float(np.median(self._frequency))
         gravity = grid.fixed["gravity"]
         w = 2.0 * math.pi * self._reference
@@ -272,7 +272,7 @@ class _Line:
 
     @classmethod
     def over(cls, grid: Grid, scene: Scene, waiting: NDArray[np.bool_]) -> _Line | None:
-        """Make the line of a map over amplitude and frequency; of others there is none."""
+        """Make the line of a map over amplitude and frequency; None for other maps."""
         if set(grid.axes) != {"amplitude", "frequency"}:
             return None
         load = np.broadcast_to(scene.load, waiting.shape)
@@ -327,7 +327,7 @@ class _Line:
 
 
 def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:
-    """Make cells of which nothing is known."""
+    """Make cells without any result yet."""
     cycle: dict[str, NDArray[Any]] = {
         r.name: np.full(shape, np.nan if r.is_number else -1 if r.is_flag else 0, r.dtype) for r in RESULTS
     }

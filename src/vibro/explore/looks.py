@@ -1,4 +1,4 @@
-"""How the cells of a map look: their colours, what is drawn over these, and what the legend calls both."""
+"""How the cells of a map look: their colours, the marks over these, and the legend."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _PLAIN: Final = [
     *("#808080", "#8A8A8A", "#222222", "#FFFFFF"),
 ]
 
-#: Bits of what is drawn over a cell, for the page.
+#: Bits of the marks over a cell, for the page.
 MARKS: Final = {
     name: 1 << bit
     for bit, name in enumerate(
@@ -49,7 +49,7 @@ MARKS: Final = {
     )
 }  # fmt: skip
 _HATCHES: Final = {"/": "rising", "\\": "falling", "x": "crossed", "-": "level", "+": "grid"}
-#: What is drawn where a status tells why there is no answer.
+#: Marks of statuses without an answer.
 HATCHES: Final = {status: _HATCHES[hatch[0]] for status, hatch in NO_ANSWER_HATCH.items()}
 
 
@@ -81,7 +81,7 @@ STRIPES: Final[list[dict[str, Any]]] = [
     )
 ]
 
-# What the legend calls them, and the faces on which it shows them.
+# Their names in the legend, and the faces on which it shows them.
 _NAMES: Final = {
     **{name: (status.label.replace("-", " "), (_NO_ANSWER,)) for status, name in HATCHES.items()},
     "backwards": (BACKWARDS_LABEL, (Regime.NO_SLIP,)),
@@ -103,13 +103,13 @@ class Looks(NamedTuple):
     faces, others : uint8 array
         Colours of cells, and those of the stripes on them where either regime may be: places in the palette.
     marks : uint16 array
-        What is drawn over them, as bits.
+        Marks over them, as bits.
     palette : str
         Red, green and blue of each colour, a byte each, in base64.
     scale : tuple of int
         The first place in the palette of the colours of numbers, and how many there are.
     legend : list of dict
-        What is seen: the ``text``, the ``faces`` of a sample, and the ``marks`` over it.
+        Entries: the ``text``, the ``faces`` of a sample, and the ``marks`` over it.
     """
 
     faces: NDArray[np.uint8]
@@ -134,12 +134,12 @@ def looks_of(
     lowest, highest : int8 array
         The regimes that a body may have there, by code; -1: none. The same where friction is known.
     shown : tuple, optional
-        The scale of the numbers that are shown, they, NaN where there are none, and where the colour of rest
-        covers them; regimes are shown without.
+        Scale of the numbers, the numbers, NaN where unknown, and whether the colour of rest covers each;
+        without it regimes are shown.
     marked : mapping of str to bool array
-        Where what of ``MARKS`` is to be told; what says why there is no answer counts where there is none.
+        Where each of ``MARKS`` applies; reasons for a missing answer count only where it is missing.
     words : mapping of str to str
-        What the legend calls marks that are called otherwise here, and ``rest``, the colour of that.
+        Names in the legend that differ from the usual ones; ``rest`` names the colour of rest.
     """
     palette = np.array([[int(c[n : n + 2], 16) for n in (1, 3, 5)] for c in _PLAIN], np.uint8)
     if shown is None:
@@ -163,7 +163,7 @@ def looks_of(
         elif name in ("unknown", "unproved", *HATCHES.values()):
             where = where & is_empty
         bits |= np.where(where, np.uint16(MARKS[name]), np.uint16(0))
-    # What is not computed yet, or not proved, may have an answer all the same.
+    # Cells that are not computed yet, or not proved, may still have an answer.
     open_bits = MARKS["unknown"] | MARKS["unproved"]
     hatches = sum(MARKS[name] for name in HATCHES.values())
     bits = np.where(bits & open_bits, bits & ~np.uint16(hatches), bits)

@@ -55,7 +55,7 @@ def packed_map(state: State, cells: Shown) -> bytes:
     Parameters
     ----------
     state : State
-        What is shown.
+        State of the page.
     cells : Shown
         Of ``state.grid()``, as far as they are solved.
 
@@ -113,7 +113,7 @@ def packed_map(state: State, cells: Shown) -> bytes:
 
 
 class _Drawn:
-    """What a map shows, arrays of shape (y, x).
+    """Content of a map, arrays of shape (y, x).
 
     Attributes
     ----------
@@ -122,11 +122,11 @@ class _Drawn:
     y : Axis
         The one that runs up.
     certain : Certain or None
-        What holds for all bodies of the bands of friction, if there are any.
+        Guarantees for all bodies in the bands of friction, if any.
     known : bool array
-        Whether anything is known of each cell.
+        Whether each cell has a result.
     numbers : array or None
-        Those of the view, in the units outside; NaN where there are none.
+        Numbers of the view, in the units outside; NaN if unknown.
     """
 
     def __init__(self, state: State, cells: Shown) -> None:
@@ -161,13 +161,13 @@ class _Drawn:
         return self.title + (f" [{unit}]" if unit else "")
 
     def progress_text(self, cells: Shown) -> str:
-        """Say what is not exact yet; regimes are, but those of drives with harmonics and of ellipses."""
+        """List what is not exact yet: numbers, and regimes of ellipses and of drives with harmonics."""
         is_exact = self._state.view == "regime" and cells.limits is not None
         return "" if is_exact else cells.text
 
     @property
     def _speed(self) -> Floats:
-        """Mean speed, or with bands that which no body falls short of [mm/s]."""
+        """Mean speed, or with bands the guaranteed speed [mm/s]."""
         speed = self.cycle["mean_velocity"] if self.certain is None else self.certain.speed_min
         return np.asarray(_MILLIMETRE * speed)
 
@@ -200,7 +200,7 @@ class _Drawn:
         return np.asarray((rests == Regime.NO_SLIP) & (self.numbers is not None))
 
     def marks(self) -> dict[str, NDArray[np.bool_]]:
-        """Return where something is to be told of cells, by names of ``MARKS``."""
+        """Return which cells have which marks, by names of ``MARKS``."""
         cycle, status = self.cycle, self.cycle["status"]
         marks = {name: status == int(code) for code, name in HATCHES.items()}
         if self._state.target is not None:
@@ -219,7 +219,7 @@ class _Drawn:
 
     @cached_property
     def _meets(self) -> Floats:
-        """Positive where bodies go at least as fast as is wanted, and do not hop."""
+        """Positive where bodies reach the wanted speed and do not hop."""
         fields, target = self._fields, self._state.target or 1.0
         if self.certain is not None:
             proved = np.isfinite(self._speed)
@@ -227,7 +227,7 @@ class _Drawn:
                 return np.full(proved.shape, -1.0)
             excess = fill_unknown(self._speed, proved) / target - 1.0  # up to the middle between cells
             return np.asarray(np.minimum(excess, np.where(proved, 0.5, -0.5)))
-        # The speed drops where back slip enters: either side has numbers of its own up to there.
+        # The speed jumps where back slip enters: continue the numbers of either side up to there.
         back, known = fields.log_ratio["back_slip"], np.isfinite(self.cycle["mean_velocity"])
         known &= self.cycle["regime"] != Regime.NO_SLIP
         sides = []
@@ -282,7 +282,7 @@ class _Drawn:
         return np.column_stack([_share(axis, points[:, i]) for i, axis in enumerate((self.panel.x, self.y))])
 
     def words(self) -> dict[str, str]:
-        """Return what the legend calls things here that are called otherwise elsewhere."""
+        """Return the names in the legend that differ from those of other pictures."""
         words = {"rest": "no flight"} if self._state.view in _FLIGHT_ALONE else {}
         if self._state.target is not None:
             speed = f"{number_text(self._state.target)} mm/s"
@@ -301,7 +301,7 @@ class _Drawn:
         return scale_of(numbers[seen], numbers[regular], numbers[calm], reverses=reverses)
 
     def _best(self, numbers: Floats) -> str:
-        """Say where the largest number is, of times the least."""
+        """Describe where the largest number is, or the shortest time."""
         is_time = self._state.view == "traverse"
         best = int(np.nanargmin(numbers) if is_time else np.nanargmax(numbers))
         row, column = np.unravel_index(best, numbers.shape)
@@ -313,7 +313,7 @@ class _Drawn:
         return f"{what} here{so_far}: {number_text(numbers[row, column])} {unit}".rstrip() + f", at {where}."
 
     def notes(self) -> list[str]:
-        """Return what else is to be said."""
+        """Return further notes."""
         notes = []
         if np.isfinite(self.seen).any():
             notes.append(self._best(self.seen))
@@ -374,7 +374,7 @@ def _axis(axis: Axis) -> dict[str, Any]:
 
 
 def _scale_ticks(scale: Scale, seen: Floats) -> list[tuple[float, str]]:
-    """Return where numbers stand on a scale; nothing where none is seen."""
+    """Return the positions of numbers on a scale; empty if no number is visible."""
     if not np.isfinite(seen).any():
         return []
     low, high = float(scale.norm.vmin or 0.0), float(scale.norm.vmax or 1.0)

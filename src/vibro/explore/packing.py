@@ -1,4 +1,4 @@
-"""What the page receives in binary: a header in JSON, then arrays as they lie in memory."""
+"""Binary messages to the page: a header in JSON, then arrays as they lie in memory."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes
     Parameters
     ----------
     header : mapping
-        Of what JSON has; no number in it may be NaN or infinite.
+        JSON values; no number in it may be NaN or infinite.
     arrays : mapping of str to array
         By name: float32, int8, uint8 or uint16.
 

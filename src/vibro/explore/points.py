@@ -1,4 +1,4 @@
-"""All that is told of the operating point, and what makes the same map elsewhere."""
+"""The report on the operating point, and command and scene file that make the same map."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ _APART: Final = "Of the operating point's own friction: commands and scene files
 
 
 def point_of(state: State) -> dict[str, Any]:
-    """Return all that is told of the operating point.
+    """Return the report on the operating point.
 
     Parameters
     ----------
     state : State
-        What is shown.
+        State of the page.
 
     Returns
     -------
     dict
-        Of what JSON has: ``state`` in full; ``title``, and of that the ``regime`` with its ``colour`` and the
-        ``speed``; ``tables`` with what ``vibro solve`` prints, as HTML; ``guaranteed``, what holds for all
-        bodies of the bands; ``bands``, as they would be with kinetic friction on its own, and following;
-        ``command`` and ``toml``, which make the same map, and ``apart``, what sets theirs apart.
+        JSON values: ``state`` in full; ``title``, and of that the ``regime`` with its ``colour`` and the
+        ``speed``; ``tables`` with what ``vibro solve`` prints, as HTML; ``guaranteed``, for all bodies in the
+        bands; ``bands``, with kinetic friction given by itself, and following static friction;
+        ``command`` and ``toml``, which make the same map, and ``apart``, how their maps differ from it.
     """
     grid = Grid({}, state.point.fixed, state.point.length)
     (block,) = sweep_blocks(grid)
@@ -93,7 +93,7 @@ def scene_text(state: State) -> str:
 
 
 def _given(state: State) -> dict[str, str]:
-    """Return every quantity of the map that is not as usual, as it is typed: ranges with their counts."""
+    """Return every quantity of the map without its usual value, as it is typed: ranges with counts."""
     grid = state.grid()
     given = {name: number_text(value) for name, value in grid.fixed.items() if value != DEFAULTS.get(name)}
     for spec, count in ((state.x, WIDTH), (state.y, HEIGHT)):
@@ -105,7 +105,7 @@ def _given(state: State) -> dict[str, str]:
 
 
 def _table(caption: str, rows: Sequence[tuple[str, ...]]) -> str:
-    """Write a table, its first row as heads of columns; nothing where there are no others."""
+    """Write a table, its first row as heads of columns; empty without other rows."""
     head, *body = rows or [()]
     if not body:
         return ""

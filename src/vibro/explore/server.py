@@ -1,7 +1,7 @@
-"""The explorer's server: its routes, whose turn it is, and its socket.
+"""The explorer's server: its routes, queues and socket.
 
-Everything that is computed is computed in threads; the event loop answers at any time. Nothing is read from a
-file but the page itself, once, and nothing is written.
+All computing is done in threads, so that the event loop always answers. The page is read from its files once;
+no other file is read, and none is written.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 __all__ = ["MOST_WAITING", "PORTS", "bind", "create_app", "serve"]
 
 PORTS: Final = range(1024, 65536)
-_TRIES: Final = 20  # ports, from the one that is wanted on
+_TRIES: Final = 20  # ports that are tried, from the wanted one on
 
-#: How many requests of a kind may wait for their turns; a page has one of each under way.
+#: Most requests of a kind in the queue; a page has one of each under way.
 MOST_WAITING: Final = 64
 _QUICK: Final = 4  # threads: each answer takes a few times 10 ms
 _KEPT_ALIVE: Final = 60  # s; a person pauses
@@ -58,7 +58,7 @@ _TYPES: Final = {
 
 
 class _Turns:
-    """Work of one kind, in threads: so much at once, the rest waits for its turn.
+    """Requests of one kind, in threads: some at once, the others in a queue.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class _Turns:
         RefusedError
             If too many wait already.
         ClientDisconnect
-            If nobody wants it any more by then.
+            If the client has gone by then.
         """
         if self._waiting >= MOST_WAITING:
             text = f"{MOST_WAITING} requests of this kind wait already"
@@ -97,7 +97,7 @@ class _Turns:
 
 
 class _Download(Response):
-    """A file that is sent while it is made; where that fails the connection ends before the file does.
+    """A file that is sent while it is made; on a failure the connection ends before the file is complete.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class _Download(Response):
 
 
 class _Routes:
-    """What is answered at which path.
+    """The routes of the server.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def _missing() -> RefusedError:
 
 
 def _page_files() -> dict[str, tuple[bytes, str]]:
-    """Read what the page consists of, with its types."""
+    """Read the files of the page, with their types."""
     folder = files("vibro.explore") / "static"
     page = {
         file.name: (file.read_bytes(), _TYPES[PurePath(file.name).suffix])
@@ -232,7 +232,7 @@ def create_app(
     token : str
         Of the first URL.
     report : callable
-        Told of every exception that nobody expected.
+        Called with every unexpected exception.
     """
 
     async def nothing(scope: Scope, receive: Receive, send: Send) -> None:
@@ -248,7 +248,7 @@ def bind(port: int) -> socket.socket:
     Raises
     ------
     FileError
-        If there is none nearby.
+        If no port nearby is free.
     """
     last = min(port + _TRIES, PORTS.stop) - 1
     for number in range(port, last + 1):
@@ -271,7 +271,7 @@ def bind(port: int) -> socket.socket:
 
 
 class _Connection(H11Protocol):
-    """A connection whose refusals of what is no HTTP have the headers of all responses."""
+    """A connection that refuses what is no HTTP with the headers of all responses."""
 
     def send_400_response(self, msg: str) -> None:
         body = msg.encode()
@@ -284,7 +284,7 @@ class _Connection(H11Protocol):
 
 
 class _Server(uvicorn.Server):
-    """A server that leaves signals alone: they end the process, at once, whatever is under way."""
+    """A server that leaves signals alone: they end the process at once, even during a request."""
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -307,9 +307,9 @@ def serve(
     port : int
         Where to listen, or the first of those to try.
     announce : callable
-        Told the first URL, and the port, once the server listens.
+        Called with the first URL and the port, once the server listens.
     report : callable
-        Told of every exception that nobody expected.
+        Called with every unexpected exception.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What the page shows, in the texts of its address, and checked: nothing else enters the solver."""
+"""State of the page, read from the texts of its address and checked: the solver gets no other input."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ __all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "number_text", "read_sta
 WIDTH: Final = 200
 HEIGHT: Final = 150
 
-_MOST_CYCLES: Final = 20  # of a history: of more nobody sees one
+_MOST_CYCLES: Final = 20  # drive cycles of a history: more could not be told apart
 # The nut of examples/safety_nut.toml, and drives of other kinds with about its load.
 _USUAL: Final = {
     "amplitude_mm": "1",
@@ -70,7 +70,7 @@ _OTHERS: Final = {
 
 
 class _Page:
-    """How messages speak of what the page gives."""
+    """How messages name the inputs of the page."""
 
     gives = "the page"
     takes_one_value = ("it takes one value", "a decimal is written with a point; axes are chosen at the map")
@@ -87,18 +87,18 @@ class _Page:
 
 @dataclass(frozen=True)
 class State:
-    """What the page shows.
+    """State of the page.
 
     Attributes
     ----------
     texts : mapping of str to str
-        What says so, in full: by keys as in the page's address, numbers in the units outside.
+        The full state by the keys of the page's address, numbers in the units outside.
     point : Request
         The operating point.
     x, y : AxisSpec
         Ranges that the map is drawn over.
     bands : mapping of str to pair of float
-        Of static friction, and of kinetic friction or of its ratio, where they are not known exactly.
+        Bands of static friction, and of kinetic friction or its ratio, if they are not known exactly.
     target : float or None
         Speed that is to be reached [mm/s].
     """
@@ -112,7 +112,7 @@ class State:
 
     @property
     def view(self) -> str:
-        """What the map shows, a key of ``VIEWS``."""
+        """View of the map, a key of ``VIEWS``."""
         return self.texts["view"]
 
     @property
@@ -132,7 +132,7 @@ class State:
         return mu_d / mu_s if mu_s else 1.0
 
     def grid(self) -> Grid:
-        """Make the grid of the map: everything that it depends on."""
+        """Make the grid of the map, which decides all its cells."""
         drawn: dict[str, Axis] = {axis.name: axis for axis in (self.x.axis(WIDTH), self.y.axis(HEIGHT))}
         fixed = {name: value for name, value in self.point.fixed.items() if name not in drawn}
         if "friction_ratio" in drawn:
@@ -144,18 +144,18 @@ class State:
 
 
 def initial_state(request: Request | None = None) -> State:
-    """Return the state that the page begins with.
+    """Return the state at the start.
 
     Parameters
     ----------
     request : Request, optional
-        What a scene file and options ask for; of its axes the first two are drawn, and the operating point
-        has their own values, or those in their middles. Without it the nut of examples/safety_nut.toml.
+        Request of a scene file and options; its first two axes are drawn, and the operating point has the
+        scene's values, or those in the middle of the axes. Without it the nut of examples/safety_nut.toml.
 
     Raises
     ------
     InputError
-        If its drive is none that the page can show.
+        If the page cannot show its drive.
     """
     if request is None:
         return _state({**_USUAL, **_OTHERS})
@@ -199,14 +199,14 @@ def read_state(query: Mapping[str, str], initial: State) -> State:
     Parameters
     ----------
     query : mapping of str to str
-        Whatever keys differ from the initial state's.
+        Keys that differ from the initial state.
     initial : State
-        What the other keys are.
+        Gives the other keys.
 
     Raises
     ------
     InputError
-        It names everything that is wrong; its fields are keys.
+        It lists all errors; its fields are keys.
     """
     texts = {**_USUAL, **_OTHERS, **initial.texts}
     for key in "xy":  # a drive of its own has axes of its own, and an axis has a range of its own
@@ -222,7 +222,7 @@ def read_state(query: Mapping[str, str], initial: State) -> State:
 
 
 class _Wrong:
-    """Everything that is wrong with a state, to be told at once."""
+    """All errors of a state, reported at once."""
 
     def __init__(self) -> None:
         self._found: list[tuple[str, str, str]] = []
@@ -231,7 +231,7 @@ class _Wrong:
         self._found.append((field, text, hint))
 
     def read(self, field: str, reading: Any) -> Any:
-        """Call a function without arguments; what is wrong with its input is wrong with the field."""
+        """Call a function without arguments, and book its input errors under the field."""
         try:
             return reading()
         except InputError as exc:
@@ -326,7 +326,7 @@ def _point(texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Request
 
 
 def _axis(key: str, usual: str, count: int, texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Any:
-    """Read an axis of the map; nothing where it is wrong."""
+    """Read an axis of the map; None on an error."""
     column, text = texts[key], texts[f"{key}_range"]
     quantity = BY_COLUMN.get(column) if column else QUANTITIES[usual]
     if quantity is None or quantity.name not in names:
@@ -353,7 +353,7 @@ def _axis(key: str, usual: str, count: int, texts: Mapping[str, str], names: lis
 def _band(
     name: str, texts: Mapping[str, str], other_drive: str, drawn: set[str], wrong: _Wrong
 ) -> tuple[float, float] | None:
-    """Read the band of a friction; nothing where there is none."""
+    """Read the band of a friction; None without one."""
     key, quantity = f"{name}_band", QUANTITIES[name]
     if not texts[key]:
         return None

@@ -39,7 +39,7 @@ def unit_of(quantity: Quantity) -> str:
 
 
 def caption_of(state: State) -> str:
-    """Say what does not vary over a map and is not as usual, as pictures do: ``α = 20°, μ_s = 0.74``."""
+    """List fixed quantities of a map without their usual values, as pictures do: ``α = 20°, μ_s = 0.74``."""
     grid = state.grid()
     spans = {name: (value, value) for name, value in {**grid.fixed, "trough_length": grid.length}.items()}
     if state.bands:
@@ -56,7 +56,7 @@ def caption_of(state: State) -> str:
 
 
 def round_numbers(low: float, high: float, *, log: bool = False, most: int = 8) -> list[float]:
-    """List round numbers from ``low`` to ``high``, at most so many steps of them."""
+    """List round numbers from ``low`` to ``high``, with at most so many steps."""
     if log and high > _NARROW * low:
         locator: Any = LogLocator(subs=(1.0, 2.0, 5.0) if high < 200.0 * low else (1.0,), numticks=99)
     else:
@@ -68,7 +68,7 @@ def round_numbers(low: float, high: float, *, log: bool = False, most: int = 8) 
 
 
 def ticks_of(numbers: Iterable[float], share: Callable[[float], Any]) -> list[tuple[float, str]]:
-    """Return where on an axis numbers stand, as shares of it, and how they are written there."""
+    """Return positions of ticks, as shares of an axis, and their texts."""
     return [(float(np.clip(share(number), 0.0, 1.0)), number_text(number)) for number in numbers]
 
 

@@ -38,9 +38,9 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     -------
     array
         Of the common shape; inf where the body never gets there: it rests for ever, or its steady cycle has
-        no net advance and the transient stays short of the length. NaN where nobody knows: infeasible
+        no net advance and the transient stays short of the length. NaN where it is unknown: infeasible
         scenes, bodies whose flights amplify rounding until it has grown past 1e-9 rad, loads and frictions
-        beyond 1e50, and ways of more than 1e15 drive cycles [s].
+        beyond 1e50, and arrivals later than 1e15 drive cycles [s].
 
     Raises
     ------
@@ -53,9 +53,9 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     -----
     Exact: within 1e-10 of the reference table, relative (tests/motion/test_arrivals.py). The transient is
     followed leg by leg. A cycle with a rest in it repeats exactly and is jumped at once, in closed form.
-    One without, in contact or hopping, is approached geometrically; within 1e-7 of it the rest of the
-    transient is summed in closed form from the known contraction per cycle and the steady displacement. At
-    low friction some 20 / (1 - contraction) cycles have to be followed until then.
+    A cycle without rest, in contact or hopping, is approached geometrically; within 1e-7 of it the rest of
+    the transient is summed in closed form from the known contraction per cycle and the steady displacement.
+    At low friction some 20 / (1 - contraction) cycles have to be followed until then.
 
     Examples
     --------

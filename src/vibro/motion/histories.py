@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["follow", "is_followed", "simulate"]
 
 _TURN: Final = 2.0 * np.pi
-_FEW: Final = 1024  # legs that there is room for at first; nearly every motion repeats sooner
+_FEW: Final = 1024  # legs allocated at first; nearly every motion repeats sooner
 _MORE: Final = 4  # factor by which that grows
 _STARTS: Final = MOST_BOUNCES + LONGEST_CYCLE  # flights of a cycle, at most
 
@@ -47,7 +47,7 @@ def simulate(
         One operating point, of shape ().
     cycles, duration, length : float
         Exactly one of them: drive cycles [1], time [s], or the displacement relative to the trough at
-        whose first reach the history ends [m]; > 0.
+        which the history ends [m]; > 0.
     start_phase : float, optional
         Phase of the trough at time 0 [rad].
     start_velocity : float, optional
@@ -61,7 +61,7 @@ def simulate(
     Raises
     ------
     SceneError, VibroError
-        If an argument is out of its range, or the scene has no motion that could be followed, or the body
+        If an argument is out of its range, or the motion of the scene cannot be followed, or the body
         never covers ``length``.
     InputError
         If the drive has harmonics.
@@ -70,9 +70,9 @@ def simulate(
     -----
     The body begins on the trough; where the trough falls away under it, it leaves at once. The motion is
     followed until it repeats. A cycle that rests repeats exactly; one that never rests has converged to
-    rounding, and its contact form is replaced by the closed form, Eqs. (18)-(20). Its displacement is that of
-    ``solve`` to 1e-12 (tests/motion/test_histories.py). Motion without a short period is followed to the end;
-    rounding grows in it as in any chaotic motion.
+    rounding, and in contact it is replaced by the closed form, Eqs. (18)-(20) and (59)-(63). Its displacement
+    is that of ``solve`` to 1e-12 (tests/motion/test_histories.py). Motion without a short period is followed
+    to the end; rounding grows in it as in any chaotic motion.
 
     Examples
     --------

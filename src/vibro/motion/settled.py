@@ -32,9 +32,9 @@ __all__ = ["CyclePhase", "SettledMotion", "cycle_phases", "settled_motion"]
 
 _TURN: Final = 2.0 * math.pi
 _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
-_PERIODIC: Final = 1e-6  # relative change from one cycle to the next, above which it takes more to repeat
+_PERIODIC: Final = 1e-6  # relative change between cycles that count as the same
 _LONGEST_RUN: Final = 1000.0  # [drive cycles] from rest in which phases with flights must begin to repeat
-_SHORT: Final = 1e-2  # [rad] flights below this are told together
+_SHORT: Final = 1e-2  # [rad] shorter flights are listed as one phase
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
     Returns
     -------
     tuple of CyclePhase
-        In the order of the pattern; empty where there is no steady cycle, or none that could be followed, or
-        one with flights that does not begin to repeat within 1000 drive cycles.
+        In the order of the pattern; empty where there is no steady cycle, where it cannot be followed, or
+        where flights do not begin to repeat within 1000 drive cycles.
     """
     fields = scene.arrays()
     if not fields.can(Ability.FLIGHT):
@@ -189,7 +189,7 @@ def settled_motion(scene: Scene) -> SettledMotion:
         raise VibroError("no steady motion to compare with: its loads or frictions are too extreme")
     contact = [] if cycle.regime == Regime.HOPPING else _contact_legs(scene, cycle)
     if contact:
-        # A slide of the cycle begins at a known phase: there is no need to wait for it.
+        # The cycle has a slide that begins at a known phase: start there instead of following the transient.
         history = simulate(scene, cycles=1.0, start_phase=contact[0].start)
         since, lag = 0.0, contact[0].start / (_TURN * frequency)
     else:

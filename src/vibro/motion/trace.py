@@ -51,7 +51,7 @@ def trace(
     """
     events = np.array([p.start for p in history.phases if since < p.start < until])
     rate = samples_per_cycle * float(history.scene.frequency)
-    # The last step, if it is the end but for its rounding, is left to the end.
+    # A last step that differs from the end by rounding alone is dropped: the end is added below.
     steps = np.arange(math.ceil(rate * since), math.ceil(rate * until * (1.0 - _ROUNDING)))
     even = steps / rate if rate else np.array([])
     times = np.unique(np.concatenate([[since], even, events, [until]]))

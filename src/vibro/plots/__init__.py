@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["View", "choose_view", "map_figures", "picture_names", "results_drawn", "save"]
 
 
-# Results that every picture shows or is hatched by, and what some pictures show beside.
+# Results that every picture needs, and those that some pictures need beside.
 _DRAWN: Final = (
     "regime", "mean_velocity", "displacement_per_cycle", "period_cycles", "mean_velocity_error", "coexists",
     "status",
@@ -36,9 +36,9 @@ _COMPRESSION: Final = 3  # of PNG: against the usual 6, files 10 % larger in hal
 
 
 def picture_names(view: View, *, has_length: bool, on_request: bool = True) -> list[str]:
-    """Name the pictures that there are of a sweep, with or without a trough length.
+    """Name the pictures of a sweep, with or without a trough length.
 
-    Those of flights are drawn on request alone.
+    Those of flights are drawn on request only.
     """
     names = ["regime"] if view.y or view.curves else []
     names += ["speed", *(["traverse"] if has_length else [])]
@@ -53,7 +53,7 @@ def results_drawn(names: Iterable[str], *, has_limits: bool) -> tuple[str, ...]:
     names : iterable of str
         The pictures.
     has_limits : bool
-        Whether there are critical loads; without, the results tell where regimes meet.
+        Whether there are critical loads; without them, boundaries of regimes are read from the results.
     """
     own = [_DRAWN_BY[name] for name in names if name in _DRAWN_BY]
     return (*_DRAWN, *own, *(() if has_limits else _IN_PLACE_OF_LIMITS))
@@ -79,7 +79,7 @@ def map_figures(
         ``impact`` and ``flight`` (the share of time in it). Without it the first three, as far as there are
         any.
     x, y, at : optional
-        What to draw of it, see ``choose_view``.
+        Part of the sweep to be drawn, see ``choose_view``.
     level : float, optional
         A speed that stands out where speeds are drawn [mm/s].
 
@@ -124,12 +124,12 @@ def save(figure: Figure, path: Path, picture_format: str, metadata: Mapping[str,
     figure : Figure
         From ``map_figures``.
     path : Path
-        Where to; its suffix does not matter.
+        The file; its suffix does not matter.
     picture_format : str
         ``png``, ``svg`` or ``pdf``.
     metadata : mapping of str to str
-        Carried by the file: every entry of its own in PNG, and as one text where a format has fixed keys. A
-        title is added, the headline of the figure, with nothing in it that a format forbids.
+        Written into the file: entry by entry in PNG, as one text in formats with fixed keys. The headline of
+        the figure is added as title, without characters that a format forbids.
     """
     more: dict[str, Any] = {"pil_kwargs": {"compress_level": _COMPRESSION}} if picture_format == "png" else {}
     described = _metadata(picture_format, {"Title": visible(str(figure.get_label())), **metadata})
@@ -142,7 +142,7 @@ def _metadata(picture_format: str, metadata: Mapping[str, str]) -> dict[str, str
         return dict(metadata)
     text = "\n".join(f"{key}: {value}" for key, value in metadata.items() if key != "Title")
     place = {"svg": "Description", "pdf": "Subject"}[picture_format]
-    # Without a date the same picture is the same file.
+    # No date: equal pictures give equal files.
     undated = {"svg": "Date", "pdf": "CreationDate"}[picture_format]
     title = {"Title": metadata["Title"]} if "Title" in metadata else {}
     return {**title, place: text, undated: None}

@@ -60,9 +60,9 @@ def comparison_figure(
     Parameters
     ----------
     comparison : Comparison
-        What to draw.
+        Record and model.
     title : str
-        What the record and the scene are called.
+        Names of the record and the scene.
     given : mapping of str to float
         Quantities of the scene, in the user's units, written under the title.
     fitted : Comparison, optional

@@ -61,7 +61,7 @@ _AROUND: Final = 1.7  # [in] heading, name of the axis, and legend
 _PANEL: Final = 2.1  # [in] height of a panel of numbers
 _THIN, _THICK = 0.16, 0.36  # [in] from one value's bar to the next, above numbers and on their own
 _FILLED: Final = 0.8  # of that: the bar
-_SQUARE: Final = 8.0  # [pt] side of what stands for a single point, in place of a bar
+_SQUARE: Final = 8.0  # [pt] side of the square of a single point, in place of a bar
 _MARGIN: Final = 0.06  # of an axis of single points, beyond the outer ones
 _TICK: Final = 0.5  # [in] from one number below such an axis to the next
 # From dark to light, and legible on white: in this order for the colour-blind and in grey, too.
@@ -108,7 +108,7 @@ def curve_figure(
     result : SweepResult
         The sweep.
     view : View
-        What is drawn of it: no map.
+        Part of the sweep, not a map.
     groups : sequence of sequence of Fields
         For every facet its curves.
     level : float, optional
@@ -195,7 +195,7 @@ def _regimes(result: SweepResult, view: View, facets: list[list[_Curve]]) -> Fig
 
 
 def _looks(view: View) -> list[tuple[str, Mapping[str, Any]]]:
-    """Return what each curve is called, and how it is drawn."""
+    """Return the name and the style of each curve."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
@@ -213,14 +213,14 @@ def _looks(view: View) -> list[tuple[str, Mapping[str, Any]]]:
 
 
 def _below(result: SweepResult, view: View, facets: list[list[_Curve]]) -> str:
-    """Return what stands under the headline: what is the same all over a picture."""
+    """Return the line under the headline: quantities that are fixed all over a picture."""
     several = [axis.name for axis in (view.curves, view.facet) if axis is not None]
     values = facets[0][0].fields.panel.values
     return below(result, {name: value for name, value in values.items() if name not in several})
 
 
 def _stack(view: View, heights: list[float]) -> tuple[Figure, list[Axes]]:
-    """Make a figure of panels upon each other, over the same x."""
+    """Make a figure of panels one above the other, over the same x."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(_WIDTH, _AROUND + sum(heights)))
@@ -232,7 +232,7 @@ def _stack(view: View, heights: list[float]) -> tuple[Figure, list[Axes]]:
 
 
 def _facets(view: View) -> tuple[Figure, list[Axes], int]:
-    """Make a figure of panels beside each other; tell how many stand in a row, too."""
+    """Make a figure of panels beside each other; return also how many are in a row."""
     assert view.facet is not None
     n = len(view.facet_indices)
     figure, axes, columns = facet_frame(n)
@@ -267,7 +267,7 @@ def _draw_bars(axes: Axes, view: View, curves: Sequence[_Curve], legend: Legend)
     for row, curve in enumerate(curves):
         fields = curve.fields
         parts = _points(fields) if is_discrete(view.x) else stretches(fields)
-        # Where another motion exists a regime goes on; single points stay apart.
+        # A regime goes on where another motion exists; single points are not joined.
         for (name, _), group in groupby(parts, key=lambda p: (p.name, is_discrete(view.x) and p.low)):
             run = list(group)
             low, high, style = run[0].low, run[-1].high, run[0].style
@@ -324,7 +324,7 @@ def _draw_critical(axes: Axes, row: int, fields: Fields, legend: Legend) -> None
 
 
 def _critical(fields: Fields) -> list[tuple[str, float]]:
-    """Return the critical loads that bound something over a range: their names and places."""
+    """Return the critical loads that bound a regime over a range: their names and places."""
     return [
         (name, x)
         for name in CURVES
@@ -333,20 +333,20 @@ def _critical(fields: Fields) -> list[tuple[str, float]]:
 
 
 def _say_why_empty(axes: Axes, curves: Sequence[_Curve]) -> None:
-    """Say in a panel without any number why there is none."""
+    """Write the reason into a panel without any number."""
     statuses = set().union(*(curve.fields.statuses for curve in curves))
     why = ", ".join(status.label.replace("-", " ") for status in NO_ANSWER_HATCH if status in statuses)
     axes.text(0.5, 0.5, why or "nothing conveyed", transform=axes.transAxes, ha="center", va="center")
 
 
 def _own_x(result: SweepResult, view: View, fields: Fields) -> list[float]:
-    """Return where the scene's own point lies on a curve; among single points it may be none of them."""
+    """Return the position of the scene's own point on a curve; single points may not include it."""
     own = operating_points(result, fields.panel)[:, 0].tolist()
     return [x for x in own if not is_discrete(view.x) or np.isclose(view.x.values, x, rtol=1e-9).any()]
 
 
 def _add_key(axes: Axes, curves: Sequence[_Curve]) -> None:
-    """Say beside a panel which curve is which, in the order of the bars."""
+    """Label the curves beside a panel, in the order of the bars."""
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], label=curve.label, **curve.look) for curve in reversed(curves)]

@@ -1,4 +1,4 @@
-"""Pictures of a design: what settings of a drive guarantee, and all parts' speeds over the amplitude."""
+"""Pictures of a design: guarantees of a drive's settings, and all parts' speeds over the amplitude."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _BEGINS_TO: Final[Mapping[Regime, str]] = {
 }
 _TIPS: Final = CurveStyle("first part lifts an edge", (0, (3, 1, 1, 1, 1, 1)), 1.6)
 _FORBIDDEN_HATCH: Final = "\\\\"
-_VEIL: Final = "#FFFFFF", 0.55  # over settings that the drive does not have: colour, opacity
+_VEIL: Final = "#FFFFFF", 0.55  # over settings beyond the drive's limits: colour, opacity
 _DRIVE: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": (0, (8, 2.5)), "linewidth": 1.5}
 _MEETS: Final[Mapping[str, Any]] = {"color": "#000000", "linestyle": "-", "linewidth": 3.0}
 _NOTHING: Final = "no speed guaranteed"
@@ -67,7 +67,7 @@ _NAME_ROOM: Final = 160.0  # [pt]
 
 
 def design_figures(spec: Spec, chosen: Chosen, fields: SettingFields, band: SpeedBand) -> dict[str, Figure]:
-    """Draw what a design rests on.
+    """Draw the guarantees around a design.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class _Layers(MapLayers):
         for stretch in self._settings.stretches:
             field = np.minimum(-below(stretch.low, load), below(stretch.high, load))
             if self._fill(field, gid=stretch.name, zorder=1, **stretch.style):
-                # the name stands on what the drive has, if there is any: elsewhere colours are pale
+                # names go to settings within the drive's limits, if any: elsewhere colours are pale
                 inside, style = np.minimum(field, reach), dict(stretch.style)
                 if not (inside > 0.0).any():
                     inside = field
@@ -130,7 +130,7 @@ class _Layers(MapLayers):
                 self._name_region(stretch.name, inside, **style)
 
     def draw_boundaries(self) -> None:
-        """Draw where the first and the last part reach regimes; the names of the areas say what they are."""
+        """Draw where the first and the last part reach regimes; names of areas explain the lines."""
         for regime, curve in BEGINS.items():
             for name in (curve, LAST + curve):
                 if pieces := zero_lines(self.fields, self.fields.log_ratio[name]):
@@ -141,7 +141,7 @@ class _Layers(MapLayers):
         self._draw_tips()
 
     def cover_forbidden(self) -> None:
-        """Cover what the goal does not allow: where the first part is in too high a regime."""
+        """Cover settings that the goal forbids: the first part is in too high a regime."""
         regime = self._settings.forbidden
         if regime is not None:
             field = self.fields.log_ratio[BEGINS[regime]]
@@ -149,14 +149,14 @@ class _Layers(MapLayers):
         self._draw_tips()
 
     def cover_nothing(self, speed: Floats) -> None:
-        """Cover what guarantees no speed: all below the last part's start, and what else there is."""
+        """Cover settings without a guaranteed speed: below the last part's start, and others."""
         rest = -self.fields.log_ratio[LAST + "forward_onset"]
         self._cover(rest, f"{_NOTHING}: the last part rests", facecolor=REGIME_COLOURS[Regime.NO_SLIP])
         others = np.where(np.nan_to_num(speed) > 0.0, -0.5, 0.5)
         self.hatch(np.minimum(others, -rest), _NOTHING, NO_ANSWER_HATCH[Status.RUNAWAY])
 
     def draw_drive(self) -> None:
-        """Draw what the drive can do, and veil the rest."""
+        """Draw the drive's limits, and veil settings beyond them."""
         from matplotlib.colors import to_rgba
 
         settings = self._settings
@@ -171,7 +171,7 @@ class _Layers(MapLayers):
         """Outline the settings that meet the goal."""
         pieces = self._settings.pieces(self._settings.meets)
         self._outline("meets", "meets the goal", pieces, _MEETS)
-        self._outlines += pieces  # in part along the contour of the goal, whose name may stand on both
+        self._outlines += pieces  # partly along the contour of the goal, whose label may lie on both
 
     def _draw_tips(self) -> None:
         self.draw_curve("tips", _TIPS, zero_lines(self.fields, self.fields.log_ratio["tips"]))
@@ -186,7 +186,7 @@ class _Layers(MapLayers):
 
 
 def _begin_text(regime: Regime, name: str) -> str:
-    """Say what happens at a curve."""
+    """Label a curve by the event that it marks."""
     return f"{'last' if name.startswith(LAST) else 'first'} part {_BEGINS_TO[regime]}"
 
 
@@ -204,7 +204,7 @@ def _headline(settings: Settings, heading: str) -> str:
 
 
 def _question(settings: Settings, *, frequency: bool = False) -> str:
-    """Say in a few lines what is known of parts and trough, what is asked for, and what may drift."""
+    """Describe parts, trough, goal and drifts in a few lines."""
     spec, design = settings.spec, settings.chosen.design
     spans = dict(spec.bands)
     shape = "drive_angle" if design.drive_angle_deg is not None else "normal_phase"
@@ -229,14 +229,14 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
 
 
 def _ratio(design: Design) -> str:
-    """Say how an ellipse's amplitudes go along with each other."""
+    """Describe the ratio of an ellipse's amplitudes."""
     if not design.along_amplitude_mm:
         return "" if design.along_amplitude_mm is None else ", $X$ = 0"
     return f", $Y/X$ = {number_text((design.normal_amplitude_mm or 0.0) / design.along_amplitude_mm)}"
 
 
 def _drift(spec: Spec, *, elliptical: bool) -> list[str]:
-    """Say by how much drive and trough may be off, if they may."""
+    """Describe the drifts of drive and trough; empty without any."""
     drift = spec.drift
     parts = [
         (100.0 * drift.amplitude, " % of amplitudes" if elliptical else " % $A$"),
@@ -259,7 +259,7 @@ def _regime_map(settings: Settings) -> Figure:
 
 
 def _speed_map(settings: Settings) -> Figure:
-    """Map of the speed that no part stays below, with the settings that meet the goal."""
+    """Map of the guaranteed speed, with the settings that meet the goal."""
     from matplotlib.colors import Normalize
 
     figure, layers = _start(settings, "Guaranteed speed")
@@ -267,8 +267,8 @@ def _speed_map(settings: Settings) -> Figure:
     layers.cover_forbidden()
     layers.cover_nothing(speed)
     moves = np.nan_to_num(speed) > 0.0
-    # Beyond the drive, speeds may be so high that its own would look all alike; where all is fixed there is
-    # nothing within it.
+    # Scale colours to speeds within the drive's limits, as those beyond may be far higher. A drive with fixed
+    # settings may have no cell within them.
     shown = moves & layers.open
     within = shown & (settings.strong(layers.fields.y[:, np.newaxis], layers.fields.x) > 0.0)
     high = float(speed[within if within.any() else shown].max(initial=0.0)) or 1.0
@@ -329,7 +329,7 @@ def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
 
 
 def _draw_band(axes: Axes, band: SpeedBand, legend: dict[str, dict[str, Any]]) -> None:
-    """Draw the slowest, the nominal and the fastest part; a band where the first and the last are known."""
+    """Draw the slowest, the nominal and the fastest part, with a band if both extremes are known."""
     least, most = (np.where(np.isfinite(v), v, np.nan) for v in (band.speed_min, band.speed_max))
     axes.fill_between(
         band.amplitude_mm, least, most, facecolor=_BAND, edgecolor=INK, linewidth=0.6, zorder=1, gid="band"
@@ -349,7 +349,7 @@ def _draw_band(axes: Axes, band: SpeedBand, legend: dict[str, dict[str, Any]]) -
 
 
 def _draw_goal(axes: Axes, settings: Settings, band: SpeedBand, legend: dict[str, dict[str, Any]]) -> None:
-    """Draw the speed that is asked for, and the amplitudes that guarantee it."""
+    """Draw the required speed, and the amplitudes that guarantee it."""
     goal: dict[str, Any] = {"color": _GOAL, "linewidth": 1.8, "linestyle": (0, (1, 1))}
     axes.axhline(settings.goal, gid="goal", zorder=2.5, **goal)
     low, high = axes.get_ylim()

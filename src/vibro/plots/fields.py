@@ -3,7 +3,7 @@
 A regime begins where the load G passes a critical one, so ``ln(G / G_critical)`` is a smooth function of the
 drawn quantities whose zero line is the boundary, between the grid's points too. Amplitude and frequency enter
 it through ln A + 2 ln f: contoured over their logarithms it is exact to rounding. The amplitudes of an
-ellipse change its critical loads too, and may be 0: over them it is contoured as it is.
+ellipse change its critical loads too, and may be 0: over them it is contoured without a logarithm.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ __all__ = [
     "zero_region",
 ]
 
-# Once one of these other curves has been passed, another regime holds, and the curve bounds nothing there.
+# Beyond one of these other curves another regime holds: the curve is no boundary there.
 HIDDEN_BY: Final = {
     "forward_onset": ("back_slip", "hop"),
     "back_slip": ("hop",),
@@ -61,17 +61,17 @@ BEGINS_AT: Final = {
 # square of the second width around one.
 _SMOOTH_ACROSS: Final = 15
 _SMOOTH_AROUND: Final = 5
-# Irregular motion comes in dust as well as in patches. A hatch is drawn up to this far from each such point,
-# which closes gaps and makes lonely points large enough to be made out: what is not hatched is exact.
+# Irregular motion forms single points as well as patches. A hatch extends this far from each such point,
+# which closes gaps and makes single points visible: cells without a hatch are exact.
 _SEEN: Final = 0.01  # of the side of the map
 
-_LOADING: Final = ("amplitude", "frequency")  # the load grows with them, and nothing else of the drive
+_LOADING: Final = ("amplitude", "frequency")  # the load grows with these quantities of the drive only
 
-_ROUNDING: Final = 1e-9  # of the largest speed: less is none
+_ROUNDING: Final = 1e-9  # of the largest speed: less counts as none
 _SEEN_SHARE: Final = 0.02  # of a map: less of it does not decide on the colours
 _CERTAIN: Final = 3.0  # standard errors below zero, from which a mean is negative
 
-_EVEN_POINTS: Final = 100  # along an axis, where places for words are looked for
+_EVEN_POINTS: Final = 100  # points along an axis, to find places for words
 # Without a critical load G / G_critical is 0 or infinite. Contours need finite numbers: this and its inverse.
 _LEAST_RATIO: Final = 1e-30
 
@@ -83,7 +83,7 @@ class Fields:
     Attributes
     ----------
     panel : Panel
-        What is drawn; x and y evenly spaced on the paper.
+        Cells; x and y evenly spaced on the paper.
     """
 
     panel: Panel
@@ -102,17 +102,17 @@ class Fields:
     def log_ratio(self) -> dict[str, Floats]:
         """ln(G / G_critical) of each critical curve: positive beyond it.
 
-        Of drives with harmonics the cycles tell it, of back slip whether it has begun alone.
+        For drives with harmonics these follow from the cycles; for back slip only the sign counts.
         """
         if not self.panel.critical:
             return self._ratios_of_cycles
         load = self._load
         ratios = {}
         for name, critical in self.panel.critical.items():
-            # Infeasible points have no critical load, but contours at the edge of their region need one. What
-            # is drawn there is covered up to the exact boundary.
+            # Infeasible points have no critical load, but contours at the edge of their region need one. A
+            # cover hides them up to the exact boundary.
             filled = fill_unknown(critical, ~np.isnan(critical))
-            with np.errstate(divide="ignore", invalid="ignore"):  # what always slides needs no load
+            with np.errstate(divide="ignore", invalid="ignore"):  # a body that always slides needs no load
                 ratio = np.clip(np.nan_to_num(load / filled, nan=np.inf), _LEAST_RATIO, 1.0 / _LEAST_RATIO)
             ratios[name] = np.log(ratio)
         return ratios
@@ -129,7 +129,7 @@ class Fields:
 
     @cached_property
     def infeasible(self) -> Floats:
-        """Positive where the combination cannot be: mu_d > mu_s."""
+        """Positive where the combination is infeasible: mu_d > mu_s."""
         return np.asarray(self._scene.kinetic_friction - self._scene.static_friction + self._zeros)
 
     @cached_property
@@ -198,7 +198,7 @@ class Fields:
 
     @property
     def unknown(self) -> Floats:
-        """Positive where no speed is known, whatever the reason."""
+        """Positive where no speed is known, for any reason."""
         return np.where(np.isnan(self.panel.cycle["mean_velocity"]), 0.5, -0.5)
 
     @cached_property
@@ -234,7 +234,7 @@ class Fields:
         return {Status(int(code)) for code in np.unique(self.panel.cycle["status"])}
 
     def unanswered(self, status: Status) -> Floats:
-        """Positive where points have a status that brings no answer.
+        """Positive where points have a status without an answer.
 
         Zero on the exact boundary where that has a formula, else midway between points.
         """
@@ -262,9 +262,9 @@ class Fields:
         return np.column_stack([_unstraightened(self.panel.x, points[:, 0]), y])
 
     def evenly(self, field: Floats) -> Floats:
-        """Return a field on points that lie evenly on the paper, as places for words are looked for.
+        """Return a field on points that lie evenly on the paper, for the search for places of words.
 
-        The axes of a picture of its own resolution do; those of cells that a caller holds may not.
+        Pictures that solve their own cells have such axes already; a caller's cells may not.
         """
         axes = [axis for axis in (self.panel.x, self.panel.y) if axis is not None]
         if len(axes) < 2 or all(map(_is_even, axes)):
@@ -293,7 +293,7 @@ class Fields:
 
 
 def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
-    """Return fields that are positive where a critical curve bounds nothing, or where there is no answer."""
+    """Return fields that are positive where a critical curve is no boundary, or there is no answer."""
     statuses = [Status.INFEASIBLE, Status.INDETERMINATE]
     if curve != "hop":
         statuses.append(Status.RUNAWAY)
@@ -302,7 +302,7 @@ def hiding_fields(fields: Fields, curve: str) -> list[Floats]:
 
 
 def _without(rough: NDArray[np.bool_]) -> Floats:
-    """Positive away from rough points, and from what lies between them."""
+    """Positive away from irregular points, and from the gaps between them."""
     closed = erode(dilate(rough, _SMOOTH_ACROSS), _SMOOTH_ACROSS - _SMOOTH_AROUND + 1, beyond=True)
     return np.where(closed, -0.5, 0.5)
 

@@ -41,11 +41,11 @@ _FACET_SIZE: Final = (3.1, 2.7)  # [in]
 _EXTRA_SIZE: Final = (1.2, 1.3)  # [in] for the colour bar beside facets, and the heading and legend
 _FACET_COLUMNS: Final = {1: 1, 2: 2, 3: 3, 4: 2, 5: 3, 6: 3, 7: 4, 8: 4, 9: 3, 10: 4, 11: 4, 12: 4}
 _HEADING_SIZE: Final = 10.5  # [pt]
-_HEADING_SHARE: Final = 0.94  # of the width of a figure, which a headline may have
+_HEADING_SHARE: Final = 0.94  # largest share of a figure's width for a headline
 _POINTS: Final = 72.0  # [pt/in]
 _DECADES_FOR_TENS: Final = 3.0  # a longer logarithmic scale has ticks at powers of ten alone
 _SHORT: Final = 2.0  # a logarithmic scale that does not end above this multiple of its start has even ticks
-_FEW_TICKS: Final = 4  # on a scale that is long enough for these, numbers have the digits to tell them apart
+_FEW_TICKS: Final = 4  # a scale with room for these has numbers with enough digits to be distinct
 _MOST_TICKS: Final = 9
 _TICK_STEPS: Final = (1, 2, 2.5, 5, 10)
 _PHASES: Final = tuple(name for name in DRIVES if "phase" in name)
@@ -77,7 +77,7 @@ def renderer_of(figure: Figure) -> Any:
 
 
 def facet_frame(n: int) -> tuple[Figure, list[Axes], int]:
-    """Make a figure with so many empty panels, and tell how many of them stand in a row."""
+    """Make a figure with so many empty panels; return also how many are in a row."""
     from matplotlib.figure import Figure
 
     columns = _FACET_COLUMNS[n]
@@ -127,24 +127,24 @@ def single_frame(x: Axis, y: Axis, headline: str, below: str) -> tuple[Figure, A
 
 
 def headline(heading: str, result: SweepResult) -> str:
-    """Say what a picture of a sweep shows, and what the sweep is called."""
+    """Write the headline: the content of the picture, and the title of the sweep."""
     return f"{heading} – {result.title}" if result.title else heading
 
 
 def below(result: SweepResult, values: Mapping[str, float]) -> str:
-    """Return what stands under a headline: what is given, and where motion begins if there is none."""
+    """Return the line under a headline: given quantities and, if all rests, where motion begins."""
     return "\n".join(filter(None, [values_text(values), result.rest_text]))
 
 
 def set_heading(figure: Figure, headline: str, below: str = "") -> None:
-    """Write above a picture what it shows.
+    """Write the headline of a picture.
 
     Parameters
     ----------
     figure : Figure
         Its label becomes the headline, for the files' metadata.
     headline : str
-        With names that users gave: no part of it is markup, and it is cut where it has no room.
+        May contain names from users: nothing in it is markup, and it is cut to fit.
     below : str, optional
         A second line, for matplotlib.
     """
@@ -165,7 +165,7 @@ def scale_axis(axis: Any, of: Axis) -> None:
 
 
 def _spread_ticks(axis: Any, steps: Sequence[float] = _TICK_STEPS) -> None:
-    """Have so few ticks along a horizontal axis that their numbers, written in full, do not meet."""
+    """Thin out the ticks of a horizontal axis until their numbers, written in full, do not overlap."""
     from matplotlib.ticker import MaxNLocator
 
     if steps is not _TICK_STEPS:
@@ -229,7 +229,7 @@ def mark_operating_point(
     legend: dict[str, dict[str, Any]],
     label: str = "operating point",
 ) -> None:
-    """Mark the scene's own point, or another of which there is one, on top of everything."""
+    """Mark the scene's own point, or another single point, on top of everything."""
     if len(points):
         axes.plot(points[:, 0], points[:, 1], zorder=7, gid=label, label=label, clip_on=False, **_MARKER)
         legend[label] = dict(_MARKER)
@@ -241,7 +241,7 @@ def settle(figure: Figure, legend: Mapping[str, dict[str, Any]]) -> None:
     Parameters
     ----------
     figure : Figure
-        May have been settled before, with another legend.
+        May have a layout from before, with another legend.
     legend : mapping of str to dict
         Entries: their text, and the style of their patch or line.
     """

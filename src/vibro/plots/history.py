@@ -50,7 +50,7 @@ class Curve(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """What a panel shows, the size of its unit in SI units, and its height relative to the others."""
+    """Content of a panel, the size of its unit in SI units, and its height relative to the others."""
 
     label: str
     unit: str
@@ -82,7 +82,7 @@ PANELS: Final[Mapping[str, Panel]] = {
     "gap": Panel("height above\nthe trough", "mm", 1e-3, (Curve("gap", "", _RED),)),
 }
 
-# Of an elliptical drive, in place of the panel of its line.
+# Replaces the trough's panel for elliptical drives.
 _ELLIPSE: Final = Panel(
     "motion of\nthe trough",
     "mm",
@@ -99,7 +99,7 @@ _LETTER: Final = 0.0095  # generous width of a letter, as a share of a panel's
 _PATH: Final = 2.0  # height of the path below the panels
 _BESIDE: Final = 1.5  # width of the legend beside it, over that of the path
 _COLUMNS: Final = 3  # of the legend, one for each curve in the panel of forces
-_MARGIN: Final = 0.12  # above and below the curves, as a share of what they span
+_MARGIN: Final = 0.12  # margin above and below the curves, as a share of their span
 _HEADROOM: Final = 0.25  # for the names of phases, as a share of the panel's height
 # The load along the trough may stretch the panel of forces to so many times what friction needs.
 _STRETCH: Final = 1.5
@@ -109,7 +109,7 @@ _MARKED: Final = ("forces", "velocity", "acceleration", "position", "trough", "g
 
 
 def choose_panels(text: str | None, *, flies: bool) -> list[str]:
-    """Read which panels are wanted, such as ``forces,velocity``.
+    """Read a choice of panels, such as ``forces,velocity``.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def _is_elliptical(trace: Sample) -> bool:
 
 
 def values_of(curve: Curve, panel: Panel, trace: Sample) -> Floats:
-    """Return what a curve shows, in the unit of its panel; NaN where it is interrupted."""
+    """Return the values of a curve, in the unit of its panel; NaN interrupts it."""
     values: Floats = getattr(trace, curve.field) / panel.size
     return np.where(trace.normal > 0.0, values, np.nan) if curve.in_contact else values
 
@@ -164,13 +164,13 @@ def history_figure(
     Parameters
     ----------
     phases : sequence of Phase
-        What the body does when; only those within the trace are drawn and named.
+        Phases of the motion; only those within the trace are drawn and named.
     trace : Sample
         Its motion and forces over time, with both sides of every event.
     panels : sequence of str
         Of ``PANELS``, from top to bottom.
     title : str
-        What the scene is called.
+        Name of the scene.
     given : mapping of str to float
         Quantities of the scene, in the user's units, written under the title.
     part : str, optional
@@ -242,7 +242,7 @@ def _draw(axes: Axes, panel: Panel, trace: Sample, milliseconds: Floats) -> list
         if is_cut:
             axes.set_ylim(-most, most)
     bottom, top = axes.get_ylim()
-    if bottom < 0.0 < top:  # a body that is far away already has no use for its start
+    if bottom < 0.0 < top:  # a body far from its start needs no zero line
         axes.axhline(0.0, color=INK, linewidth=0.5)
     axes.set_ylabel(f"{panel.label} [{panel.unit}]")
     return named
@@ -252,7 +252,7 @@ def most_force(trace: Sample) -> float:
     """Force per unit mass that the panel of forces shows at most [m/s^2].
 
     Where a body hops the load along the trough is often ten times as large as any friction: its scale would
-    flatten what the panel is there to show.
+    flatten the curve of friction.
     """
     friction = max(float(trace.static_limit.max()), float(np.abs(trace.friction).max()))
     return _STRETCH * friction or math.inf
@@ -295,7 +295,7 @@ def _name_phases(axes: Axes, phases: Sequence[Phase], limits: tuple[float, float
 def _mark_events(
     shown: Mapping[str, Panel], panels: Mapping[str, Axes], phases: Sequence[Phase], trace: Sample
 ) -> list[Any]:
-    """Mark starts and stops of slides, and impacts, on the most telling curve; return legend entries."""
+    """Mark starts and stops of slides, and impacts, on one curve; return legend entries."""
     name = next(name for name in _MARKED if name in panels)
     panel = shown[name]
     values = getattr(trace, panel.curves[-1].field) / panel.size

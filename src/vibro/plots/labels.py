@@ -33,14 +33,14 @@ _HALO: Final = 2.4  # [pt]
 _ROOMIER: Final = 1.2  # from one size of free rectangles to the next
 _PLACES: Final = 45  # tried along a line
 _INNER: Final = 3  # places, from the end of a free stretch to a label on it, if it is long enough
-# A label hides the stretch of the line under it, which must be about straight, and not all of the line.
+# A label hides the stretch of the line under it: that must be nearly straight, and not the whole line.
 _LEAST_LENGTH: Final = 1.3  # of the line, over that of the label
 _LEAST_REACH: Final = 0.9  # from end to end of the stretch, over the label's length: it may not wind
 _MOST_BEND: Final = 0.6  # of the stretch, across its chord, over the label's height
 
 
 class Labeller:
-    """Places words on one map, each clear of what is already there.
+    """Places words on one map, each clear of everything placed before.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Labeller:
     Attributes
     ----------
     words : list of Text
-        What was written.
+        The words written.
     """
 
     def __init__(self, axes: Axes) -> None:
@@ -60,7 +60,7 @@ class Labeller:
         self._pixels_per_point = figure.dpi / 72.0
         self._box = axes.get_window_extent(self._renderer)
         shape = [int(side / _CELL) for side in (self._box.height, self._box.width)]
-        # How many things lie in each cell. A border of one cell more stands for all that is off the map.
+        # Number of things in each cell. An extra border of one cell represents everything off the map.
         self._crowd = np.pad(np.zeros(shape, np.int32), 1, constant_values=_OFF)
         self.words: list[Any] = []
 
@@ -171,14 +171,14 @@ class Labeller:
         return (middle[best], direction[best]) if fits[best] else None
 
     def _text(self, words: str, style: dict[str, Any]) -> tuple[Any, float, float]:
-        """Return words that are yet to be put somewhere, and their width and height with margins."""
+        """Return words without a position yet, and their width and height with margins."""
         style = {"ha": "center", "va": "center", "rotation_mode": "anchor", "zorder": 6, **style}
         artist = self._axes.text(0, 0, words, transform=self._axes.transAxes, **style)
         extent = artist.get_window_extent(self._renderer)
         return artist, extent.width + 2.0 * _MARGIN, extent.height + 2.0 * _MARGIN
 
     def _put(self, artist: Any, width: float, height: float, middle: complex, direction: complex = 1) -> None:
-        """Put words somewhere, turned into a direction, but never upside down; have others keep away."""
+        """Place words, turned into a direction but never upside down, and keep other words off them."""
         artist.set_position((middle.real / self._box.width, middle.imag / self._box.height))
         angle = math.degrees(cmath.phase(direction))
         artist.set_rotation(angle - 180.0 * round(angle / 180.0))
@@ -212,7 +212,7 @@ class Labeller:
 
 
 def outline(artist: Any, halo: Any) -> None:
-    """Outline words in a colour, so that they stand out from what is behind them; without one do nothing."""
+    """Outline words in a colour, so that they stand out from the background; None leaves them."""
     if halo is not None:
         from matplotlib.patheffects import withStroke
 
@@ -240,7 +240,7 @@ def _roomiest(free: NDArray[np.bool_], high: int, wide: int) -> complex | None:
         corners = np.argwhere(within == 0)
         if not corners.size:
             break
-        # Of equally large ones, take the one in the midst of them.
+        # Of equally large ones, take the one in their middle.
         row, column = corners[np.argmin(np.hypot(*(corners - corners.mean(axis=0)).T))]
         middle = _CELL * complex(column + 0.5 * wide, row + 0.5 * high)
         high, wide = math.ceil(_ROOMIER * high), math.ceil(_ROOMIER * wide)

@@ -1,4 +1,4 @@
-"""What is drawn on one map: filled regions, hatched covers, critical curves, contours, and their words."""
+"""The layers of one map: filled regions, hatched covers, critical curves, contours, and their words."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 __all__ = ["MapLayers"]
 
 _COVERS: Final = 2.0  # zorder of the uppermost cover
-# Where numbers jump to and fro, contours fall apart into specks. Shorter pieces than this are left out.
+# Where numbers jump up and down, contours break up into specks. Shorter pieces than this are left out.
 _SPECK: Final = 0.04  # of the side of the map
 _HATCHED: Final = 0.01  # of the side of the map: least width of an area in which a hatch is seen
 _STRIPE: Final = 14.0  # [px] from one stripe over irregular motion to the next
@@ -86,9 +86,9 @@ class MapLayers:
     axes : Axes
         With their final limits.
     fields : Fields
-        What is drawn.
+        Of the map.
     single : bool
-        Whether the map stands alone: the legend then explains only what finds no room on it.
+        Whether the map stands alone: the legend then explains only things that cannot be labelled on it.
     """
 
     def __init__(self, axes: Axes, fields: Fields, single: bool) -> None:
@@ -149,7 +149,7 @@ class MapLayers:
     def hatch_unanswered(self, *, regimes_show: bool) -> None:
         """Hatch where there is no answer.
 
-        Where flight is not modelled the regime is known all the same: a picture of regimes shows it.
+        Where flight is not modelled the regime is still known: a picture of regimes shows it.
         """
         for status, hatch in NO_ANSWER_HATCH.items():
             known = regimes_show and status is Status.FLIGHT_NOT_MODELLED
@@ -181,7 +181,7 @@ class MapLayers:
     def _stripe(self, field: Floats, label: str) -> None:
         """Draw wide stripes over the area in which a field is positive, dark in white.
 
-        A hatch of matplotlib's has one colour, and is fine enough to be taken for a pattern of the numbers.
+        A hatch of matplotlib's has one colour, and is so fine that it looks like a pattern of the numbers.
         """
         from matplotlib.collections import LineCollection
         from matplotlib.patheffects import withStroke
@@ -225,7 +225,7 @@ class MapLayers:
             )
 
     def draw_curve(self, name: str, style: CurveStyle, pieces: list[Floats]) -> None:
-        """Draw the pieces of a curve, if any, and have it named; on coloured numbers, outlined in white."""
+        """Draw the pieces of a curve, if any, and label it; on coloured numbers, outlined in white."""
         from matplotlib.patheffects import withStroke
 
         if not pieces:
@@ -249,7 +249,7 @@ class MapLayers:
             self._explain_curve(style)
 
     def draw_level(self, values: Floats, level: float, text: str) -> None:
-        """Draw one contour of the numbers, thick, and have it named."""
+        """Draw and label one thick contour of the numbers."""
         hidden = [*self._covers, -self.fields.regular]
         heights = without_hidden(np.nan_to_num(values) - level, hidden)
         pieces = [piece for piece in zero_lines(self.fields, heights, hidden) if self._is_long(piece)]
@@ -262,8 +262,8 @@ class MapLayers:
         fields, norm, colours = self.fields, scale.norm, colormaps[scale.colours]
         self._has_numbers = True
         self.axes.set_facecolor(NO_ANSWER_FACE)
-        # A mesh of so many cells draws slowly, and so do numbers that become colours pixel by pixel. But on a
-        # grid that is even on the paper, whatever the axes' scales, an image of colours is the same picture.
+        # A mesh of so many cells draws slowly, and so does mapping numbers to colours pixel by pixel. On a
+        # grid that is even on the paper, for any scale of the axes, an image of colours is the same picture.
         # Numbers below a logarithmic scale have the colour of its foot.
         heights = np.asarray(norm(np.maximum(values, float(norm.vmin or 0.0))))
         x, y = fields.panel.x, fields.panel.y or fields.panel.x
@@ -278,7 +278,7 @@ class MapLayers:
             interpolation="nearest",
             zorder=0,
         )
-        image.set(norm=norm, cmap=colours)  # not applied again, but the image can tell its scale
+        image.set(norm=norm, cmap=colours)  # not applied again: it only records the scale in the image
         hidden = [*self._covers, -fields.smooth]
         heights = without_hidden(np.nan_to_num(heights), hidden)
         for level in scale.levels:
@@ -298,7 +298,7 @@ class MapLayers:
         return bool(np.hypot(width, height) >= _SPECK)
 
     def write(self, *, avoid: Floats) -> None:
-        """Write the words that have room, replacing those of an earlier call; the legend takes the others.
+        """Write the words that fit, replacing those of an earlier call; others go to the legend.
 
         Parameters
         ----------
@@ -327,7 +327,7 @@ class MapLayers:
                 self.legend[text] = style
 
     def _write_curves(self, labeller: Labeller) -> None:
-        # A name beside a line may as well be that of the next line. It interrupts its own instead.
+        # A name beside a line could belong to the next line: it interrupts its own line instead.
         type_style: dict[str, Any] = {"plate": "#FFFFFF", "color": INK, "fontsize": 8.5}
         for style, pieces in _coinciding(self._curves) if self._single else []:
             if not labeller.along(style.label, pieces, **type_style):
@@ -340,13 +340,13 @@ class MapLayers:
         crowded = [contour for contour in self._contours if not self._write_number(labeller, contour)]
         for contour in crowded:
             labeller.forget_lines(contour.pieces)
-        for contour in crowded:  # among fewer contours there may be room
+        for contour in crowded:  # fewer contours may leave room
             labeller.avoid_lines(contour.pieces)
             if not self._write_number(labeller, contour):
                 labeller.forget_lines(contour.pieces)
 
     def _write_number(self, labeller: Labeller, contour: _Contour) -> bool:
-        # Whatever lies over the contour lies over its number too.
+        # Numbers of contours lie in the order of covers: hatches over the line go over the number too.
         style: dict[str, Any] = {"plate": contour.ground, "color": ink_on(contour.ground), "zorder": _COVERS}
         size = 8.0 * self._scale
         fits = labeller.along(contour.text, contour.pieces, fontsize=size, **style)
@@ -362,13 +362,13 @@ class MapLayers:
         self.legend[style.label] = {"color": INK, "linestyle": style.dashes, "linewidth": style.width}
 
     def _cover(self, field: Floats, label: str, **style: Any) -> None:
-        """Cover the area in which a field is positive, and have what is visible of it named."""
+        """Cover the area in which a field is positive, and label its visible part."""
         if self._fill(field, gid=label, zorder=_COVERS - 0.01 * len(self._covers), **style):
             self._name_region(label, field, **style)
             self._covers.append(field)
 
     def _name_region(self, text: str, field: Floats, **style: Any) -> bool:
-        """Have what is to be seen of the area in which a field is positive named; False if nothing is."""
+        """Label the visible part of the area in which a field is positive; False if none is visible."""
         seen = np.minimum.reduce([field, *(-cover for cover in self._covers)])
         member = self.fields.evenly(seen) > 0.0
         if not member.any():

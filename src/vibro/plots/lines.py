@@ -68,10 +68,10 @@ __all__ = [
     "write_name",
 ]
 
-#: Pictures of what follows from the mean speed.
+#: Pictures of quantities that follow from the mean speed.
 UNCERTAIN: Final = ("speed", "traverse")
 _TINT: Final = 0.35  # opacity of bands behind lines
-_MARKED: Final = 60  # values on the axis, up to which each is marked
+_MARKED: Final = 60  # most values on the axis that are marked each
 _WIDE: Final = 20.0  # ratio of the largest to the least number above which a scale is logarithmic
 _HEADROOM: Final = 0.15  # above a level, for its name
 _MILLIMETRE: Final = 1e3  # [1/m]
@@ -79,7 +79,7 @@ _DOTS: Final[Mapping[str, Any]] = {"linestyle": "none", "marker": ".", "markersi
 
 
 def numbers_of(picture: str, length: float | None) -> tuple[str, Mapping[str, Callable[[Fields], Floats]]]:
-    """Return what is drawn of a line.
+    """Return the numbers of a line picture.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def numbers_of(picture: str, length: float | None) -> tuple[str, Mapping[str, Ca
     Returns
     -------
     str
-        What the picture shows.
+        Title of the picture.
     mapping of str to callable
         The numbers over the axis, by the labels of their scales.
     """
@@ -131,7 +131,7 @@ def line_figure(picture: str, result: SweepResult, fields: Fields, level: float 
     for a, (label, numbers) in zip(axes, rows.items(), strict=True):
         values = numbers(fields)
         _shade(a, bands, legend)
-        # A value alone in its regime makes no line: few values are marked.
+        # A single value in its regime makes no line: with few values, mark each.
         mark: dict[str, Any] = {"marker": "o", "markersize": 4.0} if values.size <= _MARKED else {}
         look = {"uncertain": picture in UNCERTAIN, "color": INK, "linewidth": 1.8, **mark}
         draw_numbers(a, fields, values, legend, gid="numbers", **look)
@@ -163,11 +163,11 @@ class Band(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the stretch."""
 
     @property
     def style(self) -> dict[str, Any]:
-        """How it is filled."""
+        """Style of its fill."""
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ class Stretch:
 
     @property
     def style(self) -> dict[str, Any]:
-        """How the band is filled."""
+        """Style of the band."""
         if self.unanswered is not None and self.unanswered is not Status.FLIGHT_NOT_MODELLED:
             hatch = NO_ANSWER_HATCH[self.unanswered]
             return {"facecolor": NO_ANSWER_FACE, "edgecolor": NO_ANSWER_INK, "hatch": hatch}
@@ -191,14 +191,14 @@ class Stretch:
 
     @property
     def name(self) -> str:
-        """What the band is called."""
+        """Name of the band."""
         if self.unanswered is not None and self.unanswered is not Status.FLIGHT_NOT_MODELLED:
             return self.unanswered.label.replace("-", " ")
         return self.regime.label
 
 
 def stretches(fields: Fields) -> list[Stretch]:
-    """Cut a range wherever the regime or the status changes."""
+    """Cut a range at each change of regime or status."""
     unanswered = {s: fields.unanswered(s) for s in NO_ANSWER_HATCH if s in fields.statuses}
     cuts = [zero_points(fields, fields.log_ratio[c], hiding_fields(fields, c)) for c in BEGINS_AT.values()]
     over = (*unanswered.values(), fields.coexists, fields.backwards)
@@ -226,7 +226,7 @@ def _regime_at(fields: Fields, x: float) -> Regime:
 
 
 def overlays(part: Stretch) -> dict[str, dict[str, Any]]:
-    """Return what is hatched over the colour of a stretch: the styles by their names."""
+    """Return the hatches over the colour of a stretch: styles by name."""
     hatches = {COEXISTS_LABEL: COEXISTS_HATCH} if part.coexists else {}
     if part.unanswered is Status.FLIGHT_NOT_MODELLED:
         hatches[part.unanswered.label.replace("-", " ")] = NO_ANSWER_HATCH[part.unanswered]
@@ -304,7 +304,7 @@ def finish_numbers(axes: Axes, picture: str, values: Floats, level: float | None
     picture : str
         As for ``numbers_of``.
     values : float array
-        What is drawn.
+        The numbers drawn.
     level : float, optional
         In the unit of the values, mm/s.
     """
@@ -340,7 +340,7 @@ def name_bands(figure: Figure, strip: Axes, bands: Sequence[Band]) -> dict[str, 
 def write_name(
     axes: Axes, renderer: Any, ends: tuple[float, float], height: float, name: str, style: dict[str, Any]
 ) -> bool:
-    """Write a name into a stretch of the axis, at a height, if it has room there; tell whether it has."""
+    """Write a name into a stretch of the axis, at a height; return whether it fitted."""
     to_pixels = axes.transData
     (left, y), (right, _) = to_pixels.transform([(end, height) for end in ends])
     middle = to_pixels.inverted().transform((0.5 * (left + right), y))[0]

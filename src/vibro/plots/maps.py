@@ -92,7 +92,7 @@ def _flight_map(
 
 
 def _draw_numbers(figure: Figure, maps: list[MapLayers], values: list[Floats], label: str) -> None:
-    """Draw numbers and their contours, in a scale that tells apart what most bodies do."""
+    """Draw numbers and their contours, in a scale that resolves the numbers of most bodies."""
     seen = _seen(maps, values)
     regular = _seen(maps, values, [layers.fields.smooth > 0.0 for layers in maps])
     calm = _seen(maps, values, [layers.fields.log_ratio["hop"] <= 0.0 for layers in maps])
@@ -155,7 +155,7 @@ def colour_bar(figure: Figure, maps: list[MapLayers], scale: Scale, label: str) 
 def _finish(
     figure: Figure, result: SweepResult, maps: list[MapLayers], curves: Iterable[str] = CURVES
 ) -> Figure:
-    """Draw what every map has on top, fix the layout, and write the words."""
+    """Draw the common top layers of maps, fix the layout, and write the words."""
     marked: dict[str, dict[str, Any]] = {}
     points = [operating_points(result, layers.fields.panel) for layers in maps]
     for layers, point in zip(maps, points, strict=True):
@@ -174,16 +174,16 @@ def place_words(
     Parameters
     ----------
     figure : Figure
-        All of it drawn.
+        Fully drawn.
     maps : list of MapLayers
         Its maps.
     points : list of (n, 2) array
-        What words keep clear of, on every map.
+        Points to be kept clear of words, on every map.
     marked : dict of str to dict
         Entries of the legend beside those of the maps.
     """
-    # Words are placed in the final layout. But the legend, which explains those that find no room, is part of
-    # the layout: both are repeated until the legend stays as it is.
+    # Words are placed in the final layout. But the legend lists those that do not fit, and is part of the
+    # layout: repeat both until the legend no longer changes.
     legend = _legend(maps) | marked
     while True:
         settle(figure, legend)

@@ -1,4 +1,4 @@
-"""What surrounds the points of a grid: windows, and nearest points.
+"""Neighbourhoods of the points of a grid: windows, and nearest points.
 
 SciPy's ``ndimage`` has all of this, but importing it takes as much CPU as drawing two pictures.
 """
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["are_even", "dilate", "erode", "fill_unknown", "spread_evenly"]
 
-_UNEVEN: Final = 1e-6  # of a step: less is rounding
+_UNEVEN: Final = 1e-6  # of a step: smaller differences are rounding
 _SPREAD: Final = 1000  # points along an uneven axis: about as many as the picture has
 
 
@@ -109,8 +109,8 @@ def _counts(mask: Mask, width: int, *, reflected: bool = False) -> Integers:
 def fill_unknown(values: Floats, known: Mask) -> Floats:
     """Give unknown points the value of the nearest known one in their row or column.
 
-    Where there is none in either, points take the value of one that has just been filled. If no point at all
-    is known, every value is zero.
+    If both have none, points take the value of one that has just been filled. If no point is known, every
+    value is zero.
     """
     if not known.any():
         return np.zeros(values.shape)

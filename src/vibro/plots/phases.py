@@ -45,7 +45,7 @@ PHASE_STYLES: Final[Mapping[str, PhaseStyle]] = {
 
 
 class Event(NamedTuple):
-    """What is marked where phases meet: name, look, times [s], and whether at the values before or after."""
+    """A mark where phases meet: name, style, times [s], and whether at the values before or after."""
 
     label: str
     mark: Mapping[str, Any]

@@ -1,4 +1,4 @@
-"""How numbers become colours: scales that tell them apart, and round numbers at which contours lie."""
+"""How numbers become colours: scales, and the round numbers of contours."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["Scale", "even_levels", "log_levels", "scale_of", "time_scale"]
 
 _NICE: Final = (1, 2, 2.5, 5, 10)  # steps between contours, in powers of ten
 _BELOW_TOP: Final = 1.0 - 1e-6  # of the largest number: a contour there would trace its rounding errors
-# Where all numbers are alike, a scale from zero would hide how they differ.
+# If all numbers are nearly equal, a scale from zero would hide their differences.
 _ALIKE: Final = 0.5  # least over largest
 # Bodies that hop are 10 to 100 times as fast as those in contact, and irregular motion is faster still: an
 # even scale shows all other numbers in one colour. It is left where the largest is so many times ...
@@ -33,13 +33,13 @@ _WIDE: Final = 5.0  # ratio of the longest to the shortest time above which cont
 
 
 class Scale(NamedTuple):
-    """How numbers become colours, where contours lie, and what the colour bar says."""
+    """The colour scale, the levels of contours, and the ticks of the colour bar."""
 
     norm: Normalize
     colours: str
     levels: Floats
     ticks: Floats | None  # None leaves them to matplotlib
-    extend: str  # which ends of the bar stand for numbers beyond it
+    extend: str  # ends of the bar that also represent numbers beyond it
 
 
 def scale_of(seen: Floats, regular: Floats, calm: Floats, *, reverses: bool) -> Scale:

@@ -1,4 +1,4 @@
-"""Settings of a drive over amplitude and frequency: what is guaranteed there, as fields that maps draw."""
+"""Settings of a drive over amplitude and frequency: their guarantees, as fields that maps draw."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BEGINS", "LAST", "LIVELIER", "Settings", "Stretch", "below"]
 
-#: Regimes with something that moves.
+#: Regimes with motion.
 LIVELIER: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 #: The curve at which each begins.
 BEGINS: Final[Mapping[Regime, str]] = {
@@ -38,7 +38,7 @@ BEGINS: Final[Mapping[Regime, str]] = {
     Regime.BACK_SLIP: "back_slip",
     Regime.HOPPING: "hop",
 }
-#: Before the name of a curve: of the last part, else it is of the first.
+#: Prefix of a curve of the last part; other curves are of the first part.
 LAST: Final = "last_"
 
 _RESOLVED: Final = 301  # values an axis
@@ -55,7 +55,7 @@ def below(limit: float, values: Any) -> Floats:
 
 
 class Stretch(NamedTuple):
-    """Loads between which the least and the most lively part stay in their regimes."""
+    """A range of loads in which the first and the last part keep their regimes."""
 
     low: float
     high: float
@@ -72,7 +72,7 @@ class Stretch(NamedTuple):
 
     @property
     def style(self) -> dict[str, Any]:
-        """How it is filled: the most lively part's colour, hatched in that of the least lively one."""
+        """Style of the fill: the first part's colour, hatched in that of the last part."""
         face = {"facecolor": REGIME_COLOURS[self.most]}
         if self.least is self.most:
             return face
@@ -81,7 +81,7 @@ class Stretch(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Settings:
-    """Amplitudes and frequencies of a drive, in the user's units, and what is known of them.
+    """Amplitudes and frequencies of a drive, in the user's units, with their guarantees.
 
     Attributes
     ----------
@@ -123,12 +123,12 @@ class Settings:
 
     @property
     def forbidden(self) -> Regime | None:
-        """What the first part does that the goal does not allow; None if all is allowed."""
+        """Event of the first part that the goal forbids; None if all are allowed."""
         higher = [regime for regime in LIVELIER if regime > self.spec.goal.highest_regime]
         return next(iter(self.first(higher)), None)
 
     def first(self, regimes: Sequence[Regime]) -> list[Regime]:
-        """Leave out regimes that the first part never reaches, or skips: a higher one begins there too."""
+        """Leave out regimes that the first part never reaches, or skips as a higher one begins there too."""
         load = {regime: self.data.begins[regime][0] for regime in regimes}
         return [r for r in regimes if load[r] < min((load[h] for h in regimes if h > r), default=math.inf)]
 
@@ -159,19 +159,19 @@ class Settings:
         return float(LENGTH.from_si(load * self.spec.gravity / w**2))
 
     def speed(self, amplitude: Any, frequency: Any) -> Floats:
-        """Guaranteed speed; NaN where nothing is guaranteed [mm/s]."""
+        """Guaranteed speed; NaN where none is guaranteed [mm/s]."""
         known = np.where(np.isfinite(self.data.speed_min), self.data.speed_min, np.nan)
         return np.asarray(self._at_load(known, amplitude, frequency) / frequency)
 
     def strong(self, amplitude: Any, frequency: Any) -> Floats:
-        """Positive where amplitude and acceleration keep to the drive's limits, at whatever frequency."""
+        """Positive where amplitude and acceleration keep to the drive's limits, at any frequency."""
         low, high = self.data.limits_mm
         excess = [below(high, amplitude), below(self.data.most_load, self.load(amplitude, frequency))]
         excess += [-below(low, amplitude)] if low > 0.0 else []
         return np.asarray(np.minimum.reduce(np.broadcast_arrays(*excess)))
 
     def meets(self, amplitude: Any, frequency: Any) -> Floats:
-        """Positive where besides all that the goal and the parts ask for is guaranteed."""
+        """Positive where the drive's limits hold and all demands of goal and parts are guaranteed."""
         goal = self.spec.goal
         load = self.load(amplitude, frequency)
         excess = [

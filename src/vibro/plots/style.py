@@ -119,7 +119,7 @@ _RC: Final[Any] = {
     "savefig.dpi": _DPI,
 }
 
-# Categories of characters that hide in a text, break its line, turn its direction, or are none. Two of them
+# Categories of characters that are hidden, break lines, turn the direction, or are unassigned. Two of them
 # belong to the spelling of Persian and of Indian languages.
 _HIDING: Final = frozenset({"Cc", "Cf", "Cn", "Cs", "Zl", "Zp"})
 _JOINERS: Final = "\N{ZERO WIDTH JOINER}\N{ZERO WIDTH NON-JOINER}"
@@ -134,25 +134,25 @@ _EVEN_LUMINANCE: Final = 0.2  # relative luminance of a colour on which INK and 
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Draw, or write what is drawn, in this style over matplotlib's own defaults: the same on every machine.
+    """Draw or save in this style over matplotlib's own defaults: the same on every machine.
 
-    Nothing that a user configured for other pictures counts here, and nothing is said of it: no matplotlibrc,
-    no style sheet, no MPLBACKEND. What they are outside of this is left as it is.
+    A user's configuration (matplotlibrc, style sheets, MPLBACKEND) is ignored without a warning, and does not
+    change outside.
 
     Raises
     ------
     FileError
-        If a matplotlibrc is in the way even of importing matplotlib.
+        If a matplotlibrc keeps matplotlib from being imported.
     """
     import logging
 
-    # By its logger matplotlib tells of a bad matplotlibrc, or of a folder for its cache that it cannot write.
+    # matplotlib logs a bad matplotlibrc, or a folder for its cache that it cannot write: silence that.
     logger = logging.getLogger("matplotlib")
     level = logger.level
     logger.setLevel(max(level, logging.ERROR))
     try:
         mpl = _matplotlib()
-        # The backend is the only setting that such a context does not put back. No figure here needs one.
+        # The context restores every setting but the backend, which no figure here needs.
         defaults = {key: value for key, value in mpl.rcParamsDefault.items() if key != "backend"}
         with mpl.rc_context({**defaults, **_RC}):
             yield
@@ -161,9 +161,9 @@ def house_style() -> Iterator[None]:
 
 
 def _matplotlib() -> Any:
-    """Import matplotlib whatever MPLBACKEND is: it names a kind of windows, and there are none here."""
-    # With a name that it does not know matplotlib refuses to be imported. One that it knows has to reach it
-    # all the same: a notebook's own pictures depend on it.
+    """Import matplotlib with any MPLBACKEND: that names a kind of windows, and no window is opened here."""
+    # Matplotlib refuses to be imported with an unknown name: hide that. A known name must reach it, as a
+    # notebook's own pictures depend on it.
     backend = None if "matplotlib" in sys.modules else os.environ.pop("MPLBACKEND", None)
     try:
         import matplotlib as mpl
@@ -182,7 +182,7 @@ def _matplotlib() -> Any:
 
 
 def visible(text: str) -> str:
-    """Replace whatever hides in a user's text, such as control characters and halves of undecodable names."""
+    """Replace hidden characters in a user's text, such as controls and halves of undecodable names."""
     return "".join(c if c in _JOINERS or unicodedata.category(c) not in _HIDING else _HIDDEN for c in text)
 
 
@@ -247,7 +247,7 @@ def value_text(name: str, value: float) -> str:
 def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> str:
     """Write quantities in the user's units, in the order of tables: ``α = 20°, f = 15 Hz``.
 
-    Those that have their usual value are left out unless all are asked for.
+    Quantities with their usual value are left out unless all are asked for.
     """
     parts = []
     for name, quantity in QUANTITIES.items():

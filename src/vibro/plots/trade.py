@@ -24,7 +24,7 @@ __all__ = ["trade_figure"]
 _SIZE: Final = (8.4, 6.0)  # [in]
 _LEAST_ERROR: Final = 2.0**-53  # [A f] half an ulp of A f, where exact answers are drawn
 
-# Colours that are dark enough for text and that the colour-blind can tell apart, each with its marker.
+# Colours that are dark enough for text and distinct to the colour-blind, each with its marker.
 _LOOKS: Final = (
     ("#000000", "*"),
     ("#0072B2", "o"),

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["draw_path"]
 
 _BAND: Final = 9.0  # [pt] width of the band in the colour of a phase
-_MARGIN: Final = 0.12  # around the path, as a share of what it spans
+_MARGIN: Final = 0.12  # margin around the path, as a share of its span
 _AHEAD: Final = 0.01  # [1] share of the turn between the tail of the arrow and its head
 _TICKS: Final = 4
 
@@ -33,9 +33,9 @@ def draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float)
     Parameters
     ----------
     axes : Axes
-        Where to.
+        Receives the drawing.
     phases : sequence of Phase
-        What the body does: their colours lie under the path, their events are marked on it.
+        Phases of the motion: their colours lie under the path, their events are marked on it.
     trace : Sample
         Motion over time, with both sides of every event.
     period : float
@@ -68,7 +68,7 @@ def draw_path(axes: Axes, phases: Sequence[Phase], trace: Sample, period: float)
 
 
 def _point(axes: Axes, x: Floats, y: Floats, marked: NDArray[np.float64]) -> None:
-    """Show the way round by an arrow where the path is straight, far from all marks."""
+    """Show the direction by an arrow where the path is straight, far from all marks."""
     path = np.column_stack((x, y))
     ahead = max(1, round(_AHEAD * x.size))
     pace = np.linalg.norm(path[ahead:] - path[:-ahead], axis=1)

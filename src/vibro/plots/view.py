@@ -1,4 +1,4 @@
-"""Which part of a sweep a picture shows: its axes, curves and facets for short lists, all others held."""
+"""The part of a sweep that a picture shows: its axes, curves and facets for short lists, others held."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 MAX_FACETS: Final = 12
-_LEAST, _MOST = 1e-100, 1e100  # of what is drawn, in its unit
+_LEAST, _MOST = 1e-100, 1e100  # of drawn values, in their unit
 # A value that is typed with another unit, or copied from a picture, differs in its last digits.
 _SAME: Final = 5e-5  # relative difference
 _CURVES: Final = ("hop", "forward_onset", "back_slip", "rest_vanishes")
@@ -49,9 +49,9 @@ class View:
     y : Axis or None
         Up, on maps; None on pictures of lines or points.
     curves : Axis or None
-        What differs from curve to curve.
+        The axis with a curve for each value.
     facet : Axis or None
-        What differs from panel to panel.
+        The axis with a panel for each value.
     facet_indices : tuple of int
         Indices of the facets' values on that axis; one entry, -1, without facets.
     held : mapping of str to int
@@ -122,7 +122,7 @@ def choose_view(
     at: Mapping[str, float] | None = None,
     fixed: Mapping[str, float] | None = None,
 ) -> View:
-    """Decide what is drawn of a sweep.
+    """Choose the part of a sweep to be drawn.
 
     Parameters
     ----------
@@ -136,21 +136,21 @@ def choose_view(
     at : mapping of str to float, optional
         Values, in the user's units, at which axes are held.
     fixed : mapping of str to float, optional
-        Every other quantity, in the user's units: with some of it, values of an axis may be infeasible.
+        Every other quantity, in the user's units: it may make values of an axis infeasible.
 
     Returns
     -------
     View
         Beside two ranges the first discrete axis, or a third range, makes facets, of a range up to
         ``MAX_FACETS``, spread evenly over its values. Beside one range, or on their own, the first two
-        discrete axes make curves and facets. All others are held, in their order, at the middle of those of
-        their values with which something feasible is left.
+        discrete axes make curves and facets. All others are held, in their order, at the middle of their
+        values that leave feasible combinations.
 
     Raises
     ------
     InputError
-        If a name is no axis of the sweep, or is used twice, a value is none of its axis, or a discrete axis
-        is asked for as that of a map.
+        If a name is no axis of the sweep, or is used twice, a value is not one of its axis, or a discrete
+        axis is asked for as an axis of a map.
     """
     at = at or {}
     _check_names(axes, x, y, at)
@@ -183,7 +183,7 @@ def check_drawable(view: View) -> None:
     Raises
     ------
     InputError
-        If a value that is drawn is beyond 1e100, or but for 0 below 1e-100.
+        If a value that is drawn is beyond 1e100, or not 0 and below 1e-100.
     """
     for axis in filter(None, (view.x, view.y, view.curves, view.facet)):
         sizes = np.abs(axis.values[axis.values != 0.0])
@@ -206,7 +206,7 @@ def _check_names(axes: Mapping[str, Axis], x: str | None, y: str | None, at: Map
 def _check_map(
     axes: Mapping[str, Axis], x: str | None, y: str | None, lists: list[str], ranges: list[str]
 ) -> None:
-    """Refuse a discrete axis as that of a map, and a y without another range to draw across."""
+    """Refuse a discrete axis for a map, and a y without another range to draw across."""
     asked = y if y in lists else x if x in lists and ranges else None
     if asked is not None:
         axis = axes[asked]
@@ -226,7 +226,7 @@ def index_of(axis: Axis, value: float) -> int:
     Raises
     ------
     InputError
-        If it is none of its values; it names the nearest.
+        If it is not one of its values; the error names the nearest.
     """
     nearest = int(np.argmin(np.abs(axis.values - value)))
     if np.isclose(axis.values[nearest], value, rtol=_SAME, atol=0.0):
@@ -252,14 +252,14 @@ def _middles(
     for name in names:
         values = axes[name].values
         feasible = np.flatnonzero(_leaves_some(name, values, spans))
-        # Where what is asked for is all infeasible, the picture shows that.
+        # If all requested combinations are infeasible, the picture shows that.
         i = int(feasible[len(feasible) // 2]) if feasible.size else len(values) // 2
         middles[name], spans[name] = i, (float(values[i]),) * 2
     return middles
 
 
 def _leaves_some(name: str, values: NDArray[np.float64], spans: Mapping[str, _Span]) -> NDArray[np.bool_]:
-    """Tell whether values of a quantity leave feasible combinations with what the others span."""
+    """Return which values of a quantity leave feasible combinations within the ranges of the others."""
     # The most feasible of all: the most static friction, and the least of everything else.
     best: dict[str, Any] = {
         other: high if other == "static_friction" else low for other, (low, high) in spans.items()
@@ -281,7 +281,7 @@ def _facet_indices(facet: Axis | None) -> tuple[int, ...]:
 
 
 def panels(result: SweepResult, view: View) -> list[list[Panel]]:
-    """Cut what is drawn out of a sweep, as views of its arrays where possible.
+    """Cut the drawn part out of a sweep, as views of its arrays where possible.
 
     Returns
     -------

@@ -58,15 +58,14 @@ class Guarantee:
     min_at, max_at : mapping of str to float
         Where they are, by the fields of ``Scene``, in SI units and radians.
     min_limit, max_limit : str
-        Of which side they are the limit, where they are the limit at a jump; empty where the speed there has
-        the value.
+        Side of a jump of which they are the limit; empty where the speed takes the value itself.
     regimes : frozenset of Regime
         What happens somewhere in the box.
     proof_min, proof_max : str
         ``corners`` (the speed is monotone), ``searched`` (an optimiser with several seeds) or ``sampled``
         (bodies hop).
     coexists : bool
-        Whether a disturbed body can settle elsewhere at some point that was looked at.
+        Whether a disturbed body can settle elsewhere at some point of the search.
     excluded : int
         Points that hop whose speed could not be found; they are left out.
     """
@@ -85,7 +84,7 @@ class Guarantee:
 
 
 class DesignColumn(NamedTuple):
-    """One column of a table of designs: its name with the unit, the unit, and what it is."""
+    """One column of a table of designs: its name with the unit, the unit, and its meaning."""
 
     name: str
     unit: str
@@ -140,7 +139,7 @@ class Design:
 
     @property
     def nominal_mm(self) -> float | None:
-        """The amplitude that windows and pictures are of: of an ellipse that along the trough, if any."""
+        """The amplitude that windows and pictures vary: of an ellipse that along the trough, if any."""
         return self.amplitude_mm or self.along_amplitude_mm or self.normal_amplitude_mm
 
 
@@ -176,7 +175,7 @@ class DesignResult:
 
     @property
     def columns(self) -> tuple[DesignColumn, ...]:
-        """Columns of its table: of lines and of ellipses those that some design has."""
+        """Columns of its table; those of lines and of ellipses only if some design uses them."""
         used = {name for d in self.designs for name in _OF_DRIVES if getattr(d, name) is not None}
         if not used & set(_OF_ELLIPSES):  # where there is no design, as for lines
             used |= set(_OF_LINES)
@@ -195,19 +194,19 @@ class SettingFields:
     Of an ellipse, at one shape of it: the amplitude is that along the trough, the other one in proportion.
 
     Patterns and regimes depend on amplitude and frequency through the load G = A w^2 / g alone, and speeds at
-    the same load go with 1/f; drifts in percent change nothing of that. So numbers over the load say all.
+    the same load go with 1/f; drifts in percent keep that. So numbers over the load suffice.
 
     Attributes
     ----------
     amplitude : str
         Which amplitude it is: a name of a quantity.
     limits_mm, most_load : pair of float, float
-        Amplitudes, and the largest load, that the drive is capable of.
+        Amplitudes, and the largest load, that the drive can reach.
     amplitude_mm, frequency_hz : pair of float
-        Nominal settings to be shown, both ends > 0: what the drive can do, and some more on every side. The
+        Nominal settings to be shown, both ends > 0: those of the drive, and a margin on every side. The
         amplitude's scale is logarithmic.
     load : (n,) array
-        Nominal loads, ascending, that cover all shown settings; twice the same where numbers jump [1].
+        Nominal loads, ascending, that cover all shown settings; a load appears twice where numbers jump [1].
     speed_min : (n,) array
         Guaranteed speed times nominal frequency; NaN or -inf where nothing is guaranteed [mm/s Hz].
     begins : mapping of Regime to pair of float
@@ -244,10 +243,10 @@ class SpeedBand:
     amplitude_mm : (n,) array
         Ascending, from where no part moves to beyond the design and what the goal allows.
     speed_min, speed_nominal, speed_max : (n,) array
-        The slowest part's, the one's in the middle of all bands, and the fastest part's; not finite where it
-        is unknown, or a part runs away [mm/s].
+        Of the slowest part, of the part in the middle of all bands, and of the fastest part; not finite where
+        unknown, or where a part runs away [mm/s].
     window_mm : pair of float, or None
-        Nominal amplitudes that keep the guarantee and hold the design.
+        Nominal amplitudes around the design that keep the guarantee.
     """
 
     amplitude_mm: Floats

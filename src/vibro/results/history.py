@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["History", "Legs", "Motion", "Phase", "Sample"]
 
 _TURN: Final = 2.0 * np.pi
-_SLACK: Final = 1e-12  # [1] share of the whole by which a time may lie outside: rounding of the caller's
+_SLACK: Final = 1e-12  # [1] share of the whole by which a time may lie outside, for rounding by the caller
 
 
 class Legs(NamedTuple):
@@ -66,9 +66,9 @@ class Motion(NamedTuple):
     Attributes
     ----------
     legs : Legs
-        The transient, then one steady cycle, which follows again and again.
+        The transient, then one steady cycle, which repeats.
     first : int
-        The first leg of that cycle; their number where it was not reached.
+        The first leg of that cycle; the number of legs if it was not reached.
     period : int
         Drive cycles of the steady cycle, 0 without one.
     advance : float
@@ -165,10 +165,10 @@ class History:
     start_phase : float
         Phase of the trough at time 0 [rad].
     pattern : str
-        Kinds of the phases that repeat, from any one on; empty if none repeat before the end, or if the
-        body rests for ever.
+        Kinds of the phases that repeat, starting at any of them; empty if none repeat before the end, or if
+        the body rests for ever.
     settles_at : float
-        From when on they repeat; inf if they do not before the end [s].
+        Time from which they repeat; inf if they do not before the end [s].
     period_cycles : int
         Drive cycles after which they repeat; 0 if they do not.
     cycle_displacement : float
@@ -272,7 +272,7 @@ class History:
         return scale, scale * _TURN * float(self.scene.frequency)
 
     def _row(self, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Legs of the phases with these numbers, and how often their cycle was completed."""
+        """Legs of the phases with these numbers, and the number of cycles completed before each."""
         first = self._motion.first
         size = max(self._motion.legs.mode.size - first, 1)
         beyond = np.maximum(places - first, 0)

@@ -1,4 +1,4 @@
-"""What is computed of a steady cycle: every field described once, in the order of a table's columns.
+"""Results of a steady cycle: every field described once, in the order of a table's columns.
 
 Containers, CSV, JSON, data frames, sidecars and docs/nomenclature.md follow from these descriptions.
 """
@@ -51,7 +51,7 @@ class Result:
     meaning : str
         What it is, for people.
     symbol : str
-        As in docs/theory.md, in TeX; empty where there is none.
+        As in docs/theory.md, in TeX; empty if it has none.
     kind : Kind
         Units inside and outside.
     column : str
@@ -91,7 +91,7 @@ def _described(column: str, meaning: str, **more: Any) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SteadyCycle:
-    """What the body on the trough does once it has settled, from rest; one value a scene.
+    """The steady motion of bodies that start from rest; one value a scene.
 
     Every attribute has the scene's shape. A cell without an answer holds NaN and a status that says why.
     """
@@ -262,9 +262,9 @@ def lengths_of(value: Any, shape: tuple[int, ...]) -> Floats:
         raise SceneError((Problem("length", f"shape {lengths.shape}", allowed),)) from None
 
 
-#: What ``SteadyCycle`` holds, in the order of a table's columns.
+#: Fields of ``SteadyCycle``, in the order of a table's columns.
 RESULTS: Final = tuple(Result(name=f.name, **f.metadata) for f in fields(SteadyCycle))
-#: What follows from it and a length.
+#: Fields that follow from it and a length.
 TRAVERSE_TIME: Final = Result(
     name="traverse_time",
     column="traverse_time_s",
@@ -281,7 +281,7 @@ ARRIVAL_TIME: Final = Result(
 STROKES: Final = Result(
     name="strokes", column="strokes", meaning="drive cycles that a traverse takes", symbol="L/d"
 )
-#: What follows from the scene, and how the speed follows the amplitude.
+#: Fields of the drive, and the exponent of the speed over the amplitude.
 ACCELERATION: Final = Result(
     name="acceleration",
     column="acceleration_g",
@@ -295,7 +295,7 @@ SPEED_EXPONENT: Final = Result(
     meaning="percent of speed that 1 % of amplitude brings, within the pattern; empty where there is none",
     symbol=r"\partial\ln v/\partial\ln A",
 )
-#: What follows from the pitch of parts in a row, from each to the next, and from the mass of one.
+#: Fields that follow from the pitch of parts in a row, from each to the next, and from the mass of one.
 PARTS_RATE: Final = Result(
     name="parts_rate",
     column="parts_per_min",
@@ -305,7 +305,7 @@ PARTS_RATE: Final = Result(
 MASS_RATE: Final = Result(
     name="mass_rate", column="mass_flow_kg_h", meaning="mass of the parts that pass", kind=MASS_FLOW
 )
-#: What follows from the part's stand ratio.
+#: Fields that follow from the part's stand ratio.
 UPRIGHT: Final = Result(
     name="upright",
     column="upright",

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Block", "Column", "SweepResult", "at_rest", "spread", "where_motion_begins"]
 
-# The load grows with the first two of these, and no limit depends on any of them.
+# The load grows with the first two; critical loads depend on none of these.
 _LAST_MOVES_FIRST: Final = ("amplitude", "frequency", "restitution")
 
 
@@ -45,7 +45,7 @@ class Column:
     texts : tuple of str, optional
         What the codes mean, the last one standing for -1; None for a column of numbers, or with ``decode``.
     is_flag : bool
-        Whether the codes are 0, 1 and, for unknown, -1: numbers where a format has them.
+        Whether the codes are 0, 1 and, for unknown, -1: written as numbers where the format allows.
     decode : callable, optional
         From an array of codes to an array of texts, where there are too many to list.
     """
@@ -82,7 +82,7 @@ class Column:
             different, which = np.unique(codes, return_inverse=True)
             return which.reshape(codes.shape), self.decode(different).astype(object)
         texts = np.array(self.texts, dtype=object)
-        return codes % texts.size, texts  # -1 is the last
+        return codes % texts.size, texts  # code -1 picks the last text
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,14 +128,14 @@ class SweepResult:
         Arrays of the grid's shape.
     limits : CriticalLoads or None
         Critical loads G of the grid's angles and frictions, and of the shapes of its ellipses: arrays of the
-        grid's shape, but of length 1 along amplitude, frequency and restitution. None where drives have
+        grid's shape, but of length 1 along amplitude, frequency and restitution. None if drives have
         harmonics.
     length : float or None
         Length of the trough [mm].
     operating_point : mapping of str to float, or None
-        The scene's own value of every axis, in the user's units; None unless the scene gives all of them.
+        Values of the axes in the scene file, in the user's units; None unless it gives all of them.
     title : str
-        What the sweep is of, in one line.
+        Description of the sweep, in one line.
     """
 
     axes: Mapping[str, Axis]
@@ -170,7 +170,7 @@ def spread(
 
 
 def at_rest(cycle: SteadyCycle) -> NDArray[np.bool_]:
-    """Whether each body rests, or cannot be."""
+    """Whether each body rests, or the combination is infeasible."""
     return np.asarray((cycle.regime == Regime.NO_SLIP) | (cycle.status == Status.INFEASIBLE))
 
 
@@ -193,11 +193,11 @@ def where_motion_begins(
     """
     if limits is None:
         return "at rest everywhere"
-    # A sweep may have more cells than memory holds; the last along these axes are those nearest to moving.
+    # A sweep may have more cells than fit in memory; the last ones along these axes are nearest to moving.
     box = [slice(-1, None) if name in _LAST_MOVES_FIRST else slice(None) for name in axes]
     values = spread(axes, fixed, box)
     load = Scene.allowing_infeasible(**scene_fields(values)).load
-    with np.errstate(divide="ignore", invalid="ignore"):  # where nothing is needed, or given
+    with np.errstate(divide="ignore", invalid="ignore"):  # a threshold or a load of 0
         ratio = np.fmax.reduce(
             [load / limit for limit in (limits.forward_onset, limits.back_onset, limits.hop)]
         )

@@ -36,7 +36,7 @@ __all__ = ["Table", "chosen", "column_names", "columns_of", "listed", "records",
 
 @dataclass(frozen=True)
 class Table:
-    """What a table holds.
+    """The contents of a table.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Table:
     digits : int or None
         Significant digits of numbers; None where they are exact.
     part : mapping of str to float
-        What the columns take of the part that is conveyed, by name with unit.
+        Quantities of the conveyed part that columns use, by name with unit.
     """
 
     columns: Sequence[Column]
@@ -68,7 +68,7 @@ def _found(result: Result, block: Block) -> NDArray[Any]:
 
 
 _WHERE_SWEPT: Final = ("friction_ratio", "restitution")
-# What is there for the asking.
+# Columns that are written only on request.
 _ON_REQUEST: Final = (WITH_STROKE, _given("restitution"), WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKES)
 
 
@@ -80,11 +80,11 @@ def columns_of(
     Parameters
     ----------
     axes : collection of str
-        What is swept: a friction ratio and the restitution have a column only there.
+        Names of the axes: friction ratio and restitution have a column only if they are swept.
     *extra : Column
-        What this table has beside the common ones, before ``model``.
+        Further columns of this table, before ``model``.
     drive : collection of str
-        The quantities that tell the drive.
+        Names of the drive's quantities.
     """
     left_out = {*DRIVES, *_WHERE_SWEPT}.difference(axes, drive)
     given = [_given(name) for name in QUANTITIES if name in {*SWEPT, *drive} - left_out]
@@ -97,7 +97,7 @@ def columns_of(
 
 
 def column_names() -> list[str]:
-    """Return the names of the columns that tables can have, whatever their drive."""
+    """Return the names of all columns that tables can have, with any drive."""
     drive = [name for name in DRIVES if name in SWEPT]
     return [column.name for column in (*columns_of(drive=drive), *_ON_REQUEST)]
 
@@ -125,7 +125,7 @@ def chosen(names: Sequence[str], columns: Sequence[Column]) -> tuple[Column, ...
     names : sequence of str
         Which: of ``columns``, and of those that every table can have.
     columns : sequence of Column
-        What the table holds where nobody chooses.
+        The usual columns of the table.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def records(table: Table, block: Block) -> Iterator[dict[str, float | int | str 
     Yields
     ------
     dict
-        One a cell, in their order; None where there is no number.
+        One a cell, in their order; None for missing numbers.
     """
     names = [column.name for column in table.columns]
     for row in zip(*(_plain(column, block, table.digits) for column in table.columns), strict=True):
@@ -194,7 +194,7 @@ def to_frame(columns: Sequence[Column], block: Block) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Texts are categorical; no number is NaN.
+        Texts are categorical; missing numbers are NaN.
     """
     import pandas as pd
 

@@ -1,4 +1,4 @@
-"""A sweep to CSV: its rows block by block, and what is counted on the way."""
+"""A sweep to CSV: rows block by block, and the count of cells by status and regime."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def write_rows(
     form : CsvFormat
         How it is written.
     stream : text stream
-        Where to; it keeps line ends as they are.
+        Receives the text; it must not translate line ends.
     report : callable, optional
         Called with the number of cells done so far.
     look : callable, optional
@@ -58,7 +58,7 @@ def write_rows(
 
 
 def provenance(grid: Grid, table: Table, tally: Tally) -> dict[str, Any]:
-    """Return what a sidecar says of a table: enough to run the sweep again."""
+    """Return the sidecar's description of a table: enough to run the sweep again."""
     return {
         **grid.describe(),
         **({"part": dict(table.part)} if table.part else {}),

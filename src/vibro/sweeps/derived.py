@@ -1,4 +1,4 @@
-"""Columns beside the common ones: what follows from solved cells, and from what is known of the parts."""
+"""Columns beside the common ones: they follow from solved cells and from the parts' properties."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ LEAST_DIFFERENCE: Final = 2.0**-26
 
 
 def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column:
-    """Return the column of a result; ``values`` must pickle, and gives its numbers in the unit outside."""
+    """Return the column of a result; ``values`` must pickle, and returns numbers in the unit outside."""
     return Column(result.column, result.kind.unit, values, result.texts, result.is_flag, result.decode)
 
 
@@ -82,7 +82,7 @@ def _stroke(block: Block) -> Floats:
 
 
 def _speed_exponent(block: Block) -> Floats:
-    """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where none is conveyed."""
+    """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where the speed is 0."""
     cycle, scene = block.cycle, scene_of(block.values)
     if not scene.arrays().can(Ability.FLIGHT):
         return _unknown(block)
@@ -112,7 +112,7 @@ def _tipping_load_ratio(ratio: float, block: Block) -> Floats:
 
 
 def _rate(result: Result, pitch: float, of_one: float, block: Block) -> Floats:
-    """Return what of parts in a row passes: nothing where it is not conveyed forward."""
+    """Return the rate at which parts in a row pass: 0 where they are not conveyed forward."""
     with np.errstate(over="ignore"):  # inf beyond the range of doubles
         passing = np.maximum(block.cycle.mean_velocity, 0.0) / LENGTH.to_si(pitch) * of_one
     return np.asarray(result.kind.from_si(passing))

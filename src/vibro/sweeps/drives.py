@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 
 __all__ = ["TWO_AXIS", "drive_given"]
 
-#: What tells drives along an ellipse, with harmonics or without.
+#: Quantities of drives along an ellipse, with harmonics or without.
 TWO_AXIS: Final = (*ELLIPTICAL, *HARMONIC)
 
 
 def drive_given(
     layers: Sequence[tuple[str, dict[str, AxisSpec]]], caller: Caller, known: Collection[str]
 ) -> tuple[tuple[str, ...], tuple[str, str] | None]:
-    """Find which drive is given, and drop what is given below it of another, if it is given whole.
+    """Find which drive is given; if it is complete, drop quantities of another drive from lower layers.
 
     Parameters
     ----------
     layers : sequence of pair of str and dict
-        Who gives what, by slot; each overrides those after it.
+        Source and its quantities, by slot; each overrides those after it.
     caller : Caller
         For messages.
     known : collection of str
@@ -35,9 +35,9 @@ def drive_given(
     Returns
     -------
     tuple of str
-        ``LINEAR``, also where nothing is given, or ``TWO_AXIS``.
+        ``LINEAR``, also if nothing is given, or ``TWO_AXIS``.
     pair of str, or None
-        What is wrong, and a hint, where two drives are given and neither of them whole above the other.
+        Message and hint if two drives are given and neither is complete in a higher layer.
     """
     given: dict[str, str] = {}
     for source, specs in layers:
@@ -58,7 +58,7 @@ def drive_given(
 
 
 def _two_drives(both: Mapping[str, str], caller: Caller) -> tuple[str, str]:
-    """Say who gives what of two drives, and what to do."""
+    """Return message and hint for quantities of two drives: their sources, and the remedy."""
     said = [
         f"{source} gives {', '.join(QUANTITIES[slot].label for slot in both if both[slot] == source)}"
         for source in dict.fromkeys(both.values())

@@ -1,4 +1,4 @@
-"""Who makes the parts of a sweep: threads of this process, processes of this machine, or a Dask cluster."""
+"""Workers for the parts of a sweep: threads of this process, other processes, or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ if TYPE_CHECKING:
 __all__ = ["Cluster", "Processes", "Threads", "Workers", "workers_of"]
 
 _CLOSING: Final = 2.0  # [s] after which a cluster that does not answer is left alone
-_KNOWN: Final = 5.0  # [s] for which the number of workers is taken for unchanged
-_CONNECTING: Final = 15.0  # [s] until a scheduler, or the first of its workers, is given up
-# The logs of distributed that have levels of their own.
+_KNOWN: Final = 5.0  # [s] between counts of the workers
+_CONNECTING: Final = 15.0  # [s] to wait for a scheduler, or for the first of its workers
+# Loggers of distributed that set levels of their own.
 _LOGS: Final = ("distributed", "distributed.client", "tornado.application")
 
 
 class Workers(ABC):
-    """Who makes parts; a context.
+    """Workers that make parts; a context manager.
 
     Attributes
     ----------
     threads : int
-        That each may use.
+        Threads that each worker may use.
     number : int
-        How many parts are made at once.
+        Number of parts made at once.
     """
 
     threads: int = 1
@@ -50,20 +50,20 @@ class Workers(ABC):
 
     @abstractmethod
     def __enter__(self) -> Self:
-        """Begin; again after an end."""
+        """Start the workers; also after an end."""
 
     @abstractmethod
     def __exit__(self, *_: object) -> None:
-        """End; what is not begun is left out."""
+        """End the workers; tasks that have not begun are dropped."""
 
     @abstractmethod
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Have something done.
+        """Submit a task.
 
         Raises
         ------
         BrokenExecutor
-            Here or by the future, if the worker was lost: another may do it.
+            Here or by the future, if the worker was lost: another one may do the task.
         """
 
 
@@ -108,7 +108,7 @@ class Processes(Workers):
 
     def __enter__(self) -> Self:
         _start_tracker()
-        # A forked process would hold the lock of the folder, and whatever this one's threads hold.
+        # A forked process would inherit the lock of the folder, and locks held by other threads.
         context = multiprocessing.get_context("spawn")
         self._pool = ProcessPoolExecutor(self.number, context, initializer=_begin_worker)
         self._undone.__enter__()
@@ -119,7 +119,7 @@ class Processes(Workers):
         self._undone.__exit__()
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Have something done; processes that this starts leave interrupts to this one."""
+        """Submit a task; processes that this starts leave interrupts to this one."""
         with HeldOff(), _without_interrupts():
             return self._pool.submit(work, *args)
 
@@ -150,7 +150,7 @@ class Cluster(Workers):
         self._counted = -math.inf
 
     def __enter__(self) -> Self:
-        # It logs connections that are lost, which is told in other words.
+        # It logs lost connections; our own messages report them.
         for name in _LOGS:
             self._levels[name] = logging.getLogger(name).level
             logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -162,13 +162,13 @@ class Cluster(Workers):
         return self
 
     def __exit__(self, *_: object) -> None:
-        with contextlib.suppress(Exception):  # whatever a cluster that is gone says
+        with contextlib.suppress(Exception):  # the cluster may be gone
             self._client.close(timeout=_CLOSING)
         self._restore_logs()
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
         """Have something done."""
-        # A worker that cannot read a task, for want of vibro, ends without a word: it gets bytes to read.
+        # A worker without vibro cannot unpickle a task, and ends silently: send it bytes to unpickle.
         call = pickle.dumps(_Call(work, args))
         # The library's own executor leaves a future open for ever if the scheduler ends at a bad moment.
         future: Future[Any] = Future()
@@ -202,7 +202,7 @@ class Cluster(Workers):
         """Wait for a task of the cluster, and hand on how it ended."""
         try:
             result = await task
-        except (ImportError, AttributeError) as exc:  # it could not even read the task
+        except (ImportError, AttributeError) as exc:  # it could not unpickle the task
             message = f"a worker of {self._address} has another vibro, or none: {exc}"
             future.set_exception(VibroError(message))
         except BaseException as exc:
@@ -210,11 +210,11 @@ class Cluster(Workers):
             future.set_exception(exc if by_task else BrokenExecutor(str(exc)))
         else:
             future.set_result(result)
-            with contextlib.suppress(Exception):  # if the cluster is gone, its tasks tell
+            with contextlib.suppress(Exception):  # if the cluster is gone, its tasks fail
                 await self._count()
 
     async def _count(self) -> None:
-        """Count the threads of the workers now and then: some may come, and some go."""
+        """Count the threads of the workers now and then: workers may join or leave."""
         if time.monotonic() - self._counted > _KNOWN:
             self._counted = time.monotonic()
             self.number = max(1, sum((await self._client.nthreads()).values()))
@@ -225,7 +225,7 @@ class Cluster(Workers):
 
 
 def workers_of(parts: int, processes: int | None, scheduler: str | None) -> Workers:
-    """Return who makes so many parts: threads, where neither processes nor a scheduler are asked for."""
+    """Return workers for so many parts: threads unless processes or a scheduler are asked for."""
     if scheduler is not None:
         return Cluster(scheduler)
     return Threads(parts) if processes is None else Processes(processes)
@@ -243,7 +243,7 @@ class _Call:
 
 @contextlib.contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """Hold off what terminals send; processes that are started meanwhile never get it."""
+    """Block signals of the terminal; processes that are started meanwhile never receive them."""
     if sys.platform == "win32":
         yield
         return
@@ -255,8 +255,8 @@ def _without_interrupts() -> Iterator[None]:
 
 
 def _start_tracker() -> None:
-    """Start what removes the locks of a pool whose owner was killed, without its warning of them."""
-    if sys.platform == "win32":  # where they need no removing
+    """Start the process that removes the locks of a killed pool, and silence its warning."""
+    if sys.platform == "win32":  # Windows: the system removes them
         return
     sys.warnoptions.append("ignore:resource_tracker")
     try:
@@ -267,14 +267,14 @@ def _start_tracker() -> None:
 
 
 def _kill_children() -> None:
-    """End the processes of a pool; what they were writing can be removed then."""
+    """End the processes of a pool, so that their temporary files can be removed."""
     for child in multiprocessing.active_children():
         child.kill()
         child.join()
 
 
 def _begin_worker() -> None:
-    """Keep freed memory; leave interrupts to the parent, and end with it, however it ends.
+    """Keep freed memory; leave interrupts to the parent, and end when it ends, even if it is killed.
 
     A process of a pool waits for work at a pipe of which it has both ends: it would wait for ever.
     """

@@ -80,11 +80,11 @@ class Texts:
             place += len(chunk)
 
     def translated(self, codes: Mapping[str, int]) -> NDArray[np.int8]:
-        """Return other codes of the same texts; ``KeyError`` names a text that has none."""
+        """Translate codes to those of other texts; ``KeyError`` names a text without a code."""
         return np.array([codes[text] for text in self.texts], np.int8)[self.codes]
 
     def of_frame(self) -> Any:
-        """Return what a data frame holds: the texts as categories in their order."""
+        """Return the column of a data frame: the texts as categories in their order."""
         import pandas as pd
 
         known = pd.Categorical(np.array(list(self.texts), dtype=object))
@@ -95,5 +95,5 @@ Gathered = Numbers | Flags | Texts
 
 
 def gathering(column: Column) -> type[Gathered]:
-    """Return what gathers a column."""
+    """Return the object that gathers a column."""
     return Numbers if column.is_number else Flags if column.is_flag else Texts

@@ -1,4 +1,4 @@
-"""What a sweep covers: its axes and fixed quantities, in the user's units."""
+"""The grid of a sweep: its axes and fixed quantities, in the user's units."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 __all__ = ["Grid", "scene_of"]
 
 _LEAST_ROW: Final = 24  # [cells] Shorter rows save little (benchmarks/sweeps.py --encodings).
-_LEAST_ROWS: Final = 32  # Of fewer, cells that nobody asked for would be too many.
+_LEAST_ROWS: Final = 32  # With fewer, the extra cells of whole rows would outweigh the saving.
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """What a sweep covers, in the user's units.
+    """The grid of a sweep, in the user's units.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Grid:
 
     @property
     def drive(self) -> tuple[str, ...]:
-        """Names of the quantities that tell the drive."""
+        """Names of the drive's quantities."""
         return drive_of((*self.axes, *self.fixed))
 
     def values(self, box: tuple[slice, ...] | None = None) -> dict[str, Floats]:
@@ -103,7 +103,7 @@ class Grid:
         Raises
         ------
         IndexError
-            If there are no such cells, or none at all between them.
+            If there are no such cells, or ``start`` is not before ``stop``.
         """
         if not 0 <= start < stop <= self.size:
             raise IndexError(f"cells {start} to {stop} of {self.size}")
@@ -113,7 +113,7 @@ class Grid:
             turns[axis.name] = axis.values, math.prod(self.shape[place:]) if len(axis) > 1 else self.size
         result = {name: _in_turn(values, held, start, stop) for name, (values, held) in turns.items()}
         if "friction_ratio" in result:
-            # Worked out for every pair of the two frictions that occurs, not for every cell.
+            # Formed once for every pair of frictions, not for every cell.
             pair = [turns[name] for name in ("friction_ratio", "static_friction")]
             lasts = min(held for _, held in pair)
             period = max((values.size * held // lasts for values, held in pair if values.size > 1), default=1)
@@ -160,7 +160,7 @@ class Grid:
         return SteadyCycle(**{name: values.reshape(-1)[asked] for name, values in vars(cycle).items()})
 
     def _row(self, cells: int) -> int:
-        """Return how many of the last axes make a row that is worth it, at least one axis left; else 0."""
+        """Return how many of the last axes make a row worth solving whole, with an axis left over; else 0."""
         lengths = [math.prod(self.shape[-inner:]) for inner in range(1, len(self.axes))]
         inner = sum(length * _LEAST_ROWS <= cells for length in lengths)
         return inner if inner and lengths[inner - 1] >= _LEAST_ROW else 0
@@ -176,7 +176,7 @@ class Grid:
         return _completed(result)
 
     def operating_point(self, own: Mapping[str, float] | None) -> dict[str, float] | None:
-        """Return a scene's own value of every axis; None unless it gives all and differs in nothing else."""
+        """Return the scene's value of every axis; None unless it gives all and is otherwise the same."""
         if own is None or not self.axes.keys() <= own.keys():
             return None
         others = {name: value for name, value in own.items() if name not in (*self.axes, "trough_length")}
@@ -184,7 +184,7 @@ class Grid:
         return None if elsewhere else {name: own[name] for name in self.axes}
 
     def describe(self) -> dict[str, Any]:
-        """Return what a sidecar says of it: fixed quantities and axes, by their columns."""
+        """Return the sidecar's description of the grid: fixed quantities and axes, by their columns."""
         axes = {
             axis.column: {
                 "count": len(axis),

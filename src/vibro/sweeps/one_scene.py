@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["OneScene", "beginnings", "estimate", "facts_of", "number", "phase_rows"]
 
-_MOST_PHASES: Final = 40  # a longer table says nothing
-_RAISED: Final = 1.1  # amplitude over that of the scene, where its effect is told
+_MOST_PHASES: Final = 40  # a longer table is not readable
+_RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 
 
@@ -47,9 +47,9 @@ class OneScene:
     length : float
         Length of the trough, NaN without one [mm].
     regime : Regime
-        What the body does.
+        Class of the motion.
     status : Status
-        How far to trust it.
+        Whether the numbers are exact, or why there are none.
     """
 
     def __init__(self, block: Block) -> None:
@@ -71,7 +71,7 @@ class OneScene:
 
     @property
     def traverse_time(self) -> float | None:
-        """Length over mean speed [s]; None where the body never arrives or nobody knows."""
+        """Length over mean speed [s]; None where the body never arrives or that is unknown."""
         if math.isnan(self.length):
             return None
         time = float(self._cycle.traverse_time(LENGTH.to_si(self.length)))
@@ -100,7 +100,7 @@ class OneScene:
         return math.nan if arrival is None else float(arrival.item())
 
     def facts(self) -> list[tuple[str, str]]:
-        """Return what every report says, as pairs of a name and a text."""
+        """Return the lines of every report, as pairs of a name and a text."""
         given = {
             name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
             for name, value in self.given.items()
@@ -130,14 +130,14 @@ class OneScene:
 
     @property
     def runs(self) -> str:
-        """Which way a body runs that gains speed every cycle; empty for every other body."""
+        """Direction of a body that gains speed every cycle; empty for other bodies."""
         slope = float(self.scene.trough_angle)
         if self.status is not Status.RUNAWAY or not slope:
             return ""
         return "backwards, down the track" if slope > 0.0 else "forwards, down the trough"
 
     def _other_motions(self) -> str:
-        """Say what else a body does that is disturbed; nothing where that was not looked at, or is usual."""
+        """Describe other motions of a disturbed body; empty if none exist, or none were searched for."""
         if self._cycle.coexists > 0:
             slope, mu_d = math.tan(float(self.scene.trough_angle)), float(self.scene.kinetic_friction)
             if not self.has_harmonics and abs(slope) > mu_d:
@@ -165,7 +165,7 @@ class OneScene:
         return numbers
 
     def why_never(self) -> str:
-        """Say why there is no traverse time, and what to change where the body rests."""
+        """Say why there is no traverse time and, if the body rests, what to change."""
         speed = self.result("mean_velocity")
         if self.runs:
             return f"none at a mean speed: the body runs {self.runs}, and gains speed every cycle"
@@ -193,7 +193,7 @@ class OneScene:
 
     @property
     def all_amplitudes(self) -> str:
-        """What to call the amplitudes of the drive together; empty of a drive along a line, which has one."""
+        """Common name of the drive's amplitudes; empty for a drive along a line, which has one."""
         return {1: "", 2: "both amplitudes"}.get(len(self.driven), "all amplitudes")
 
     @property
@@ -212,15 +212,15 @@ class OneScene:
 
     @property
     def has_harmonics(self) -> bool:
-        """Whether the drive has harmonics, of which it is not known what comes next."""
+        """Whether the drive has harmonics, whose critical loads are not computed."""
         return not self.scene.arrays().can(Ability.FLIGHT)
 
     def transitions(self) -> tuple[Transition, ...]:
-        """Return where each kind of motion begins; none where that is not known."""
+        """Return where each class of motion begins; empty if that is not known."""
         return () if self.has_harmonics else transitions(self.scene)
 
     def phases(self) -> tuple[CyclePhase, ...]:
-        """Return the cycle's phases; none where they are not modelled, or too many."""
+        """Return the cycle's phases; empty if they are not modelled, or too many."""
         if self.hops and (self.has_harmonics or not self._cycle.flight_fraction > 0.0):
             return ()
         phases = cycle_phases(self.scene)
@@ -232,14 +232,14 @@ def _cycles(count: float) -> str:
 
 
 def facts_of(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
-    """Return all that is told of one scene in a line each, as pairs of a name and a text.
+    """Return the lines of the report on one scene, as pairs of a name and a text.
 
     Parameters
     ----------
     one : OneScene
         The scene.
     grid : Grid
-        Of that single cell; it is solved once more with a larger amplitude.
+        Its single cell; it is solved once more with a larger amplitude.
     """
     along = "at most along the path" if one.is_two_axis else "along the drive (machine number A w^2/g)"
     return [
@@ -252,7 +252,7 @@ def facts_of(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
 
 
 def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
-    """Say how the speed follows the amplitude: its exponent, and what a larger amplitude does."""
+    """Describe how the speed follows the amplitude: its exponent, and the speed at a larger amplitude."""
     speed = one.result("mean_velocity")
     if math.isnan(speed):
         return []
@@ -280,7 +280,7 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
 
 
 def beginnings(one: OneScene) -> list[tuple[str, ...]]:
-    """Return the rows of a table of where each kind of motion begins, its head first; none if unknown."""
+    """Return the rows of a table of where each kind of motion begins, its head first; empty if unknown."""
     if one.has_harmonics:
         return []
     which = "both amplitudes" if one.is_two_axis else "amplitude [mm]"
@@ -292,7 +292,7 @@ def beginnings(one: OneScene) -> list[tuple[str, ...]]:
 
 
 def phase_rows(one: OneScene) -> list[tuple[str, ...]]:
-    """Return the rows of a table of the cycle's phases, its head first; none if there are none to tell."""
+    """Return the rows of a table of the cycle's phases, its head first; empty if no phases are known."""
     rows = [
         (
             PHASE_NAMES[p.kind],

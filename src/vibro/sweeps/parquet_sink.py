@@ -24,9 +24,9 @@ __all__ = ["HashedFile", "open_writer", "row_group", "schema_of"]
 
 # Of zstd: higher levels take longer and save next to nothing (benchmarks/sweeps.py --encodings).
 _LEVEL: Final = -1
-# [cells] of a page: each begins anew with compressing, and what is more than that leaves the core's cache.
+# [cells] of a page: compression starts anew with each, and larger pages do not fit into the core's cache.
 _PAGE: Final = ROW_GROUP // 2
-# Inputs, which every cell has.
+# Inputs: no cell lacks them.
 _GIVEN: Final = frozenset(QUANTITIES[name].column for name in (*SWEPT, *DRIVES))
 
 
@@ -51,7 +51,7 @@ class HashedFile:
         return self._digest.hexdigest()
 
     def write(self, data: Any) -> int:
-        """Write bytes, or whatever has a buffer."""
+        """Write bytes, or any object with a buffer."""
         self._digest.update(data)
         self.size += len(data)
         return self._file.write(data)
@@ -95,9 +95,9 @@ def open_writer(sink: Any, schema: Any) -> Any:
         compression="zstd",
         compression_level=_LEVEL,
         use_dictionary=[field.name for field in schema if field.name not in numbers] or False,
-        # Inputs come again and again, whole: to split them takes longer and saves nothing.
+        # Values of inputs repeat: splitting their bytes takes longer and saves nothing.
         use_byte_stream_split=[name for name in numbers if name not in _GIVEN] or False,
-        # Which row groups a filter needs: of the axes alone, as results follow no order.
+        # Statistics of the axes alone select row groups: results follow no order.
         write_statistics=[name for name in schema.names if name in BY_COLUMN] or False,
         write_page_checksum=True,
         data_page_size=8 * _PAGE,

@@ -1,4 +1,4 @@
-"""A sweep's folder, read: its manifest, and of its Parquet parts what is asked for."""
+"""Reading a sweep's folder: its manifest, and the requested cells of its Parquet parts."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PartFiles", "open_parts"]
 
-_REASON: Final = 200  # characters of what a library says
+_REASON: Final = 200  # characters of a library's message
 _WANTED: Final = "give a folder that vibro map --table parquet has written"
 _AGAIN: Final = "run what wrote it again, with --resume, or from Python with resume=True"
 
@@ -39,9 +39,9 @@ class PartFiles:
     folder : Path
         Where it is.
     plan : Plan
-        What was solved, and what is written of it.
+        The grid that was solved, and the columns written.
     tally : Tally
-        What was counted.
+        Numbers of cells by status and regime.
     """
 
     folder: Path
@@ -71,7 +71,7 @@ class PartFiles:
         Raises
         ------
         FileError
-            If a part cannot be read, or is another than it was.
+            If a part cannot be read, or has changed.
         """
         found = {name: gathering(self.columns[name])(cells.size) for name in names}
         for part in range(self.plan.parts):
@@ -91,13 +91,13 @@ class PartFiles:
 
     @contextlib.contextmanager
     def opened(self, part: int) -> Iterator[Any]:
-        """Open the file of a part, and check what its footer says; whatever cannot be read of it is named."""
+        """Open the file of a part and check its footer; the error names a file that cannot be read."""
         from pyarrow import ArrowException, parquet
 
         path = self.folder / part_name(part)
         expected, (first, end) = place_of(self.plan, part), self.plan.range_of(part)
         try:
-            # Opened here: Arrow would take names such as s3: or ~ for something else than folders.
+            # Opened here: Arrow gives names such as s3: or ~ a special meaning.
             with (
                 path.open("rb") as stream,
                 parquet.ParquetFile(stream, page_checksum_verification=True) as file,
@@ -126,12 +126,12 @@ def open_parts(folder: Path) -> PartFiles:
     Parameters
     ----------
     folder : Path
-        Where ``vibro map`` has written a sweep.
+        A folder that ``vibro map`` has written.
 
     Returns
     -------
     PartFiles
-        Of which nothing but the footers has been read.
+        With only the footers read so far.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def open_parts(folder: Path) -> PartFiles:
 
 
 def _text(path: Path) -> str | None:
-    """Return the text of a file, None where there is none."""
+    """Return the text of a file; None if there is no such file."""
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -172,7 +172,7 @@ def _text(path: Path) -> str | None:
 
 
 def _check_success(success: str, files: PartFiles, path: Path) -> None:
-    """Refuse what says of the cells anything else than their parts do."""
+    """Refuse a summary that contradicts the parts."""
     try:
         content: Mapping[str, Any] = json.loads(success)
         said = Tally.read(content)

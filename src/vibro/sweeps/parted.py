@@ -1,4 +1,4 @@
-"""Sweeps in parts: who makes which, what of it is there already, and what the whole comes to."""
+"""Sweeps in parts: which worker makes which part, which parts exist already, and the summary."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ __all__ = ["Progress", "Summary", "agree", "make_parts"]
 # [s] A worker that takes longer for a part hands it back to be cut into pieces of half of that.
 _PATIENCE: Final = 20.0
 _WINDOW: Final = 2  # tasks for each worker: one at work, one that waits
-_LOSSES: Final = 3  # in a row, without a part in between, that end the run
-_NOTICED: Final = 0.1  # [s] in which an interrupt is noticed where a wait without an end ignores it
+_LOSSES: Final = 3  # lost workers in a row, without a finished part in between, that end the run
+_NOTICED: Final = 0.1  # [s] between looks for an interrupt, which an endless wait would ignore
 
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a run has come.
+    """Progress of a run.
 
     Attributes
     ----------
     solved : int
         Cells that this run has solved.
     cells, all_cells : int
-        Cells that are there, and that there will be.
+        Cells of finished parts, and of all parts.
     parts, all_parts : int
-        Parts, likewise.
+        Finished parts, and all parts.
     size : int
-        Of the parts [B].
+        Size of the finished parts [B].
     seconds : float
         Since the run began.
     """
@@ -63,7 +63,7 @@ class Progress:
 
 @dataclass
 class Summary:
-    """What a sweep in parts comes to: size [B] and SHA-256 of each part by number, and what was counted."""
+    """Summary of a sweep in parts: size [B] and SHA-256 of each part by number, and counts of cells."""
 
     sizes: dict[int, int] = field(default_factory=dict)
     digests: dict[int, str] = field(default_factory=dict)
@@ -71,7 +71,7 @@ class Summary:
 
     @property
     def size(self) -> int:
-        """All of it [B]."""
+        """Size of all parts [B]."""
         return sum(self.sizes.values())
 
     @property
@@ -81,7 +81,7 @@ class Summary:
         return hashlib.sha256("".join(lines).encode()).hexdigest()
 
     def text(self) -> str:
-        """Return what the last file says."""
+        """Return the content of the last file."""
         content = {
             "cells": self.tally.status.total(),
             "parts": len(self.sizes),
@@ -93,23 +93,23 @@ class Summary:
 
 
 def agree(files: PartSet, plan: Plan, *, resume: bool, force: bool, own_size: bool) -> Plan:
-    """Check what is to be done with a folder, and change nothing.
+    """Decide what is to be made in a folder; nothing is changed.
 
     Parameters
     ----------
     files : PartSet
         The folder, entered.
     plan : Plan
-        What is asked for.
+        The plan that is asked for.
     resume, force : bool
-        Whether to go on with what is there, or to replace it; neither where there must be nothing.
+        Whether to continue the sweep in the folder, or to replace it; with neither it must be empty.
     own_size : bool
-        Whether the size of parts is asked for; else it is that of the parts that are there.
+        Whether the size of parts is asked for; otherwise that of existing parts is kept.
 
     Returns
     -------
     Plan
-        What is to be made.
+        The plan to be made.
 
     Raises
     ------
@@ -167,19 +167,19 @@ def make_parts(
     Parameters
     ----------
     plan : Plan
-        What is made, as ``agree`` returns it.
+        The plan, as ``agree`` returns it.
     files : PartSet
-        Where to, entered.
+        The folder, entered.
     workers : Workers
-        By whom, entered.
+        Entered.
     argv : sequence of str
-        How the sweep is asked for, for the manifest.
+        Command line of the sweep, for the manifest.
     resume : bool
-        Whether parts that are there are checked and kept; else they are removed.
+        Whether existing parts are checked and kept; otherwise they are removed.
     report : callable
-        Told about the progress several times a second.
+        Called with the progress several times a second.
     patience : float
-        A part that would take a worker longer is shared [s].
+        Parts that would take a worker longer are cut into pieces [s].
 
     Returns
     -------
@@ -189,7 +189,7 @@ def make_parts(
     Raises
     ------
     FileError, VibroError, OSError
-        If a part cannot be made; what is there remains.
+        If a part cannot be made; finished parts remain.
     """
     run = _Run(plan, files, workers, report, patience)
     try:
@@ -206,7 +206,7 @@ def make_parts(
 
 @dataclass(frozen=True)
 class _Task:
-    """Something to be done by a worker, and the cells that are done with it."""
+    """A task for a worker, and the cells that it finishes."""
 
     work: Callable[..., Any]
     part: int
@@ -214,7 +214,7 @@ class _Task:
 
 
 class _Run:
-    """The parts of a sweep on their way."""
+    """The parts of a sweep that are being made."""
 
     def __init__(
         self,
@@ -226,7 +226,7 @@ class _Run:
     ) -> None:
         self._plan, self._files, self._workers, self._report = plan, files, workers, report
         self._patience = patience
-        _ = plan.fingerprint  # found once, here: it travels with every task
+        _ = plan.fingerprint  # resolved once, here: it is sent with every task
         shared = patience if workers.number > 1 else math.inf
         self._job = Job(plan, files.folder, files.run, files.wanted, workers.threads, shared)
         self._there: set[str] = set()
@@ -235,12 +235,12 @@ class _Run:
         self._running: dict[Future[Any], _Task] = {}
         self._pieces: dict[int, list[Piece]] = {}
         self._summary = Summary()
-        self._solved = self._checked = 0  # cells, and those that were there
+        self._solved = self._checked = 0  # cells of finished parts, and of those that existed before
         self._began = time.monotonic()
         self._losses = 0
 
     def check_workers(self) -> None:
-        """Have one of the workers look whether it can do what it is to do, before anything is touched."""
+        """Have a worker check versions and folder before anything is changed."""
         try:
             self._workers.submit(check_job, self._job).result()
         except BrokenExecutor as exc:
@@ -251,7 +251,7 @@ class _Run:
             ) from exc
 
     def finish(self) -> Summary:
-        """Work until all is there."""
+        """Work until all parts exist."""
         self._there = self._files.parts()
         while True:
             lost: list[_Task] = []
@@ -276,7 +276,7 @@ class _Run:
         return _Task(check_part if part_name(part) in self._there else write_part, part)
 
     def _submit(self, task: _Task) -> bool:
-        """Hand a task to a worker; tell whether there was one."""
+        """Hand a task to a worker; return whether there was a task."""
         if task.work is not check_part:
             self._files.remove(SUCCESS)
         try:
@@ -299,7 +299,7 @@ class _Run:
             self._share(found.part, *self._plan.range_of(found.part), found.seconds)
         elif isinstance(found, Piece):
             self._collect(found, stop=task.more[1])
-        elif task.work is check_part:  # it is not whole
+        elif task.work is check_part:  # the existing part is not whole
             self._first.append(_Task(write_part, task.part))
         else:
             raise FileError(
@@ -324,14 +324,14 @@ class _Run:
         self._summary.tally.include([found.tally])
 
     def _share(self, part: int, start: int, stop: int, seconds: float) -> None:
-        """Cut cells that take so long into pieces, the next to be worked on."""
+        """Cut cells that take so long into pieces, which are done next."""
         number = min(stop - start, max(2, math.ceil(seconds / (0.5 * self._patience))))
         ends = [start + (stop - start) * i // number for i in range(number + 1)]
         self._pieces.setdefault(part, [])
         self._first.extend(_Task(solve_piece, part, ends_of) for ends_of in pairwise(ends))
 
     def _collect(self, piece: Piece, stop: int) -> None:
-        """Take a piece; have what is left of it shared, or the part written where nothing is."""
+        """Take a piece; cut the rest of its cells, or have the part written once all are solved."""
         pieces = self._pieces[piece.part]
         pieces.append(piece)
         solved = piece.stop - piece.start
@@ -344,7 +344,7 @@ class _Run:
             self._first.append(_Task(write_part, piece.part, (tuple(pieces),)))
 
     def _renew(self, lost: list[_Task]) -> None:
-        """Give what lost workers had begun to others."""
+        """Give the tasks of lost workers to others."""
         self._losses += 1
         if self._losses > _LOSSES:
             raise FileError(

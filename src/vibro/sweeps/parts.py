@@ -1,7 +1,7 @@
 """Parts of a sweep, as workers make them: solved row group by row group, and written as Parquet.
 
-A part that takes long, as bodies bounce in it, is solved in pieces by as many workers as are free; whoever
-writes it then reads their results instead of solving, and its bytes are the same.
+A slow part, such as one with bouncing bodies, is solved in pieces by all free workers. The worker that writes
+it then reads their results instead of solving, and its bytes are the same.
 """
 
 from __future__ import annotations
@@ -46,36 +46,36 @@ __all__ = [
     "write_part",
 ]
 
-_FOOTER: Final = b"vibro"  # the key of what a footer says
+_FOOTER: Final = b"vibro"  # key of our entry in a footer
 
-# [cells] Samples tell how long a part takes. Few are solved in no time, even if they are the slowest; but a
-# few take nearly as long as many, and more tell what is slow.
+# [cells] A part's time is estimated from samples of growing size. A small sample is quick, but fixed costs
+# dominate it; only a larger one shows how long slow cells take.
 _SAMPLES: Final = (64, 1024, 16_384)
-_TOLD: Final = 0.5  # [s] from which a sample tells enough
+_TOLD: Final = 0.5  # [s] duration from which a sample is large enough
 
-_FIRST_STEP: Final = 256  # [cells] of a piece that are solved at once
-_STEP_SECONDS: Final = (0.2, 0.8)  # how long a step should take
+_FIRST_STEP: Final = 256  # [cells] of a piece in its first step
+_STEP_SECONDS: Final = (0.2, 0.8)  # [s] range of the duration of a step
 
-# What a piece holds of a cell.
+# Results in a piece.
 _CELL: Final = np.dtype([(result.name, result.dtype) for result in RESULTS])
 
 
 @dataclass(frozen=True)
 class Job:
-    """What all parts of a run share, and what a worker may use.
+    """Settings shared by all parts of a run, and the resources of a worker.
 
     Attributes
     ----------
     plan : Plan
-        What is made.
+        The sweep.
     folder : Path
-        Where to.
+        The folder of the parts.
     run : str
-        In the names of temporaries.
+        Identifies the run in names of temporary files.
     wanted : Path
-        There as long as anybody wants the parts.
+        A file that exists as long as the run goes on.
     threads : int
-        That a worker may use.
+        Threads that a worker may use.
     patience : float
         Parts that take longer are cut into pieces [s].
     """
@@ -88,7 +88,7 @@ class Job:
     patience: float
 
     def check_wanted(self) -> None:
-        """Stop working if nobody wants the parts any more."""
+        """Stop working if the run has ended."""
         if not self.wanted.exists():
             raise _UnwantedError
 
@@ -99,7 +99,7 @@ class Job:
 
     @contextlib.contextmanager
     def new_file(self, part: int) -> Iterator[BinaryIO]:
-        """Open a temporary, which stays only if it is finished, and wanted even then."""
+        """Open a temporary file, which is kept only if it is finished while the run goes on."""
         self.check_wanted()
         path = new_part(self.folder, part, self.run)
         try:
@@ -124,7 +124,7 @@ class Written:
 
 @dataclass(frozen=True)
 class Slow:
-    """A part that is better cut into pieces: it would take about so long [s]."""
+    """A part to be cut into pieces: it would take about so long [s]."""
 
     part: int
     seconds: float
@@ -142,7 +142,7 @@ class Piece:
 
 
 def check_job(job: Job) -> None:
-    """Refuse to work with other versions than the plan's, or elsewhere than on its files.
+    """Refuse to work with other versions than the plan's, or on another folder.
 
     Raises
     ------
@@ -168,16 +168,16 @@ def write_part(job: Job, part: int, pieces: Sequence[Piece] = ()) -> Written | S
     Parameters
     ----------
     job : Job
-        What is made.
+        The run.
     part : int
-        Its number.
+        Number of the part.
     pieces : sequence of Piece
-        Results of all its cells, in their order, where they are solved.
+        Results of all its cells, in their order, if they are solved.
 
     Returns
     -------
     Written, Slow or None
-        None if nobody wants it any more.
+        None if the run has ended.
 
     Raises
     ------
@@ -213,10 +213,10 @@ def write_part(job: Job, part: int, pieces: Sequence[Piece] = ()) -> Written | S
 
 
 def check_part(job: Job, part: int) -> Written | None:
-    """Read a part that is there from end to end; None if it is not whole, or no part of this plan.
+    """Read an existing part from end to end; None if it is not whole, or not of this plan.
 
-    It is whole if it comes out the same when it is written again. Checksums alone are of its pages: they do
-    not tell what has changed in its footer, such as the name of a column.
+    It is whole if writing it again gives the same bytes. Checksums cover its pages only, not its footer with
+    the names of columns.
     """
     from pyarrow import ArrowException, parquet
 
@@ -243,7 +243,7 @@ def check_part(job: Job, part: int) -> Written | None:
 
 
 def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
-    """Solve the first of some cells, as many as patience allows; None if nobody wants them any more."""
+    """Solve the first of some cells, as many as patience allows; None if the run has ended."""
     check_job(job)
     began = time.monotonic()
     solved: list[NDArray[Any]] = []
@@ -266,7 +266,7 @@ def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
 
 
 def read_footer(metadata: Any) -> dict[str, Any] | None:
-    """Return what the footer of a part says of it and its cells; None if it is no part's."""
+    """Return our entry in the footer of a part; None if it is not of a part."""
     said = (metadata.metadata or {}).get(_FOOTER)
     if said is None:
         return None
@@ -275,7 +275,7 @@ def read_footer(metadata: Any) -> dict[str, Any] | None:
 
 
 class _UnwantedError(Exception):
-    """Nobody wants the part any more."""
+    """The run has ended."""
 
 
 def _write(sink: HashedFile, plan: Plan, part: int, row_groups: Iterable[Any], tally: Tally) -> None:
@@ -295,7 +295,7 @@ class _Solved:
 
     def block(self, start: int, stop: int) -> Block:
         """Return cells in a row."""
-        # Opened anew for every block: what was read of a mapped file counts as memory until it is closed.
+        # Opened anew for every block: pages read from a mapped file count as memory until it is closed.
         cells = np.concatenate(
             [
                 np.load(path, mmap_mode="r")[max(start - a, 0) : stop - a]
@@ -315,13 +315,13 @@ def _packed(cycle: SteadyCycle) -> NDArray[Any]:
 
 
 def place_of(plan: Plan, part: int) -> dict[str, str | int]:
-    """Say what a part is of, and where it stands in that."""
+    """Return the entry for the footer of a part: its plan, and its cells."""
     first, end = plan.range_of(part)
     return {"fingerprint": plan.fingerprint, "part": part, "first_cell": first, "cells": end - first}
 
 
 def _estimate(job: Job, first: int, end: int) -> float:
-    """Tell about how long some cells take, from a few spread over them [s]; exactly, only if it is long."""
+    """Estimate how long some cells take, from a few spread over them [s]; exact only if it is long."""
     seconds = 0.0
     for number in _SAMPLES:
         if number >= end - first:

@@ -1,4 +1,4 @@
-"""Plans of sweeps in parts: what the manifest says, and a fingerprint of all of it that counts."""
+"""Plans of sweeps in parts: the manifest, and a fingerprint of everything that decides the parts' bytes."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
 __all__ = ["PART_CELLS", "ROW_GROUP", "Plan", "check_arrow", "check_manifest", "read_plan", "versions"]
 
-#: [cells] of a part, where nobody says: seconds of work, some tens of megabytes.
+#: [cells] of a part, unless asked for: seconds of work, some tens of megabytes.
 PART_CELLS: Final = 1_000_000
 #: [cells] Solved and encoded at once: the bytes of a part depend on it.
 ROW_GROUP: Final = BLOCK
 
 _FORMATS: Final = "vibro sweep "
 _FORMAT: Final = f"{_FORMATS}1"
-# What does not count: how the run was asked for, what pictures show, and what follows from the rest.
+# Keys left out of the fingerprint: command line, settings of pictures, values that follow from others.
 _BESIDE: Final = ("argv", "name", "own", "parts", "fingerprint")
 
 
@@ -45,17 +45,17 @@ def check_arrow() -> None:
     Raises
     ------
     FileError
-        If it is.
+        If it is missing.
     """
     try:
-        import pyarrow.parquet  # noqa: F401 - whether it is there
+        import pyarrow.parquet  # noqa: F401 - whether it is installed
     except ImportError:
         raise FileError("Parquet needs pyarrow", hint="pip install 'vibro[parquet]'") from None
 
 
 @cache
 def versions() -> Mapping[str, str]:
-    """Return the versions of everything that decides on a part's bytes."""
+    """Return the versions of all libraries that decide a part's bytes."""
     return {"vibro": __version__, **{name: version(name) for name in ("numpy", "scipy", "pyarrow")}}
 
 
@@ -66,17 +66,17 @@ class Plan:
     Attributes
     ----------
     grid : Grid
-        What is solved. Cells are numbered through, the last axis fastest.
+        The grid. Cells are numbered through, the last axis fastest.
     table : Table
-        What is written of it.
+        The columns written.
     part_cells : int
         Cells of each part; the last may have fewer.
     name : str
-        What the sweep is of.
+        Name of the scene.
     own : mapping of str to float
         The scene's own values, in the user's units, for pictures.
     versions : mapping of str to str
-        By which the parts are made.
+        Versions of the libraries that make the parts.
     """
 
     grid: Grid
@@ -88,7 +88,7 @@ class Plan:
 
     @property
     def parts(self) -> int:
-        """How many parts there are."""
+        """Number of parts."""
         return -(-self.grid.size // self.part_cells)
 
     def range_of(self, part: int) -> tuple[int, int]:
@@ -97,12 +97,12 @@ class Plan:
 
     @cached_property
     def fingerprint(self) -> str:
-        """Equal for two plans whose parts are the same."""
+        """Fingerprint, equal for two plans whose parts are the same."""
         return _fingerprint(self.content)
 
     @property
     def content(self) -> dict[str, Any]:
-        """What the manifest says, but for the run that began it."""
+        """Content of the manifest, without the run that began it."""
         grid, table = self.grid, self.table
         scene = grid.describe()["scene"]
         return {
@@ -147,7 +147,7 @@ class Plan:
             )
 
     def differences(self, other: Plan) -> list[str]:
-        """Say in what another plan, that is there, differs from this one, as far as the parts do."""
+        """List how the plan in the folder differs from this one, as far as it changes the parts."""
         there, here = _counted(other.content), _counted(self.content)
         told = []
         for key in dict.fromkeys([*here, *there]):
@@ -166,7 +166,7 @@ class Plan:
 
 
 def check_manifest(text: str, path: object) -> dict[str, Any]:
-    """Return the content of a manifest, whatever it says.
+    """Return the content of a manifest, unchecked.
 
     Raises
     ------
@@ -195,7 +195,7 @@ def read_plan(text: str, path: object) -> Plan:
     Raises
     ------
     FileError
-        If it is no manifest of a sweep, or does not say what it said when it was written.
+        If it is no manifest of a sweep, or was changed after it was written.
     """
     content = check_manifest(text, path)
     if content["format"] != _FORMAT:
@@ -210,8 +210,8 @@ def read_plan(text: str, path: object) -> Plan:
 
 
 def _plan_of(content: Mapping[str, Any]) -> Plan:
-    """Make a plan of a manifest; ValueError if it does not say what it said when it was written."""
-    if _fingerprint(content) != content["fingerprint"]:  # first: other numbers may ask for any work
+    """Make a plan of a manifest; ValueError if it was changed after it was written."""
+    if _fingerprint(content) != content["fingerprint"]:  # first: changed numbers may ask for endless work
         raise ValueError("fingerprint")
     known = {quantity.column: quantity for quantity in QUANTITIES.values()}
     quantities = [known[entry["column"]] for entry in content["axes"]]
@@ -242,7 +242,7 @@ def _text(value: Any) -> str:
 
 
 def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what counts of a manifest; of columns their order, too."""
+    """Return the parts of a manifest that the fingerprint covers, with the order of columns."""
     counted = {key: value for key, value in content.items() if key not in _BESIDE}
     return {**counted, "columns": list(content["columns"].items())}
 

@@ -1,4 +1,4 @@
-"""What a caller and a scene file ask for together, checked before anything is computed."""
+"""The request of a caller and a scene file together, checked before anything is computed."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ __all__ = ["RANGES", "Caller", "Request", "gather"]
 #: Swept where they are not given. Friction and drive angle are never invented.
 RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
 
-# What must be given, with an example: of friction the ratio, which fits whatever static friction is given.
+# Required quantities, with an example: for friction the ratio, which fits any static friction.
 _EXAMPLES: Final = {
     "amplitude": ("amplitude", "1"),
     "along_amplitude": ("along_amplitude", "1"),
@@ -51,7 +51,7 @@ _EXAMPLES: Final = {
     "kinetic_friction": ("friction_ratio", "0.77"),
     "trough_length": ("trough_length", "600"),
 }
-# Valid whatever the others are, in SI units.
+# A valid scene in SI units: each quantity is checked in place of its value here.
 _HARMLESS: Final = {
     "amplitude": 1e-3,
     "frequency": 1.0,
@@ -64,15 +64,15 @@ Specs = dict[str, AxisSpec]
 
 
 class Caller(Protocol):
-    """How messages speak to whoever asks: in options, or in the arguments of a function."""
+    """How messages name inputs: as options, or as arguments of a function."""
 
     @property
     def gives(self) -> str:
-        """Who gives what is typed: ``the command line``."""
+        """The source of the input: ``the command line``."""
 
     @property
     def takes_one_value(self) -> tuple[str, str]:
-        """What to say, and the hint, where an axis was given and one value is wanted."""
+        """Message and hint if an axis was given and one value is wanted."""
 
     def axis(self, quantity: Quantity) -> str:
         """Show an axis as it is given: ``-A 0.1:3:200``."""
@@ -81,7 +81,7 @@ class Caller(Protocol):
         """Name an argument: ``-A``."""
 
     def example(self, values: Mapping[str, str], *, from_scratch: bool) -> str:
-        """Show what gives these values too, by name; from scratch where what was given is wrong."""
+        """Show input that gives these values by name; from scratch if the input given is wrong."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Request:
     specs : mapping of str to AxisSpec
         Every quantity of the scene by its name, axes and single values, in the order of a table's columns.
     own : mapping of str to float
-        What the scene file's table ``[scene]`` gives, in the user's units.
+        Values of the scene file's table ``[scene]``, in the user's units.
     """
 
     name: str | None
@@ -114,7 +114,7 @@ class Request:
 
     @property
     def drive(self) -> tuple[str, ...]:
-        """Names of the quantities that tell the drive."""
+        """Names of the drive's quantities."""
         return drive_of(self.specs)
 
     @property
@@ -132,9 +132,9 @@ class Request:
         }
 
     def doubt(self) -> str:
-        """Question a trough that is shorter than the largest stroke; nothing if there is no doubt.
+        """Return a warning about a trough that is shorter than the largest stroke, else an empty text.
 
-        Its length is in millimetres, in which few think of a trough.
+        Its length is in millimetres, where people may expect metres.
         """
         amplitude = self.specs.get("amplitude", self.specs.get("along_amplitude"))
         if self.length is None or amplitude is None:
@@ -166,7 +166,7 @@ class Request:
 
 
 class _Problems:
-    """Everything that is wrong, to be told at once."""
+    """All errors of a request, reported at once."""
 
     def __init__(self) -> None:
         self.slots: set[str] = set()
@@ -202,14 +202,14 @@ def gather(
     asked_for: str | None = None,
     line_alone: tuple[str, str] | None = None,
 ) -> Request:
-    """Merge a scene file and what a caller gives beside it, and check all that can be known beforehand.
+    """Merge a scene file and the caller's input, and check everything before anything is computed.
 
     Parameters
     ----------
     given : mapping of str to AxisSpec or InputError
-        What the caller gives by the name of its quantity, or what is wrong with it.
+        Input of the caller by the name of its quantity, or its error.
     file : SceneFile or None
-        What is given overrides it.
+        Overridden by ``given``.
     caller : Caller
         For messages.
     reads_map : bool
@@ -217,15 +217,15 @@ def gather(
     takes_axes : bool
         Whether quantities may vary.
     ranges : mapping of str to str, optional
-        Axes for what is not given; where nothing else varies, also for what the table ``[scene]`` gives.
+        Axes for quantities that are not given; if nothing else varies, also for those in ``[scene]``.
     needs_length : bool
         Whether the length of the trough is needed.
     must_vary : bool
         Whether ``ranges`` without any axis are refused.
     asked_for : str, optional
-        Name of a quantity that is to be found: a caller may not give it, and what a file says does not count.
+        Name of a quantity that is to be found: a caller may not give it, and the file's value is ignored.
     line_alone : pair of str, optional
-        What to say, and the hint, where a drive is given that does not move along a line.
+        Message and hint for drives that do not move along a line.
 
     Returns
     -------
@@ -313,7 +313,7 @@ def _amplitude_for_stroke(spec: AxisSpec) -> AxisSpec:
 
 
 def _left_out(drive: tuple[str, ...], given: Collection[str]) -> dict[str, float]:
-    """Return what is 0 where it is not given: phases, and motions of drives with harmonics."""
+    """Return the quantities that are 0 unless given: phases, and motions of drives with harmonics."""
     sizes = {name for name in given if name in HARMONIC and "amplitude" in name}
     phases = {name.replace("amplitude", "phase") for name in sizes}
     motions = ("along_amplitude", "normal_amplitude") if sizes else ()
@@ -321,7 +321,7 @@ def _left_out(drive: tuple[str, ...], given: Collection[str]) -> dict[str, float
 
 
 def _harmonics_left_out(given: Collection[str]) -> list[str]:
-    """Name the amplitudes of harmonics that need not be given, as nobody gives their phases."""
+    """Name the amplitudes of harmonics that may be left out, as their phases are not given."""
     sizes = [name for name in HARMONIC if "amplitude" in name]
     return [name for name in sizes if name.replace("amplitude", "phase") not in given]
 
@@ -342,7 +342,7 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
 
 
 def _check_range(slot: str, spec: AxisSpec, problems: _Problems) -> None:
-    """Check every value, and tell the first wrong one in the user's units; a swept ratio may exceed 1."""
+    """Check every value, and report the first wrong one in the user's units; a swept ratio may exceed 1."""
     quantity = spec.quantity
     values = np.array(spec.values, np.float64)
     good = quantity.allows(quantity.to_si(values))
@@ -353,7 +353,7 @@ def _check_range(slot: str, spec: AxisSpec, problems: _Problems) -> None:
 
 
 def _check_combinations(specs: Specs, problems: _Problems) -> None:
-    """Refuse a request of which every combination is infeasible: if its most feasible one is."""
+    """Refuse a request whose combinations are all infeasible, as its most feasible one shows."""
     least = {slot: spec.values[0] for slot, spec in specs.items() if slot not in problems.slots}
     if "static_friction" in least:
         least["static_friction"] = specs["static_friction"].values[-1]
@@ -384,7 +384,7 @@ def _check_missing(required: Sequence[str], merged: Specs, caller: Caller, probl
         f"{QUANTITIES[slot].label} ({' or '.join(caller.name(QUANTITIES[name]) for name in ways[slot])})"
         for slot in missing
     )
-    # What was given makes an example that runs only if nothing is wrong with it.
+    # The example repeats the input only if that has no error: it must run.
     wrong = bool(problems.slots)
     values = dict(_EXAMPLES[slot] for slot in (required if wrong else missing))
     problems.add("", f"missing: {said}", f"for example: {caller.example(values, from_scratch=wrong)}")

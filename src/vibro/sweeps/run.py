@@ -34,10 +34,10 @@ __all__ = ["limits_of", "solved_picture", "sweep_blocks", "sweep_picture"]
 _BLOCK: Final = BLOCK // 2
 # for each core: few enough that memory stays small (benchmarks/faults.py memory)
 _SOLVED: Final = 2 * BLOCK
-# where bodies are followed to their arrival, or other motions are looked for: a hundred times the work
+# if bodies are followed to their arrival, or other motions are searched for: a hundred times the work
 _WALKED_BLOCK: Final = 8_192
 
-# [values of an axis] What a picture of one, two or three axes resolves, whatever the table's axes hold.
+# [values of an axis] Resolution of a picture of one, two or three axes, independent of the table's axes.
 _RESOLVED: Final = {1: 4001, 2: 301, 3: 161}
 # Means of bodies that bounce take milliseconds, and scatter more than a finer picture would show.
 _COARSER: Final = 2
@@ -76,7 +76,7 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
 def sweep_picture(
     grid: Grid, drawn: Mapping[str, tuple[int, ...]], operating_point: Mapping[str, float] | None, title: str
 ) -> SweepResult:
-    """Solve what pictures show of a grid, with a resolution of their own.
+    """Solve a grid for pictures, with a resolution of their own.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def sweep_picture(
     operating_point : mapping of str to float, or None
         The scene's own values.
     title : str
-        What the sweep is of.
+        Title of the sweep.
 
     Returns
     -------
@@ -114,13 +114,13 @@ def solved_picture(
     pictures: Iterable[str],
     cells: Callable[[Collection[str], Sequence[NDArray[np.intp]]], Mapping[str, NDArray[Any]]],
 ) -> SweepResult:
-    """Take what pictures show of a grid from cells that are solved already.
+    """Take the cells of pictures from a grid that is solved already.
 
     Parameters
     ----------
     grid, drawn, operating_point, title
-        As for ``sweep_picture``. But of every range that is drawn some of its own values are shown: all of
-        them, or, where they are at least twice as many as a picture resolves, every second, third, ...
+        As for ``sweep_picture``. But a range is drawn at its own values: at all of them or, if there are at
+        least twice as many as a picture resolves, at every second, third, ...
     pictures : iterable of str
         Names of the pictures.
     cells : callable
@@ -132,7 +132,7 @@ def solved_picture(
     SweepResult
         Of at most three axes; results that are not drawn are unknown.
     """
-    from vibro.plots import results_drawn  # late: a table needs no pictures
+    from vibro.plots import results_drawn  # imported late: tables need no pictures
 
     indices = _solved_indices(grid, drawn)
     part = _grid_at(grid, indices)
@@ -169,7 +169,7 @@ def _solved_indices(grid: Grid, drawn: Mapping[str, tuple[int, ...]]) -> dict[st
 
 
 def limits_of(values: Mapping[str, Floats]) -> CriticalLoads | None:
-    """Find the critical loads of cells; nothing where their drives have harmonics."""
+    """Find the critical loads of cells; None for drives with harmonics."""
     scene = scene_of(values)
     return critical_loads(scene) if scene.arrays().can(Ability.FLIGHT) else None
 

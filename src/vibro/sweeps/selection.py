@@ -56,7 +56,7 @@ class Selection:
 
     def within(self, start: int, stop: int) -> NDArray[np.intp]:
         """Return these cells among those of the grid from ``start`` to ``stop``, counted from ``start``."""
-        # A first axis of one value, so that there is one where nothing varies.
+        # A leading axis of one value, so that there is an axis even if nothing varies.
         places = np.unravel_index(np.arange(self.before(start), self.before(stop)), (1, *self.shape))
         there = (kept[place] for kept, place in zip(self.indices, places[1:], strict=True))
         return np.asarray(np.ravel_multi_index((places[0], *there), (1, *self.grid)) - start)

@@ -1,4 +1,4 @@
-"""What sweeps that are held and sweeps that are stored share: what they cover, and their pictures."""
+"""Common part of sweeps in memory and in files: their axes, and their pictures."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ["SolvedGrid", "axis_called", "check_memory", "one_value"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SolvedGrid(ABC):
-    """A grid whose cells are solved, wherever they are."""
+    """A grid with solved cells, in memory or in files."""
 
     _grid: Grid
     _own: Mapping[str, float]
@@ -65,12 +65,12 @@ class SolvedGrid(ABC):
         y: str | None = None,
         at: Mapping[str, float] | None = None,
     ) -> Figure:
-        """Draw a picture of these cells, of which nothing is solved again; ``vibro map`` solves finer ones.
+        """Draw a picture of these cells, without solving any; ``vibro map`` draws finer ones.
 
         Parameters
         ----------
         name : {"regime", "speed", "traverse", "impact", "flight"}
-            What is drawn: a map of two ranges, a line of one over bands of its regimes. An axis of at most
+            The picture: a map of two ranges, a line of one over bands of its regimes. An axis of at most
             12 values that were given one by one is no range: it makes curves beside one range, maps beside
             two, and points where there is none. A third range makes up to 12 maps. Any more axes are held
             in the middle of their feasible values.
@@ -159,7 +159,7 @@ def one_value(value: object, quantity: Quantity, argument: str) -> float:
 
 
 def check_memory(shape: Sequence[int], bytes_per_cell: int, hint: str) -> None:
-    """Refuse cells that cannot be held, where the system tells how much memory there is."""
+    """Refuse cells that do not fit into memory, if the system reports its size."""
     if not hasattr(os, "sysconf"):  # Windows
         return
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

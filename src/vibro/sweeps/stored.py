@@ -66,7 +66,7 @@ class StoredSweep(SolvedGrid):
     def to_frame(
         self, filters: Mapping[str, Any] | None = None, columns: Sequence[str] | None = None
     ) -> pd.DataFrame:
-        """Read cells into a data frame, from those files, row groups and columns alone that hold them.
+        """Read cells into a data frame, opening only the files, row groups and columns that hold them.
 
         Parameters
         ----------
@@ -82,16 +82,15 @@ class StoredSweep(SolvedGrid):
         -------
         pandas.DataFrame
             One row a cell, in their order, the last axis fastest. Texts are categorical, flags such as
-            ``coexists`` nullable integers, and a number that there is not is NaN, as those of
+            ``coexists`` nullable integers, and missing numbers NaN, as those of
             ``vibro.sweep(...).to_frame()`` are.
 
         Raises
         ------
         InputError
-            If something is no axis, no value of its axis or no column, or the cells need more memory than
-            there is.
+            If an axis, a value or a column is unknown, or the cells do not fit into memory.
         FileError
-            If a file cannot be read, or its checksums tell that it is damaged.
+            If a file cannot be read, or its checksums show damage.
         """
         import pandas as pd
 
@@ -151,7 +150,7 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
 def stored_picture(
     parts: PartFiles, drawn: Mapping[str, tuple[int, ...]], pictures: Sequence[str]
 ) -> SweepResult:
-    """Read what pictures show of stored cells.
+    """Read the cells of pictures from files.
 
     Parameters
     ----------
@@ -190,7 +189,7 @@ def _cells(
 
 
 def _values(result: Result, found: Gathered) -> NDArray[Any]:
-    """Return what a column of a table says of a result, as ``SteadyCycle`` has it."""
+    """Convert a column of a table to the values of ``SteadyCycle``."""
     if isinstance(found, Texts):
         codes = {text: code if text else -1 for code, text in enumerate(result.texts or ())}
         unknown = [text for text in found.texts if text not in codes]

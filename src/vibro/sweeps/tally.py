@@ -1,4 +1,4 @@
-"""How many cells of a sweep end with which status, and in which regime."""
+"""Numbers of a sweep's cells by status and by regime."""
 
 from __future__ import annotations
 
@@ -45,18 +45,18 @@ class Tally:
         self.regime.update(_counted(block.cycle.regime, Regime))
 
     def include(self, others: Iterable[Tally]) -> None:
-        """Count what others have counted."""
+        """Add the counts of another tally."""
         for other in others:
             self.status.update(other.status)
             self.regime.update(other.regime)
 
     @property
     def at_rest(self) -> bool:
-        """Whether every body rests, or cannot be."""
+        """Whether every body rests, or is infeasible."""
         return self.status.total() == self.regime[Regime.NO_SLIP] + self.status[Status.INFEASIBLE]
 
     def told(self) -> dict[str, Any]:
-        """Return what there is, by its labels."""
+        """Return the counts that are not 0, by label."""
         return {
             "status": {code.label: self.status[code] for code in Status if self.status[code]},
             "regime": {code.label or _NO_REGIME: self.regime[code] for code in Regime if self.regime[code]},

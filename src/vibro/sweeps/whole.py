@@ -1,4 +1,4 @@
-"""Sweeps from Python: every cell held, as arrays, as a data frame, as pictures."""
+"""Sweeps from Python: all cells in memory, as arrays, as a data frame, as pictures."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _BYTES_PER_CELL: Final = 110  # [B] of all results
 
 
 class _Call(NamedTuple):
-    """How messages speak of the arguments of ``sweep``; ``typed`` are those given, as they were typed."""
+    """How messages name the arguments of ``sweep``; ``typed`` holds them as they were typed."""
 
     typed: tuple[str, ...] = ()
     gives: str = "the call"
@@ -58,7 +58,7 @@ class _Call(NamedTuple):
 
 
 class _File(_Call):
-    """How messages speak of what a scene file gives."""
+    """How messages name the inputs of a scene file."""
 
     def example(self, values: Mapping[str, str], *, from_scratch: bool) -> str:
         return "; ".join(f"{QUANTITIES[name].column} = {value}" for name, value in values.items())
@@ -94,8 +94,8 @@ class Sweep(SolvedGrid):
         -------
         pandas.DataFrame
             One row a cell, the last axis fastest; the columns of the CSV of ``vibro map``, their units in
-            their names. Texts are categorical, ``coexists`` is a nullable integer, and a number that there
-            is not is NaN.
+            their names. Texts are categorical, ``coexists`` is a nullable integer, and missing
+            numbers are NaN.
 
         Raises
         ------
@@ -121,7 +121,7 @@ def sweep(
     coexistence: bool = False,
     **quantities: Any,
 ) -> Sweep:
-    """Solve all combinations of what varies, as ``vibro map`` does, and hold them.
+    """Solve all combinations of the axes, as ``vibro map`` does, in memory.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def sweep(
 
 
 def request_of_call(scene_file: str | PathLike[str] | None, quantities: Mapping[str, Any]) -> Request:
-    """Read what is given by the keys of scene files."""
+    """Read arguments that are named as the keys of scene files."""
     unknown = [key for key in quantities if key not in BY_COLUMN]
     if unknown:
         close = difflib.get_close_matches(unknown[0], list(BY_COLUMN), n=1, cutoff=0.5)

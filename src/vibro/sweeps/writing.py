@@ -1,4 +1,4 @@
-"""Sweeps written in parts, from Python and for the command line: what is wanted, and by whom it is made."""
+"""Sweeps written in parts, from Python and for the command line: the request, and its workers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ __all__ = ["Parting", "write_sweep"]
 
 _ADDRESS: Final = re.compile(r"(tcp|tls|wss?)://\S+:\d+")
 _MOST_WORKERS: Final = 1024
-_MOST_CELLS: Final = 100_000_000  # of a part: hours of work that a fault would cost
+_MOST_CELLS: Final = 100_000_000  # [cells] of a part: more would cost hours of work at a fault
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,18 +41,18 @@ class Parting:
     Parameters
     ----------
     part_cells : int, optional
-        Of each part; 1e6, or those of the parts that are there.
+        Cells of each part; 1e6, or as many as existing parts have.
     workers : int, optional
         Processes that make the parts; without, threads of this one.
     scheduler : str, optional
         Address of a Dask cluster that makes them.
     resume, force : bool
-        Whether to go on with what is there, or to replace it.
+        Whether to continue the sweep in the folder, or to replace it.
 
     Raises
     ------
     InputError
-        If one of them cannot be, or they exclude each other.
+        If one of them is out of range, or they exclude each other.
     """
 
     part_cells: int | None = None
@@ -114,18 +114,18 @@ def write_sweep(
     coexistence: bool = False,
     **quantities: Any,
 ) -> StoredSweep:
-    """Solve all combinations of what varies, however many, into a folder of Parquet files.
+    """Solve all combinations of the axes, however many, into a folder of Parquet files.
 
     Parameters
     ----------
     folder : path
-        Where to; it is made.
+        The folder; it is created.
     scene_file, accuracy, flight, coexistence, **quantities
         As for ``vibro.sweep``.
     columns : sequence of str, optional
         Names as for ``--columns`` of ``vibro map``, in the order wanted; without, its usual ones.
     part_cells : int, optional
-        Cells of each file; 1e6, or those of the files that are there.
+        Cells of each file; 1e6, or as many as existing files have.
     workers : int, optional
         Processes that make the files; without, threads of this one. A script that asks for them needs the
         line ``if __name__ == "__main__":``.
@@ -133,7 +133,7 @@ def write_sweep(
         Address of a Dask cluster that makes the files, such as ``"tcp://host:8786"``. Its workers need the
         same versions of vibro, NumPy, SciPy and pyarrow, and the same folder under the same path.
     resume : bool, optional
-        Whether to go on with a folder where the same sweep was cut short.
+        Whether to continue the same sweep in a folder where it was cut short.
     force : bool, optional
         Whether to start anew in a folder that holds a sweep.
 
@@ -152,8 +152,9 @@ def write_sweep(
 
     Notes
     -----
-    The bytes of the files follow from what is asked for and the versions of the libraries alone, on one kind
-    of processor: not from who makes them, or how often they are resumed (tests/sweeps/test_parts.py).
+    The bytes of the files follow from the arguments and the versions of the libraries alone, on one kind
+    of processor: not from the number or kind of workers, or from how often the sweep is resumed
+    (tests/sweeps/test_parts.py).
 
     Examples
     --------

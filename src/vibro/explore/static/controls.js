@@ -82,7 +82,7 @@ export function bindControls(store, change) {
   };
 }
 
-/** What is wrong, as a button that leads to its box. @param {Problem} problem */
+/** A problem as a button that leads to its box. @param {Problem} problem */
 function leading({ field, text }) {
   const box = boxes.find(({ name }) => name === field);
   const said = `not updated: ${text}`;

@@ -1,4 +1,4 @@
-/** What can be taken along: pictures of the map, and texts. */
+/** Downloads and copies: pictures of the map, and texts. */
 
 import { FONT, INK, place, set, svg } from "./draw.js";
 

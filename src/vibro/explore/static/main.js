@@ -1,4 +1,4 @@
-/** What follows on what: changes go to the address and to the server, its answers to the page. */
+/** Order of updates: changes go to the address and to the server, its answers to the page. */
 
 import { bindControls, showRefused } from "./controls.js";
 import { place, set } from "./draw.js";
@@ -22,7 +22,7 @@ function start(/** @type {Schema} */ schema) {
   const renderControls = bindControls(store, change);
   let asked = /** @type {string | null} */ (null); // what the map depends on that was asked last
   let isLinked = true; // the state comes from the address
-  let badLink = ""; // what is said of an address that tells no state
+  let badLink = ""; // message on an address without a valid state
   let isTold = true; // how the last finished change ended has been said
   let changed = 0; // [ms] when the state last did
   let refining = 0; // the timer of the next refinement
@@ -68,7 +68,7 @@ function start(/** @type {Schema} */ schema) {
     refining = setTimeout(ask, Math.max(changed + CALM - performance.now(), 0));
   }
 
-  /** Tell what is wrong. @param {boolean} isRefused */
+  /** Show all problems. @param {boolean} isRefused */
   function tell(isRefused) {
     const lanes = [map, past, point];
     say(lanes.find((lane) => lane.trouble)?.trouble ?? "", "gone");
@@ -98,7 +98,7 @@ function start(/** @type {Schema} */ schema) {
     isTold = true;
   }
 
-  /** Go to what the address tells. */
+  /** Take over the state of the address. */
   function follow() {
     leave(true);
     store.read(location.hash);

@@ -35,7 +35,7 @@ function line(d, info) {
 
 /** @typedef {(patch: State, isFinished: boolean) => void} Move */
 export class MapView {
-  // The operating point is told by numberOf; move is told where a hand moves it.
+  // numberOf gives the values of the operating point; move is called while a hand moves it.
   /** @param {Schema} schema @param {(column: string) => number} numberOf @param {Move} move */
   constructor(schema, numberOf, move) {
     this.schema = schema;
@@ -50,7 +50,7 @@ export class MapView {
     this.cells = /** @type {Cells | null} */ (null);
     this.at = [0, 0]; // the operating point: shares of the axes, perhaps outside of them
     this.box = { left: 58, top: 30, width: 1, height: 1 };
-    this.sign = /** @type {Element | null} */ (null); // what tells the operating point's values in words
+    this.sign = /** @type {Element | null} */ (null); // the operating point's values as a text
     this.dragging = false;
     this.pointer = /** @type {PointerEvent | null} */ (null); // the last event of one that is over the map
     new ResizeObserver(() => this.draw()).observe(this.stage);
@@ -189,7 +189,7 @@ export class MapView {
     this.move(Object.fromEntries(moved.filter((_, n) => !Number.isNaN(shares[n]))), false);
   }
 
-  // Tell the numbers of the cell under a pointer that is over the map and does not move the point.
+  // Show the numbers of the cell under a pointer that is over the map and does not move the point.
   /** @param {PointerEvent | null} pointer */
   hover(pointer = this.pointer) {
     this.pointer = pointer;

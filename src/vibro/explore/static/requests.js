@@ -8,12 +8,12 @@ const ANEW = "vibro was started anew: open the address that it printed, in anoth
 export const pause = (/** @type {number} */ time) => new Promise((resume) => setTimeout(resume, time));
 
 /**
- * A way to ask; of what it tells, `problems` are those of the input, `trouble` is why there is no answer.
+ * A queue of requests; its `problems` are those of the input, its `trouble` is why there is no answer.
  * @template Answer
  * @param {string} kind the route
  * @param {(response: Response) => Promise<Answer>} read
  * @param {(answer: Answer, query: string) => void} show
- * @param {(refused: boolean) => void} tell called where there are new problems, or none any more
+ * @param {(refused: boolean) => void} tell called when problems appear or disappear
  */
 export function createLane(kind, read, show, tell) {
   const lane = { problems: /** @type {Problem[]} */ ([]), trouble: "", waiting: /** @type {string?} */ (null), ask };
