@@ -80,3 +80,23 @@ def test_where_there_is_no_speed_there_is_no_cost(changes: dict[str, float]) -> 
 def test_more_than_one_operating_point_is_refused() -> None:
     with pytest.raises(vibro.SceneError, match=r"scene = shape \(2,\): must be one operating point"):
         speed_costs(scene_with(frequency=[10.0, 20.0]))
+
+
+def test_an_ellipse_at_a_jump_has_no_costs() -> None:
+    """One step further back slip has entered and the speed is another: a difference across it is no slope."""
+    ellipse = {"along_amplitude": 1.1e-3, "normal_amplitude": 4e-4, "normal_phase": 0.0, "frequency": 15.0}
+    scene = vibro.Scene(**ellipse, static_friction=0.74, kinetic_friction=0.57)
+    jump = float(vibro.critical_loads(scene).back_slip / scene.load)
+    below, at, above = (
+        vibro.Scene(
+            **{**ellipse, "along_amplitude": 1.1e-3 * jump * s, "normal_amplitude": 4e-4 * jump * s},
+            static_friction=0.74,
+            kinetic_friction=0.57,
+        )
+        for s in (1 - 1e-3, 1 - 1e-6, 1 + 1e-3)
+    )
+    assert [str(vibro.solve(s).pattern) for s in (below, at, above)] == ["F_", "F_", "F_B_"]
+    for smooth in (below, above):
+        assert all(math.isfinite(cost) for cost in speed_costs(smooth).values())
+    costs = speed_costs(at)
+    assert all(math.isnan(costs[name]) for name in ("along_amplitude", "frequency", "static_friction"))

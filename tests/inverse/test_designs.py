@@ -6,9 +6,11 @@ import math
 from typing import Any
 
 import pytest
+from helpers.questions import answered
 
 import vibro
 from vibro.core.codes import Regime
+from vibro.inverse.designs import chosen_of
 from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
@@ -148,3 +150,27 @@ def test_the_nearest_drive_meets_the_goal() -> None:
     best = optimiser(question, Regime.FORWARD_SLIP).fastest()
     assert best is not None
     assert best.speed >= 0.08
+
+
+@pytest.mark.parametrize(
+    ("margins", "speeds", "name"),
+    [((2.0, 3.0), (50.0, 40.0), "b"), ((3.0, 2.0), (40.0, 50.0), "a"), ((2.0, 2.0), (40.0, 50.0), "b")],
+)
+def test_the_drive_of_the_largest_margin_is_shown(
+    margins: tuple[float, float], speeds: tuple[float, float], name: str
+) -> None:
+    drive = {"amplitude_mm": 2, "frequency_hz": 20, "drive_angle_deg": 25}
+    scene = {"static_friction": "0.4:0.5", "friction_ratio": 0.8}
+    spec = read_spec(
+        {"scene": scene, "drive": [{**drive, "name": n} for n in "ab"], "goal": {"speed_mm_s": 30}}
+    )
+    rows = [
+        Design(
+            drive=n, highest_regime="back-slip", design="safest", amplitude_mm=1.0, frequency_hz=20.0,
+            drive_angle_deg=25.0, margin=margin, speed_min_mm_s=speed,
+        )
+        for n, margin, speed in zip("ab", margins, speeds, strict=True)
+    ]  # fmt: skip
+    chosen = chosen_of(spec, answered(True, *rows))
+    assert chosen is not None
+    assert chosen.design.drive == chosen.drive.name == name

@@ -361,3 +361,16 @@ def test_yields_of_certain_things() -> None:
         assert 0.0 < error < 1e-5  # a sliver of a sample's size may have been missed
     back = scene_with(amplitude=2e-3)
     assert vibro.yield_share(back, 1e-3, highest_regime="forward-slip", **bands)[0] == 0.0
+
+
+@pytest.mark.parametrize("amplitude", [3e-4, 1e-3])
+def test_nothing_is_guaranteed_where_some_part_runs_away(amplitude: float) -> None:
+    """Down 14 degrees, parts of mu_d below 0.249 slide for ever; those above convey at 17 to 95 mm/s."""
+    scene = scene_with(
+        amplitude=amplitude, static_friction=0.4, kinetic_friction=0.2, trough_angle=math.radians(-14.0)
+    )
+    found = vibro.guarantee(scene, kinetic_friction=(0.15, 0.3))
+    assert (found.speed_min, found.speed_max) == (-math.inf, math.inf)
+    assert (found.proof_min, found.proof_max) == ("searched", "searched")
+    held = vibro.guarantee(scene, kinetic_friction=(0.26, 0.3))
+    assert 0.0 < held.speed_min < held.speed_max < math.inf

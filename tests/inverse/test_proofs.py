@@ -13,9 +13,18 @@ from helpers.scenes import line_of, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vibro import Regime, Scene
 from vibro.inverse.bands import box_of
-from vibro.inverse.proofs import back_slip_load, onset_load, tip_load
-from vibro.limits import critical_loads_of_lines, tipping_load_of_lines
+from vibro.inverse.proofs import (
+    back_slip_load,
+    extreme_ratio,
+    first_ratio,
+    is_braked,
+    last_ratio,
+    onset_load,
+    tip_load,
+)
+from vibro.limits import critical_loads, critical_loads_of_lines, tipping_load_of_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -92,6 +101,60 @@ def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
             assert float(back_slip_load(box)) <= least * (1 + 1e-12)
             found += least < min(loads[0], loads[-1]) * (1 - 1e-6) or loads[-1] < loads[0]
     assert found >= 3  # so that the corner alone would not do
+
+
+@given(
+    st.floats(0.3, 4.0), st.floats(0.2, 0.95), st.floats(-0.98, 0.98), st.floats(2.0, 70.0),
+    st.floats(0.1, 1.5), st.booleans(),
+)  # fmt: skip
+def test_loads_on_steep_troughs(
+    friction: float, ratio: float, share: float, drive_deg: float, stand: float, is_ratio: bool
+) -> None:
+    """Troughs up to the angle of static friction, 76 degrees either way, which friction of 4 still holds."""
+    steepest = math.atan(friction)
+    slope = share * steepest
+    scene = scene_with(
+        drive_angle=min(math.radians(drive_deg), 0.49 * math.pi - slope),
+        trough_angle=slope,
+        static_friction=friction,
+        kinetic_friction=ratio * friction,
+    )
+    second = {"friction_ratio": (0.8 * ratio, ratio)} if is_ratio else {}
+    trough = (max(slope - 0.05, -0.99 * steepest), min(slope + 0.05, 0.99 * steepest))
+    box = box_of(scene, {"static_friction": (friction, 1.3 * friction), "trough_angle": trough, **second})
+    points = grid_of(box)
+    loads = criticals_of(box)
+    assert float(box.hop_load) == pytest.approx(np.min(loads.hop), rel=1e-9)
+    assert np.max(loads.forward_onset) <= float(onset_load(box)) * (1 + 1e-12)
+    assert float(onset_load(box)) <= np.max(loads.forward_onset) * 1.05
+    assert float(back_slip_load(box)) <= np.min(loads.back_slip) * (1 + 1e-12)
+    tips = tipping_load_of_lines(points.shape[0], points.static_friction, points.trough_angle, stand)
+    assert float(tip_load(box, stand)) <= np.min(tips) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("regime", [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING])
+@given(box=drawn)
+def test_ratios_of_a_line_are_those_that_a_search_finds(regime: Regime, box: Boxed) -> None:
+    one = box_of(box.scene, box.bands)
+    field = {1: "forward_onset", 2: "back_slip", 3: "hop"}[int(regime)]
+
+    def critical(scene: Scene) -> Any:
+        return getattr(critical_loads(scene), field)
+
+    proved = first_ratio(one, regime), last_ratio(one, regime)
+    for ratio, largest in zip(proved, (True, False), strict=True):
+        found, _ = extreme_ratio(one, critical, largest=largest)
+        slack = 1e-9 * max(ratio, found)
+        assert (found <= ratio + slack) if largest else (found >= ratio - slack)
+        assert ratio == pytest.approx(found, rel=2e-2)
+
+
+@pytest.mark.parametrize(("least", "braked"), [(0.249327, False), (0.249329, True)])
+def test_friction_brakes_down_to_the_angle_of_the_trough(least: float, braked: bool) -> None:
+    """tan 14 deg = 0.249328; the steepest decline and the least kinetic friction decide."""
+    scene = scene_with(static_friction=0.4, kinetic_friction=0.3, trough_angle=math.radians(-10.0))
+    bands = {"kinetic_friction": (least, 0.3), "trough_angle": (math.radians(-14.0), math.radians(5.0))}
+    assert is_braked(box_of(scene, bands)) is braked
 
 
 def test_caps_of_many_boxes_are_those_of_each() -> None:

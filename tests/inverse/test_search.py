@@ -57,7 +57,7 @@ def bump(centre: float, width: float) -> Any:
 
 @pytest.mark.parametrize("centre", [0.331, 0.349, 0.36, 0.371, 0.389])
 def test_a_peak_between_two_points_of_the_grid_is_climbed_on_both_sides(centre: float) -> None:
-    """The grid has 0.3, 0.36 and 0.42, all below the target: the top lies on either side of the middle one."""
+    """The grid has 0.3, 0.36 and 0.42, all below the target; the top lies on either side of the middle."""
     peak = bump(centre, 0.1)
     grid = np.array([[0.18, 0.24, 0.3, 0.36, 0.42, 0.48]])
     target = 0.5 * (1.0 + float(peak(0.36))) if centre != 0.36 else 0.99
@@ -70,7 +70,7 @@ def test_every_function_has_its_own_first_crossing() -> None:
     centres = np.array([0.2, 0.5, 0.8])
 
     def value(rows: NDArray[np.intp], x: Floats) -> Floats:
-        return np.maximum(1.0 - np.abs(x - centres[rows]) / 0.3, -1.0)
+        return np.asarray(np.maximum(1.0 - np.abs(x - centres[rows]) / 0.3, -1.0))
 
     grid = np.tile(np.linspace(0.0, 1.0, 41), (3, 1))
     found = first_crossing(value, grid, 0.7, climbs=2, relative=0.0)
@@ -91,7 +91,7 @@ def test_minima_on_faces_are_found_exactly(corner: tuple[float, float]) -> None:
     at = np.array(corner)[:, None]
 
     def cost(x: Floats) -> Floats:
-        return np.abs(x - at).sum(axis=0)
+        return np.asarray(np.abs(x - at).sum(axis=0))
 
     point, least = evolve(cost, sobol(2, 5, 0), generations=300, seed=1)
     assert point[:, 0] == pytest.approx(corner, abs=1e-9)

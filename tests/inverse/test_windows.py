@@ -167,3 +167,23 @@ def test_horizontal_drives_convey_down_a_decline(drive_angle: float, bands: dict
     assert interval.low == pytest.approx(1.31104e-3, rel=1e-5)
     assert interval.low_set_by == "speed"
     assert interval.high > 1e3
+
+
+@pytest.mark.parametrize("percent", [0.0, 3.0, 8.0])
+def test_windows_leave_room_for_the_drift_at_both_ends(percent: float) -> None:
+    """The weakest drive of the drift must still start every part, and the strongest must not throw one."""
+    scene = scene_with(drive_angle=math.radians(30.0), static_friction=0.5, kinetic_friction=0.499)
+    bands: dict[str, Any] = {"static_friction": (0.45, 0.5), "friction_ratio": (0.998, 1.0)}
+    (interval,) = vibro.feasible_amplitudes(scene, 1e-9, amplitude_percent=percent, **bands)
+    hard = replaced(scene, amplitude=1.0)
+    limits = vibro.critical_loads(hard)
+    assert interval.high_set_by == "hop"
+    assert interval.high * (1 + percent / 100) == pytest.approx(float(limits.hop / hard.load), rel=1e-9)
+    assert interval.low * (1 - percent / 100) == pytest.approx(
+        float(limits.forward_onset / hard.load), rel=1e-3
+    )
+    forward = {"highest_regime": "forward-slip", **bands}
+    (still,) = vibro.feasible_amplitudes(scene, 1e-9, amplitude_percent=percent, **forward)
+    found, regime = least(scene, still.high, bands, percent)
+    assert (found > 0.0, regime) == (True, Regime.FORWARD_SLIP)
+    assert least(scene, still.high * (1 + 1e-9), bands, percent)[1] > Regime.FORWARD_SLIP
