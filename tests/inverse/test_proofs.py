@@ -104,17 +104,20 @@ def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
 
 
 @given(
-    st.floats(0.3, 4.0), st.floats(0.2, 0.95), st.floats(-0.98, 0.98), st.floats(2.0, 70.0),
+    st.floats(0.3, 4.0), st.floats(0.2, 0.95), st.floats(-0.98, 0.98), st.floats(0.05, 1.2),
     st.floats(0.1, 1.5), st.booleans(),
 )  # fmt: skip
 def test_loads_on_steep_troughs(
-    friction: float, ratio: float, share: float, drive_deg: float, stand: float, is_ratio: bool
+    friction: float, ratio: float, share: float, drive: float, stand: float, is_ratio: bool
 ) -> None:
-    """Troughs up to the angle of static friction, 76 degrees either way, which friction of 4 still holds."""
+    """Troughs up to the angle of static friction, 76 degrees either way, which friction of 4 still holds.
+
+    Up to a share of 1 of the angle whose tangent is 1/mu_s parts can slip back at all.
+    """
     steepest = math.atan(friction)
     slope = share * steepest
     scene = scene_with(
-        drive_angle=min(math.radians(drive_deg), 0.49 * math.pi - slope),
+        drive_angle=min(drive * math.atan(1.0 / friction), 0.49 * math.pi - slope),
         trough_angle=slope,
         static_friction=friction,
         kinetic_friction=ratio * friction,
