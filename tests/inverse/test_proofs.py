@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from helpers.boxed import Boxed, boxes
 from helpers.scenes import line_of, scene_with
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from vibro import Regime, Scene
@@ -103,6 +103,8 @@ def test_back_slip_may_begin_inside_a_ratio_band_on_a_decline() -> None:
     assert found >= 3  # so that the corner alone would not do
 
 
+@example(2.93, 0.7, -0.65, 0.17, 0.5, False)  # so steep that a steeper one holds better against back slip
+@example(1.83, 0.78, -0.51, 0.2, 0.5, True)
 @given(
     st.floats(0.3, 4.0), st.floats(0.2, 0.95), st.floats(-0.98, 0.98), st.floats(0.05, 1.2),
     st.floats(0.1, 1.5), st.booleans(),
