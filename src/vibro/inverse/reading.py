@@ -9,16 +9,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import InputError, shown
-from vibro.files.toml_files import read_toml
-from vibro.inverse.catalogue import Row
+from vibro.errors import InputError, Problems, shown
+from vibro.files.descriptions import DESIGN_FILE
+from vibro.files.entries import is_name
+from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_unknown_tables
+from vibro.inverse.catalogue import static_row
 from vibro.inverse.specs import AnyDrive, Drift, Drive, EllipticalDrive, Goal, Spec
-from vibro.inverse.tables import ANGLE, EXAMPLES, KEYS, Problems, Table, is_name
+from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from vibro.inverse.entries import Span
+    from vibro.files.entries import Span
+    from vibro.inverse.catalogue import Row
 
 __all__ = ["read_spec"]
 
@@ -62,7 +65,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
     (((50.0, 50.0), (100.0, 100.0)), 0.08)
     """
     if isinstance(source, Mapping):
-        return _spec(source, "", Problems(""))
+        return _spec(source, "", Problems())
     if not isinstance(source, str | os.PathLike):
         raise InputError(f"{shown(source)}: must be a path, or a mapping with the tables of a question")
     path = Path(source)
@@ -70,16 +73,14 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
 
 
 def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
-    for key, value in content.items():
-        if key not in KEYS:
-            what = "table" if isinstance(value, Mapping | list) else "key"
-            problems.add_unknown(f"unknown {what}", key, KEYS)
+    refuse_unknown_tables(content, DESIGN_FILE, problems)
     scene, drift, goal, part = (
-        Table(table, content.get(table, {}), problems) for table in ("scene", "drift", "goal", "part")
+        Table(DESIGN_FILE, table, content.get(table, ABSENT), problems)
+        for table in ("scene", "drift", "goal", "part")
     )
     drives = _drive_tables(content.get("drive", []), problems)
     spec = Spec(
-        bands=_bands(scene),
+        bands=_bands(scene, problems),
         drives=tuple(_drive(table, f"drive {i}") for i, table in enumerate(drives, 1)),
         goal=_goal(goal, scene),
         drift=Drift(
@@ -103,11 +104,13 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
     return spec
 
 
-def _bands(scene: Table) -> dict[str, Span]:
-    scene.needs("static_friction")
+def _bands(scene: Table, problems: Problems) -> dict[str, Span]:
     static = scene.get("static_friction")
-    row = static if isinstance(static, Row) else None
-    static = row.static_friction if row else static
+    row: Row | None = None
+    if is_name(static):
+        with problems.taken(f"{scene.heading} static_friction = "):
+            row = static_row(static)
+        static = row and row.static_friction
     keys = [key for key in ("kinetic_friction", "friction_ratio") if key in scene.given]
     bands = {"static_friction": static} | {key: scene.get(key) for key in keys}
     if keys or not is_name(scene.given.get("static_friction")):
@@ -130,12 +133,13 @@ def _drive_tables(given: Any, problems: Problems) -> list[Table]:
     """Read the drives; a single one may be a table of its own."""
     tables = list(given) if isinstance(given, list | tuple) else [given]
     if not tables:
-        example = ", ".join(EXAMPLES[key] for key in ("amplitude_mm", "frequency_hz", "drive_angle_deg"))
+        entries = DESIGN_FILE.tables["drive"].entries
+        example = ", ".join(entries[key].shown for key in ("amplitude_mm", "frequency_hz", "drive_angle_deg"))
         problems.add(
             "[[drive]] is missing: there must be one drive or more", f"[[drive]] for example: {example}"
         )
     several = len(tables) > 1
-    return [Table("drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
+    return [Table(DESIGN_FILE, "drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
 
 
 def _drive(table: Table, usual_name: str) -> AnyDrive:
@@ -143,7 +147,6 @@ def _drive(table: Table, usual_name: str) -> AnyDrive:
     if elliptical:
         return _ellipse(table, usual_name, elliptical)
     table.needs("amplitude_mm", "stroke_mm")
-    table.needs("frequency_hz")
     table.needs("drive_angle_deg")
     low, high = table.get("stroke_mm", (0.0, 0.0))
     return Drive(
@@ -156,7 +159,6 @@ def _drive(table: Table, usual_name: str) -> AnyDrive:
 
 
 def _ellipse(table: Table, usual_name: str, given: Sequence[str]) -> EllipticalDrive:
-    table.needs("frequency_hz")
     for key in _OF_ELLIPSES[:2]:
         table.needs(key)
     for key in _OF_LINES:
@@ -173,11 +175,10 @@ def _ellipse(table: Table, usual_name: str, given: Sequence[str]) -> EllipticalD
 
 
 def _goal(goal: Table, scene: Table) -> Goal:
-    goal.needs("speed_mm_s", "traverse_time_s")
     speed = goal.get("speed_mm_s", math.nan)
     time, length = goal.get("traverse_time_s"), scene.get("trough_length_mm")
     if "traverse_time_s" in goal.given and "trough_length_mm" not in scene.given:
-        hint = f"[scene] for example: {EXAMPLES['trough_length_mm']}"
+        hint = f"[scene] for example: {scene.example('trough_length_mm')}"
         goal.refuse("traverse_time_s", "needs trough_length_mm in [scene]", hint)
     if time and length:
         speed = length / time
@@ -192,8 +193,6 @@ def _goal(goal: Table, scene: Table) -> Goal:
 
 
 def _stand_ratio(part: Table) -> float:
-    part.needs("half_base_mm")
-    part.needs("centre_height_mm")
     return float(part.get("half_base_mm", 1.0) / part.get("centre_height_mm", 1.0))
 
 
@@ -251,4 +250,4 @@ def _check_accelerations(spec: Spec, drives: Sequence[Table]) -> None:
 
 
 def _degrees(angle: float) -> str:
-    return f"{ANGLE.from_si(angle):.6g} deg"
+    return f"{QUANTITIES['drive_angle'].from_si(angle):.6g} deg"
