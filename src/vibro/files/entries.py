@@ -50,7 +50,9 @@ class Form(NamedTuple):
         ``read(quantity, value)`` returns what is meant: of scene files an axis as it is given, of designs
         numbers in SI units and radians. It raises InputError, which names the key or the quantity.
     spellings : tuple of str
-        The ways to write it, keys of ``json_schema.SPELLINGS``.
+        The ways to write it: ``number``; as a text a number with a unit (``text``), ``lo:hi`` (``ends``),
+        ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the catalogue or any ``line``; a
+        ``list`` of such numbers and texts or of a ``single`` one, or of ``numbers`` alone.
     words : tuple of str
         All that it may be, where it is a word of a list.
     """

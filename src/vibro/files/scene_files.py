@@ -68,8 +68,8 @@ def read_scene_file(path: Path) -> SceneFile:
             problems.add(f"{name} must be a table, written [{name}]")
             given = ABSENT
         values = Table(SCENE_FILE, name, given, problems).values
-        lists |= {key: value for key, value in values.items() if isinstance(value, list)}
-        tables[name] = {spec.quantity.name: spec for key, spec in values.items() if key not in lists}
+        lists |= {called: value for called, value in values.items() if isinstance(value, list)}
+        tables[name] = {called: spec for called, spec in values.items() if called not in lists}
     with problems.taken("[scene] "):
         tables["scene"] |= _harmonics(lists, tables["scene"])
     problems.settle()
@@ -81,11 +81,12 @@ def _harmonics(lists: Mapping[str, list[float]], others: Mapping[str, AxisSpec])
     if not lists:
         return {}
     if len({len(values) for values in lists.values()}) > 1:
-        counts = ", ".join(f"{key} has {len(values)}" for key, values in lists.items())
+        keys = {entry.quantity.name: key for key, entry in SCENE_FILE.tables["scene"].entries.items()}
+        counts = ", ".join(f"{keys[name]} has {len(values)}" for name, values in lists.items())
         raise InputError(f"lists of different lengths: {counts}", hint="write 0 for what a harmonic lacks")
     specs: dict[str, AxisSpec] = {}
-    for key, values in lists.items():
-        first = key.rpartition("s_")[0]  # the first harmonic has the quantity's name alone
+    for plural, values in lists.items():
+        first = plural.removesuffix("s")
         for n, value in enumerate(values, 1):
             name = first if n == 1 else f"{first}_{n}"
             specs[name] = axis_of(value, QUANTITIES[name])

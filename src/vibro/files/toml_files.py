@@ -98,6 +98,11 @@ class Table:
         Where to tell what is wrong.
     place : int, optional
         Which of several of its kind it is.
+
+    Attributes
+    ----------
+    values : dict
+        What was read, by the names of the quantities; what is missing or wrong is not among it.
     """
 
     def __init__(self, file: FileKind, name: str, given: Any, problems: Problems, place: int = 0) -> None:
@@ -114,13 +119,9 @@ class Table:
                 _refuse_unknown(f"{self.heading} unknown key", key, kind.entries, file, problems)
                 continue
             with problems.taken(f"{self.heading} "):
-                self.values[key] = kind.entries[key].read(value)
+                self.values[kind.entries[key].quantity.name] = kind.entries[key].read(value)
         for keys in kind.needs if kind.required or given is not ABSENT else ():
             self.needs(*keys)
-
-    def get(self, key: str, default: Any = None) -> Any:
-        """Return what was read; the default where it is missing or wrong."""
-        return self.values.get(key, default)
 
     def refuse(self, key: str, why: str, hint: str = "") -> None:
         """Tell what is wrong with an entry."""

@@ -15,7 +15,7 @@ from vibro.files.entries import is_name
 from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_unknown_tables
 from vibro.inverse.catalogue import static_row
 from vibro.inverse.specs import AnyDrive, Drift, Drive, EllipticalDrive, Goal, Spec
-from vibro.quantities import QUANTITIES
+from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,8 +27,7 @@ __all__ = ["read_spec"]
 
 # [rad] More than is lost where four angles near 90 deg are converted and added.
 _ROUNDED: Final = 1e-15
-_OF_LINES: Final = ("amplitude_mm", "stroke_mm", "drive_angle_deg")
-_OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg")
+_LINE: Final = (*LINEAR, "stroke")
 _PAIRS: Final = "either amplitude_mm and drive_angle_deg, or along_amplitude_mm and normal_amplitude_mm"
 
 
@@ -83,16 +82,10 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
         bands=_bands(scene, problems),
         drives=tuple(_drive(table, f"drive {i}") for i, table in enumerate(drives, 1)),
         goal=_goal(goal, scene),
-        drift=Drift(
-            amplitude=drift.get("amplitude_percent", 0.0),
-            frequency=drift.get("frequency_percent", 0.0),
-            drive_angle=drift.get("drive_angle_deg", 0.0),
-            trough_angle=drift.get("trough_angle_deg", 0.0),
-            normal_phase=drift.get("normal_phase_deg", 0.0),
-        ),
-        length=scene.get("trough_length_mm"),
-        gravity=scene.get("gravity_m_s2", Spec.gravity),
-        restitution=scene.get("restitution", Spec.restitution),
+        drift=Drift(**drift.values),
+        length=scene.values.get("trough_length"),
+        gravity=scene.values.get("gravity", Spec.gravity),
+        restitution=scene.values.get("restitution", Spec.restitution),
         stand_ratio=_stand_ratio(part) if "part" in content else Spec.stand_ratio,
         name=name,
     )
@@ -105,14 +98,14 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
 
 
 def _bands(scene: Table, problems: Problems) -> dict[str, Span]:
-    static = scene.get("static_friction")
+    static: Any = scene.values.get("static_friction")
     row: Row | None = None
     if is_name(static):
         with problems.taken(f"{scene.heading} static_friction = "):
             row = static_row(static)
         static = row and row.static_friction
     keys = [key for key in ("kinetic_friction", "friction_ratio") if key in scene.given]
-    bands = {"static_friction": static} | {key: scene.get(key) for key in keys}
+    bands = {"static_friction": static} | {key: scene.values.get(key) for key in keys}
     if keys or not is_name(scene.given.get("static_friction")):
         scene.needs("kinetic_friction", "friction_ratio")
     elif row:
@@ -120,7 +113,7 @@ def _bands(scene: Table, problems: Problems) -> dict[str, Span]:
         if not row.kinetic_friction:
             hint = "give kinetic_friction or friction_ratio too"
             scene.refuse("static_friction", "the catalogue has no kinetic friction of it", hint)
-    bands["trough_angle"] = scene.get("trough_angle_deg", (0.0, 0.0))
+    bands["trough_angle"] = scene.values.get("trough_angle", (0.0, 0.0))
     known = {key: ends for key, ends in bands.items() if ends}
     kinetic = known.get("kinetic_friction", (0.0, 0.0))
     if static and kinetic[0] > static[1]:
@@ -143,57 +136,44 @@ def _drive_tables(given: Any, problems: Problems) -> list[Table]:
 
 
 def _drive(table: Table, usual_name: str) -> AnyDrive:
-    elliptical = [key for key in _OF_ELLIPSES if key in table.given]
+    elliptical = [key for key in _keys(ELLIPTICAL) if key in table.given]
     if elliptical:
         return _ellipse(table, usual_name, elliptical)
     table.needs("amplitude_mm", "stroke_mm")
     table.needs("drive_angle_deg")
-    low, high = table.get("stroke_mm", (0.0, 0.0))
-    return Drive(
-        name=table.get("name", usual_name),
-        amplitude=table.get("amplitude_mm", (low / 2.0, high / 2.0)),
-        frequency=table.get("frequency_hz", ()),
-        drive_angle=table.get("drive_angle_deg", ()),
-        acceleration=table.get("acceleration_g", Drive.acceleration),
-    )
+    low, high = table.values.pop("stroke", (0.0, 0.0))
+    usual = {"name": usual_name, "amplitude": (low / 2.0, high / 2.0), "frequency": (), "drive_angle": ()}
+    return Drive(**usual | table.values)
 
 
 def _ellipse(table: Table, usual_name: str, given: Sequence[str]) -> EllipticalDrive:
-    for key in _OF_ELLIPSES[:2]:
+    for key in _keys(ELLIPTICAL[:2]):
         table.needs(key)
-    for key in _OF_LINES:
+    for key in _keys(_LINE):
         if key in table.given:
             table.refuse(key, f"not beside {' and '.join(given)} of an elliptical drive", f"give {_PAIRS}")
-    return EllipticalDrive(
-        name=table.get("name", usual_name),
-        along_amplitude=table.get("along_amplitude_mm", (0.0, 0.0)),
-        normal_amplitude=table.get("normal_amplitude_mm", (0.0, 0.0)),
-        normal_phase=table.get("normal_phase_deg", (0.0, 0.0)),
-        frequency=table.get("frequency_hz", ()),
-        acceleration=table.get("acceleration_g", EllipticalDrive.acceleration),
-    )
+    usual = {"name": usual_name, **dict.fromkeys(ELLIPTICAL, (0.0, 0.0)), "frequency": ()}
+    return EllipticalDrive(**usual | {name: v for name, v in table.values.items() if name not in _LINE})
+
+
+def _keys(names: Sequence[str]) -> list[str]:
+    return [QUANTITIES[name].column for name in names]
 
 
 def _goal(goal: Table, scene: Table) -> Goal:
-    speed = goal.get("speed_mm_s", math.nan)
-    time, length = goal.get("traverse_time_s"), scene.get("trough_length_mm")
+    time, length = goal.values.pop("traverse_time", None), scene.values.get("trough_length")
     if "traverse_time_s" in goal.given and "trough_length_mm" not in scene.given:
         hint = f"[scene] for example: {scene.example('trough_length_mm')}"
         goal.refuse("traverse_time_s", "needs trough_length_mm in [scene]", hint)
     if time and length:
-        speed = length / time
+        goal.values["speed"] = speed = length / time
         if not 0.0 < speed < math.inf:
             goal.refuse("traverse_time_s", "the length of the trough over it is beyond the range of doubles")
-    return Goal(
-        speed=speed,
-        highest_regime=goal.get("highest_regime", Goal.highest_regime),
-        impact_speed=goal.get("impact_speed_mm_s", Goal.impact_speed),
-        flight_fraction=goal.get("flight_fraction", Goal.flight_fraction),
-    )
+    return Goal(**{"speed": math.nan} | goal.values)
 
 
 def _stand_ratio(part: Table) -> float:
-    return float(part.get("half_base_mm", 1.0) / part.get("centre_height_mm", 1.0))
+    return float(part.values.get("half_base", 1.0) / part.values.get("centre_height", 1.0))
 
 
 def _check_names(drives: Sequence[AnyDrive], problems: Problems) -> None:

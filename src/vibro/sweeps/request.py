@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from vibro.axes import AxisSpec, axis_of, default_count
-from vibro.errors import Problems, SceneError
+from vibro.errors import Problems
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
@@ -44,15 +44,6 @@ _REQUIRED: Final = (
     "amplitude", "along_amplitude", "normal_amplitude", "along_amplitude_2", "normal_amplitude_2",
     "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_length",
 )  # fmt: skip
-# Valid whatever the others are, in SI units.
-_HARMLESS: Final = {
-    "amplitude": 1e-3,
-    "frequency": 1.0,
-    "drive_angle": 0.0,
-    "static_friction": 0.0,
-    "kinetic_friction": 0.0,
-}
-
 Specs = dict[str, AxisSpec]
 
 
@@ -340,25 +331,17 @@ def _check_range(slot: str, spec: AxisSpec, problems: _Problems) -> None:
 
 def _check_combinations(specs: Specs, problems: _Problems) -> None:
     """Refuse a request of which every combination is infeasible: if its most feasible one is."""
-    least = {slot: spec.values[0] for slot, spec in specs.items() if slot not in problems.slots}
-    if "static_friction" in least:
-        least["static_friction"] = specs["static_friction"].values[-1]
-    ratio = specs.get("kinetic_friction")
-    if ratio is not None and ratio.quantity.name == "friction_ratio":
-        least.pop("kinetic_friction", None)
-        if ratio.varies and ratio.values[0] > 1:
-            problems.add(f"{_text(ratio, ratio.values[0])}: must be in [0, 1]", field="kinetic_friction")
-    if "static_friction" not in least:
-        least.pop("kinetic_friction", None)
-    pairs = {"kinetic_friction", "static_friction"} & least.keys()
-    try:
-        Scene(**(_HARMLESS | scene_fields({slot: float(least[slot]) for slot in pairs})))
-    except SceneError as exc:
-        fields = {problem.field for problem in exc.problems}
-        if "kinetic_friction" in fields:
-            limit = _text(specs["static_friction"], least["static_friction"])
-            text = _text(specs["kinetic_friction"], least["kinetic_friction"])
-            problems.add(f"{text}: must be at most {limit}", field="kinetic_friction")
+    pair = ("static_friction", "kinetic_friction")
+    static, kinetic = (None if slot in problems.slots else specs.get(slot) for slot in pair)
+    if kinetic is None:
+        return
+    least, most = kinetic.values[0], ""
+    if kinetic.quantity.name == "friction_ratio":
+        most = "in [0, 1]" if kinetic.varies and least > 1 else ""
+    elif static is not None and float(least) > float(static.values[-1]):
+        most = f"at most {_text(static, static.values[-1])}"
+    if most:
+        problems.add(f"{_text(kinetic, least)}: must be {most}", field="kinetic_friction")
 
 
 def _check_missing(required: Sequence[str], merged: Specs, caller: Caller, problems: _Problems) -> None:
