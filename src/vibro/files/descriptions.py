@@ -116,11 +116,11 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
 #: Of ``vibro design``. Without static friction a body rests on no trough, not even on a level one.
 DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, drives and a goal", {
     "scene": TableKind("[scene]", "what is known of the parts and the trough", _by_key(
-        _entry(form.FRICTION, "static_friction", "static friction of the parts, > 0", "needed", "0.3:0.5",
+        _entry(form.FRICTION, "static_friction", "static friction of the parts", "needed", "0.3:0.5",
                allowed=_POSITIVE),
         _entry(form.BAND, "kinetic_friction", "kinetic friction; what is above static friction is cut off",
                "needed, or its ratio, unless a row of the catalogue has it"),
-        _entry(form.BAND, "friction_ratio", "kinetic over static friction, at most 1",
+        _entry(form.BAND, "friction_ratio", "kinetic over static friction",
                "needed, or kinetic friction", "0.7:0.9"),
         _entry(form.BAND, "trough_angle", "climb of the trough, less steep than where parts slide down", "0"),
         _entry(form.NUMBER, "trough_length", "length of the trough, for traverse times", "", 1200),
