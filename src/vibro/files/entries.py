@@ -13,7 +13,7 @@ import numpy as np
 
 from vibro.axes import axis_of, parse_axis
 from vibro.errors import InputError, shown
-from vibro.quantities import MOST_HARMONICS, STANDS_FOR, SWEPT, exact_number, nearest_double
+from vibro.quantities import MOST_HARMONICS, exact_number, nearest_double
 from vibro.reals import NotRealError, real_number
 
 if TYPE_CHECKING:
@@ -158,8 +158,13 @@ def _text(quantity: Quantity, value: Any) -> str:
 
 
 def _axis(quantity: Quantity, value: Any) -> AxisSpec:
+    return axis_of(value, quantity)
+
+
+def _point(quantity: Quantity, value: Any) -> AxisSpec:
+    """Read an axis of one value, of a quantity that cannot be swept."""
     spec = axis_of(value, quantity)
-    if spec.varies and STANDS_FOR.get(quantity.name, quantity.name) not in SWEPT:
+    if spec.varies:
         key = quantity.column
         raise InputError(
             f"{key} = {shown(value)}: {quantity.label} cannot be an axis", hint=f"give {key} one value"
@@ -275,7 +280,7 @@ def _by_column(exc: InputError, quantity: Quantity) -> InputError:
 VALUE: Final = Form("number", _value, ("number",))
 LIST: Final = Form(f"list of up to {MOST_HARMONICS} numbers", _list, ("numbers",))
 AXIS: Final = Form("number, list or axis", _axis, ("number", "text", "listed", "axis", "list"))
-POINT: Final = Form("number", _axis, ("number", "text", "single"))
+POINT: Final = Form("number", _point, ("number", "text", "single"))
 # Of designs.
 NUMBER: Final = Form("number", _number, ("number", "text"))
 BAND: Final = Form("number or band", _band, ("number", "text", "ends"))

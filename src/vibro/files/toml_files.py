@@ -150,7 +150,8 @@ def refuse_unknown_tables(content: Mapping[Any, Any], file: FileKind, problems: 
     for name, table in content.items():
         if name in file.tables:
             continue
-        if isinstance(table, Mapping | list):
+        tables = table if isinstance(table, list) else [table]
+        if all(isinstance(one, Mapping) for one in tables):
             _refuse_unknown("unknown table", name, file.tables, file, problems)
         else:
             *headings, last = (kind.heading for kind in file.tables.values())
@@ -171,4 +172,4 @@ def _refuse_unknown(
         text = word.casefold() if isinstance(word, str) else ""
         close = difflib.get_close_matches(text, known, n=1, cutoff=0.5)
         meant = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
-    problems.add(f"{what} {shown(word)}{meant}", hint)
+    problems.add(f"{what} {shown(word)}{meant}", "" if len(homes) == 1 else hint)
