@@ -170,9 +170,7 @@ def initial_state(request: Request | None = None) -> State:
     for key, name in zip("xy", drawn, strict=False):
         spec = request.specs[name]
         texts[key] = QUANTITIES[name].column
-        texts[f"{key}_range"] = (
-            f"{number_text(spec.values[0])}:{number_text(spec.values[-1])}" + ":log" * spec.log
-        )
+        texts[f"{key}_range"] = _range_text(spec)
     if len(drawn) == 1:
         texts["y"] = next(QUANTITIES[n].column for n in (DRIVES[drive].y, DRIVES[drive].x) if n != drawn[0])
     state = _state(texts)
@@ -255,12 +253,11 @@ def _state(texts: dict[str, str]) -> State:
     if texts["view"] == "traverse" and point.length is None:
         wrong.add("the traverse time needs the length of the trough", "give it", "trough_length_mm")
     wrong.settle()
-    kept = {QUANTITIES[name].column: number_text(value) for name, value in point.fixed.items()}
-    length = "" if point.length is None else number_text(point.length)
+    kept = {name: number_text(value) for name, value in point.fixed.items()}
+    kept["trough_length"] = "" if point.length is None else number_text(point.length)
     canonical = {
         **{key: texts[key] for key in _OTHERS},
-        **{key: kept[key] for key in (QUANTITIES[name].column for name in shown_names) if key in kept},
-        "trough_length_mm": length,
+        **{QUANTITIES[name].column: kept[name] for name in shown_names if name in kept},
         **{key: axis.quantity.column for key, axis in axes.items()},
         **{f"{key}_range": _range_text(axis) for key, axis in axes.items()},
         **{f"{name}_band": ":".join(map(number_text, band)) for name, band in bands.items()},
@@ -320,7 +317,8 @@ def _band(name: str, text: str, other_drive: str, drawn: set[str]) -> tuple[floa
 
 
 def _range_text(spec: AxisSpec) -> str:
-    return ":".join(map(number_text, spec.values)) + ":log" * spec.log
+    """Write the range of an axis; of a list from its first value to its last."""
+    return f"{number_text(spec.values[0])}:{number_text(spec.values[-1])}" + ":log" * spec.log
 
 
 def number_text(value: Fraction | float) -> str:

@@ -146,14 +146,14 @@ def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
     if not numbers:
         raise _wrong(quantity, value, _CHOICES)
     if any(after <= before for before, after in pairwise(numbers)):
-        raise InputError(f"{quantity.column} = {shown(value)}: the values of a list must ascend and differ")
+        raise _refusal(quantity, value, "the values of a list must ascend and differ")
     return tuple((end, end) for end in _checked(quantity, value, numbers))
 
 
 def _text(quantity: Quantity, value: Any) -> str:
     """Read a text on one line that says something."""
     if not isinstance(value, str) or not value.strip() or not value.isprintable():
-        raise InputError(f"{quantity.column} = {shown(value)}: must be a text on one line")
+        raise _refusal(quantity, value, "must be a text on one line")
     return value.strip()
 
 
@@ -165,10 +165,8 @@ def _point(quantity: Quantity, value: Any) -> AxisSpec:
     """Read an axis of one value, of a quantity that cannot be swept."""
     spec = axis_of(value, quantity)
     if spec.varies:
-        key = quantity.column
-        raise InputError(
-            f"{key} = {shown(value)}: {quantity.label} cannot be an axis", hint=f"give {key} one value"
-        )
+        hint = f"give {quantity.column} one value"
+        raise _refusal(quantity, value, f"{quantity.label} cannot be an axis", hint)
     return spec
 
 
@@ -176,11 +174,10 @@ def _value(quantity: Quantity, value: Any) -> AxisSpec:
     """Read a number as an axis of one value; a text, also of a number with a unit, is refused."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         return axis_of(value, quantity)
-    key = quantity.column
-    hint = f"write {key} = 1.5"
+    hint = f"write {quantity.column} = 1.5"
     if isinstance(value, str):
         hint = "axes belong in the table [map]" if ":" in value else _as_number(value, quantity) or hint
-    raise InputError(f"{key} = {shown(value)}: must be a number, without quotes", hint=hint)
+    raise _refusal(quantity, value, "must be a number, without quotes", hint)
 
 
 def _as_number(text: str, quantity: Quantity) -> str:
@@ -195,9 +192,8 @@ def _list(quantity: Quantity, value: Any) -> list[float]:
     """Read a number for each harmonic."""
     numbers = isinstance(value, list) and all(type(item) in (int, float) for item in value)
     if not numbers or not 0 < len(value) <= MOST_HARMONICS:
-        key = quantity.column
-        hint = f"write {key} = [1, 0.2]: a number for each of at most {MOST_HARMONICS} harmonics"
-        raise InputError(f"{key} = {shown(value)}: must be a list of numbers", hint=hint)
+        hint = f"write {quantity.column} = [1, 0.2]: a number for each of at most {MOST_HARMONICS} harmonics"
+        raise _refusal(quantity, value, "must be a list of numbers", hint)
     return [*value]
 
 
@@ -206,7 +202,7 @@ def one_of(values: Mapping[str, Any]) -> Form:
 
     def read(quantity: Quantity, value: Any) -> Any:
         if not isinstance(value, str) or value not in values:
-            raise InputError(f"{quantity.column} = {shown(value)}: must be {' or '.join(values)}")
+            raise _refusal(quantity, value, f"must be {' or '.join(values)}")
         return values[value]
 
     return Form(" or ".join(f"`{word}`" for word in values), read, (), (*values,))
@@ -229,10 +225,8 @@ def _ends(quantity: Quantity, value: str, wanted: str) -> Span:
     low, high = (_double(quantity, end, wanted) for end in ends)
     if low > high:
         unit = f"; without a unit of its own an end is in {quantity.unit}" if quantity.unit else ""
-        raise InputError(
-            f"{quantity.column} = {shown(value)}: must be lo:hi with lo at most hi",
-            hint=f"{quantity.column}: give the lower end first{unit}",
-        )
+        hint = f"{quantity.column}: give the lower end first{unit}"
+        raise _refusal(quantity, value, "must be lo:hi with lo at most hi", hint)
     return low, high
 
 
@@ -258,15 +252,18 @@ def _checked(quantity: Quantity, value: Any, numbers: Sequence[float]) -> list[f
     """Convert to SI units, and refuse what the quantity may not be."""
     converted = [float(quantity.to_si(double)) for double in numbers]
     if not all(map(quantity.allows, converted)):
-        allowed = quantity.allowed.text(quantity.unit)
-        raise InputError(f"{quantity.column} = {shown(value)}: must be {allowed}")
+        raise _refusal(quantity, value, f"must be {quantity.allowed.text(quantity.unit)}")
     return converted
 
 
 def _wrong(quantity: Quantity, value: Any, wanted: str) -> InputError:
     several = isinstance(value, list | tuple) or (isinstance(value, str) and ("," in value or ":" in value))
     hint = f"{quantity.column}: {_NO_MORE}" if several and wanted != _NUMBER else ""
-    return InputError(f"{quantity.column} = {shown(value)}: must be {wanted}", hint=hint)
+    return _refusal(quantity, value, f"must be {wanted}", hint)
+
+
+def _refusal(quantity: Quantity, value: Any, rule: str, hint: str = "") -> InputError:
+    return InputError(f"{quantity.column} = {shown(value)}: {rule}", hint=hint)
 
 
 def _by_column(exc: InputError, quantity: Quantity) -> InputError:

@@ -131,14 +131,11 @@ class Table:
         """Check that exactly one of some keys is given."""
         found = [key for key in keys if key in self.given]
         if not found:
-            self._problems.add(
-                f"{self.heading} {' or '.join(keys)} is missing",
-                f"{self.heading} for example: {self.example(*keys)}",
-            )
+            hint = f"{self.heading} for example: {self.example(*keys)}"
+            self._problems.add(f"{self.heading} {' or '.join(keys)} is missing", hint)
         elif len(found) > 1:
-            self._problems.add(
-                f"{self.heading} gives both {' and '.join(found)}", f"give {' or '.join(found)}"
-            )
+            both = f"{self.heading} gives both {' and '.join(found)}"
+            self._problems.add(both, f"give {' or '.join(found)}")
 
     def example(self, *keys: str) -> str:
         """Show a line of the table, of the first of some keys that has an example."""
