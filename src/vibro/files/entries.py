@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AXIS", "BAND", "CHOICES", "FRICTION", "LIMITS", "LIST", "NUMBER", "POINT", "SPAN", "TEXT", "VALUE",
-    "Entry", "Form", "Span", "is_name", "one_of",
+    "Entry", "Form", "Span", "one_of",
 ]  # fmt: skip
 
 #: Both ends of a closed interval.
@@ -112,12 +112,7 @@ def _band(quantity: Quantity, value: Any) -> Span:
 
 def _friction(quantity: Quantity, value: Any) -> Span | str:
     """Read a band; the name of a row of the catalogue stays as it is."""
-    return str(value) if is_name(value) else _band(quantity, value)
-
-
-def is_name(value: Any) -> bool:
-    """Whether a text begins as the name of a row of the catalogue does, and no number."""
-    return isinstance(value, str) and _NAME.match(value) is not None
+    return value if isinstance(value, str) and _NAME.match(value) else _band(quantity, value)
 
 
 def _limits(quantity: Quantity, value: Any) -> Span:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import InputError, Problems, shown
 from vibro.files.descriptions import DESIGN_FILE
-from vibro.files.entries import is_name
 from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_unknown_tables
 from vibro.inverse.catalogue import static_row
 from vibro.inverse.specs import AnyDrive, Drift, Drive, EllipticalDrive, Goal, Spec
@@ -100,13 +99,14 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
 def _bands(scene: Table, problems: Problems) -> dict[str, Span]:
     static: Any = scene.values.get("static_friction")
     row: Row | None = None
-    if is_name(static):
+    named = isinstance(static, str)
+    if named:
         with problems.taken(f"{scene.heading} static_friction = "):
             row = static_row(static)
         static = row and row.static_friction
     keys = [key for key in ("kinetic_friction", "friction_ratio") if key in scene.given]
     bands = {"static_friction": static} | {key: scene.values.get(key) for key in keys}
-    if keys or not is_name(scene.given.get("static_friction")):
+    if keys or not named:
         scene.needs("kinetic_friction", "friction_ratio")
     elif row:
         bands["kinetic_friction"] = row.kinetic_friction
