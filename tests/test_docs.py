@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.key_tables import DOCS, PAGES
+from helpers.key_tables import page_with as page_with_keys
 from helpers.nomenclature import HEADER, PLAIN_HEADER, page_with, tables
 from PIL import Image
 
@@ -140,6 +142,12 @@ def test_inputs_and_results_are_those_that_the_code_describes() -> None:
     assert {f"| `Scene.{name}` |" in tables() for name in vibro.Scene.__dataclass_fields__} == {True}
     described = {name for result in RESULTS for name in (result.name,)}
     assert described == {field.name for field in fields(vibro.SteadyCycle)}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_tables_of_keys_are_those_that_files_may_hold(name: str) -> None:
+    page = (DOCS / name).read_text(encoding="utf-8")
+    assert page_with_keys(name) == page, "python tests/helpers/key_tables.py writes them"
 
 
 def test_every_quantity_of_the_nomenclature_is_explained() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from vibro.errors import MOST_TOLD, InputError, cut, shown
+from vibro.errors import MOST_TOLD, InputError, Problems, cut, shown
 
 
 @pytest.mark.parametrize(
@@ -84,3 +84,23 @@ def test_problems_tell_of_which_fields_they_are() -> None:
     assert InputError("one").fields == ()
     many = InputError(*map(str, range(50)), fields=[f"f{n}" for n in range(50)])
     assert len(many.fields) == MOST_TOLD == len(many.problems) - 1
+
+
+def refuse(*problems: str, hint: str = "", fields: tuple[str, ...] = ()) -> None:
+    raise InputError(*problems, hint=hint, fields=fields)
+
+
+def test_problems_are_raised_together_each_hint_once() -> None:
+    problems = Problems("nut.toml: ")
+    problems.settle()
+    problems.add("first", "sort them")
+    with problems.taken("[scene] ", "a"):
+        refuse("second", "third", hint="sort them", fields=("", "b"))
+    with problems.taken():
+        refuse(*map(str, range(50)))
+    with pytest.raises(InputError) as caught:
+        problems.settle()
+    told = [problem.removeprefix("nut.toml: ") for problem in caught.value.problems]
+    assert told[:4] == ["first", "[scene] second", "[scene] third", "0"]
+    assert caught.value.fields[:4] == ("", "a", "b", "")
+    assert caught.value.hint == "sort them"

@@ -25,6 +25,7 @@ from vibro.quantities import (
     STANDS_FOR,
     START_VELOCITY,
     Quantity,
+    checked_number,
     exact_number,
     find_quantity,
     kinetic_friction,
@@ -189,3 +190,16 @@ def test_kinetic_friction_is_a_rounding_of_the_product_at_most_static(ratio: flo
     assert abs(found - ratio * static) <= np.spacing(ratio * static)
     assert found <= static
     assert kinetic_friction(1.0, static) == static
+
+
+def test_a_checked_number_is_within_its_range() -> None:
+    assert checked_number("800um", QUANTITIES["amplitude"]) == 0.8
+    with pytest.raises(InputError, match="amplitude = -1mm: must be finite and > 0 mm"):
+        checked_number("-1mm", QUANTITIES["amplitude"])
+
+
+def test_a_swept_ratio_may_exceed_1() -> None:
+    ratio = QUANTITIES["friction_ratio"]
+    assert [bool(q.allows(1.5)) for q in (ratio, ratio.swept)] == [False, True]
+    assert not ratio.swept.allows(-0.1)
+    assert QUANTITIES["amplitude"].swept is QUANTITIES["amplitude"]

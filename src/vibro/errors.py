@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import reprlib
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
 #: How many of the things that are wrong with one input are told; of the others the number.
 MOST_TOLD: Final = 20
@@ -124,6 +125,40 @@ class InputError(VibroError):
         self.hint = "\n".join(_told(hint.splitlines(), "hints"))
         super().__init__("; ".join(self.problems))
         _note(self, self.hint)
+
+
+class Problems:
+    """Everything that is wrong with an input, to be told at once.
+
+    Parameters
+    ----------
+    where : str
+        What every message begins with: the file.
+    """
+
+    def __init__(self, where: str = "") -> None:
+        self._where = where
+        self.found: list[tuple[str, str, str]] = []  # field, text and hint of each
+
+    def add(self, text: str, hint: str = "", field: str = "") -> None:
+        """Take note of one thing, of what may be done about it, and of the field that it is of."""
+        self.found.append((field, self._where + text, hint))
+
+    @contextmanager
+    def taken(self, where: str = "", field: str = "") -> Iterator[None]:
+        """Take note of all that an InputError says, of its own fields if it names them, and go on behind."""
+        try:
+            yield
+        except InputError as exc:
+            for i, problem in enumerate(exc.problems):
+                own = exc.fields[i] if i < len(exc.fields) else ""
+                self.add(where + problem, "" if i else exc.hint, own or field)
+
+    def settle(self) -> None:
+        """Raise all of it as one InputError; each hint once."""
+        if self.found:
+            fields, texts, hints = zip(*self.found, strict=True)
+            raise InputError(*texts, hint="\n".join(dict.fromkeys(filter(None, hints))), fields=fields)
 
 
 class FileError(VibroError):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
@@ -39,8 +39,8 @@ __all__ = [
     "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC", "IN_GRAVITIES",
     "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS", "PERCENT", "PER_MINUTE",
     "PITCH", "PURE", "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE",
-    "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "drive_of", "exact_number", "find_quantity",
-    "kinetic_friction", "nearest_double", "scene_fields",
+    "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "checked_number", "drive_of", "exact_number",
+    "find_quantity", "kinetic_friction", "nearest_double", "scene_fields",
 ]  # fmt: skip
 
 
@@ -109,6 +109,11 @@ class Quantity:
     def column(self) -> str:
         """Name with unit, as tables and scene files spell it."""
         return self.name + self.kind.suffix
+
+    @property
+    def swept(self) -> Quantity:
+        """The same with what an axis may hold: a friction ratio above 1, whose cells are infeasible."""
+        return replace(self, allowed=_ZERO_OR_MORE) if self.name == "friction_ratio" else self
 
     def text(self, value: float | Fraction) -> str:
         """Write a value with its unit, as messages do."""
@@ -345,6 +350,26 @@ def exact_number(text: str, quantity: Quantity) -> Fraction:
     if abs(exact) > sys.float_info.max:
         raise _not_finite(text, quantity)
     return exact if float(exact) else Fraction(0)
+
+
+def checked_number(text: str, quantity: Quantity) -> float:
+    """Read a number as ``exact_number`` does, and check its range.
+
+    Returns
+    -------
+    float
+        In the quantity's default unit.
+
+    Raises
+    ------
+    InputError
+        If the text is no number that the quantity may have.
+    """
+    value = float(exact_number(text, quantity))
+    if not quantity.allows(quantity.to_si(value)):
+        allowed = quantity.allowed.text(quantity.unit)
+        raise InputError(f"{quantity.label} = {cut(text)}: must be {allowed}")
+    return value
 
 
 def nearest_double(text: str, quantity: Quantity) -> float:

@@ -62,6 +62,7 @@ def completed(*words: str) -> list[str]:
             ["mu_s,mu_d", "mu_s,A", "mu_s,alpha", "mu_s,X", "mu_s,Y", "mu_s,phi"],
         ),
         (("solve", "--flight", "o"), ["on", "off"]),
+        (("schema", ""), ["scene", "design"]),
         (("map", "--table", "p"), ["parquet"]),
         (("traverse-time", "--sw"), ["--sweep"]),
         # Names of files, which the shell itself completes where it is told nothing.

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.cli.report import aligned, bound
-from vibro.cli.request import checked_number, request_of
+from vibro.cli.request import request_of
 from vibro.core.codes import Regime
 from vibro.files.publication import json_text
 from vibro.inverse.windows import feasible_amplitudes
 from vibro.limits import critical_loads
-from vibro.quantities import DEFAULTS, LEAST_SPEED, LENGTH, QUANTITIES, SPEED, scene_fields
+from vibro.quantities import DEFAULTS, LEAST_SPEED, LENGTH, QUANTITIES, SPEED, checked_number, scene_fields
 from vibro.scene import Scene
 from vibro.steady import solve
 from vibro.sweeps.one_scene import number

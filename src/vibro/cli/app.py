@@ -25,6 +25,7 @@ from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.options import print_version, shares_options
+from vibro.cli.schema import schema_command
 from vibro.cli.simulate import simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
@@ -154,6 +155,7 @@ _OTHERS: dict[str, Callable[..., int]] = {
     "design": shares_options(design_command, of_scene=False),
     "friction": friction_command,
     "explore": shares_options(explore_command, of_answer=False),
+    "schema": schema_command,
 }
 _CLASSES = {"compare": CompareCommand}
 for _name, _command in _SCENES.items():

@@ -134,10 +134,10 @@ def map_command(
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures, make_grid, write_sweep
-    from vibro.cli.request import checked_number, question_length, request_of
+    from vibro.cli.request import question_length, request_of
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
-    from vibro.quantities import LEAST_SPEED
+    from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.results.sweep import at_rest, where_motion_begins
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.request import RANGES

@@ -28,10 +28,13 @@ __all__ = [
     "DebugOption",
     "Flight",
     "FlightOption",
+    "ForceOption",
     "FormatOption",
     "JsonOption",
     "LevelOption",
     "Options",
+    "OutputOption",
+    "QuietOption",
     "VersionOption",
     "picture_formats",
     "print_version",
@@ -102,6 +105,18 @@ FormatOption = Annotated[
         autocompletion=complete_formats,
     ),
 ]
+OutputOption = Annotated[
+    str | None,
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="STEM",
+        help="Stem or folder of the files, - for stdout.",
+        show_default=False,
+    ),
+]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
+QuietOption = Annotated[bool, typer.Option("-q", "--quiet", help="No messages but errors.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print the answer as JSON.")]
 DebugOption = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 VersionOption = Annotated[
@@ -119,23 +134,14 @@ class Options:
         typer.Argument(metavar="SCENE.toml", help="A scene file; options override it.", show_default=False),
     ] = None
     given: Mapping[str, str] = field(default_factory=dict)
-    output: Annotated[
-        str | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="STEM",
-            help="Stem or folder of the files, - for stdout.",
-            show_default=False,
-        ),
-    ] = None
+    output: OutputOption = None
     json: JsonOption = False
     excel: Annotated[bool, typer.Option("--excel", help="Begin CSV with a byte order mark.")] = False
     decimal_comma: Annotated[
         bool, typer.Option("--decimal-comma", help="Write CSV with ; and decimal commas.")
     ] = False
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="No messages but errors.")] = False
+    force: ForceOption = False
+    quiet: QuietOption = False
     debug: DebugOption = False
     version: VersionOption = False
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shlex
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from vibro.axes import parse_axis
 from vibro.cli.console import Console
 from vibro.errors import InputError, cut
 from vibro.files.scene_files import read_scene_file
@@ -15,11 +14,10 @@ from vibro.sweeps.request import gather
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from vibro.axes import AxisSpec
     from vibro.cli.options import Options
     from vibro.sweeps.request import Request
 
-__all__ = ["checked_number", "plain_number", "question_length", "request_of", "whole_number"]
+__all__ = ["plain_number", "question_length", "request_of", "whole_number"]
 
 
 class _CommandLine(NamedTuple):
@@ -64,15 +62,6 @@ def whole_number(option: str, text: str) -> int:
     return int(number)
 
 
-def checked_number(text: str, quantity: Quantity) -> float:
-    """Read a number with or without a unit, in the quantity's default unit, and check its range."""
-    value = float(exact_number(text, quantity))
-    if not quantity.allows(quantity.to_si(value)):
-        allowed = quantity.allowed.text(quantity.unit)
-        raise InputError(f"{quantity.label} = {cut(text)}: must be {allowed}")
-    return value
-
-
 def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
     """Read the options and the scene file that they name, and check them together.
 
@@ -92,14 +81,8 @@ def request_of(options: Options, argv: Sequence[str], **wanted: Any) -> Request:
     FileError
         If the scene file cannot be read.
     """
-    given: dict[str, AxisSpec | InputError] = {}
-    for name, text in options.given.items():
-        try:
-            given[name] = parse_axis(text, QUANTITIES[name])
-        except InputError as exc:
-            given[name] = exc
     file = read_scene_file(options.scene) if options.scene else None
-    return gather(given, file, _CommandLine(argv), **wanted)
+    return gather(options.given, file, _CommandLine(argv), **wanted)
 
 
 def question_length(request: Request, options: Options) -> None:

@@ -83,8 +83,8 @@ def solve_command(
     --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed.
     """
     from vibro.cli.output import answer_one, make_grid
-    from vibro.cli.request import checked_number, question_length, request_of
-    from vibro.quantities import STAND_RATIO
+    from vibro.cli.request import question_length, request_of
+    from vibro.quantities import STAND_RATIO, checked_number
     from vibro.sweeps.columns import columns_of
     from vibro.sweeps.derived import WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE, standing
 

@@ -63,13 +63,12 @@ def map_stored(
     """
     from vibro.cli.friction_window import friction_window
     from vibro.cli.output import Pictures
-    from vibro.cli.request import checked_number
     from vibro.files.part_sets import MANIFEST
     from vibro.files.publication import Publication, json_text
     from vibro.files.stems import output_stem
     from vibro.plots import map_figures, picture_names
     from vibro.plots.view import check_drawable, choose_view
-    from vibro.quantities import LEAST_SPEED
+    from vibro.quantities import LEAST_SPEED, checked_number
     from vibro.sweeps.csv_sink import provenance
     from vibro.sweeps.part_files import open_parts
     from vibro.sweeps.stored import stored_picture

@@ -73,8 +73,7 @@ _NEEDS_LENGTH: Final = dict.fromkeys(("traverse_time_s", "strokes"), "-L 600mm")
 
 def part_of(pitch: str | None, mass: str | None) -> dict[str, float]:
     """Read the pitch of parts in a row and the mass of one, by their names with units; what is given."""
-    from vibro.cli.request import checked_number
-    from vibro.quantities import MASS, PITCH
+    from vibro.quantities import MASS, PITCH, checked_number
 
     if mass is not None and pitch is None:
         raise InputError(

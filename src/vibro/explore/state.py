@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from vibro.axes import AxisSpec, parse_axis
-from vibro.errors import InputError, SceneError, cut, shown
+from vibro.errors import InputError, Problems, cut, shown
 from vibro.explore.controls import BANDS, CONTROLS, DRIVES, VIEWS, drive_named
+from vibro.files.descriptions import EXAMPLES
 from vibro.quantities import (
     AMPLITUDES,
     BY_COLUMN,
+    DEFAULTS,
     LEAST_SPEED,
     QUANTITIES,
     SWEPT,
-    exact_number,
+    checked_number,
     kinetic_friction,
 )
 from vibro.sweeps.grid import Grid
@@ -35,24 +37,8 @@ HEIGHT: Final = 150
 
 _MOST_CYCLES: Final = 20  # drive cycles of a history: more could not be told apart
 # The nut of examples/safety_nut.toml, and drives of other kinds with about its load.
-_USUAL: Final = {
-    "amplitude_mm": "1",
-    "along_amplitude_mm": "1",
-    "normal_amplitude_mm": "0.3",
-    "frequency_hz": "15",
-    "drive_angle_deg": "20",
-    "normal_phase_deg": "-60",
-    "along_amplitude_2_mm": "0.2",
-    "along_phase_2_deg": "90",
-    "normal_amplitude_2_mm": "0",
-    "normal_phase_2_deg": "0",
-    "static_friction": "0.74",
-    "kinetic_friction": "0.57",
-    "trough_angle_deg": "0",
-    "gravity_m_s2": "9.81",
-    "restitution": "0",
-    "trough_length_mm": "600",
-}
+_VALUES: Final = {**EXAMPLES, **DEFAULTS, "normal_amplitude_2": 0.0, "normal_phase_2": 0.0}
+_USUAL: Final = {QUANTITIES[n].column: f"{_VALUES[n]:g}" for n in CONTROLS if n != "friction_ratio"}
 _OTHERS: Final = {
     "drive": "line",
     "view": "regime",
@@ -184,9 +170,7 @@ def initial_state(request: Request | None = None) -> State:
     for key, name in zip("xy", drawn, strict=False):
         spec = request.specs[name]
         texts[key] = QUANTITIES[name].column
-        texts[f"{key}_range"] = (
-            f"{number_text(spec.values[0])}:{number_text(spec.values[-1])}" + ":log" * spec.log
-        )
+        texts[f"{key}_range"] = _range_text(spec)
     if len(drawn) == 1:
         texts["y"] = next(QUANTITIES[n].column for n in (DRIVES[drive].y, DRIVES[drive].x) if n != drawn[0])
     state = _state(texts)
@@ -221,63 +205,38 @@ def read_state(query: Mapping[str, str], initial: State) -> State:
     return replace(state, point=replace(state.point, name=initial.point.name))
 
 
-class _Wrong:
-    """All errors of a state, reported at once."""
-
-    def __init__(self) -> None:
-        self._found: list[tuple[str, str, str]] = []
-
-    def add(self, field: str, text: str, hint: str = "") -> None:
-        self._found.append((field, text, hint))
-
-    def read(self, field: str, reading: Any) -> Any:
-        """Call a function without arguments, and book its input errors under the field."""
-        try:
-            return reading()
-        except InputError as exc:
-            self.add(field, str(exc), exc.hint)
-        except SceneError as exc:
-            self.add(field, str(exc))
-        return None
-
-    def settle(self) -> None:
-        if self._found:
-            fields, texts, hints = zip(*self._found, strict=True)
-            raise InputError(*texts, hint="\n".join(filter(None, hints)), fields=fields)
-
-
 def _state(texts: dict[str, str]) -> State:
-    wrong = _Wrong()
+    wrong = Problems()
     choices = {"drive": (*DRIVES,), "view": (*VIEWS,), "follow": ("0", "1")}
     for key, known in choices.items():
         if texts[key] not in known:
-            wrong.add(key, f"{key} = {shown(texts[key])}: must be {', '.join(known)}")
+            wrong.add(f"{key} = {shown(texts[key])}: must be {', '.join(known)}", field=key)
     if texts["cycles"] not in map(str, range(1, _MOST_CYCLES + 1)):
         said = shown(texts["cycles"])
-        wrong.add("cycles", f"cycles = {said}: must be a whole number from 1 to {_MOST_CYCLES}")
+        wrong.add(f"cycles = {said}: must be a whole number from 1 to {_MOST_CYCLES}", field="cycles")
     wrong.settle()
     drive = DRIVES[texts["drive"]]
     other = {name for d in DRIVES.values() for name in d.quantities} - set(drive.quantities)
     shown_names = [name for name in CONTROLS if name not in other and name != "friction_ratio"]
-    point = _point(texts, shown_names, wrong)
-    axes = {
-        key: _axis(key, usual, count, texts, [n for n in SWEPT if n in CONTROLS and n not in other], wrong)
-        for key, usual, count in (("x", drive.x, WIDTH), ("y", drive.y, HEIGHT))
-    }
+    point = _point(texts, shown_names)
+    axes = {}
+    for key, usual, count in (("x", drive.x, WIDTH), ("y", drive.y, HEIGHT)):
+        with wrong.taken(field=f"{key}_range"):
+            axes[key] = _axis(key, usual, count, texts, [n for n in SWEPT if n not in other])
     wrong.settle()
     x, y = axes["x"], axes["y"]
     drawn = {axis.quantity.name for axis in (x, y)}
     if len(drawn) == 1:
-        wrong.add("y", f"x and y are both {x.quantity.label}", "choose two quantities")
+        wrong.add(f"x and y are both {x.quantity.label}", "choose two quantities", "y")
     elif {"friction_ratio", "kinetic_friction"} == drawn:
-        wrong.add("y", "friction ratio and kinetic friction stand for the same", "choose one of them")
-    bands = {
-        name: band
-        for name in BANDS
-        if (band := _band(name, texts, drive.label if texts["drive"] != "line" else "", drawn, wrong))
-    }
+        wrong.add("friction ratio and kinetic friction stand for the same", "choose one of them", "y")
+    bands = {}
+    for name in BANDS:
+        if text := texts[f"{name}_band"]:
+            with wrong.taken(field=f"{name}_band"):
+                bands[name] = _band(name, text, drive.label if texts["drive"] != "line" else "", drawn)
     if {"kinetic_friction", "friction_ratio"} <= bands.keys():
-        wrong.add("friction_ratio_band", "kinetic friction has a band too", "leave one of them out")
+        wrong.add("kinetic friction has a band too", "leave one of them out", "friction_ratio_band")
     static, kinetic = (
         bands.get(name, (point.fixed[name],) * 2) for name in ("static_friction", "kinetic_friction")
     )
@@ -285,19 +244,20 @@ def _state(texts: dict[str, str]) -> State:
     if bands and not follows and kinetic[0] > static[1]:
         key = next(f"{name}_band" for name in reversed(BANDS) if name in bands)
         least, most = number_text(kinetic[0]), number_text(static[1])
-        wrong.add(key, f"kinetic friction = {least} and more: must reach down to static friction = {most}")
+        said = f"kinetic friction = {least} and more: must reach down to static friction = {most}"
+        wrong.add(said, field=key)
     target = None
     if texts["target"]:
-        target = wrong.read("target", lambda: _checked(texts["target"], LEAST_SPEED))
+        with wrong.taken(field="target"):
+            target = checked_number(texts["target"], LEAST_SPEED)
     if texts["view"] == "traverse" and point.length is None:
-        wrong.add("trough_length_mm", "the traverse time needs the length of the trough", "give it")
+        wrong.add("the traverse time needs the length of the trough", "give it", "trough_length_mm")
     wrong.settle()
-    kept = {QUANTITIES[name].column: number_text(value) for name, value in point.fixed.items()}
-    length = "" if point.length is None else number_text(point.length)
+    kept = {name: number_text(value) for name, value in point.fixed.items()}
+    kept["trough_length"] = "" if point.length is None else number_text(point.length)
     canonical = {
         **{key: texts[key] for key in _OTHERS},
-        **{key: kept[key] for key in (QUANTITIES[name].column for name in shown_names) if key in kept},
-        "trough_length_mm": length,
+        **{QUANTITIES[name].column: kept[name] for name in shown_names if name in kept},
         **{key: axis.quantity.column for key, axis in axes.items()},
         **{f"{key}_range": _range_text(axis) for key, axis in axes.items()},
         **{f"{name}_band": ":".join(map(number_text, band)) for name, band in bands.items()},
@@ -306,18 +266,11 @@ def _state(texts: dict[str, str]) -> State:
     return State(canonical, point, x, y, bands, target)
 
 
-def _point(texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Request:
+def _point(texts: Mapping[str, str], names: list[str]) -> Request:
     """Read the operating point."""
-    given: dict[str, AxisSpec | InputError] = {}
-    for name in names:
-        quantity = QUANTITIES[name]
-        text = texts[quantity.column]
-        if name == "trough_length" and not text:
-            continue
-        try:
-            given[name] = parse_axis(text, quantity)
-        except InputError as exc:
-            given[name] = exc
+    given = {name: texts[QUANTITIES[name].column] for name in names}
+    if not given["trough_length"]:
+        del given["trough_length"]
     try:
         return gather(given, None, _Page())
     except InputError as exc:
@@ -325,71 +278,47 @@ def _point(texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Request
         raise InputError(*exc.problems, hint=exc.hint, fields=fields) from None
 
 
-def _axis(key: str, usual: str, count: int, texts: Mapping[str, str], names: list[str], wrong: _Wrong) -> Any:
-    """Read an axis of the map; None on an error."""
+def _axis(key: str, usual: str, count: int, texts: Mapping[str, str], names: list[str]) -> AxisSpec:
+    """Read an axis of the map; an InputError says what is wrong with its range, or names another field."""
     column, text = texts[key], texts[f"{key}_range"]
     quantity = BY_COLUMN.get(column) if column else QUANTITIES[usual]
     if quantity is None or quantity.name not in names:
-        columns = ", ".join(QUANTITIES[name].column for name in names)
-        wrong.add(key, f"{key} = {shown(column)}: no axis of this drive", f"choose from {columns}")
-        return None
-    spec = wrong.read(f"{key}_range", lambda: parse_axis(text or CONTROLS[quantity.name].axis, quantity))
-    if spec is None:
-        return None
+        hint = f"choose from {', '.join(QUANTITIES[name].column for name in names)}"
+        raise InputError(f"{key} = {shown(column)}: no axis of this drive", hint=hint, fields=[key])
+    spec = parse_axis(text or CONTROLS[quantity.name].axis, quantity)
     if not spec.is_range or spec.count is not None:
-        wrong.add(f"{key}_range", f"{quantity.label} = {cut(text)}: must be a range", "write it like 0.1:3")
-        return None
-    axis = wrong.read(f"{key}_range", lambda: spec.axis(count))
-    if axis is None:
-        return None
-    values = axis.values
-    if not quantity.allows(quantity.to_si(values)).all():
+        raise InputError(f"{quantity.label} = {cut(text)}: must be a range", hint="write it like 0.1:3")
+    if not quantity.allows(quantity.to_si(spec.axis(count).values)).all():
         allowed = quantity.allowed.text(quantity.unit)
-        wrong.add(f"{key}_range", f"{quantity.label} = {cut(text)}: must be {allowed}")
-        return None
+        raise InputError(f"{quantity.label} = {cut(text)}: must be {allowed}")
     return spec
 
 
-def _band(
-    name: str, texts: Mapping[str, str], other_drive: str, drawn: set[str], wrong: _Wrong
-) -> tuple[float, float] | None:
-    """Read the band of a friction; None without one."""
-    key, quantity = f"{name}_band", QUANTITIES[name]
-    if not texts[key]:
-        return None
+def _band(name: str, text: str, other_drive: str, drawn: set[str]) -> tuple[float, float]:
+    """Read the band of a friction."""
+    quantity = QUANTITIES[name]
     if other_drive:
         said = f"bands of friction are not known of drives {other_drive}"
-        wrong.add(key, said, "take a drive along a line")
-        return None
+        raise InputError(said, hint="take a drive along a line")
     if drawn & {*BANDS}:
-        wrong.add(
-            key, "a friction that is drawn over has no band", "choose other axes, or leave the band out"
-        )
-        return None
-    low, colon, high = texts[key].partition(":")
-    texts_of_ends = (low, high if colon else low)
-    ends = [wrong.read(key, lambda text=text: _checked(text, quantity)) for text in texts_of_ends]
-    if None in ends:
-        return None
+        hint = "choose other axes, or leave the band out"
+        raise InputError("a friction that is drawn over has no band", hint=hint)
+    low, colon, high = text.partition(":")
+    ends, wrong = [], Problems()
+    for end in (low, high if colon else low):
+        with wrong.taken():
+            ends.append(checked_number(end, quantity))
+    wrong.settle()
     if ends[0] > ends[1]:
-        wrong.add(key, f"{quantity.label} = {cut(texts[key])}: the band does not ascend", "swap its ends")
-        return None
+        raise InputError(f"{quantity.label} = {cut(text)}: the band does not ascend", hint="swap its ends")
     if name == "static_friction" and not ends[0]:
-        wrong.add(key, "bodies without static friction have no regime", "begin the band above 0")
-        return None
+        raise InputError("bodies without static friction have no regime", hint="begin the band above 0")
     return ends[0], ends[1]
 
 
-def _checked(text: str, quantity: Quantity) -> float:
-    """Read a number, and check its range."""
-    value = float(exact_number(text, quantity))
-    if not quantity.allows(quantity.to_si(value)):
-        raise InputError(f"{quantity.label} = {cut(text)}: must be {quantity.allowed.text(quantity.unit)}")
-    return value
-
-
 def _range_text(spec: AxisSpec) -> str:
-    return ":".join(map(number_text, spec.values)) + ":log" * spec.log
+    """Write the range of an axis; of a list from its first value to its last."""
+    return f"{number_text(spec.values[0])}:{number_text(spec.values[-1])}" + ":log" * spec.log
 
 
 def number_text(value: Fraction | float) -> str:

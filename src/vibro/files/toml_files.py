@@ -1,20 +1,28 @@
-"""TOML files, and what a word in one may stand for."""
+"""TOML files: read, and each table and key that its description knows taken to what it means."""
 
 from __future__ import annotations
 
 import difflib
 import re
 import tomllib
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import MOST_TOLD, FileError, InputError, cut
+from vibro.errors import MOST_TOLD, FileError, InputError, cut, shown
 from vibro.files.nearby import suggestion
 
 if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
 
-__all__ = ["did_you_mean", "read_toml"]
+    from vibro.errors import Problems
+    from vibro.files.descriptions import FileKind
+
+__all__ = ["ABSENT", "Table", "read_toml", "refuse_unknown_tables"]
+
+#: What a file says of a table that it does not have.
+ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
 
 _DECIMAL_COMMA: Final = re.compile(
     r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?\d{1,20}),(\d{1,20})[ \t]*(#.*)?$", re.MULTILINE
@@ -75,20 +83,90 @@ def _parsed(text: str) -> dict[str, Any]:
         return tomllib.loads(_LONG_NUMBER.sub(lambda digits: digits[0][:_KEPT].rstrip("_"), text))
 
 
-def did_you_mean(word: str, words: Collection[str], told: int) -> str:
-    """Say what may be meant, for the end of a message about an unknown word.
+class Table:
+    """One table of a file, of which every key is read, or refused.
 
     Parameters
     ----------
-    word : str
-        What is not known.
-    words : collection of str
-        What is.
-    told : int
-        How many problems come before: for what is not told any more nothing is looked up, as that takes a
-        tenth of a ms a word.
+    file : FileKind
+        What the file may hold.
+    name : str
+        A key of the file's tables.
+    given : object
+        What the file says of it; ``ABSENT`` where it has no such table.
+    problems : Problems
+        Where to tell what is wrong.
+    place : int, optional
+        Which of several of its kind it is.
+
+    Attributes
+    ----------
+    values : dict
+        What was read, by the names of the quantities; what is missing or wrong is not among it.
     """
-    if told >= MOST_TOLD:
-        return ""
-    close = difflib.get_close_matches(word.casefold(), words, n=1, cutoff=0.5)
-    return f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(words)}"
+
+    def __init__(self, file: FileKind, name: str, given: Any, problems: Problems, place: int = 0) -> None:
+        kind = file.tables[name]
+        self.heading = f"{kind.heading} {place}" if place else kind.heading
+        self._entries = kind.entries
+        self._problems = problems
+        self.values: dict[str, Any] = {}
+        self.given: Mapping[Any, Any] = given if isinstance(given, Mapping) else {}
+        if not isinstance(given, Mapping):
+            problems.add(f"{name} = {shown(given)}: must be a table, written {kind.heading}")
+        for key, value in self.given.items():
+            if key not in kind.entries:
+                _refuse_unknown(f"{self.heading} unknown key", key, kind.entries, file, problems)
+                continue
+            with problems.taken(f"{self.heading} "):
+                self.values[kind.entries[key].quantity.name] = kind.entries[key].read(value)
+        for keys in kind.needs if kind.required or given is not ABSENT else ():
+            self.needs(*keys)
+
+    def refuse(self, key: str, why: str, hint: str = "") -> None:
+        """Tell what is wrong with an entry."""
+        self._problems.add(f"{self.heading} {key} = {shown(self.given[key])}: {why}", hint)
+
+    def needs(self, *keys: str) -> None:
+        """Check that exactly one of some keys is given."""
+        found = [key for key in keys if key in self.given]
+        if not found:
+            hint = f"{self.heading} for example: {self.example(*keys)}"
+            self._problems.add(f"{self.heading} {' or '.join(keys)} is missing", hint)
+        elif len(found) > 1:
+            both = f"{self.heading} gives both {' and '.join(found)}"
+            self._problems.add(both, f"give {' or '.join(found)}")
+
+    def example(self, *keys: str) -> str:
+        """Show a line of the table, of the first of some keys that has an example."""
+        return next(entry.shown for key in keys if (entry := self._entries[key]).example is not None)
+
+
+def refuse_unknown_tables(content: Mapping[Any, Any], file: FileKind, problems: Problems) -> None:
+    """Refuse every table that a file may not have, and keys outside its tables."""
+    for name, table in content.items():
+        if name in file.tables:
+            continue
+        tables = table if isinstance(table, list) else [table]
+        if all(isinstance(one, Mapping) for one in tables):
+            _refuse_unknown("unknown table", name, file.tables, file, problems)
+        else:
+            *headings, last = (kind.heading for kind in file.tables.values())
+            hint = f"keys belong in the table {', '.join(headings)} or {last}"
+            _refuse_unknown("unknown key", name, file.tables, file, problems, hint)
+
+
+def _refuse_unknown(
+    what: str, word: object, known: Collection[str], file: FileKind, problems: Problems, hint: str = ""
+) -> None:
+    """Refuse a key or table, and say where it belongs or what it may stand for."""
+    homes = [kind.heading for kind in file.tables.values() if word in kind.entries]
+    if homes:
+        meant = f"; it belongs in {' or '.join(homes)}"
+    elif len(problems.found) >= MOST_TOLD:
+        meant = ""  # it is not told, and looking words up takes a tenth of a ms each
+    else:
+        text = word.casefold() if isinstance(word, str) else ""
+        close = difflib.get_close_matches(text, known, n=1, cutoff=0.5)
+        meant = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
+    problems.add(f"{what} {shown(word)}{meant}", "" if len(homes) == 1 else hint)

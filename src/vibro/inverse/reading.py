@@ -10,24 +10,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.drives import Ellipse, Line
-from vibro.errors import InputError, shown
-from vibro.files.toml_files import read_toml
-from vibro.inverse.catalogue import Row
+from vibro.errors import InputError, Problems, shown
+from vibro.files.descriptions import DESIGN_FILE
+from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_unknown_tables
+from vibro.inverse.catalogue import static_row
+from vibro.inverse.spaces import SPACES
 from vibro.inverse.specs import Drift, Drive, Goal, Spec
-from vibro.inverse.tables import ANGLE, EXAMPLES, KEYS, Problems, Table, is_name
-from vibro.quantities import ELLIPTICAL, QUANTITIES
+from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from vibro.inverse.entries import Span
+    from vibro.files.entries import Span
+    from vibro.inverse.catalogue import Row
 
 __all__ = ["read_spec"]
 
 # [rad] More than is lost where four angles near 90 deg are converted and added.
 _ROUNDED: Final = 1e-15
-_OF_LINES: Final = ("amplitude_mm", "stroke_mm", "drive_angle_deg")
-_OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg")
+_LINE: Final = (*LINEAR, "stroke")
+_SEVERAL: Final = ("frequency", "drive_angle")  # there may be several ranges to choose from
 _PAIRS: Final = "either amplitude_mm and drive_angle_deg, or along_amplitude_mm and normal_amplitude_mm"
 
 
@@ -64,7 +66,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
     (((50.0, 50.0), (100.0, 100.0)), 0.08)
     """
     if isinstance(source, Mapping):
-        return _spec(source, "", Problems(""))
+        return _spec(source, "", Problems())
     if not isinstance(source, str | os.PathLike):
         raise InputError(f"{shown(source)}: must be a path, or a mapping with the tables of a question")
     path = Path(source)
@@ -72,28 +74,20 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
 
 
 def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
-    for key, value in content.items():
-        if key not in KEYS:
-            what = "table" if isinstance(value, Mapping | list) else "key"
-            problems.add_unknown(f"unknown {what}", key, KEYS)
+    refuse_unknown_tables(content, DESIGN_FILE, problems)
     scene, drift, goal, part = (
-        Table(table, content.get(table, {}), problems) for table in ("scene", "drift", "goal", "part")
+        Table(DESIGN_FILE, table, content.get(table, ABSENT), problems)
+        for table in ("scene", "drift", "goal", "part")
     )
     drives = _drive_tables(content.get("drive", []), problems)
     spec = Spec(
-        bands=_bands(scene),
+        bands=_bands(scene, problems),
         drives=tuple(_drive(table, f"drive {i}") for i, table in enumerate(drives, 1)),
         goal=_goal(goal, scene),
-        drift=Drift(
-            amplitude=drift.get("amplitude_percent", 0.0),
-            frequency=drift.get("frequency_percent", 0.0),
-            drive_angle=drift.get("drive_angle_deg", 0.0),
-            trough_angle=drift.get("trough_angle_deg", 0.0),
-            normal_phase=drift.get("normal_phase_deg", 0.0),
-        ),
-        length=scene.get("trough_length_mm"),
-        gravity=scene.get("gravity_m_s2", Spec.gravity),
-        restitution=scene.get("restitution", Spec.restitution),
+        drift=Drift(**drift.values),
+        length=scene.values.get("trough_length"),
+        gravity=scene.values.get("gravity", Spec.gravity),
+        restitution=scene.values.get("restitution", Spec.restitution),
         stand_ratio=_stand_ratio(part) if "part" in content else Spec.stand_ratio,
         name=name,
     )
@@ -105,21 +99,24 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
     return spec
 
 
-def _bands(scene: Table) -> dict[str, Span]:
-    scene.needs("static_friction")
-    static = scene.get("static_friction")
-    row = static if isinstance(static, Row) else None
-    static = row.static_friction if row else static
+def _bands(scene: Table, problems: Problems) -> dict[str, Span]:
+    static: Any = scene.values.get("static_friction")
+    row: Row | None = None
+    named = isinstance(static, str)
+    if named:
+        with problems.taken(f"{scene.heading} static_friction = "):
+            row = static_row(static)
+        static = row and row.static_friction
     keys = [key for key in ("kinetic_friction", "friction_ratio") if key in scene.given]
-    bands = {"static_friction": static} | {key: scene.get(key) for key in keys}
-    if keys or not is_name(scene.given.get("static_friction")):
+    bands = {"static_friction": static} | {key: scene.values.get(key) for key in keys}
+    if keys or not named:
         scene.needs("kinetic_friction", "friction_ratio")
     elif row:
         bands["kinetic_friction"] = row.kinetic_friction
         if not row.kinetic_friction:
             hint = "give kinetic_friction or friction_ratio too"
             scene.refuse("static_friction", "the catalogue has no kinetic friction of it", hint)
-    bands["trough_angle"] = scene.get("trough_angle_deg", (0.0, 0.0))
+    bands["trough_angle"] = scene.values.get("trough_angle", (0.0, 0.0))
     known = {key: ends for key, ends in bands.items() if ends}
     kinetic = known.get("kinetic_friction", (0.0, 0.0))
     if static and kinetic[0] > static[1]:
@@ -132,67 +129,54 @@ def _drive_tables(given: Any, problems: Problems) -> list[Table]:
     """Read the drives; a single one may be a table of its own."""
     tables = list(given) if isinstance(given, list | tuple) else [given]
     if not tables:
-        example = ", ".join(EXAMPLES[key] for key in ("amplitude_mm", "frequency_hz", "drive_angle_deg"))
+        entries = DESIGN_FILE.tables["drive"].entries
+        example = ", ".join(entries[key].shown for key in ("amplitude_mm", "frequency_hz", "drive_angle_deg"))
         problems.add(
             "[[drive]] is missing: there must be one drive or more", f"[[drive]] for example: {example}"
         )
     several = len(tables) > 1
-    return [Table("drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
+    return [Table(DESIGN_FILE, "drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
 
 
 def _drive(table: Table, usual_name: str) -> Drive:
-    elliptical = [key for key in _OF_ELLIPSES if key in table.given]
+    elliptical = [key for key in _keys(ELLIPTICAL) if key in table.given]
     if elliptical:
-        return _ellipse(table, usual_name, elliptical)
-    table.needs("amplitude_mm", "stroke_mm")
-    table.needs("frequency_hz")
-    table.needs("drive_angle_deg")
-    low, high = table.get("stroke_mm", (0.0, 0.0))
-    choices = {
-        "amplitude": (table.get("amplitude_mm", (low / 2.0, high / 2.0)),),
-        "frequency": table.get("frequency_hz", ()),
-        "drive_angle": table.get("drive_angle_deg", ()),
-    }
-    name, most = table.get("name", usual_name), table.get("acceleration_g", Drive.acceleration)
-    return Drive(name, Line, choices, most)
+        for key in _keys(ELLIPTICAL[:2]):
+            table.needs(key)
+        for key in _keys(_LINE):
+            if key in table.given:
+                beside = " and ".join(elliptical)
+                table.refuse(key, f"not beside {beside} of an elliptical drive", f"give {_PAIRS}")
+    else:
+        table.needs("amplitude_mm", "stroke_mm")
+        table.needs("drive_angle_deg")
+    kind, values = Ellipse if elliptical else Line, table.values
+    low, high = values.get("stroke", (0.0, 0.0))
+    usual = {"amplitude": (low / 2.0, high / 2.0), **dict.fromkeys(_SEVERAL, ())}
+    found = {knob: values.get(knob, usual.get(knob, (0.0, 0.0))) for knob in SPACES[kind].knobs}
+    choices = {knob: ends if knob in _SEVERAL else (ends,) for knob, ends in found.items()}
+    most = values.get("acceleration", Drive.acceleration)
+    return Drive(values.get("name", usual_name), kind, choices, most)
 
 
-def _ellipse(table: Table, usual_name: str, given: Sequence[str]) -> Drive:
-    table.needs("frequency_hz")
-    for key in _OF_ELLIPSES[:2]:
-        table.needs(key)
-    for key in _OF_LINES:
-        if key in table.given:
-            table.refuse(key, f"not beside {' and '.join(given)} of an elliptical drive", f"give {_PAIRS}")
-    choices = {knob: (table.get(QUANTITIES[knob].column, (0.0, 0.0)),) for knob in ELLIPTICAL}
-    choices["frequency"] = table.get("frequency_hz", ())
-    name, most = table.get("name", usual_name), table.get("acceleration_g", Drive.acceleration)
-    return Drive(name, Ellipse, choices, most)
+def _keys(names: Sequence[str]) -> list[str]:
+    return [QUANTITIES[name].column for name in names]
 
 
 def _goal(goal: Table, scene: Table) -> Goal:
-    goal.needs("speed_mm_s", "traverse_time_s")
-    speed = goal.get("speed_mm_s", math.nan)
-    time, length = goal.get("traverse_time_s"), scene.get("trough_length_mm")
+    time, length = goal.values.pop("traverse_time", None), scene.values.get("trough_length")
     if "traverse_time_s" in goal.given and "trough_length_mm" not in scene.given:
-        hint = f"[scene] for example: {EXAMPLES['trough_length_mm']}"
+        hint = f"[scene] for example: {scene.example('trough_length_mm')}"
         goal.refuse("traverse_time_s", "needs trough_length_mm in [scene]", hint)
     if time and length:
-        speed = length / time
+        goal.values["speed"] = speed = length / time
         if not 0.0 < speed < math.inf:
             goal.refuse("traverse_time_s", "the length of the trough over it is beyond the range of doubles")
-    return Goal(
-        speed=speed,
-        highest_regime=goal.get("highest_regime", Goal.highest_regime),
-        impact_speed=goal.get("impact_speed_mm_s", Goal.impact_speed),
-        flight_fraction=goal.get("flight_fraction", Goal.flight_fraction),
-    )
+    return Goal(**{"speed": math.nan} | goal.values)
 
 
 def _stand_ratio(part: Table) -> float:
-    part.needs("half_base_mm")
-    part.needs("centre_height_mm")
-    return float(part.get("half_base_mm", 1.0) / part.get("centre_height_mm", 1.0))
+    return float(part.values.get("half_base", 1.0) / part.values.get("centre_height", 1.0))
 
 
 def _check_names(drives: Sequence[Drive], problems: Problems) -> None:
@@ -243,4 +227,4 @@ def _check_accelerations(spec: Spec, drives: Sequence[Table]) -> None:
 
 
 def _degrees(angle: float) -> str:
-    return f"{ANGLE.from_si(angle):.6g} deg"
+    return f"{QUANTITIES['drive_angle'].from_si(angle):.6g} deg"

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from vibro.axes import AxisSpec, axis_of, default_count
-from vibro.errors import InputError, SceneError
+from vibro.errors import Problems
+from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
     DEFAULTS,
@@ -38,28 +39,11 @@ __all__ = ["RANGES", "Caller", "Request", "gather"]
 #: Swept where they are not given. Friction and drive angle are never invented.
 RANGES: Final = {"amplitude": "0.1:3", "frequency": "5:60"}
 
-# Required quantities, with an example: for friction the ratio, which fits any static friction.
-_EXAMPLES: Final = {
-    "amplitude": ("amplitude", "1"),
-    "along_amplitude": ("along_amplitude", "1"),
-    "normal_amplitude": ("normal_amplitude", "0.3"),
-    "along_amplitude_2": ("along_amplitude_2", "0.2"),
-    "normal_amplitude_2": ("normal_amplitude_2", "0.1"),
-    "frequency": ("frequency", "15"),
-    "drive_angle": ("drive_angle", "20"),
-    "static_friction": ("static_friction", "0.74"),
-    "kinetic_friction": ("friction_ratio", "0.77"),
-    "trough_length": ("trough_length", "600"),
-}
-# A valid scene in SI units: each quantity is checked in place of its value here.
-_HARMLESS: Final = {
-    "amplitude": 1e-3,
-    "frequency": 1.0,
-    "drive_angle": 0.0,
-    "static_friction": 0.0,
-    "kinetic_friction": 0.0,
-}
-
+# What must be given, in the order in which messages name what is missing.
+_REQUIRED: Final = (
+    "amplitude", "along_amplitude", "normal_amplitude", "along_amplitude_2", "normal_amplitude_2",
+    "frequency", "drive_angle", "static_friction", "kinetic_friction", "trough_length",
+)  # fmt: skip
 Specs = dict[str, AxisSpec]
 
 
@@ -165,32 +149,29 @@ class Request:
         return Grid(self.axes(), self.fixed, self.length, level, flight, coexistence, arrivals)
 
 
-class _Problems:
-    """All errors of a request, reported at once."""
+class _Problems(Problems):
+    """Everything that is wrong, to be told at once in the order of a table's columns; fields are slots."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.slots: set[str] = set()
-        self._texts: list[tuple[str, str]] = []
-        self._hints: list[tuple[str, str]] = []
 
-    def add(self, slot: str, text: str, hint: str = "") -> None:
-        self.slots.add(slot)
-        self._texts.append((slot, text))
-        self._hints += [(slot, hint)] if hint else []
+    def add(self, text: str, hint: str = "", field: str = "") -> None:
+        self.slots.add(field)
+        super().add(text, hint, field)
 
     def settle(self) -> None:
-        if not self._texts:
-            return
         order = [*QUANTITIES, ""]
-        slots, texts = zip(*sorted(self._texts, key=lambda problem: order.index(problem[0])), strict=True)
-        hints = [hint for _, hint in self._hints]
-        if len(texts) > 1:
-            hints = [f"{QUANTITIES[slot].label}: {hint}" if slot else hint for slot, hint in self._hints]
-        raise InputError(*texts, hint="\n".join(hints), fields=slots)
+        if len(self.found) > 1:
+            self.found = [
+                (slot, text, f"{QUANTITIES[slot].label}: {hint}" if slot and hint else hint)
+                for slot, text, hint in sorted(self.found, key=lambda problem: order.index(problem[0]))
+            ]
+        super().settle()
 
 
 def gather(
-    given: Mapping[str, AxisSpec | InputError],
+    given: Mapping[str, object],
     file: SceneFile | None,
     caller: Caller,
     *,
@@ -206,8 +187,8 @@ def gather(
 
     Parameters
     ----------
-    given : mapping of str to AxisSpec or InputError
-        Input of the caller by the name of its quantity, or its error.
+    given : mapping of str to object
+        What the caller gives by the name of its quantity: what ``axis_of`` reads, or its result.
     file : SceneFile or None
         Overridden by ``given``.
     caller : Caller
@@ -247,17 +228,16 @@ def gather(
     if asked_for is not None:
         own.pop(asked_for, None)
         if asked_for in typed:
-            problems.add(
-                asked_for, f"{typed.pop(asked_for).quantity.label} is given, and asked for", "leave it out"
-            )
+            label = typed.pop(asked_for).quantity.label
+            problems.add(f"{label} is given, and asked for", "leave it out", asked_for)
     values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
     layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", own)]
     drive, mixed = drive_given(layers, caller, {*problems.slots, asked_for or ""})
     if mixed is not None:
-        problems.add("", *mixed)
+        problems.add(*mixed)
         problems.slots |= {*DRIVES}
     if line_alone is not None and drive is TWO_AXIS:
-        problems.add("", *line_alone)
+        problems.add(*line_alone)
     other = {*DRIVES}.difference(drive)
     ranges = {slot: text for slot, text in ranges.items() if slot not in other}
     merged = own | swept | typed
@@ -274,10 +254,10 @@ def gather(
         _check_range(slot, spec, problems)
     _check_combinations(merged, problems)
     if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
-        problems.add("", "nothing varies", f"give an axis, for example {caller.axis(QUANTITIES[drive[0]])}")
+        problems.add("nothing varies", f"give an axis, for example {caller.axis(QUANTITIES[drive[0]])}")
     given_up = {*ranges, asked_for, *other, *_harmonics_left_out(merged)}
     given_up |= set() if needs_length else {"trough_length"}
-    required = [slot for slot in _EXAMPLES if slot not in given_up]
+    required = [slot for slot in _REQUIRED if slot not in given_up]
     _check_missing(required, merged, caller, problems)
     problems.settle()
 
@@ -285,13 +265,11 @@ def gather(
     return Request(file.name or None, {name: named[name] for name in QUANTITIES if name in named}, values)
 
 
-def _understood(given: Mapping[str, AxisSpec | InputError], problems: _Problems) -> Specs:
+def _understood(given: Mapping[str, object], problems: _Problems) -> Specs:
     specs = {}
-    for name, spec in given.items():
-        if isinstance(spec, InputError):
-            problems.add(STANDS_FOR.get(name, name), str(spec), spec.hint)
-        else:
-            specs[name] = spec
+    for name, value in given.items():
+        with problems.taken(field=STANDS_FOR.get(name, name)):
+            specs[name] = value if isinstance(value, AxisSpec) else axis_of(value, QUANTITIES[name])
     return specs
 
 
@@ -301,7 +279,7 @@ def _by_slot(specs: Mapping[str, AxisSpec], source: str, problems: _Problems) ->
         slot = STANDS_FOR.get(name, name)
         if slot in result:
             both = f"{result[slot].quantity.label} and {spec.quantity.label}"
-            problems.add(slot, f"{source} gives both {both}", "give one of them")
+            problems.add(f"{source} gives both {both}", "give one of them", slot)
         result[slot] = spec
     return result
 
@@ -336,55 +314,49 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
     values = "...".join(spec.quantity.text(v) for v in (spec.values[0], spec.values[-1]))
     if slot in SWEPT:
         wanted, hint = caller.takes_one_value
-        problems.add(slot, f"{spec.quantity.label} = {values}: {wanted}", hint)
+        problems.add(f"{spec.quantity.label} = {values}: {wanted}", hint, slot)
     else:
-        problems.add(slot, f"{spec.quantity.label} = {values}: it cannot be an axis", "give it one value")
+        problems.add(f"{spec.quantity.label} = {values}: it cannot be an axis", "give it one value", slot)
 
 
 def _check_range(slot: str, spec: AxisSpec, problems: _Problems) -> None:
-    """Check every value, and report the first wrong one in the user's units; a swept ratio may exceed 1."""
+    """Check every value, and tell the first wrong one in the user's units."""
     quantity = spec.quantity
     values = np.array(spec.values, np.float64)
-    good = quantity.allows(quantity.to_si(values))
-    if quantity.name == "friction_ratio" and spec.varies:
-        good |= values >= 0.0
+    allowed = quantity.swept if spec.varies else quantity
+    good = allowed.allows(quantity.to_si(values))
     for value in values[~good][:1]:
-        problems.add(slot, f"{_text(spec, value)}: must be {quantity.allowed.text(quantity.unit)}")
+        problems.add(f"{_text(spec, value)}: must be {quantity.allowed.text(quantity.unit)}", field=slot)
 
 
 def _check_combinations(specs: Specs, problems: _Problems) -> None:
-    """Refuse a request whose combinations are all infeasible, as its most feasible one shows."""
-    least = {slot: spec.values[0] for slot, spec in specs.items() if slot not in problems.slots}
-    if "static_friction" in least:
-        least["static_friction"] = specs["static_friction"].values[-1]
-    ratio = specs.get("kinetic_friction")
-    if ratio is not None and ratio.quantity.name == "friction_ratio":
-        least.pop("kinetic_friction", None)
-        if ratio.varies and ratio.values[0] > 1:
-            problems.add("kinetic_friction", f"{_text(ratio, ratio.values[0])}: must be in [0, 1]")
-    if "static_friction" not in least:
-        least.pop("kinetic_friction", None)
-    pairs = {"kinetic_friction", "static_friction"} & least.keys()
-    try:
-        Scene(**(_HARMLESS | scene_fields({slot: float(least[slot]) for slot in pairs})))
-    except SceneError as exc:
-        fields = {problem.field for problem in exc.problems}
-        if "kinetic_friction" in fields:
-            limit = _text(specs["static_friction"], least["static_friction"])
-            text = _text(specs["kinetic_friction"], least["kinetic_friction"])
-            problems.add("kinetic_friction", f"{text}: must be at most {limit}")
+    """Refuse a request of which every combination is infeasible: if its most feasible one is."""
+    pair = ("static_friction", "kinetic_friction")
+    static, kinetic = (None if slot in problems.slots else specs.get(slot) for slot in pair)
+    if kinetic is None:
+        return
+    least, most = kinetic.values[0], ""
+    if kinetic.quantity.name == "friction_ratio":
+        most = "in [0, 1]" if kinetic.varies and least > 1 else ""
+    elif static is not None and float(least) > float(static.values[-1]):
+        most = f"at most {_text(static, static.values[-1])}"
+    if most:
+        problems.add(f"{_text(kinetic, least)}: must be {most}", field="kinetic_friction")
 
 
 def _check_missing(required: Sequence[str], merged: Specs, caller: Caller, problems: _Problems) -> None:
     missing = [slot for slot in required if slot not in merged and slot not in problems.slots]
     if not missing:
         return
-    ways = {slot: dict.fromkeys((slot, _EXAMPLES[slot][0])) for slot in missing}
+    # Of friction the example is the ratio, which fits whatever static friction is given.
+    shown_as = {"kinetic_friction": "friction_ratio"}
+    ways = {slot: dict.fromkeys((slot, shown_as.get(slot, slot))) for slot in missing}
     said = ", ".join(
         f"{QUANTITIES[slot].label} ({' or '.join(caller.name(QUANTITIES[name]) for name in ways[slot])})"
         for slot in missing
     )
     # The example repeats the input only if that has no error: it must run.
     wrong = bool(problems.slots)
-    values = dict(_EXAMPLES[slot] for slot in (required if wrong else missing))
-    problems.add("", f"missing: {said}", f"for example: {caller.example(values, from_scratch=wrong)}")
+    names = [shown_as.get(slot, slot) for slot in (required if wrong else missing)]
+    values = {name: f"{EXAMPLES[name]:g}" for name in names}
+    problems.add(f"missing: {said}", f"for example: {caller.example(values, from_scratch=wrong)}")

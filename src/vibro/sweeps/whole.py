@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
 
-from vibro.axes import axis_of
 from vibro.core.codes import Level
 from vibro.errors import InputError, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-    from vibro.axes import AxisSpec
     from vibro.quantities import Quantity
     from vibro.results.steady import SteadyCycle
     from vibro.sweeps.request import Request
@@ -177,13 +175,7 @@ def request_of_call(scene_file: str | PathLike[str] | None, quantities: Mapping[
         close = difflib.get_close_matches(unknown[0], list(BY_COLUMN), n=1, cutoff=0.5)
         hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(BY_COLUMN)}"
         raise InputError(*(f"unknown argument {shown(key)}" for key in unknown), hint=hint)
-    given: dict[str, AxisSpec | InputError] = {}
-    for key, value in quantities.items():
-        quantity = BY_COLUMN[key]
-        try:
-            given[quantity.name] = axis_of(value, quantity)
-        except InputError as exc:
-            given[quantity.name] = exc
+    given = {BY_COLUMN[key].name: value for key, value in quantities.items()}
     file = None if scene_file is None else _read(scene_file)
     typed = [repr(str(scene_file))] if scene_file is not None else []
     call = _Call((*typed, *(f"{key}={shown(value)}" for key, value in quantities.items())))

@@ -1,0 +1,52 @@
+"""``vibro schema``: the JSON Schema of scene files and designs, for editors."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from vibro.cli.options import DebugOption, ForceOption, OutputOption, QuietOption, VersionOption
+
+__all__ = ["SchemaOf", "schema_command"]
+
+
+class SchemaOf(StrEnum):
+    """The kinds of file that have a schema."""
+
+    SCENE = "scene"
+    DESIGN = "design"
+
+
+def schema_command(
+    kind: Annotated[
+        SchemaOf, typer.Argument(metavar="scene|design", help="The kind of file.")
+    ] = SchemaOf.SCENE,
+    output: OutputOption = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+    debug: DebugOption = False,
+    version: VersionOption = False,
+) -> int:
+    """Print the JSON Schema of scene files, or of the questions of vibro design.
+
+    Editors complete and check the files with it: keys, units, ranges, and what each key means. With -o it
+    goes to STEM.json.
+    """
+    from vibro.cli.console import Console
+    from vibro.files.descriptions import FILES
+    from vibro.files.json_schema import schema_of
+    from vibro.files.outputs import OutputSet
+    from vibro.files.publication import json_text
+    from vibro.files.stems import output_stem, suffixed
+
+    text = json_text(schema_of(FILES[kind]))
+    if output in (None, "-"):
+        print(text)
+        return 0
+    stem = output_stem(output, f"vibro-{kind}.schema")
+    target = suffixed(stem, ".json")
+    with OutputSet(stem, [target], force=force, tell=Console(quiet=quiet).echo) as files:
+        files[target].write_text(text + "\n", encoding="utf-8")
+    return 0

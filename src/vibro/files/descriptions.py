@@ -1,0 +1,171 @@
+"""What scene files and questions of design may hold: every table, every key, and the form of each.
+
+The one description of both: what reads them, the tables of keys in docs/ and the JSON Schema follow from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from vibro.core.codes import Regime
+from vibro.files import entries as form
+from vibro.quantities import BY_COLUMN, QUANTITIES, STANDS_FOR, SWEPT, Quantity, Range
+from vibro.units import IN_GRAVITIES, LENGTH, PERCENT, PURE, SPEED, TIME, Kind
+
+if TYPE_CHECKING:
+    from vibro.files.entries import Entry, Form
+
+__all__ = ["DESIGN_FILE", "EXAMPLES", "FILES", "SCENE_FILE", "FileKind", "TableKind"]
+
+
+class TableKind(NamedTuple):
+    """A table of a file.
+
+    Attributes
+    ----------
+    heading : str
+        How it begins: ``[scene]``, or ``[[drive]]`` where there may be several.
+    meaning : str
+        What it says, for people.
+    entries : mapping of str to Entry
+        What it may hold, by key.
+    required : bool
+        Whether every such file has it.
+    needs : tuple of tuple of str
+        Groups of keys of each of which exactly one is given, wherever the table is.
+    """
+
+    heading: str
+    meaning: str
+    entries: dict[str, Entry]
+    required: bool = False
+    needs: tuple[tuple[str, ...], ...] = ()
+
+
+class FileKind(NamedTuple):
+    """A kind of file: its name, what it is, and its tables by their names."""
+
+    name: str
+    meaning: str
+    tables: dict[str, TableKind]
+
+
+#: The nut of examples/safety_nut.toml, and drives of other kinds with about its load, by quantity.
+EXAMPLES: Final = {
+    "amplitude": 1, "along_amplitude": 1, "normal_amplitude": 0.3, "frequency": 15, "drive_angle": 20,
+    "normal_phase": -60, "along_amplitude_2": 0.2, "along_phase_2": 90, "normal_amplitude_2": 0.1,
+    "static_friction": 0.74, "friction_ratio": 0.77, "kinetic_friction": 0.57, "trough_length": 600,
+}  # fmt: skip
+
+_POSITIVE: Final = Range(0.0, with_low=False)
+_RELATIVE: Final = Range(0.0, 100.0)
+_ACUTE: Final = Range(0.0, 90.0)
+_HALF_TURN: Final = Range(0.0, 180.0, with_high=True)
+_SHARE: Final = Range(0.0, 1.0, with_low=False, with_high=True)
+_REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
+
+
+def _by_key(*entries: Entry) -> dict[str, Entry]:
+    return {entry.key: entry for entry in entries}
+
+
+def _entry(
+    of: Form,
+    name: str,
+    meaning: str = "",
+    usual: str = "",
+    example: Any = None,
+    kind: Kind | None = None,
+    allowed: Range | None = None,
+) -> Entry:
+    """Describe a key by a quantity of a scene, or by one of its own kind, positive unless told."""
+    quantity = Quantity(name, kind, allowed=_POSITIVE) if kind else QUANTITIES[name]
+    told = replace(quantity, meaning=meaning or quantity.meaning, allowed=allowed or quantity.allowed)
+    return form.Entry(of, told, usual, example)
+
+
+def _harmonics(name: str, meaning: str) -> Entry:
+    return form.Entry(form.LIST, replace(QUANTITIES[name], name=f"{name}s", meaning=meaning))
+
+
+def _value(quantity: Quantity) -> Entry:
+    usual = "" if quantity.default is None else f"{quantity.default:g}"
+    return form.Entry(form.VALUE, quantity, usual, EXAMPLES.get(quantity.name))
+
+
+def _axis(quantity: Quantity) -> Entry:
+    is_swept = STANDS_FOR.get(quantity.name, quantity.name) in SWEPT
+    return form.Entry(form.AXIS if is_swept else form.POINT, quantity)
+
+
+# fmt: off
+#: Of the commands that take a scene.
+SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", {
+    "scene": TableKind("[scene]", "the operating point: one value each", _by_key(
+        *map(_value, BY_COLUMN.values()),
+        _harmonics("along_amplitude", "amplitudes of all harmonics along the trough, from the first on"),
+        _harmonics("along_phase", "phases of all harmonics along the trough"),
+        _harmonics("normal_amplitude", "amplitudes of all harmonics normal to the trough, from the first on"),
+        _harmonics("normal_phase", "phases of all harmonics normal to the trough"),
+    )),
+    "map": TableKind("[map]", "what is swept, in place of values of [scene]",
+                     _by_key(*map(_axis, BY_COLUMN.values()))),
+})
+
+#: Of ``vibro design``. Without static friction a body rests on no trough, not even on a level one.
+DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, drives and a goal", {
+    "scene": TableKind("[scene]", "what is known of the parts and the trough", _by_key(
+        _entry(form.FRICTION, "static_friction", "static friction of the parts", "needed", "0.3:0.5",
+               allowed=_POSITIVE),
+        _entry(form.BAND, "kinetic_friction", "kinetic friction; what is above static friction is cut off",
+               "needed, or its ratio, unless a row of the catalogue has it"),
+        _entry(form.BAND, "friction_ratio", "kinetic over static friction",
+               "needed, or kinetic friction", "0.7:0.9"),
+        _entry(form.BAND, "trough_angle", "climb of the trough, less steep than where parts slide down", "0"),
+        _entry(form.NUMBER, "trough_length", "length of the trough, for traverse times", "", 1200),
+        _entry(form.NUMBER, "gravity", "", "9.81"),
+        _entry(form.NUMBER, "restitution", "", "0"),
+    ), True, (("static_friction",),)),
+    "drive": TableKind("[[drive]]", "a drive, along a line or an ellipse, and what may be chosen", _by_key(
+        _entry(form.TEXT, "name", "name for tables, each its own", "`drive 1`, ...", kind=PURE),
+        _entry(form.LIMITS, "amplitude", "amplitude along a line", "needed of a line, or the stroke", 0.8),
+        _entry(form.LIMITS, "stroke", "twice that amplitude", "needed of a line, or the amplitude"),
+        _entry(form.SPAN, "along_amplitude", "amplitude of an ellipse along the trough",
+               "needed of an ellipse", 1),
+        _entry(form.SPAN, "normal_amplitude", "amplitude of an ellipse normal to the trough",
+               "needed of an ellipse", 0.3),
+        _entry(form.SPAN, "normal_phase", "phase by which the normal motion of an ellipse leads", "0"),
+        _entry(form.CHOICES, "frequency", "frequencies that may be chosen", "needed", "15:25"),
+        _entry(form.CHOICES, "drive_angle", "drive angles that may be chosen", "needed of a line", "10:40"),
+        _entry(form.NUMBER, "acceleration", "largest acceleration along the path, over gravity", "no limit",
+               kind=IN_GRAVITIES),
+    ), True, (("frequency_hz",),)),
+    "drift": TableKind("[drift]", "how far drive and trough may be off what was chosen, either way", _by_key(
+        _entry(form.NUMBER, "amplitude", "drift of all amplitudes", "0", kind=PERCENT, allowed=_RELATIVE),
+        _entry(form.NUMBER, "frequency", "drift of the frequency", "0", kind=PERCENT, allowed=_RELATIVE),
+        _entry(form.NUMBER, "drive_angle", "drift of the drive angle, of a line", "0"),
+        _entry(form.NUMBER, "trough_angle", "drift of the trough angle", "0", allowed=_ACUTE),
+        _entry(form.NUMBER, "normal_phase", "drift of the phase, of an ellipse", "0", allowed=_HALF_TURN),
+    )),
+    "goal": TableKind("[goal]", "what every part is to do", _by_key(
+        _entry(form.NUMBER, "speed", "mean speed, at least", "needed, or the time", 80, SPEED),
+        _entry(form.NUMBER, "traverse_time", "time over the trough's length, at most",
+               "needed, or the speed", kind=TIME),
+        _entry(form.NUMBER, "impact_speed", "largest normal speed of landings; for designs that hop",
+               "no limit", kind=SPEED),
+        _entry(form.NUMBER, "flight_fraction", "largest share of the time in flight; for designs that hop",
+               "no limit", kind=PURE, allowed=_SHARE),
+        _entry(form.one_of({regime.label: regime for regime in _REGIMES}), "highest_regime",
+               "highest regime that any part may reach", "`back-slip`", kind=PURE),
+    ), True, (("speed_mm_s", "traverse_time_s"),)),
+    "part": TableKind("[part]", "what keeps a part upright; without the table it may tip", _by_key(
+        _entry(form.NUMBER, "half_base", "from the centre of mass to the edge over which the part would tip",
+               "needed", 6, LENGTH),
+        _entry(form.NUMBER, "centre_height", "height of the centre of mass", "needed", 8, LENGTH),
+    ), needs=(("half_base_mm",), ("centre_height_mm",))),
+})
+# fmt: on
+
+#: By name.
+FILES: Final = {kind.name: kind for kind in (SCENE_FILE, DESIGN_FILE)}

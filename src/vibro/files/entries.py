@@ -1,0 +1,283 @@
+"""What a key of a file may hold: numbers, bands, choices, axes, texts; how each is read and spelled."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from contextlib import suppress
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from vibro.axes import axis_of, parse_axis
+from vibro.errors import InputError, shown
+from vibro.quantities import MOST_HARMONICS, exact_number, nearest_double
+from vibro.reals import NotRealError, real_number
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from vibro.axes import AxisSpec
+    from vibro.quantities import Quantity
+
+__all__ = [
+    "AXIS", "BAND", "CHOICES", "FRICTION", "LIMITS", "LIST", "NUMBER", "POINT", "SPAN", "TEXT", "VALUE",
+    "Entry", "Form", "Span", "one_of",
+]  # fmt: skip
+
+#: Both ends of a closed interval.
+Span = tuple[float, float]
+
+_NUMBER: Final = "a finite number"
+_BAND: Final = 'a finite number or a band "lo:hi"'
+_LIMITS: Final = 'a finite number, the largest, or a range "lo:hi"'
+_CHOICES: Final = 'a finite number, a list, or a range "lo:hi"'
+_NO_MORE: Final = 'it takes no such list or count: "lo:hi" is all between two ends; decimals have a point'
+# How a text that names a row of the catalogue of friction begins, unlike any number.
+_NAME: Final = re.compile(r"\s*(?!(nan|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
+
+
+class Form(NamedTuple):
+    """A form of what a key may hold.
+
+    Attributes
+    ----------
+    says : str
+        Its name, for tables of keys.
+    read : callable
+        ``read(quantity, value)`` returns what is meant: of scene files an axis as it is given, of designs
+        numbers in SI units and radians. It raises InputError, which names the key or the quantity.
+    spellings : tuple of str
+        The ways to write it: ``number``; as a text a number with a unit (``text``), ``lo:hi`` (``ends``),
+        ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the catalogue or any ``line``; a
+        ``list`` of such numbers and texts or of a ``single`` one, or of ``numbers`` alone.
+    words : tuple of str
+        All that it may be, where it is a word of a list.
+    """
+
+    says: str
+    read: Callable[[Quantity, Any], Any]
+    spellings: tuple[str, ...]
+    words: tuple[str, ...] = ()
+
+
+class Entry(NamedTuple):
+    """A key of a table: what form of which quantity it holds.
+
+    Attributes
+    ----------
+    form : Form
+        What it may hold.
+    quantity : Quantity
+        What that is: its column is the key; units, range and meaning.
+    usual : str
+        What holds where it is left out, for tables of keys.
+    example : object
+        What it may hold, for hints; None where no hint shows it.
+    """
+
+    form: Form
+    quantity: Quantity
+    usual: str = ""
+    example: Any = None
+
+    @property
+    def key(self) -> str:
+        """The key, with its unit."""
+        return self.quantity.column
+
+    @property
+    def shown(self) -> str:
+        """An example, as a line of the file."""
+        return f"{self.key} = {json.dumps(self.example)}"
+
+    def read(self, value: Any) -> Any:
+        """Read what the key holds; an InputError says what is wrong."""
+        return self.form.read(self.quantity, value)
+
+
+def _number(quantity: Quantity, value: Any, wanted: str = _NUMBER) -> float:
+    return _checked(quantity, value, [_double(quantity, value, wanted)])[0]
+
+
+def _band(quantity: Quantity, value: Any) -> Span:
+    """Read a number, or ``lo:hi``, whose ends may be equal."""
+    if _has_ends(value):
+        return _range(quantity, value, _BAND)
+    end = _number(quantity, value, _BAND)
+    return end, end
+
+
+def _friction(quantity: Quantity, value: Any) -> Span | str:
+    """Read a band; the name of a row of the catalogue stays as it is."""
+    return value if isinstance(value, str) and _NAME.match(value) else _band(quantity, value)
+
+
+def _limits(quantity: Quantity, value: Any) -> Span:
+    """Read the largest value, or ``lo:hi`` where lo may be 0."""
+    if not _has_ends(value):
+        return 0.0, _number(quantity, value, _LIMITS)
+    low, high = _ends(quantity, value, _LIMITS)
+    if low == 0.0:
+        return 0.0, _checked(quantity, value, [high])[0]
+    return _range(quantity, value, _LIMITS)
+
+
+def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
+    """Read a number, an ascending list, or ``lo:hi``."""
+    if _has_ends(value):
+        return (_range(quantity, value, _CHOICES),)
+    if isinstance(value, str):
+        try:
+            numbers = [float(item) for item in parse_axis(value, quantity).values]
+        except InputError as exc:
+            raise _by_column(exc, quantity) from exc
+    else:
+        items = value.tolist() if isinstance(value, np.ndarray) else value
+        items = items if isinstance(items, list | tuple) else [items]
+        numbers = [_double(quantity, item, _CHOICES) for item in items]
+    if not numbers:
+        raise _wrong(quantity, value, _CHOICES)
+    if any(after <= before for before, after in pairwise(numbers)):
+        raise _refusal(quantity, value, "the values of a list must ascend and differ")
+    return tuple((end, end) for end in _checked(quantity, value, numbers))
+
+
+def _text(quantity: Quantity, value: Any) -> str:
+    """Read a text on one line that says something."""
+    if not isinstance(value, str) or not value.strip() or not value.isprintable():
+        raise _refusal(quantity, value, "must be a text on one line")
+    return value.strip()
+
+
+def _axis(quantity: Quantity, value: Any) -> AxisSpec:
+    return axis_of(value, quantity)
+
+
+def _point(quantity: Quantity, value: Any) -> AxisSpec:
+    """Read an axis of one value, of a quantity that cannot be swept."""
+    spec = axis_of(value, quantity)
+    if spec.varies:
+        hint = f"give {quantity.column} one value"
+        raise _refusal(quantity, value, f"{quantity.label} cannot be an axis", hint)
+    return spec
+
+
+def _value(quantity: Quantity, value: Any) -> AxisSpec:
+    """Read a number as an axis of one value; a text, also of a number with a unit, is refused."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return axis_of(value, quantity)
+    hint = f"write {quantity.column} = 1.5"
+    if isinstance(value, str):
+        hint = "axes belong in the table [map]" if ":" in value else _as_number(value, quantity) or hint
+    raise _refusal(quantity, value, "must be a number, without quotes", hint)
+
+
+def _as_number(text: str, quantity: Quantity) -> str:
+    """Say how to write a text, with a unit or a decimal comma, as the number that it means; empty if none."""
+    for reading in (text, text.replace(",", ".")):
+        with suppress(InputError):
+            return f"write {quantity.column} = {float(exact_number(reading, quantity)):.15g}"
+    return ""
+
+
+def _list(quantity: Quantity, value: Any) -> list[float]:
+    """Read a number for each harmonic."""
+    numbers = isinstance(value, list) and all(type(item) in (int, float) for item in value)
+    if not numbers or not 0 < len(value) <= MOST_HARMONICS:
+        hint = f"write {quantity.column} = [1, 0.2]: a number for each of at most {MOST_HARMONICS} harmonics"
+        raise _refusal(quantity, value, "must be a list of numbers", hint)
+    return [*value]
+
+
+def one_of(values: Mapping[str, Any]) -> Form:
+    """Make the form of one of some words, each of which stands for a value."""
+
+    def read(quantity: Quantity, value: Any) -> Any:
+        if not isinstance(value, str) or value not in values:
+            raise _refusal(quantity, value, f"must be {' or '.join(values)}")
+        return values[value]
+
+    return Form(" or ".join(f"`{word}`" for word in values), read, (), (*values,))
+
+
+def _has_ends(value: Any) -> bool:
+    return isinstance(value, str) and ":" in value
+
+
+def _range(quantity: Quantity, value: str, wanted: str) -> Span:
+    low, high = _checked(quantity, value, _ends(quantity, value, wanted))
+    return low, high
+
+
+def _ends(quantity: Quantity, value: str, wanted: str) -> Span:
+    """Read both ends of a range, in the unit outside."""
+    ends = value.split(":")
+    if len(ends) != 2 or not all(map(str.strip, ends)):
+        raise _wrong(quantity, value, wanted)
+    low, high = (_double(quantity, end, wanted) for end in ends)
+    if low > high:
+        unit = f"; without a unit of its own an end is in {quantity.unit}" if quantity.unit else ""
+        hint = f"{quantity.column}: give the lower end first{unit}"
+        raise _refusal(quantity, value, "must be lo:hi with lo at most hi", hint)
+    return low, high
+
+
+def _double(quantity: Quantity, value: Any, wanted: str) -> float:
+    """Read a number in the unit outside."""
+    if isinstance(value, str):
+        if "," in value:
+            raise _wrong(quantity, value, wanted)
+        try:
+            return nearest_double(value, quantity)
+        except InputError as exc:
+            raise _by_column(exc, quantity) from exc
+    try:
+        double = real_number(value)
+    except NotRealError:
+        double = math.nan
+    if not math.isfinite(double):
+        raise _wrong(quantity, value, wanted)
+    return double
+
+
+def _checked(quantity: Quantity, value: Any, numbers: Sequence[float]) -> list[float]:
+    """Convert to SI units, and refuse what the quantity may not be."""
+    converted = [float(quantity.to_si(double)) for double in numbers]
+    if not all(map(quantity.allows, converted)):
+        raise _refusal(quantity, value, f"must be {quantity.allowed.text(quantity.unit)}")
+    return converted
+
+
+def _wrong(quantity: Quantity, value: Any, wanted: str) -> InputError:
+    several = isinstance(value, list | tuple) or (isinstance(value, str) and ("," in value or ":" in value))
+    hint = f"{quantity.column}: {_NO_MORE}" if several and wanted != _NUMBER else ""
+    return _refusal(quantity, value, f"must be {wanted}", hint)
+
+
+def _refusal(quantity: Quantity, value: Any, rule: str, hint: str = "") -> InputError:
+    return InputError(f"{quantity.column} = {shown(value)}: {rule}", hint=hint)
+
+
+def _by_column(exc: InputError, quantity: Quantity) -> InputError:
+    """Name a quantity as the file does, with its unit."""
+    (problem,) = exc.problems
+    hint = f"{quantity.column}: {exc.hint}" if exc.hint else ""
+    return InputError(quantity.column + problem.removeprefix(quantity.label), hint=hint)
+
+
+# Of scene files.
+VALUE: Final = Form("number", _value, ("number",))
+LIST: Final = Form(f"list of up to {MOST_HARMONICS} numbers", _list, ("numbers",))
+AXIS: Final = Form("number, list or axis", _axis, ("number", "text", "listed", "axis", "list"))
+POINT: Final = Form("number", _point, ("number", "text", "single"))
+# Of designs.
+NUMBER: Final = Form("number", _number, ("number", "text"))
+BAND: Final = Form("number or band", _band, ("number", "text", "ends"))
+FRICTION: Final = Form("number, band or row of the catalogue", _friction, (*BAND.spellings, "name"))
+LIMITS: Final = Form("number, the largest, or range", _limits, ("number", "text", "ends"))
+SPAN: Final = Form("number, fixed, or range", _band, BAND.spellings)
+CHOICES: Final = Form("number, list or range", _choices, ("number", "text", "ends", "listed", "list"))
+TEXT: Final = Form("text", _text, ("line",))

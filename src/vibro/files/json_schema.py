@@ -1,0 +1,139 @@
+"""The JSON Schema of scene files and designs, made from the description of what they may hold.
+
+Whatever the readers accept is valid. Not all that is valid is accepted: a text is checked for its form and
+its unit, not for the size of its numbers, and no key against another.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from vibro.quantities import MOST_HARMONICS
+
+if TYPE_CHECKING:
+    from vibro.files.descriptions import FileKind, TableKind
+    from vibro.files.entries import Entry
+    from vibro.quantities import Quantity
+
+__all__ = ["VERSION", "schema_of"]
+
+#: Of the schemas; it grows when files that were valid are valid no longer.
+VERSION: Final = 1
+
+_DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
+_DIGITS: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_LAST_FOLDED: Final = 0x2200  # beyond the Kelvin sign, the last character that stands for an ASCII letter
+
+Schema = dict[str, Any]
+
+
+def schema_of(file: FileKind) -> Schema:
+    """Return the schema of a kind of file, for JSON Schema draft 2020-12."""
+    tables = file.tables.items()
+    return {
+        "$schema": _DIALECT,
+        "$id": f"urn:vibro:schema:{file.name}:{VERSION}",
+        "title": f"vibro {file.name} file",
+        "description": f"{_sentence(file.meaning)}, read by vibro.",
+        "type": "object",
+        "properties": {name: _one_or_several(name, table) for name, table in tables},
+        "required": [name for name, table in tables if table.required],
+        "additionalProperties": False,
+        "$defs": {name: _table(table) for name, table in tables},
+    }
+
+
+def _one_or_several(name: str, table: TableKind) -> Schema:
+    one = {"$ref": f"#/$defs/{name}"}
+    if not table.heading.startswith("[["):
+        return one
+    return {"anyOf": [{"type": "array", "items": one, "minItems": 1}, one]}
+
+
+def _table(table: TableKind) -> Schema:
+    choices = [{"oneOf": [{"required": [key]} for key in keys]} for keys in table.needs if len(keys) > 1]
+    return {
+        "description": f"{_sentence(table.meaning)}.",
+        "type": "object",
+        "properties": {key: _entry(entry) for key, entry in table.entries.items()},
+        "required": [keys[0] for keys in table.needs if len(keys) == 1],
+        "additionalProperties": False,
+    } | ({"allOf": choices} if choices else {})
+
+
+def _entry(entry: Entry) -> Schema:
+    form, quantity = entry.form, entry.quantity
+    unit = f" [{quantity.unit}]" if quantity.unit else ""
+    usual = entry.usual if entry.usual.startswith("needed") else f"{entry.usual} where it is left out"
+    said = [f"{quantity.meaning}{unit}: {form.says}", *([usual] if entry.usual else [])]
+    schema: Schema = {"description": f"{_sentence('; '.join(said))}.".replace("`", "")}
+    ways = _ways(entry)
+    schema |= ways[0] if len(ways) == 1 else {"anyOf": ways}
+    return schema if entry.example is None else {**schema, "examples": [entry.example]}
+
+
+def _ways(entry: Entry) -> list[Schema]:
+    """Return what an entry may be, a schema for each type of TOML."""
+    form, quantity = entry.form, entry.quantity
+    number, text = _bounded(quantity), _number_text(quantity)
+    texts = {
+        "text": text,
+        "ends": rf"{text}\s*:\s*{text}",
+        "listed": rf"{text}(?:\s*,\s*{text})+",
+        "axis": rf"{text}\s*:\s*{text}(?:\s*:\s*(?:{_DIGITS}|{_folded('step=')}\s*{text}))?"
+        rf"(?:\s*:\s*{_folded('log')})?",
+        "name": r"[^\W\d_][\s\S]*",
+        "line": r"\S[\s\S]*",
+    }
+    items = {"anyOf": [_bounded(quantity.swept), _matching([text])]}
+    others: dict[str, Schema] = {
+        "number": number,
+        "list": {"type": "array", "items": items, "minItems": 1},
+        "single": {"type": "array", "items": items, "minItems": 1, "maxItems": 1},
+        "numbers": {"type": "array", "items": number, "minItems": 1, "maxItems": MOST_HARMONICS},
+    }
+    ways = [others[spelling] for spelling in form.spellings if spelling in others]
+    if spelled := [texts[spelling] for spelling in form.spellings if spelling in texts]:
+        ways.append(_matching(spelled))
+    return [*ways, *([{"enum": [*form.words]}] if form.words else [])]
+
+
+def _matching(texts: list[str]) -> Schema:
+    return {"type": "string", "pattern": rf"^\s*(?:{'|'.join(texts)})\s*$"}
+
+
+def _bounded(quantity: Quantity) -> Schema:
+    """Return the schema of a number within the quantity's range, in the unit outside."""
+    allowed = quantity.allowed
+    schema: Schema = {"type": "number"}
+    if math.isfinite(allowed.low):
+        schema["minimum" if allowed.with_low else "exclusiveMinimum"] = allowed.low
+    if math.isfinite(allowed.high):
+        schema["maximum" if allowed.with_high else "exclusiveMaximum"] = allowed.high
+    return schema
+
+
+def _number_text(quantity: Quantity) -> str:
+    """Return the pattern of a number that may carry a unit."""
+    units = "|".join(_folded(unit) for unit in quantity.kind.sizes)
+    return rf"{_DIGITS}(?:\s*(?:{units}))?" if units else _DIGITS
+
+
+def _folded(word: str) -> str:
+    """Return the pattern of a word in letters of any case."""
+    return "".join(map(_any_case, word))
+
+
+@cache
+def _any_case(character: str) -> str:
+    """Return the pattern of a character in any case: of the letter s also the long one, as units fold it."""
+    folded = character.casefold()
+    same = [c for c in map(chr, range(_LAST_FOLDED)) if c.casefold() == folded]
+    return f"[{''.join(same)}]" if len(same) > 1 else re.escape(character)
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,53 @@
+"""``vibro schema``: what it prints and writes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from helpers.commands import TELLS_LOADED
+
+from vibro.files.descriptions import FILES
+from vibro.files.json_schema import schema_of
+
+if TYPE_CHECKING:
+    from helpers.commands import Run
+
+
+@pytest.mark.parametrize(("args", "name"), [((), "scene"), (("scene",), "scene"), (("design",), "design")])
+def test_it_prints_the_schema(run: Run, args: tuple[str, ...], name: str) -> None:
+    result = run("schema", *args)
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert json.loads(result.stdout) == schema_of(FILES[name])
+    assert result.stdout.isascii()  # whatever encoding the shell writes a file in
+    assert run("schema", *args, "-o", "-").stdout == result.stdout
+
+
+def test_it_writes_a_file_that_is_not_replaced_unasked(run: Run) -> None:
+    assert run("schema", "design", "-o", "out/design").stderr == f"wrote {Path('out/design.json')}\n"
+    assert json.loads(Path("out/design.json").read_text(encoding="utf-8")) == schema_of(FILES["design"])
+    again = run("schema", "-o", "out/design")
+    assert (again.exit_code, again.stdout) == (1, "")
+    assert "exists already" in again.stderr
+    assert run("schema", "-o", "out/design", "--force", "-q").stderr == ""
+    assert json.loads(Path("out/design.json").read_text(encoding="utf-8")) == schema_of(FILES["scene"])
+    run("schema", "-o", "out/")
+    assert Path("out/vibro-scene.schema.json").exists()
+
+
+def test_another_kind_is_exit_code_2(run: Run) -> None:
+    result = run("schema", "goal")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "'goal' is not one of 'scene', 'design'" in result.stderr
+    assert result.stderr.endswith("hint: see vibro schema --help\n")
+
+
+def test_its_help_loads_no_numerical_library_and_has_no_options_of_scenes(run: Run) -> None:
+    text = run("schema", "--help").stdout
+    assert "--mu-s" not in text
+    assert "scene|design" in text
+    done = subprocess.run([*TELLS_LOADED, "schema", "--help"], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "LOADED []"

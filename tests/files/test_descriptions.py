@@ -1,0 +1,84 @@
+"""The description of files: every table and key of it can be read, and says what it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from vibro.errors import InputError, Problems
+from vibro.files.descriptions import DESIGN_FILE, EXAMPLES, FILES, SCENE_FILE, FileKind
+from vibro.files.scene_files import read_scene_file
+from vibro.files.toml_files import ABSENT, Table, refuse_unknown_tables
+from vibro.quantities import BY_COLUMN, QUANTITIES
+
+KINDS = pytest.mark.parametrize("file", FILES.values(), ids=FILES)
+
+
+@KINDS
+def test_every_key_says_its_unit_and_what_it_is(file: FileKind) -> None:
+    for table in file.tables.values():
+        assert table.meaning
+        for key, entry in table.entries.items():
+            assert key == entry.quantity.column
+            assert entry.quantity.meaning, key
+            assert entry.example is None or entry.read(entry.example) is not None
+
+
+@KINDS
+def test_what_is_needed_is_known_and_has_an_example(file: FileKind) -> None:
+    for name, table in file.tables.items():
+        problems = Problems()
+        Table(file, name, {}, problems)
+        assert len(problems.found) == len(table.needs)
+        assert all(set(keys) <= table.entries.keys() for keys in table.needs)
+        none = Problems()
+        Table(file, name, ABSENT, none)
+        assert len(none.found) == (len(table.needs) if table.required else 0)
+
+
+def test_scene_files_have_the_keys_of_sweeps() -> None:
+    assert [*SCENE_FILE.tables["map"].entries] == [*BY_COLUMN]
+    assert {*BY_COLUMN} < {*SCENE_FILE.tables["scene"].entries}
+
+
+def test_examples_may_be_what_they_are() -> None:
+    assert all(QUANTITIES[name].allows(QUANTITIES[name].to_si(value)) for name, value in EXAMPLES.items())
+
+
+@pytest.mark.parametrize("key", SCENE_FILE.tables["scene"].entries)
+def test_every_key_of_a_scene_is_read(tmp_path: Path, key: str) -> None:
+    entry = SCENE_FILE.tables["scene"].entries[key]
+    value = [0.5, 0.25] if "numbers" in entry.form.spellings else 0.5
+    path = tmp_path / "scene.toml"
+    path.write_text(f"[scene]\n{key} = {value}\n", encoding="utf-8")
+    name = entry.quantity.name
+    assert (name.removesuffix("s") if isinstance(value, list) else name) in read_scene_file(path).scene
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "problem", "hints"),
+    [
+        (SCENE_FILE, {"amplitude_mm": 1}, "unknown key 'amplitude_mm'; it belongs in [scene] or [map]", True),
+        (
+            SCENE_FILE,
+            {"along_phases_deg": [0]},
+            "key 'along_phases_deg'; it belongs in [scene]",
+            False,
+        ),
+        (SCENE_FILE, {"xyzzy": 1}, "unknown key 'xyzzy'; known are scene, map", True),
+        (SCENE_FILE, {"maps": {}}, "unknown table 'maps'; did you mean 'map'?", False),
+        (DESIGN_FILE, {"speed_mm_s": 1}, "unknown key 'speed_mm_s'; it belongs in [goal]", False),
+        (DESIGN_FILE, {"goals": []}, "unknown table 'goals'; did you mean 'goal'?", False),
+    ],
+)
+def test_what_stands_outside_the_tables_is_told_where_it_belongs(
+    file: FileKind, content: dict[str, object], problem: str, hints: bool
+) -> None:
+    problems = Problems()
+    refuse_unknown_tables(content, file, problems)
+    with pytest.raises(InputError) as caught:
+        problems.settle()
+    assert problem in str(caught.value)
+    assert bool(caught.value.hint) == hints
+    assert not hints or caught.value.hint == "keys belong in the table [scene] or [map]"
