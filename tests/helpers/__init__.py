@@ -27,6 +27,6 @@ Pictures, pages, commands:
     explorers         clients of the explorer that compute nothing
     packed, pages     answers as the explorer's page reads them; the page in a browser
     commands          commands run as programs
-    key_tables        tables of keys in docs/files.md and docs/design.md, made from the description (a program)
+    key_tables        tables of keys in docs/files.md and docs/design.md (a program)
     nomenclature      tables of docs/nomenclature.md, made from the schemas (a program)
 """
