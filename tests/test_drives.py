@@ -117,3 +117,42 @@ def test_without_static_friction_the_motion_depends_on_its_start(drawn: Callable
     assert (cycle.status[cycle.regime != Regime.HOPPING] == Status.INDETERMINATE).all()
     assert np.count_nonzero(cycle.regime != Regime.HOPPING) > 15
     assert np.isnan(cycle.mean_velocity).all()
+
+
+@pytest.mark.parametrize("harmonics", [0, 1, 2, 3, 8])
+def test_the_load_is_the_largest_acceleration_and_the_reach_the_farthest_point(harmonics: int) -> None:
+    """Without harmonics it is an ellipse."""
+    random = np.random.default_rng(harmonics)
+    n = np.arange(1, max(harmonics, 1) + 1)[:, np.newaxis, np.newaxis]
+    size, phase = random.uniform(0.0, 2e-3, (2, n.size, 60)), random.uniform(-7.0, 7.0, (2, n.size, 60))
+    size /= n[:, 0] ** 2  # so that all count in the acceleration
+    frequency = random.uniform(5.0, 60.0, 60)
+    if harmonics:
+        along, normal = (list(zip(*part, strict=True)) for part in zip(size, phase, strict=True))
+        drive: dict[str, Any] = {"along_harmonics": along, "normal_harmonics": normal}
+    else:
+        phase[0] = 0.0
+        (x,), (y,) = size
+        drive = {"along_amplitude": x, "normal_amplitude": y, "normal_phase": phase[1, 0]}
+    scene = Scene(frequency=frequency, static_friction=0.4, kinetic_friction=0.3, **drive)
+    waves = np.sin(n * np.linspace(0.0, 2.0 * np.pi, 20_001)[:, np.newaxis] + phase[:, :, np.newaxis])
+    for power, got in ((0, scene.reach), (2, scene.load * 9.81 / (2.0 * np.pi * frequency) ** 2)):
+        along, normal = (n**power * size[:, :, np.newaxis] * waves).sum(axis=1)
+        farthest = np.hypot(along, normal).max(axis=0)
+        assert (got >= farthest * (1.0 - (1e-14 if harmonics else 1e-15))).all()
+        np.testing.assert_allclose(got, farthest, rtol=1e-5 if harmonics > 1 else 1e-7)
+    np.testing.assert_array_equal(scene.scale, size.max(axis=(0, 1)))
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        {"along_amplitude": 0.0, "normal_amplitude": 0.0, "normal_phase": -1.0},
+        {"along_harmonics": [(0.0, 0.0), (0.0, 1.0)]},
+    ],
+    ids=["ellipse", "harmonics"],
+)
+def test_a_trough_that_stands_still_has_no_load(drive: dict[str, Any]) -> None:
+    scene = Scene(frequency=10.0, static_friction=0.4, kinetic_friction=0.3, **drive)
+    assert [float(scene.load), float(scene.reach), float(scene.scale)] == [0.0, 0.0, 1.0]
+    assert solve(scene).pattern == "_"

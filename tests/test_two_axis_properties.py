@@ -58,6 +58,9 @@ def test_any_trough_seen_from_its_other_end_conveys_as_much(one: Drives) -> None
     _assert_mirrored(one)
 
 
+# --- scales -----------------------------------------------------------------------------------------
+
+
 @given(contact_drives(), st.floats(0.01, 100.0))
 def test_similar_scenes_move_alike(one: Drives, scale: float) -> None:
     assume(_clear_of_boundaries(one).all())

@@ -80,18 +80,6 @@ def test_the_report_of_one_scene(run: Run) -> None:
     assert lines["begins"] == "begins load now / then both amplitudes frequency [Hz]"
 
 
-def test_regimes_begin_where_the_report_says(run: Run) -> None:
-    report = lines_of(run("solve", *ELLIPSE).stdout)
-    for name, before in (("forward slip", "no-slip"), ("hopping", "back-slip")):
-        x, y = map(float, re.findall(r"([\d.]+) mm", report[name]))
-        frequency = float(report[name].split()[-1])
-        for factor, same in ((0.9999, True), (1.0001, False)):
-            by_amplitude = ("--along", factor * x, "--normal", factor * y)
-            for given in (by_amplitude, ("-f", factor * frequency)):
-                answer = json.loads(run("solve", *ELLIPSE, *given, "--json").stdout)
-                assert (answer["regime"] == before) is same
-
-
 def test_ten_percent_more_of_both_amplitudes_are_solved(run: Run) -> None:
     scene = vibro.Scene(**VALUES)
     raised = vibro.Scene(**(VALUES | {"along_amplitude": 1.1e-3, "normal_amplitude": 0.33e-3}))
@@ -130,23 +118,6 @@ def test_without_a_phase_it_is_0_and_said(run: Run) -> None:
     rest = tuple(text for text in ELLIPSE if not text.startswith("--phase"))
     assert "normal phase 0 deg" in run("solve", *rest).stdout
     assert json.loads(run("solve", *rest, "--json").stdout)["normal_phase_deg"] == 0.0
-
-
-def test_phase_0_is_a_line(run: Run) -> None:
-    angle = math.degrees(math.atan2(0.3, 1.0))
-    ellipse = json.loads(run("solve", *ELLIPSE, "--phase", "0", "--json").stdout)
-    line = json.loads(
-        run("solve", "-A", math.hypot(1.0, 0.3), "-a", angle, "-f", 25, *FRICTION, "--json").stdout
-    )
-    for name in (
-        "mean_velocity_mm_s",
-        "peak_velocity_mm_s",
-        "throw_number",
-        "forward_ratio",
-        "acceleration_g",
-    ):
-        assert ellipse[name] == pytest.approx(line[name], rel=1e-12)
-    assert ellipse["pattern"] == line["pattern"]
 
 
 def test_traverse_time_and_simulate(run: Run, tmp_path: Path) -> None:
