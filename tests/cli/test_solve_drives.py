@@ -8,7 +8,7 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
-from helpers.commands import NUT
+from helpers.commands import ELLIPSE, NUT
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -114,9 +114,6 @@ def test_what_begins_is_the_same(run: Run, tmp_path: Path, case: Case) -> None:
     )
     assert len(line) >= 3
     assert ellipse == line
-
-
-ELLIPSE = ("--along", "1", "--normal", "0.3", "--phase=-60", "-f", "25", "--mu-s", "0.4", "--mu-d", "0.3")
 
 
 @pytest.mark.parametrize(
