@@ -47,7 +47,8 @@ _FAST: Final = (
     "core/test_windows.py", "files/test_claims.py", "files/test_descriptions.py", "files/test_scene_files.py",
     "plots/test_labels.py",
     "records/test_missing_values.py", "sweeps/test_plan.py", "test_axes.py", "test_errors.py",
-    "test_quantities.py", "test_reals.py", "test_scene.py", "test_translate.py", "test_two_axis.py",
+    "test_quantities.py", "test_reals.py", "test_reference.py", "test_scene.py", "test_translate.py",
+    "test_walks.py",
 )  # fmt: skip
 
 

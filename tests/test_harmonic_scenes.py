@@ -93,28 +93,6 @@ def test_what_is_wrong_is_named(values: dict[str, Any], said: str) -> None:
     assert said in error(**values)
 
 
-@pytest.mark.parametrize("harmonics", [1, 2, 3, 8])
-def test_the_load_is_the_largest_acceleration_and_the_reach_the_farthest_point(harmonics: int) -> None:
-    random = np.random.default_rng(harmonics)
-    size, phase = random.uniform(0.0, 1e-3, (2, harmonics, 40)), random.uniform(-4.0, 4.0, (2, harmonics, 40))
-    size /= np.arange(1, harmonics + 1)[:, np.newaxis] ** 2  # so that all count in the acceleration
-    along, normal = (list(zip(*part, strict=True)) for part in zip(size, phase, strict=True))
-    scene = Scene(along_harmonics=along, normal_harmonics=normal, **REST)
-    n = np.arange(1, harmonics + 1)[:, np.newaxis, np.newaxis]
-    waves = np.sin(n * np.linspace(0.0, 2.0 * np.pi, 20_001)[:, np.newaxis] + phase[:, :, np.newaxis])
-    for power, got in ((0, scene.reach), (2, scene.load * 9.81 / (2.0 * np.pi * 10.0) ** 2)):
-        x, y = (n**power * size[:, :, np.newaxis] * waves).sum(axis=1)
-        farthest = np.hypot(x, y).max(axis=0)
-        assert (got >= farthest * (1.0 - 1e-14)).all()
-        np.testing.assert_allclose(got, farthest, rtol=1e-5)
-
-
-def test_a_trough_that_stands_still_has_no_load() -> None:
-    scene = Scene(along_harmonics=[(0.0, 0.0), (0.0, 1.0)], **REST)
-    assert [float(scene.load), float(scene.reach), float(scene.scale)] == [0.0, 0.0, 1.0]
-    assert solve(scene).pattern == "_"
-
-
 def test_hopping_is_told_and_not_followed() -> None:
     cycle = solve(Scene(normal_harmonics=[(1e-3, 0.0), (3e-3, 0.0)], **REST))
     assert cycle.status == Status.FLIGHT_NOT_MODELLED

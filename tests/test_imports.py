@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -92,3 +93,14 @@ def test_every_public_name_can_be_had_and_listed() -> None:
 def test_a_name_that_does_not_exist_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="module 'vibro' has no attribute 'conveyor'"):
         _ = vibro.conveyor
+
+
+def test_the_engines_of_the_tests_share_nothing_with_the_package() -> None:
+    engines = sorted((Path(__file__).parent / "engines").glob("*.py"))
+    assert len(engines) == 5
+    for path in engines:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                assert (node.module or "").partition(".")[0] != "vibro", path
+            elif isinstance(node, ast.Import):
+                assert all(alias.name.partition(".")[0] != "vibro" for alias in node.names), path

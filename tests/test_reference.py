@@ -2,108 +2,114 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.reference_tables import CONTACT, Table, read_table
 
 import vibro
+from vibro import Regime, Status
 from vibro.motion.settled import cycle_phases
 
-DATA = Path(__file__).parent / "data"
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
 EPS = float(np.finfo(float).eps)
-
-CONTACT_ROWS = {
-    "contact_regular": 160,
-    "contact_extreme": 160,
-    "contact_incline": 100,
-    "contact_steep": 50,
-    "contact_descent": 50,
-}
-
-# The tables print the smallest rotation of a pattern in ASCII order.
-PATTERN = {"_": "_", "F_": "F_", "B_": "B_", "B_F_": "F_B_", "B_F": "FB_", "BF_": "F_B", "BF": "FB"}
+LIMIT = {**dict.fromkeys(CONTACT, 16.0), "harmonic_contact": 8.0}
+"""Times what rounding of the inputs alone explains."""
 
 
-class Table(NamedTuple):
-    columns: dict[str, Any]
-    scene: vibro.Scene
-    cycle: vibro.SteadyCycle
-
-
-def _numbers(rows: list[dict[str, str]], column: str) -> np.ndarray:
-    return np.array([float(row[column] or "nan") for row in rows])
-
-
-@pytest.fixture(scope="module", params=CONTACT_ROWS)
+@pytest.fixture(scope="module", params=CONTACT)
 def table(request: pytest.FixtureRequest) -> Table:
-    with (DATA / f"{request.param}.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == CONTACT_ROWS[request.param]
-    scene = vibro.Scene(
-        amplitude=_numbers(rows, "amplitude_mm") / 1000.0,
-        frequency=_numbers(rows, "frequency_hz"),
-        drive_angle=np.radians(_numbers(rows, "drive_angle_deg")),
-        static_friction=_numbers(rows, "static_friction"),
-        kinetic_friction=_numbers(rows, "kinetic_friction"),
-        trough_angle=np.radians(_numbers(rows, "trough_angle_deg")),
-    )
-    columns = {
-        "pattern": [row["pattern"] for row in rows],
-        **{
-            name: _numbers(rows, name)
-            for name in ("displacement_per_cycle_mm", "mean_velocity_mm_s", "condition", "amplitude_mm")
-        },
-    }
-    return Table(columns, scene, vibro.solve(scene))
+    return read_table(request.param)
+
+
+@pytest.fixture(scope="module", params=["elliptic_contact", "harmonic_contact"])
+def wide_table(request: pytest.FixtureRequest) -> Table:
+    """A table that has regimes, peak speeds, and loads over thresholds too."""
+    return read_table(request.param)
 
 
 def test_every_pattern_is_the_reference_s(table: Table) -> None:
-    expected = [PATTERN.get(pattern, "") for pattern in table.columns["pattern"]]
-    assert table.cycle.pattern.tolist() == expected
+    assert table.cycle.pattern.tolist() == table.pattern
 
 
 def test_status_says_where_no_steady_cycle_exists(table: Table) -> None:
-    for pattern, status in zip(table.columns["pattern"], table.cycle.status, strict=True):
-        allowed = {vibro.Status.RUNAWAY} if pattern == "runaway" else {vibro.Status.OK, vibro.Status.BOUNDARY}
-        assert vibro.Status(status) in allowed
+    expected = [Status.OK if pattern else Status.RUNAWAY for pattern in table.pattern]
+    assert [Status(s) for s in table.cycle.status] == expected
 
 
-def _excess(table: Table, got: np.ndarray, expected: np.ndarray, scale: np.ndarray) -> np.ndarray:
+def test_every_regime_is_the_reference_s(wide_table: Table) -> None:
+    runaway = {"runaway-forward": "forward-slip", "runaway-back": "back-slip"}
+    expected = [runaway.get(text, text) for text in wide_table.columns["regime"]]
+    assert [Regime(r).label for r in wide_table.cycle.regime] == expected
+
+
+def test_models_of_harmonics_are_those_of_contact() -> None:
+    table = read_table("harmonic_contact")
+    known = table.cycle.status == Status.OK
+    assert np.count_nonzero(~known) == 1
+    assert set(table.cycle.model[known]) == {"rest", "slides"}
+    assert not table.cycle.coexists[known].any()
+
+
+def _excess(table: Table, got: Floats, expected: Floats, scale: Floats | float) -> Floats:
     """Error over what rounding of the inputs alone explains, in eps; 0 where no number is expected."""
-    both_ways = np.array(["F" in p and "B" in p for p in table.columns["pattern"]])
     size = np.abs(expected)
-    floor = np.where(both_ways, scale, size)
-    condition = np.where(np.isnan(table.columns["condition"]), 0.0, table.columns["condition"])
+    floor = np.where(table.both_ways, scale, size)
     missing = np.isnan(expected)
     assert np.array_equal(np.isnan(got), missing)
-    still = expected == 0.0
-    assert np.array_equal(got[still & ~both_ways], expected[still & ~both_ways])
-    unit = np.where(missing | (still & ~both_ways), 1.0, EPS * (condition * size + floor))
+    still = (expected == 0.0) & ~table.both_ways
+    assert np.array_equal(got[still], expected[still])
+    unit = np.where(missing | still, 1.0, EPS * (np.nan_to_num(table.columns["condition"]) * size + floor))
     return np.where(missing, 0.0, np.abs(got - expected)) / unit
 
 
 def test_displacement_is_exact_up_to_conditioning(table: Table) -> None:
-    excess = _excess(
-        table,
-        1000.0 * table.cycle.displacement_per_cycle,
-        table.columns["displacement_per_cycle_mm"],
-        table.columns["amplitude_mm"],
-    )
-    assert excess.max() <= 16.0
+    got = table.metre * table.cycle.displacement_per_cycle
+    assert _excess(table, got, table.displacement, table.amplitude).max() <= LIMIT[table.name]
 
 
 def test_mean_velocity_is_exact_up_to_conditioning(table: Table) -> None:
-    excess = _excess(
-        table,
-        1000.0 * table.cycle.mean_velocity,
-        table.columns["mean_velocity_mm_s"],
-        table.columns["amplitude_mm"] * table.scene.frequency,
-    )
-    assert excess.max() <= 16.0
+    got, scale = table.metre * table.cycle.mean_velocity, table.amplitude * table.scene.frequency
+    assert _excess(table, got, table.mean_velocity, scale).max() <= LIMIT[table.name]
+
+
+def test_peak_speeds_of_ellipses_are_exact_up_to_conditioning() -> None:
+    table = read_table("elliptic_contact")
+    peak, got = table.columns["peak_speed_m_s"], table.cycle.peak_velocity
+    np.testing.assert_array_equal(np.isnan(got), np.isnan(peak))
+    moves = np.zeros(peak.shape)
+    fields = table.scene.arrays()._asdict()
+    for name in fields.keys() - {"gravity", "restitution"}:
+        x = fields[name] * (1.0 - 1e-9)
+        other = vibro.solve(vibro.Scene.allowing_infeasible(**fields | {name: x}))
+        change = np.where(other.pattern == table.cycle.pattern, other.peak_velocity - got, 0.0)
+        moves += np.nan_to_num(np.abs(change)) / 1e-9
+    allowed = np.maximum(1e-11 * peak, 16.0 * EPS * moves)
+    assert not (np.abs(got - peak) > allowed).any()
+
+
+def test_peak_speeds_of_harmonics_are_exact_up_to_conditioning() -> None:
+    table = read_table("harmonic_contact")
+    peak, got = table.columns["peak_speed_m_s"], table.cycle.peak_velocity
+    np.testing.assert_array_equal(np.isnan(got), np.isnan(peak))
+    moves = table.displacement != 0.0
+    error = np.abs(got / np.where(moves, peak, 1.0) - 1.0)[moves & ~np.isnan(got)]
+    assert (error < 4.0 * EPS * (1.0 + table.columns["condition"][moves & ~np.isnan(got)])).all()
+
+
+@pytest.mark.parametrize("name", ["throw_number", "forward_ratio", "back_ratio"])
+def test_loads_over_thresholds_are_the_reference_s(wide_table: Table, name: str) -> None:
+    known, got = wide_table.columns[name], getattr(wide_table.cycle, name)
+    if wide_table.name == "harmonic_contact":
+        known, got = (x[wide_table.cycle.status == Status.OK] for x in (known, got))
+        assert (np.abs(got - known) / np.maximum(known, 1.0) < 8.0 * EPS).all()
+    np.testing.assert_allclose(got, known, rtol=1e-13)
 
 
 def _published(amplitude_mm: float) -> vibro.Scene:

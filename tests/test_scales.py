@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 from helpers.scenes import (
     Groups,
-    assert_same,
     at_load,
     contact_groups,
     line_of,
-    random_scenes,
     replaced,
     scene_with,
     solve_one,
@@ -36,18 +34,6 @@ from vibro import (
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-
-def test_similarity_is_exact_for_powers_of_two() -> None:
-    scene = random_scenes(2000, seed=8, most_trough_deg=10.0)
-    for scale in (0.25, 2.0, 1024.0):
-        similar = replaced(scene, amplitude=scene.scale / scale**2, frequency=scene.frequency * scale)
-        here, there = solve(scene), solve(similar)
-        assert_same(here, there, names=["regime", "status", "pattern_code", "throw_number", "coexists"])
-        for name, power in (("displacement_per_cycle", 2), ("mean_velocity", 1), ("peak_velocity", 1)):
-            assert np.array_equal(getattr(here, name), getattr(there, name) * scale**power, equal_nan=True), (
-                name
-            )
 
 
 @given(contact_groups(), st.floats(0.01, 100.0))

@@ -10,7 +10,6 @@ import pytest
 from helpers.scenes import (
     FIELDS,
     Groups,
-    assert_same,
     at_load,
     contact_groups,
     line_of,
@@ -75,12 +74,6 @@ def test_every_status_in_one_array(monkeypatch: pytest.MonkeyPatch) -> None:
         "forward-slip", "no-slip", "forward-slip", "", "hopping", "",
     ]  # fmt: skip
     assert len({Status(s).label for s in Status}) == len({Status(s).message for s in Status}) == len(Status)
-
-
-def test_without_static_friction_the_motion_depends_on_its_start() -> None:
-    cycle = solve(scene_with(static_friction=0.0, kinetic_friction=0.0, amplitude=[1e-4, 1e-3]))
-    assert [Status(s) for s in cycle.status] == [Status.INDETERMINATE] * 2
-    assert np.isnan(cycle.mean_velocity).all()
 
 
 def test_a_trough_steeper_than_kinetic_friction_can_run_away_or_not() -> None:
@@ -285,21 +278,6 @@ def test_a_grid_whose_axes_are_long_equals_its_rows() -> None:
 
 
 # --- regimes alone ----------------------------------------------------------------------------------
-
-
-def test_regimes_alone_are_those_of_the_whole_solution() -> None:
-    scene = random_scenes(20_000, seed=6, most_trough_deg=12.0, least_ratio=0.1)
-    whole, classes = solve(scene), solve(scene, accuracy="regimes")
-    ratios = ["throw_number", "forward_ratio", "back_ratio"]
-    assert_same(whole, classes, names=["regime", "status", *ratios])
-    rests = whole.pattern == "_"
-    for name in ("displacement_per_cycle", "mean_velocity", "peak_velocity"):
-        all_of, some_of = getattr(whole, name), getattr(classes, name)
-        assert (some_of[rests] == 0.0).all()
-        left_out = np.isnan(some_of)
-        assert (left_out & ~np.isnan(all_of)).sum() > 5000
-        # where the class itself takes a slide, on a trough steeper than kinetic friction, the answer stays
-        assert np.array_equal(some_of[~left_out], all_of[~left_out])
 
 
 def test_an_accuracy_that_does_not_exist_is_refused() -> None:

@@ -232,9 +232,3 @@ def test_on_troughs_steeper_than_static_friction_bodies_run_away() -> None:
             assert (cycle.status == Status.RUNAWAY).all()
             assert np.isnan(cycle.mean_velocity).all()
             assert set(_labels(cycle)) == {"forward-slip" if way > 0.0 else "back-slip"}
-
-
-def test_without_static_friction_the_motion_depends_on_its_start() -> None:
-    cycle = drives([0.1, 1.0, 0.0], 0.5, [0.0, 1.0, 2.0], mu_s=0.0, mu_d=0.0).solve()
-    assert (cycle.status == Status.INDETERMINATE).all()
-    assert np.isnan(cycle.mean_velocity).all()

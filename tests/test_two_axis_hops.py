@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from helpers.two_axis_scenes import compare, displacement, random_drives, rotated
-from helpers.two_axis_tables import UNSETTLED_IMPACT, Table, read_table
+from helpers.reference_tables import UNSETTLED_IMPACT, Table, read_table
+from helpers.two_axis_scenes import displacement, random_drives, rotated
 
 from vibro import Regime, Status
 
@@ -55,17 +55,3 @@ def test_bodies_are_lifted_above_a_throw_number_of_one() -> None:
     told = answered & (above.status == Status.OK)
     assert told.sum() > 22
     assert not (np.abs(displacement(above) - displacement(below))[told] > 1e-4 * size[told]).any()
-
-
-@pytest.mark.parametrize(("seed", "steepest", "least_ratio"), [(1, 0.0, 0.4), (2, 0.5, 0.4), (3, 0.2, 0.1)])
-def test_random_hops_settle_as_the_walk_does(seed: int, steepest: float, least_ratio: float) -> None:
-    some = random_drives(40, seed, steepest=steepest, least_ratio=least_ratio, throw=(1.01, 3.2))
-    seen = compare(some)
-    assert "irregular" not in seen
-    assert len(seen) >= 6
-
-
-def test_bouncing_bodies_settle_as_the_walk_does() -> None:
-    some = random_drives(30, 4, steepest=0.3, throw=(1.01, 1.9))
-    seen = compare(some.changed(e=np.linspace(0.02, 0.3, 30)), tolerance=1e-9)
-    assert seen.get("irregular", 0) <= 3

@@ -7,24 +7,10 @@ import math
 from pathlib import Path
 
 import pytest
-from helpers.commands import NUT, Run, rows_of
+from helpers.commands import SLIP_STICK, Run, rows_of
 
 import vibro
 
-FRICTION = ("--mu-s", "0.4", "--mu-d", "0.3")
-SLIP_STICK = (
-    "--along",
-    "1",
-    "--normal",
-    "0",
-    "--along-2",
-    "0.3",
-    "--along-phase-2",
-    "90",
-    "-f",
-    "10",
-    *FRICTION,
-)
 FILE = """
 [scene]
 along_amplitudes_mm = [1, 0.3]
@@ -121,24 +107,6 @@ def test_regions_of_a_map_are_those_of_its_cells() -> None:
     )  # fmt: skip
     words = {text.get_text().replace("\n", "") for text in swept.draw("regime").axes[0].texts}
     assert {"no-slip", "back-slip", "hopping"} <= words
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        (("solve", *NUT, "--along-2", "0.3"), "a drive moves either along a line or along an ellipse"),
-        (("solve", "--along", "1", "--normal", "0", "--along-phase-2", "9", "-f", "10", *FRICTION),
-         "missing: second along amplitude (--along-2)"),
-        (("simulate", *SLIP_STICK), "a drive with harmonics: flights"),
-        (("traverse-time", *SLIP_STICK, "--along-2", ".1:.3:3", "-L", "6", "--exact"), "--exact: bodies of"),
-        (("solve", *SLIP_STICK, "--stand-ratio", "0.3"), "a drive with harmonics"),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_is_refused(run: Run, given: tuple[str, ...], said: str) -> None:
-    result = run(*given)
-    assert result.exit_code == 2
-    assert said in result.stderr
-    assert "hint: " in result.stderr
 
 
 def test_a_traverse_time_at_the_mean_speed_alone(run: Run) -> None:

@@ -54,21 +54,6 @@ def test_the_report_says_what_a_practitioner_dials(run: Run) -> None:
     assert lines["rest"] == "rest 38.68329 74.67567 0.00000"
 
 
-def test_each_beginning_is_where_the_regime_changes(run: Run) -> None:
-    lines = run("solve", *NUT).stdout.splitlines()
-    begins = {line[:14].strip(): line.split()[-2:] for line in lines}
-    for name, below, above in (
-        ("forward slip", "no-slip", "forward-slip"),
-        ("back slip", "forward-slip", "back-slip"),
-        ("hopping", "back-slip", "hopping"),
-    ):
-        amplitude, frequency = map(float, begins[name])
-        for option, limit in (("-A", amplitude), ("-f", frequency)):
-            for factor, regime in ((1 - 1e-5, below), (1 + 1e-5, above)):
-                answer = json.loads(run("solve", *NUT, option, repr(limit * factor), "--json").stdout)
-                assert answer["regime"] == regime
-
-
 def test_all_that_is_wrong_is_named_in_the_users_units(run: Run) -> None:
     result = run("solve", "-A", "-1", "-f", "nan", "-a", "95", "--mu-s", ".5", "--mu-d", ".6")
     assert result.exit_code == 2

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+from helpers.commands import ELLIPSE, NUT
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,16 +37,16 @@ CASES = (
     Case(0.8, 22, 0.29, 0.11, 6, "back-slip, pattern B_"),
 )
 RESULTS = ("regime", "mean speed", "peak speed", "per cycle", "acceleration", "throw number", "sensitivity")
+NUMBERS = (
+    "mean_velocity_mm_s", "displacement_per_cycle_mm", "peak_velocity_mm_s", "throw_number", "forward_ratio",
+    "back_ratio", "acceleration_g",
+)  # fmt: skip
 # What each kind of drive says in words of its own, before a number and after it.
 OWN_WORDS = re.compile(r"^.*amplitudes?: |(?<= g) .*| \(d ln .*")
 
-two_loads_for_back_slip = pytest.mark.xfail(
-    strict=True, reason="loads of an ellipse for back slip and of its beginning differ by an ulp: two lines"
-)
 
-
-def sections(run: Run, folder: Path, case: Case, kind: str) -> list[list[str]]:
-    """Return what is printed of a case that is written as one kind of drive: results, beginnings, phases."""
+def written(folder: Path, case: Case, kind: str) -> Path:
+    """Write the scene file of a case with one kind of drive."""
     alpha = math.radians(case.drive_angle_deg)
     x, y = case.amplitude_mm * math.cos(alpha), case.amplitude_mm * math.sin(alpha)
     drive = {
@@ -59,6 +61,11 @@ def sections(run: Run, folder: Path, case: Case, kind: str) -> list[list[str]]:
         f"kinetic_friction = {case.kinetic_friction}\ntrough_angle_deg = {case.trough_angle_deg}\n",
         encoding="utf-8",
     )
+    return file
+
+
+def sections(run: Run, file: Path) -> list[list[str]]:
+    """Return what is printed of a scene: results, beginnings, phases."""
     result = run("solve", file)
     assert (result.exit_code, result.stderr) == (0, "")
     return [section.splitlines() for section in result.stdout.split("\n\n")]
@@ -78,21 +85,68 @@ def beginnings(lines: list[str]) -> list[tuple[str, str, str]]:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.regime)
 def test_motions_are_the_same(run: Run, tmp_path: Path, case: Case) -> None:
-    line, ellipse, harmonics = (sections(run, tmp_path, case, k) for k in ("line", "ellipse", "harmonics"))
+    files = [written(tmp_path, case, kind) for kind in ("line", "ellipse", "harmonics")]
+    line, ellipse, harmonics = (sections(run, file) for file in files)
     expected = results(line[0])
     assert expected["regime"] == case.regime
     assert all(re.search(r"\d", text) for name, text in expected.items() if name != "regime")
     assert results(ellipse[0]) == results(harmonics[0]) == expected
     assert line[-1][0].split() == ["phase", "start", "[ms]", "end", "[ms]", "displacement", "[mm]"]
     assert ellipse[-1] == harmonics[-1] == line[-1]
+    known, *others = (json.loads(run("solve", file, "--json").stdout) for file in files)
+    for other in others:
+        for name in NUMBERS:
+            assert other[name] == pytest.approx(known[name], rel=1e-12, abs=1e-300), name
 
 
 @pytest.mark.parametrize(
     "case",
-    [*(pytest.param(case, marks=two_loads_for_back_slip) for case in CASES[:-1]), CASES[-1]],
+    CASES,
     ids=lambda case: case.regime,
 )
 def test_what_begins_is_the_same(run: Run, tmp_path: Path, case: Case) -> None:
-    line, ellipse = (beginnings(sections(run, tmp_path, case, kind)[1]) for kind in ("line", "ellipse"))
+    line, ellipse = (
+        beginnings(sections(run, written(tmp_path, case, kind))[1]) for kind in ("line", "ellipse")
+    )
     assert len(line) >= 3
     assert ellipse == line
+
+
+@pytest.mark.parametrize(
+    ("drive", "amplitudes", "near", "steps"),
+    [
+        (
+            NUT,
+            ("-A",),
+            1e-5,
+            {
+                "forward slip": ("no-slip", "forward-slip"),
+                "back slip": ("forward-slip", "back-slip"),
+                "hopping": ("back-slip", "hopping"),
+            },
+        ),
+        (
+            ELLIPSE,
+            ("--along", "--normal"),
+            1e-4,
+            {"forward slip": ("no-slip", "forward-slip"), "hopping": ("back-slip", "hopping")},
+        ),
+    ],
+    ids=["line", "ellipse"],
+)
+def test_each_regime_begins_where_the_report_says(
+    run: Run,
+    drive: tuple[str, ...],
+    amplitudes: tuple[str, ...],
+    near: float,
+    steps: dict[str, tuple[str, str]],
+) -> None:
+    table = run("solve", *drive).stdout.split("\n\n")[1].splitlines()[1:]
+    rows = {name: numbers for name, *numbers in (re.split(r"  +", line) for line in table)}
+    for name, regimes in steps.items():
+        _, sizes, frequency = rows[name]
+        limits = [float(text) for text in re.findall(r"[\d.]+", sizes)]
+        for factor, regime in zip((1.0 - near, 1.0 + near), regimes, strict=True):
+            larger = [x for pair in zip(amplitudes, limits, strict=True) for x in (pair[0], factor * pair[1])]
+            for given in (larger, ["-f", factor * float(frequency)]):
+                assert json.loads(run("solve", *drive, *given, "--json").stdout)["regime"] == regime

@@ -10,12 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.commands import NUT, Run, rows_of
+from helpers.commands import ELLIPSE, FRICTION, NUT, SLIP_STICK, Run, rows_of
 
 import vibro
 
-FRICTION = ("--mu-s", "0.4", "--mu-d", "0.3")
-ELLIPSE = ("--along", "1", "--normal", "0.3", "--phase=-60", "-f", "25", *FRICTION)
 VALUES: dict[str, Any] = {
     "along_amplitude": 1e-3,
     "normal_amplitude": 0.3e-3,
@@ -53,8 +51,8 @@ def lines_of(text: str) -> dict[str, str]:
     return {line.split("  ")[0]: " ".join(line.split()) for line in text.splitlines() if line}
 
 
-def written(folder: Path, text: str) -> Path:
-    file = folder / "drive.toml"
+def written(folder: Path, text: str, name: str = "drive.toml") -> Path:
+    file = folder / name
     file.write_text(text, encoding="utf-8")
     return file
 
@@ -78,18 +76,6 @@ def test_the_report_of_one_scene(run: Run) -> None:
     )
     assert math.log(faster.mean_velocity / cycle.mean_velocity) / 1e-5 == pytest.approx(exponent, rel=1e-4)
     assert lines["begins"] == "begins load now / then both amplitudes frequency [Hz]"
-
-
-def test_regimes_begin_where_the_report_says(run: Run) -> None:
-    report = lines_of(run("solve", *ELLIPSE).stdout)
-    for name, before in (("forward slip", "no-slip"), ("hopping", "back-slip")):
-        x, y = map(float, re.findall(r"([\d.]+) mm", report[name]))
-        frequency = float(report[name].split()[-1])
-        for factor, same in ((0.9999, True), (1.0001, False)):
-            by_amplitude = ("--along", factor * x, "--normal", factor * y)
-            for given in (by_amplitude, ("-f", factor * frequency)):
-                answer = json.loads(run("solve", *ELLIPSE, *given, "--json").stdout)
-                assert (answer["regime"] == before) is same
 
 
 def test_ten_percent_more_of_both_amplitudes_are_solved(run: Run) -> None:
@@ -130,23 +116,6 @@ def test_without_a_phase_it_is_0_and_said(run: Run) -> None:
     rest = tuple(text for text in ELLIPSE if not text.startswith("--phase"))
     assert "normal phase 0 deg" in run("solve", *rest).stdout
     assert json.loads(run("solve", *rest, "--json").stdout)["normal_phase_deg"] == 0.0
-
-
-def test_phase_0_is_a_line(run: Run) -> None:
-    angle = math.degrees(math.atan2(0.3, 1.0))
-    ellipse = json.loads(run("solve", *ELLIPSE, "--phase", "0", "--json").stdout)
-    line = json.loads(
-        run("solve", "-A", math.hypot(1.0, 0.3), "-a", angle, "-f", 25, *FRICTION, "--json").stdout
-    )
-    for name in (
-        "mean_velocity_mm_s",
-        "peak_velocity_mm_s",
-        "throw_number",
-        "forward_ratio",
-        "acceleration_g",
-    ):
-        assert ellipse[name] == pytest.approx(line[name], rel=1e-12)
-    assert ellipse["pattern"] == line["pattern"]
 
 
 def test_traverse_time_and_simulate(run: Run, tmp_path: Path) -> None:
@@ -195,27 +164,64 @@ def test_what_is_missing_is_named_with_an_example_that_runs(
     assert run(*hint.split()).exit_code == 0
 
 
-@pytest.mark.parametrize(
-    ("given", "problem"),
-    [
-        (
-            ("-A", "1", "--along", "1"),
-            "the command line gives amplitude, along amplitude: a drive moves either",
-        ),
-        (("--stroke", "1", "--along", "1"), "the command line gives amplitude, along amplitude"),
-        ((*NUT, "--phase", "3"), "amplitude, drive angle, normal phase: a drive along a line has no phase"),
-        (
-            (*ELLIPSE, "-a", "20"),
-            "gives along amplitude, normal amplitude, drive angle, normal phase: a drive",
-        ),
-    ],
+EITHER = "for an ellipse give --along, --normal and --phase; for a line -A and -a alone"
+HARMONIC = (
+    "--along",
+    "1",
+    "--normal",
+    "0",
+    "--along-2",
+    "0.3",
+    "--along-phase-2",
+    "90",
+    "-f",
+    "10",
+    *FRICTION,
 )
-def test_two_drives_are_refused_with_what_to_do(run: Run, given: tuple[str, ...], problem: str) -> None:
-    result = run("solve", *given)
+
+
+@pytest.mark.parametrize(
+    ("given", "problem", "hint"),
+    [
+        (("solve", "-A", "1", "--along", "1"),
+         "the command line gives amplitude, along amplitude: a drive moves either", EITHER),
+        (("solve", "--stroke", "1", "--along", "1"),
+         "the command line gives amplitude, along amplitude", EITHER),
+        (("solve", *NUT, "--phase", "3"),
+         "amplitude, drive angle, normal phase: a drive along a line has no phase", EITHER),
+        (("solve", *ELLIPSE, "-a", "20"),
+         "gives along amplitude, normal amplitude, drive angle, normal phase: a drive", EITHER),
+        (("solve", "line.toml", "--along", "1"),
+         "the command line gives along amplitude and [scene] gives amplitude, drive", ""),
+        (("solve", "line.toml", "--phase", "1"),
+         "[scene] gives amplitude, drive angle: a drive along a line has no phase", ""),
+        (("solve", "ellipse.toml", "-A", "1"),
+         "the command line gives amplitude and [scene] gives along amplitude, normal", ""),
+        (("solve", "ellipse.toml", "--speed", "50"),
+         "error: --speed finds amplitudes of a drive along a line", ""),
+        (("accuracy", "ellipse.toml"), "error: vibro accuracy runs methods for a drive along a line", ""),
+        (("solve", *NUT, "--along-2", "0.3"), "a drive moves either along a line or along an ellipse", ""),
+        (("solve", "--along", "1", "--normal", "0", "--along-phase-2", "9", "-f", "10", *FRICTION),
+         "missing: second along amplitude (--along-2)", ""),
+        (("simulate", *SLIP_STICK), "a drive with harmonics: flights", ""),
+        (("traverse-time", *SLIP_STICK, "--along-2", ".1:.3:3", "-L", "6", "--exact"),
+         "--exact: bodies of", ""),
+        (("solve", *SLIP_STICK, "--stand-ratio", "0.3"), "a drive with harmonics", ""),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_of_a_drive_is_refused_with_what_to_do(
+    run: Run, tmp_path: Path, given: tuple[str, ...], problem: str, hint: str
+) -> None:
+    written(tmp_path, LINE_FILE, "line.toml")
+    written(tmp_path, ELLIPSE_FILE, "ellipse.toml")
+    result = run(*given)
     assert result.exit_code == 2
     assert problem in result.stderr
-    hint = "for an ellipse give --along, --normal and --phase; for a line -A and -a alone"
     assert f"hint: {hint}" in result.stderr
+
+
+def test_a_speed_is_found_for_the_line_that_replaces_an_ellipse(run: Run, tmp_path: Path) -> None:
+    assert run("solve", written(tmp_path, ELLIPSE_FILE), "--speed", "5", "-a", "20").exit_code == 0
 
 
 def test_a_drive_given_whole_takes_the_place_of_a_file_s(run: Run, tmp_path: Path) -> None:
@@ -229,34 +235,6 @@ def test_a_drive_given_whole_takes_the_place_of_a_file_s(run: Run, tmp_path: Pat
     assert json.loads(run("solve", ellipse, "--phase", "30", "--json").stdout)["normal_phase_deg"] == 30.0
 
 
-@pytest.mark.parametrize(
-    ("text", "option", "problem"),
-    [
-        (
-            LINE_FILE,
-            ("--along", "1"),
-            "the command line gives along amplitude and [scene] gives amplitude, drive",
-        ),
-        (
-            LINE_FILE,
-            ("--phase", "1"),
-            "[scene] gives amplitude, drive angle: a drive along a line has no phase",
-        ),
-        (
-            ELLIPSE_FILE,
-            ("-A", "1"),
-            "the command line gives amplitude and [scene] gives along amplitude, normal",
-        ),
-    ],
-)
-def test_half_a_drive_beside_a_file_s_other_one_is_refused(
-    run: Run, tmp_path: Path, text: str, option: tuple[str, ...], problem: str
-) -> None:
-    result = run("solve", written(tmp_path, text), *option)
-    assert result.exit_code == 2
-    assert problem in result.stderr
-
-
 def test_a_file_s_map_may_sweep_another_drive_than_its_scene(run: Run, tmp_path: Path) -> None:
     table = '[map]\nalong_amplitude_mm = "0.5:1.5:3"\nnormal_amplitude_mm = 0.3\n'
     rows = rows_of(run("map", written(tmp_path, LINE_FILE + table), "-o", "-").stdout)
@@ -266,19 +244,6 @@ def test_a_file_s_map_may_sweep_another_drive_than_its_scene(run: Run, tmp_path:
         "map", written(tmp_path, LINE_FILE + table.splitlines(keepends=True)[0] + "normal_phase_deg = 1\n")
     )
     assert half.exit_code == 2
-
-
-def test_what_knows_lines_alone_says_so(run: Run, tmp_path: Path) -> None:
-    file = written(tmp_path, ELLIPSE_FILE)
-    for arguments, said in (
-        (("solve", file, "--speed", "50"), "--speed finds amplitudes of a drive along a line"),
-        (("accuracy", file), "vibro accuracy runs methods for a drive along a line"),
-    ):
-        result = run(*arguments)
-        assert result.exit_code == 2
-        assert f"error: {said}" in result.stderr
-        assert "hint: " in result.stderr
-    assert run("solve", file, "--speed", "5", "-a", "20").exit_code == 0
 
 
 # --- sweeps -----------------------------------------------------------------------------------------

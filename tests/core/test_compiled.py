@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import ctypes
 import dataclasses
 import math
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from extremes import extreme_fields
+from helpers.reference_tables import ELLIPSES, LINES, columns_of, read_rows, scene_of
 from helpers.scenes import random_scenes
 from helpers.solver_doors import compiled, plain
 
@@ -30,47 +30,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-DATA = Path(__file__).parents[1] / "data"
 RIGHT = 0.5 * math.pi
 
 
 # --------------------------------------------------------------------------------------------- scenes
 
 
-def columns(name: str) -> dict[str, Floats]:
-    """Read the numbers of a reference table."""
-    with (DATA / name).open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    texts = {"pattern", "kind", "regime", "other_rest_start"}
-    return {key: np.array([float(row[key] or "nan") for row in rows]) for key in rows[0] if key not in texts}
-
-
-def table(name: str) -> Scene:
-    """Return the scenes of a reference table."""
-    found = columns(name)
-    if name.startswith("two_axis"):
-        return Scene(
-            along_amplitude=found["x_amplitude_m"],
-            normal_amplitude=found["y_amplitude_m"],
-            normal_phase=found["phase_rad"],
-            frequency=found["frequency_hz"],
-            static_friction=found["static_friction"],
-            kinetic_friction=found["kinetic_friction"],
-            trough_angle=found["trough_angle_rad"],
-        )
-    return Scene(
-        amplitude=found["amplitude_mm"] / 1000.0,
-        frequency=found["frequency_hz"],
-        drive_angle=np.radians(found["drive_angle_deg"]),
-        static_friction=found["static_friction"],
-        kinetic_friction=found["kinetic_friction"],
-        trough_angle=np.radians(found["trough_angle_deg"]) if "trough_angle_deg" in found else 0.0,
-    )
-
-
-CONTACT = ["regular", "extreme", "incline", "steep", "descent"]
-TABLES = [*(f"contact_{name}.csv" for name in CONTACT), "hopping.csv", "two_axis/elliptic_contact.csv",
-          "two_axis/elliptic_hopping.csv"]  # fmt: skip
+TABLES = [*LINES, "hopping", *ELLIPSES]
 
 
 def hopping_lines(count: int, seed: int) -> Scene:
@@ -141,7 +107,7 @@ def assert_same(call: Callable[[], Any]) -> None:
 
 @pytest.mark.parametrize("name", TABLES)
 def test_reference_tables_have_the_same_bits(name: str) -> None:
-    scene = table(name)
+    scene = scene_of(columns_of(read_rows(name)))
     assert_same(lambda: [vibro.solve(scene, threads=1), vibro.solve(scene, accuracy="regimes")])
 
 
@@ -174,8 +140,8 @@ def test_searches_for_other_motions_have_the_same_bits(name: str) -> None:
 
 
 def test_arrivals_and_histories_have_the_same_bits() -> None:
-    found = columns("arrival.csv")
-    scene = table("arrival.csv")
+    found = columns_of(read_rows("arrival"))
+    scene = scene_of(found)
     assert_same(lambda: vibro.arrival_time(scene, found["length_mm"] / 1000.0))
     scenes = [DRAWN[name]() for name in ("lines", "hopping", "hopping ellipses")]
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from pathlib import Path
 
 import pytest
 from engines.two_axis_walk import NeverEndsError, NeverSettlesError
 from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, lift_off, line, walked
+from helpers.reference_tables import read_rows
 
 from vibro.core import hopping as hopping_module
 from vibro.core.averages import Means
@@ -19,7 +18,6 @@ from vibro.core.hopping import MOST_THROW, Hopping, enter, hopping
 from vibro.core.legs import Track, track_of
 from vibro.core.return_map import release, return_map
 
-DATA = Path(__file__).parents[1] / "data"
 TURN = 2.0 * math.pi
 
 
@@ -31,8 +29,7 @@ def _solved(loads: Loads, restitution: float = 0.0) -> Hopping:
 
 
 def test_every_row_of_the_table() -> None:
-    with (DATA / "hopping.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_rows("hopping")
     assert len(rows) == 47
     for row in rows:
         amplitude = float(row["amplitude_mm"]) / 1000.0

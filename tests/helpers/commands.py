@@ -19,6 +19,15 @@ NUT = ("-A", "1", "-f", "15", "-a", "20", "--mu-s", "0.74", "--mu-d", "0.57")
 
 NUT_ANGLE_AND_FRICTION = NUT[4:]
 
+FRICTION = ("--mu-s", "0.4", "--mu-d", "0.3")
+
+ELLIPSE = ("--along", "1", "--normal", "0.3", "--phase=-60", "-f", "25", *FRICTION)
+
+SLIP_STICK = (
+    *("--along", "1", "--normal", "0", "--along-2", "0.3", "--along-phase-2", "90", "-f", "10"), *FRICTION,
+)  # fmt: skip
+"""Two harmonics along the trough."""
+
 SMALL = ("map", "-A", "0.5:2:3", "-f", "10:30:3", *NUT_ANGLE_AND_FRICTION)
 TABLE = ("traverse-time", *SMALL[1:], "-L", "600")
 """A table and its sidecar, without pictures, which take most of a small run's time."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from engines.harmonic_walk import Drive
 
-from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
+from vibro import Scene
+from vibro.core.harmonic.loads import HarmonicLoads
 from vibro.core.harmonic.solver import SteadyState, harmonic_state
+from vibro.drives import Harmonics
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +32,7 @@ def unsolved(count: int) -> SteadyState:
     return SteadyState._make((*codes, *np.empty((5, count)), np.empty(count, np.int8)))
 
 
-def drawn(
+def random_harmonics(
     count: int,
     seed: int,
     harmonics: int = 2,
@@ -39,7 +41,7 @@ def drawn(
     along_only: bool = False,
     steep: float = 0.5,
     load: tuple[float, float] = (0.3, 8.0),
-) -> HarmonicLoads:
+) -> Scene:
     """Draw scenes: ratios of the frictions, and the steepest trough over the angle of static friction."""
     rng = np.random.default_rng(seed)
     size = np.exp(rng.uniform(math.log(load[0]), math.log(load[1]), count))
@@ -53,9 +55,22 @@ def drawn(
     kinetic = static * np.exp(rng.uniform(math.log(ratio[0]), math.log(ratio[1]), count))
     beta = np.arctan(static) * steep * rng.uniform(-1.0, 1.0, count) * (rng.uniform(size=count) < 0.6)
     w = np.full(count, 1.0 / (2.0 * np.pi))
-    return harmonic_loads(
-        tuple(along), phases[0], tuple(across), phases[1], w, static, kinetic, beta, np.ones(())
+    return Scene(
+        along_harmonics=list(zip(along, phases[0], strict=True)),
+        normal_harmonics=list(zip(across, phases[1], strict=True)),
+        frequency=w,
+        static_friction=static,
+        kinetic_friction=kinetic,
+        trough_angle=beta,
+        gravity=1.0,
     )
+
+
+def drawn(count: int, seed: int, harmonics: int = 2, **kind: Any) -> HarmonicLoads:
+    """Draw the loads of such scenes."""
+    fields = random_harmonics(count, seed, harmonics, **kind).arrays()
+    assert isinstance(fields, Harmonics)
+    return fields.loads()
 
 
 def drive_of(loads: HarmonicLoads, i: int) -> tuple[Drive, float]:

@@ -53,6 +53,21 @@ def at_load(
     )
 
 
+def driven(groups: Groups, phase_deg: float | None, restitution: float = 0.0) -> Scene:
+    """Make the scene of a line, or with a phase that of the ellipse whose amplitudes are the line's."""
+    line = replaced(at_load(*groups), restitution=restitution)
+    if phase_deg is None:
+        return line
+    rest = line.arrays()._asdict()
+    size, angle = rest.pop("amplitude"), rest.pop("drive_angle")
+    return Scene(
+        along_amplitude=size * math.cos(angle),
+        normal_amplitude=size * math.sin(angle),
+        normal_phase=math.radians(phase_deg),
+        **rest,
+    )
+
+
 def loads_of(scene: Scene) -> list[Loads]:
     """Form the groups of scenes, one by one over the flattened grid."""
     found, fields = [], scene.flat()

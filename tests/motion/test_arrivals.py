@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from helpers.reference_tables import columns_of, read_rows, scene_of
 from helpers.scenes import Groups, at_load, contact_groups, random_scenes, replaced, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,22 +20,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-TABLE = Path(__file__).parents[1] / "data" / "arrival.csv"
-
 
 def table() -> tuple[vibro.Scene, NDArray[np.float64], NDArray[np.float64]]:
-    with TABLE.open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(stream))
-    columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
-    scene = vibro.Scene(
-        amplitude=1e-3 * columns["amplitude_mm"],
-        frequency=columns["frequency_hz"],
-        drive_angle=np.radians(columns["drive_angle_deg"]),
-        static_friction=columns["static_friction"],
-        kinetic_friction=columns["kinetic_friction"],
-        trough_angle=np.radians(columns["trough_angle_deg"]),
-    )
-    return scene, 1e-3 * columns["length_mm"], columns["traverse_time_s"]
+    columns = columns_of(read_rows("arrival"))
+    return scene_of(columns), 1e-3 * columns["length_mm"], columns["traverse_time_s"]
 
 
 def cells_of(scene: vibro.Scene) -> Iterator[vibro.Scene]:

@@ -1,9 +1,8 @@
-"""Time histories: samples, energy, friction, the way into the steady cycle, and an integrator as witness."""
+"""Time histories: samples, energy, friction, and the way into the steady cycle."""
 
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,14 +10,11 @@ import pytest
 from helpers.scenes import GRAVITY, Groups, at_load, contact_groups, replaced, scene_with
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 import vibro
 from vibro import SceneError, VibroError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from vibro.results.history import Phase
@@ -193,111 +189,6 @@ def test_a_disturbed_body_settles_into_the_other_steady_cycle() -> None:
     disturbed = vibro.simulate(scene, cycles=1_000, start_velocity=-speed)
     assert disturbed.pattern in rotations("FB")
     assert disturbed.cycle_displacement / unit == pytest.approx(0.5732, abs=5e-5)
-
-
-class Witness:
-    """A body in the plane of its motion, integrated: state x, v, height, its rate; p is the time."""
-
-    def __init__(self, groups: Groups, restitution: float) -> None:
-        alpha, self.beta = math.radians(groups.drive_deg), math.radians(groups.trough_deg)
-        self.a, self.b = groups.load * math.cos(alpha), groups.load * math.sin(alpha)
-        self.mu_s, self.mu_d, self.e = groups.mu_s, groups.mu_d, restitution
-        self.events: list[tuple[str, float]] = []
-
-    def tangential(self, p: float) -> float:
-        return self.a * math.sin(p) - math.sin(self.beta)
-
-    def normal(self, p: float) -> float:
-        return math.cos(self.beta) - self.b * math.sin(p)
-
-    def run(self, p: float, velocity: float, times: Floats) -> Floats:
-        """Position at given phases, from the trough."""
-        state = np.array([0.0, velocity, 0.0, 0.0])
-        found = np.full(times.size, np.nan)
-        mode = self.held(p) if velocity == 0.0 else ("F" if velocity > 0.0 else "B")
-        mode = mode if self.normal(p) >= 0.0 else "H"
-        while p < times[-1]:
-            self.events.append((mode, p))
-            result: Any = solve_ivp(
-                partial(self.rates, mode), (p, float(times[-1])), state, "DOP853",
-                events=self.ends(mode), rtol=1e-12, atol=1e-13, dense_output=True, max_step=0.2,
-            )  # fmt: skip
-            inside = (times >= p) & (times <= result.t[-1])
-            found[inside] = result.sol(times[inside])[0]
-            p, state = float(result.t[-1]), result.y[:, -1]
-            if result.status == 1:
-                which = [i for i, t in enumerate(result.t_events) if t.size]
-                mode, state = self.next(mode, which[0], p, state)
-        return found
-
-    def rates(self, mode: str, p: float, state: Floats) -> list[float]:
-        way = {"F": 1.0, "B": -1.0, "_": 0.0, "H": 0.0}[mode]
-        pull = 0.0 if mode == "_" else self.tangential(p) - way * self.mu_d * self.normal(p)
-        return [state[1], pull, state[3], -self.normal(p) if mode == "H" else 0.0]
-
-    def ends(self, mode: str) -> list[Callable[[float, Floats], float]]:
-        def event(function: Callable[[float, Floats], float], way: float) -> Any:
-            function.terminal, function.direction = True, way  # type: ignore[attr-defined]
-            return function
-
-        if mode == "H":
-            return [event(lambda p, y: y[2], -1.0)]
-        lifts = event(lambda p, y: self.normal(p), -1.0)
-        if mode == "_":
-            return [
-                lifts,
-                event(lambda p, y: self.tangential(p) - self.mu_s * self.normal(p), 1.0),
-                event(lambda p, y: -self.tangential(p) - self.mu_s * self.normal(p), 1.0),
-            ]
-        return [lifts, event(lambda p, y: y[1], -1.0 if mode == "F" else 1.0)]
-
-    def next(self, mode: str, which: int, p: float, state: Floats) -> tuple[str, Floats]:
-        x, v, _, rate = state
-        if mode == "H":
-            left = max(abs(v) - self.mu_d * (1.0 + self.e) * -rate, 0.0)
-            v, rate = math.copysign(left, v), -self.e * rate
-            if rate > 1e-7:
-                return "H", np.array([x, v, 0.0, rate])
-            mode = self.held(p) if v == 0.0 else ("F" if v > 0.0 else "B")
-            return mode, np.array([x, v, 0.0, 0.0])
-        if which == 0:
-            return "H", np.array([x, v, 0.0, 0.0])
-        if mode == "_":
-            return ("F" if which == 1 else "B"), np.array([x, 0.0, 0.0, 0.0])
-        return self.held(p), np.array([x, 0.0, 0.0, 0.0])
-
-    def held(self, p: float) -> str:
-        load, hold = self.tangential(p), self.mu_s * self.normal(p)
-        return "_" if abs(load) <= hold else ("F" if load > 0.0 else "B")
-
-
-@pytest.mark.parametrize(
-    ("groups", "restitution", "phase", "velocity", "cycles"),
-    [
-        (Groups(2.0, 20.0, 0.74, 0.57), 0.0, 0.0, 0.0, 4),
-        (Groups(1.007, 16.82, 0.51, 0.426, -8.95), 0.0, 2.0, -0.8, 4),
-        (Groups(5.8, 20.0, 0.74, 0.57), 0.0, 0.0, 0.0, 4),
-        (Groups(5.8, 20.0, 0.74, 0.57), 0.3, 0.0, 0.0, 3),
-        (Groups(8.0, 20.0, 0.3, 0.2, 3.0), 0.3, 1.0, 0.4, 2),
-    ],
-)
-def test_an_integrated_body_moves_the_same_way(
-    groups: Groups, restitution: float, phase: float, velocity: float, cycles: int
-) -> None:
-    scene = replaced(at_load(*groups), restitution=restitution)
-    w = TURN * float(scene.frequency)
-    times = np.linspace(0.0, cycles / float(scene.frequency), 301)
-    history = vibro.simulate(scene, cycles=cycles, start_phase=phase, start_velocity=velocity * GRAVITY / w)
-    witness = Witness(groups, restitution)
-    expected = witness.run(phase, velocity, phase + w * times) * GRAVITY / w**2
-    kinds = [kind for kind, _ in witness.events]
-    if groups.load * math.sin(math.radians(groups.drive_deg)) > 1.0:
-        assert "H" in kinds
-    # the integrator's bounces end at a small speed, those of the history are summed to their end
-    tolerance = 1e-8 if restitution == 0.0 else 1e-6
-    np.testing.assert_allclose(
-        history.sample(times).position, expected, rtol=0.0, atol=tolerance * float(scene.scale)
-    )
 
 
 def test_a_body_that_rests_for_ever() -> None:

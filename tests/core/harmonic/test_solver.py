@@ -12,7 +12,7 @@ import pytest
 from helpers.harmonics import drawn, drive_of, solved
 
 import vibro
-from vibro.core.codes import Model, Pattern, Regime, Status, pattern_texts
+from vibro.core.codes import Pattern, Regime, Status, pattern_texts
 from vibro.core.harmonic.arrays import each, largest_amplitude
 from vibro.core.harmonic.legs import harmonic_legs
 from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
@@ -189,29 +189,6 @@ def test_rest_at_phase_0_inside_a_window_slides_at_once() -> None:
     out = solved(loads, 1)
     assert pattern_texts(out.pattern).tolist() == [cycle.pattern]
     assert abs(out.displacement[0] - cycle.displacement * weight) < 1e-9
-
-
-def test_classes_alone_have_no_numbers() -> None:
-    count = 300
-    loads = drawn(count, 8)
-    whole, classes = solved(loads, count), solved(loads, count, classes_alone=True)
-    assert np.array_equal(whole.regime, classes.regime)
-    slips = (whole.regime == Regime.FORWARD_SLIP) | (whole.regime == Regime.BACK_SLIP)
-    assert slips.sum() > 100
-    assert np.isnan(classes.displacement[slips]).all()
-    assert set(classes.model[slips]) == {Model.NONE}
-    assert set(classes.coexists[slips]) == {-1}
-
-
-def test_cells_do_not_depend_on_their_neighbours() -> None:
-    count = 60
-    loads = drawn(count, 9)
-    whole = solved(loads, count)
-    for i in range(0, count, 7):
-        alone = solved(scene_at(loads, i), 1)
-        for name in alone._fields:
-            one, many = getattr(alone, name), getattr(whole, name)
-            assert np.array_equal(one[0], many[i], equal_nan=True), name
 
 
 def test_legs_follow_each_other_for_a_turn() -> None:

@@ -1,0 +1,195 @@
+"""Walks of tests/engines: right on every reference row, alike, and as the package in random scenes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from engines import harmonic_walk, integrated, two_axis_walk
+from helpers.harmonics import drawn, drive_of, solved
+from helpers.reference_tables import CONTACT, ELLIPSES, LINES, UNSETTLED_IMPACT, read_table
+from helpers.scenes import Groups
+from helpers.two_axis_scenes import EPS, TURN, compare, drives, random_drives
+
+from vibro.core.codes import Status, pattern_texts
+
+# --- the tables -------------------------------------------------------------------------------------
+
+
+class Walked(NamedTuple):
+    """A cycle that a walk repeats, in the units of the tables; what a walk does not tell is NaN."""
+
+    pattern: str
+    period: int
+    displacement: float
+    peak_speed: float = math.nan
+    impact_speed: float = math.nan
+    flight_fraction: float = math.nan
+
+
+def walk_two_axes(row: dict[str, Any]) -> Walked:
+    """Walk a row of a line or an ellipse."""
+    if "amplitude_mm" in row:
+        alpha, metre = math.radians(row["drive_angle_deg"]), 1000.0
+        x, y, phase = row["amplitude_mm"] * math.cos(alpha), row["amplitude_mm"] * math.sin(alpha), 0.0
+        trough = math.radians(row["trough_angle_deg"])
+    else:
+        x, y, phase, metre = row["x_amplitude_m"], row["y_amplitude_m"], row["phase_rad"], 1.0
+        trough = row["trough_angle_rad"]
+    frequency = row["frequency_hz"]
+    frictions = row["static_friction"], row["kinetic_friction"]
+    body = two_axis_walk.Body(x / metre, y / metre, phase, frequency, *frictions, trough)
+    cycle, unit = body.settle(), metre * body.unit
+    speed = unit * TURN * frequency
+    displacement, peak, impact = cycle.displacement * unit, cycle.peak * speed, cycle.impact * speed
+    return Walked(cycle.pattern, cycle.period, displacement, peak, impact, cycle.flight_fraction)
+
+
+def walk_harmonics(row: dict[str, Any]) -> Walked:
+    """Walk a row of a drive with harmonics."""
+    unit = 9.81 / (TURN * row["frequency_hz"]) ** 2  # [m]
+
+    def waves(axis: str) -> list[tuple[float, float]]:
+        pairs = [(n * n * row[f"{axis}{n}_amplitude_m"] / unit, row[f"{axis}{n}_phase_rad"]) for n in (1, 2)]
+        return [(load * math.cos(phase), load * math.sin(phase)) for load, phase in pairs]
+
+    frictions = row["static_friction"], row["kinetic_friction"]
+    drive = harmonic_walk.Drive(waves("x"), waves("y"), *frictions, row["trough_angle_rad"])
+    cycle = drive.settle()
+    return Walked(cycle.pattern, 1, cycle.displacement * unit)
+
+
+@pytest.mark.parametrize("name", CONTACT | ELLIPSES)
+def test_walks_are_right_on_every_row(name: str) -> None:
+    table = read_table(name)
+    harmonic = name == "harmonic_contact"
+    walk, tolerance = (walk_harmonics, 1e-8) if harmonic else (walk_two_axes, 1e-11)
+    unending = ArithmeticError if harmonic else two_axis_walk.NeverEndsError
+    for i, (pattern, d, largest) in enumerate(
+        zip(table.pattern, table.displacement, table.amplitude, strict=True)
+    ):
+        row = {column: values[i] for column, values in table.columns.items()}
+        if not pattern:
+            with pytest.raises(unending):
+                walk(row)
+            continue
+        walked = walk(row)
+        assert (walked.pattern, walked.period) == (pattern, row["period_cycles"]), i
+        # the extreme lines are worse conditioned than the walk's numbers are exact
+        rounding = 16.0 * EPS * np.nan_to_num(row["condition"]) * abs(d) if name in LINES else 0.0
+        assert walked.displacement == pytest.approx(d, abs=tolerance * (abs(d) + largest) + rounding), i
+        if name == "elliptic_contact":
+            assert walked.peak_speed == pytest.approx(row["peak_speed_m_s"], rel=1e-11), i
+        if name == "elliptic_hopping":
+            assert walked.flight_fraction == pytest.approx(row["flight_fraction"], rel=1e-11), i
+            if i != UNSETTLED_IMPACT:
+                assert walked.impact_speed == pytest.approx(row["impact_speed_m_s"], rel=1e-11), i
+
+
+@pytest.mark.parametrize(
+    ("groups", "lead", "e", "turns"),
+    [
+        (Groups(1.0, 20.0, 0.74, 0.57), -1.0, 0.0, 3),
+        (Groups(1.3, 20.0, 0.5, 0.4, 2.0), 2.2, 0.0, 6),
+        (Groups(1.4, 35.0, 0.4, 0.3, -4.0), -2.5, 0.0, 6),
+        (Groups(0.95, 80.0, 0.5, 0.4, 6.0), 1.4, 0.0, 3),
+        (Groups(3.0, 25.0, 0.5, 0.4), -1.2, 0.0, 4),
+        (Groups(3.0, 35.0, 0.5, 0.4, 3.0), 2.0, 0.3, 3),
+    ],
+)
+def test_bodies_walk_as_integrated_ones(groups: Groups, lead: float, e: float, turns: int) -> None:
+    alpha = math.radians(groups.drive_deg)
+    along, normal = groups.load * math.cos(alpha), groups.load * math.sin(alpha)
+    (walk,) = drives(
+        along, normal, lead, groups.mu_s, groups.mu_d, math.radians(groups.trough_deg), e
+    ).bodies()
+    body = integrated.Body(groups, e, lead=lead)
+    phase, place = 0.0, 0.0
+    for leg in walk.legs():
+        phase, place = phase + leg.length, place + leg.path
+        if phase > turns * TURN:
+            break
+        body.until(phase)
+        # the smallest bounces are left out by both, but not the same ones
+        assert groups.load * body.state[0] == pytest.approx(place, abs=1e-9 if e == 0.0 else 1e-6)
+
+
+# --- random scenes ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("seed", "steepest", "least_ratio"), [(1, 0.0, 0.4), (2, 0.9, 0.4), (3, 0.0, 0.05), (4, 0.3, 0.05)]
+)
+def test_random_ellipses_settle_as_the_walk_does(seed: int, steepest: float, least_ratio: float) -> None:
+    seen = compare(random_drives(60, seed, steepest=steepest, least_ratio=least_ratio))
+    assert len(seen) >= 5
+
+
+@pytest.mark.parametrize(("seed", "steepest", "least_ratio"), [(1, 0.0, 0.4), (2, 0.5, 0.4), (3, 0.2, 0.1)])
+def test_random_hops_settle_as_the_walk_does(seed: int, steepest: float, least_ratio: float) -> None:
+    some = random_drives(40, seed, steepest=steepest, least_ratio=least_ratio, throw=(1.01, 3.2))
+    seen = compare(some)
+    assert "irregular" not in seen
+    assert len(seen) >= 6
+
+
+def test_bouncing_bodies_settle_as_the_walk_does() -> None:
+    some = random_drives(30, 4, steepest=0.3, throw=(1.01, 1.9))
+    seen = compare(some.changed(e=np.linspace(0.02, 0.3, 30)), tolerance=1e-9)
+    assert seen.get("irregular", 0) <= 3
+
+
+@pytest.mark.parametrize(
+    ("harmonics", "kind"),
+    [
+        (2, {}),
+        (2, {"along_only": True}),
+        (2, {"ratio": (0.02, 0.4)}),
+        (2, {"ratio": (1.0, 1.0)}),
+        (2, {"steep": 0.97}),
+        (2, {"load": (0.3, 1.0)}),
+        (3, {}),
+        (3, {"along_only": True, "ratio": (0.1, 1.0)}),
+    ],
+    ids=str,
+)
+def test_random_drives_with_harmonics_settle_as_the_walk_does(harmonics: int, kind: dict[str, Any]) -> None:
+    count = 24
+    loads = drawn(count, 20 + harmonics, harmonics, **kind)
+    out = solved(loads, count)
+    texts = pattern_texts(out.pattern).tolist()
+    compared = 0
+    for i in range(count):
+        status = Status(out.status[i])
+        if status is Status.FLIGHT_NOT_MODELLED:
+            continue
+        drive, weight = drive_of(loads, i)
+        try:
+            cycle = drive.settle(800)
+        except ArithmeticError:
+            # endless, or too slow for the walk, which decides nothing
+            compared += status is Status.RUNAWAY
+            continue
+        assert status is Status.OK
+        assert texts[i] == cycle.pattern
+        assert abs(out.displacement[i] - cycle.displacement * weight) < 1e-8
+        compared += 1
+    assert compared > 10
+
+
+def test_slow_approaches_end_where_they_lead() -> None:
+    # bodies that are followed for hundreds of cycles before they settle: into cycles that begin only on the
+    # way, past jumps of the return map, into a rest that none of the first cycles has
+    count = 3000
+    loads = drawn(count, 4, ratio=(0.02, 0.2), along_only=True, steep=0.0)
+    out = solved(loads, count)
+    assert np.count_nonzero(out.status == Status.UNRESOLVED) <= 1
+    texts = pattern_texts(out.pattern)
+    rare = np.flatnonzero(np.isin(texts, ["F_B", "FB_B", "FBF_", "FBF_B", "B_", "F_"]))[:12]
+    for i in rare:
+        drive, weight = drive_of(loads, int(i))
+        cycle = drive.settle(20_000)
+        assert texts[i] == cycle.pattern
+        assert abs(out.displacement[i] - cycle.displacement * weight) < 1e-8
