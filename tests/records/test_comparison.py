@@ -124,7 +124,7 @@ def test_a_trend_and_harmonics_are_found_exactly_also_with_gaps() -> None:
     at = np.array([0.013, 0.4])
     slope = 2 * math.pi * FREQUENCY * np.cos(2 * math.pi * FREQUENCY * at)
     slope -= 3 * math.pi * FREQUENCY * np.sin(6 * math.pi * FREQUENCY * at)
-    np.testing.assert_allclose(folded.periodic(at, 1), slope, rtol=1e-10)
+    np.testing.assert_allclose(folded.derivative().periodic(at), slope, rtol=1e-10)
 
 
 def test_standard_errors_are_those_of_repeated_noise() -> None:
@@ -135,7 +135,7 @@ def test_standard_errors_are_those_of_repeated_noise() -> None:
         folded = fold(time, time + 0.1 * random.standard_normal(time.size), FREQUENCY, 2)
         trends.append((folded.trend(1).value, folded.trend(1).error))
         at = np.array([0.02])
-        harmonics.append((float(folded.periodic(at)[0]), float(folded.error(at)[0])))
+        harmonics.append((float(folded.fitted(at)[0]), float(folded.error(at)[0])))
     for values in (np.array(trends), np.array(harmonics)):
         assert np.std(values[:, 0]) == pytest.approx(np.median(values[:, 1]), rel=0.2)
 

@@ -13,9 +13,8 @@ from made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, bowl, nut, trou
 import vibro
 from vibro.errors import InputError
 from vibro.records.comparison import compare
-from vibro.records.ellipse import MeasuredEllipse, ellipse_of
 from vibro.records.fitting import FITTABLE, Fit, fit
-from vibro.records.trough import trough_of
+from vibro.records.trough import MeasuredDrive, trough_of
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")
 SLIP = ("static_friction", "kinetic_friction")
@@ -52,7 +51,7 @@ def begun(true: vibro.Scene, **wrong: float) -> vibro.Scene:
 @pytest.fixture
 def own_start_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Search from the scene's own values alone, which takes a fraction of the time."""
-    monkeypatch.setattr("vibro.records.starts._GRID", dict.fromkeys(FITTABLE, ()))
+    monkeypatch.setattr("vibro.records.problem._GRID", dict.fromkeys(FITTABLE, ()))
 
 
 @pytest.mark.parametrize(
@@ -145,10 +144,10 @@ def test_scenes_that_cannot_be_compared_are_refused() -> None:
     assert compare(bowl(along_amplitude=0.0, trough_angle=-0.28), observed).passing == ""
 
 
-def measured(phase: float | None, lead: float, **options: Any) -> MeasuredEllipse:
+def measured(phase: float | None, lead: float, **options: Any) -> MeasuredDrive:
     trough = trough_of(trough_record(ellipse=lead, **options), down=True)
     assert trough is not None
-    return ellipse_of(trough, phase)
+    return trough.drive_on_ellipse(phase)
 
 
 @pytest.mark.parametrize("lead_deg", [-179.0, -60.0, 0.0, 90.0])

@@ -36,7 +36,7 @@ def assert_contains(found: Fit, scene: vibro.Scene, *names: str, within: float =
 @pytest.fixture
 def own_start_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Search from the scene's own values alone, which takes a fraction of the time."""
-    monkeypatch.setattr("vibro.records.starts._GRID", dict.fromkeys(FITTABLE, ()))
+    monkeypatch.setattr("vibro.records.problem._GRID", dict.fromkeys(FITTABLE, ()))
 
 
 # Every pattern with a rest, every set of signals, and both at the pattern of the paper's scene.

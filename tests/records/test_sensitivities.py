@@ -9,7 +9,7 @@ import pytest
 
 from vibro.errors import InputError
 from vibro.records.reading import Record, read_record
-from vibro.records.sensitivities import read_sensitivities
+from vibro.records.signals import read_sensitivities
 
 
 def volts(folder: Path, content: list[str], *texts: str, **columns: str) -> Record:
