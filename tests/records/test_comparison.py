@@ -127,9 +127,11 @@ def test_a_trend_and_harmonics_are_found_exactly_also_with_gaps() -> None:
     np.testing.assert_allclose(folded.derivative().periodic(at), slope, rtol=1e-10)
 
 
-def test_standard_errors_are_those_of_repeated_noise() -> None:
+@pytest.mark.parametrize(("count", "rate"), [(161, 600.0), (25, 180.0)])
+def test_standard_errors_are_those_of_repeated_noise(count: int, rate: float) -> None:
+    """Also of short records, of which trend and harmonics take half the degrees of freedom."""
     random = np.random.default_rng(3)
-    time = np.arange(161) / 600.0
+    time = np.arange(count) / rate
     trends, harmonics = [], []
     for _ in range(200):
         folded = fold(time, time + 0.1 * random.standard_normal(time.size), FREQUENCY, 2)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, STUDY, STUDY_FILE, Walked, nut
+from made_records import FREQUENCY, PERIOD, STUDY, STUDY_FILE, Walked, nut
 
 import vibro
 from vibro.errors import InputError
@@ -121,6 +121,22 @@ def test_late_and_correlated_samples_widen_the_intervals() -> None:
     # an AR(1) process of 0.8 has a ninth of the independent samples
     assert (correlated > 1.8 * plain).all()
     assert (jittered > 2.0 * quietest).all()
+
+
+@pytest.mark.parametrize("edge", [0.0, 1.0], ids=["starts", "ends"])
+@pytest.mark.usefixtures("own_start_alone")
+def test_samples_beside_a_jump_of_the_acceleration_do_not_count(edge: float) -> None:
+    """Nobody knows what a sensor shows there: a spike at every start, or end, of a slide moves nothing."""
+    walked = Walked(nut(1.2))
+    clean = walked.observe("acceleration", cycles=6)
+    jumps = [start + edge * length for _, start, length in walked.slides]
+    away = (np.subtract.outer(clean.time + 0.0137, jumps) / PERIOD + 0.5) % 1.0 - 0.5
+    beside = (np.abs(away) * PERIOD < 0.7 / 600.0).any(axis=1)
+    assert np.count_nonzero(beside) >= 12
+    spiky = Observation(clean.time, {"acceleration": clean.signals["acceleration"] + 0.5 * beside}, FREQUENCY)
+    found, same = (fit(nut(1.2), one, ["kinetic_friction"]).parameters[0] for one in (spiky, clean))
+    assert same.identified
+    assert found.value == pytest.approx(same.value, rel=1e-6)
 
 
 def test_a_value_near_the_onset_of_back_slip_is_not_pinned_there() -> None:

@@ -71,6 +71,21 @@ def test_a_wrong_frequency_is_named_with_the_right_one(signal: str, factor: floa
 
 
 @pytest.mark.parametrize("seed", range(4))
+def test_a_multiple_of_the_drives_frequency_may_be_off_by_as_many_of_its_errors(seed: int) -> None:
+    """Data at twice the drive's frequency, of which five errors are two and a half of the drive's."""
+    time = np.arange(1201) / 600.0
+    values = np.sin(2.0 * math.pi * 30.0 * time) + np.random.default_rng(seed).standard_normal(time.size)
+    found = seen(Observation(time, {"velocity": values}, 15.0))
+    assert found is not None
+    value, error = found.frequency
+    for off in (-5.0, 5.0):
+        claim = seen(Observation(time, {"velocity": values}, 0.5 * (value + off * error)))
+        assert claim is not None
+        assert claim.cycles == 0
+        assert claim.frequency.value == pytest.approx(value, abs=1e-3 * error)
+
+
+@pytest.mark.parametrize("seed", range(4))
 def test_the_standard_error_of_a_frequency_is_that_of_repeated_noise(seed: int) -> None:
     found = [seen(noisy(SCENES["F_"], "velocity", 10.0, 40, 0.1, 100 * seed + k), 1.3) for k in range(20)]
     off = np.array([claim.frequency.value - FREQUENCY for claim in found if claim])
