@@ -15,7 +15,7 @@ from vibro.errors import InputError
 from vibro.harmonics import HarmonicFields
 from vibro.motion.settled import SettledMotion
 from vibro.quantities import AMPLITUDES, QUANTITIES
-from vibro.records.folding import Estimate, Floats, Folded, fold, independent_samples
+from vibro.records.folding import Estimate, Floats, Folded, detrended, fold, independent_samples
 from vibro.records.reading import Record
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
@@ -145,9 +145,7 @@ class Observation:
         signals = {name: values[part] for name, values in self.signals.items()}
         return replace(self, time=self.time[part], signals=signals)
 
-    def residuals(
-        self, motion: SettledMotion, shift: float, *, trend: bool = True, window: float = 1.0
-    ) -> dict[str, Floats]:
+    def residuals(self, motion: SettledMotion, shift: float, *, trend: bool = True) -> dict[str, Floats]:
         """Measured minus computed, of each signal.
 
         Parameters
@@ -159,18 +157,13 @@ class Observation:
         trend : bool
             Whether the growth of the displacement counts. Its zero never does, because it is that of the
             sensor.
-        window : float
-            Time over which the model's accelerations and friction are averaged, in sample times.
         """
         result = {}
-        model = computed_signals(motion, self.signals, self.time + shift, window * self.sample_time)
+        model = computed_signals(motion, self.signals, self.time + shift, self.sample_time)
         for name, values in self.signals.items():
             residual = values - model[name]
             if name == "displacement":
-                residual = residual - residual.mean()
-                if not trend:
-                    time = self.time - self.time.mean()
-                    residual = residual - time * float(time @ residual) / float(time @ time)
+                residual = detrended(self.time, residual, 0 if trend else 1)
             result[name] = residual
         return result
 
@@ -227,10 +220,8 @@ def check_scene(scene: Scene) -> None:
     """
     fields = scene.arrays()
     if isinstance(fields, HarmonicFields):
-        raise InputError(
-            "a drive with harmonics cannot be compared with a record",
-            hint="give its fundamental alone: -A and -a, or --along, --normal and --phase",
-        )
+        hint = "give its fundamental alone: -A and -a, or --along, --normal and --phase"
+        raise InputError("a drive with harmonics cannot be compared with a record", hint=hint)
     largest = max((name for name in AMPLITUDES if name in fields._fields), key=lambda n: getattr(fields, n))
     problems = []
     for name in (largest, "frequency", "gravity"):
@@ -326,7 +317,7 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
         # the standard deviation of an even distribution over one sample time.
         error = math.hypot(error, observation.sample_time / math.sqrt(12.0))
     low = (losses <= np.roll(losses, 1)) & (losses <= np.roll(losses, -1))
-    rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * TOL.rival_sigmas**2)) * period / TOL.shifts
+    rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * TOL.likely_sigmas**2)) * period / TOL.shifts
     apart = np.abs((rivals - shift + 0.5 * period) % period - 0.5 * period) > TOL.searched * period
     return Alignment(shift % period, error, tuple(rivals[apart].tolist()))
 

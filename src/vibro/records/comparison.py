@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.motion.settled import SettledMotion, settled_motion
 from vibro.records.alignment import Alignment, Observation, align, check_scene, computed_signals
-from vibro.records.folding import Estimate, Floats, Folded, fold
+from vibro.records.folding import Estimate, Floats, Folded, detrended, fold
 from vibro.records.frequencies import foreign_frequency
 from vibro.records.signals import doubt, rounded
 from vibro.records.tolerances import TOL
@@ -136,18 +136,10 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     if velocity is not None:
         rows += _speeds(_Clocked(velocity, shift, alignment.error), motion)
     rows += _misfits(observation, motion, shift)
-    return Comparison(
-        observation=observation,
-        motion=motion,
-        alignment=alignment,
-        rows=tuple(rows),
-        trough_time=trough_time,
-        passing="upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else "",
-        computed=signals,
-        curve_time=cycle,
-        curves=curves,
-        warnings=_warnings(observation, motion, alignment, signals),
-    )
+    passing = "upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else ""
+    warnings = _warnings(observation, motion, alignment, signals)
+    seen = (observation, motion, alignment, tuple(rows))
+    return Comparison(*seen, trough_time, passing, signals, cycle, curves, warnings)
 
 
 def _velocity(observation: Observation) -> Folded | None:
@@ -253,13 +245,12 @@ def _crossing(
 def _misfits(observation: Observation, motion: SettledMotion, shift: float) -> list[Row]:
     """Root mean squares of measured minus computed."""
     rows = []
-    for trend in (True, False):
+    for trend, which in ((True, "{}"), (False, "{} without trend")):
         for name, residual in observation.residuals(motion, shift, trend=trend).items():
             if trend or name == "displacement":
-                without = "" if trend else " without trend"
-                rms = Estimate(float(np.sqrt(np.mean(residual**2))), math.nan)
-                key = f"rms_{name}{without.replace(' ', '_')}"
-                rows.append(Row(key, f"RMS difference of {name}{without}", name, rms, math.nan))
+                rms, text = Estimate(float(np.sqrt(np.mean(residual**2))), math.nan), which.format(name)
+                key, label = f"rms_{text.replace(' ', '_')}", f"RMS difference of {text}"
+                rows.append(Row(key, label, name, rms, math.nan))
     return rows
 
 
@@ -270,9 +261,8 @@ def _warnings(
     if math.isnan(alignment.shift):
         warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
     for rival in alignment.rivals:
-        warnings.append(
-            f"the data fit almost as well if they begin {1e3 * rival:.4g} ms after the trough's middle"
-        )
+        begin = f"{1e3 * rival:.4g} ms after the trough's middle"
+        warnings.append(f"the data fit almost as well if they begin {begin}")
     warnings += _of_another_size(observation, motion)
     warnings += _of_another_frequency(observation)
     warnings += _of_another_clock(observation, motion, alignment)
@@ -280,9 +270,8 @@ def _warnings(
     if advance * motion.advance < 0.0:
         warnings.append("the data run against the computed direction: --reverse reverses their axis")
     if "friction" in model and np.cov(model["friction"], observation.signals["friction"])[0, 1] < 0.0:
-        warnings.append(
-            "the friction has the opposite sign: it must be the force on the body, not on the trough"
-        )
+        must = "it must be the force on the body, not on the trough"
+        warnings.append(f"the friction has the opposite sign: {must}")
     return tuple(warnings)
 
 
@@ -290,15 +279,14 @@ def _of_another_size(observation: Observation, motion: SettledMotion) -> list[st
     """Name signals that are so much larger or smaller than computed that their unit may be wrong."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
     model = computed_signals(motion, observation.signals, cycle, observation.sample_time)
-    found, centred = [], observation.time - observation.time.mean()
+    found = []
     for name, values in observation.signals.items():
         trend = motion.advance / motion.period * cycle if name == "displacement" else 0.0
         size = float(np.std(model[name] - trend))
         # Noise is no motion, but motion at another frequency is: what repeats may be too much, and all of it
         # too little.
         repeated = float(np.std(observation.folded[name].periodic(cycle)))
-        power = 1 if name == "displacement" else 0
-        whole = float(np.std(values - np.polyval(np.polyfit(centred, values, power), centred)))
+        whole = float(np.std(detrended(observation.time, values, 1 if name == "displacement" else 0)))
         moved = repeated if repeated > TOL.far_off * size else whole
         # A body that rests has no size, and a signal that is dead no unit.
         if size and whole and not size / TOL.far_off <= moved <= TOL.far_off * size:
@@ -321,10 +309,8 @@ def _of_another_frequency(observation: Observation) -> list[str]:
         trough = f"the trough at {observation.frequency:.5g} Hz"
         return [f"the body's signals repeat at {said}, {trough}: are both of one run, and of one clock?"]
     if foreign.cycles:
-        return [
-            f"the data repeat at {said}, every {foreign.cycles} cycles of the drive: the body hops so, or the"
-            f" drive runs at that frequency: {remedy}"
-        ]
+        why = "the body hops so, or the drive runs at that frequency"
+        return [f"the data repeat at {said}, every {foreign.cycles} cycles of the drive: {why}: {remedy}"]
     return [f"the data repeat at {said}, the scene says {observation.frequency:.5g} Hz: {remedy}"]
 
 

@@ -59,11 +59,8 @@ class ComparisonTables:
 
     def parameters(self) -> list[tuple[Parameter, tuple[str, float]]]:
         """Return the estimates, each with its unit and the size of that in SI units."""
-        found = []
-        for parameter in self.fit.parameters if self.fit else ():
-            quantity = QUANTITIES[parameter.name]
-            found.append((parameter, (quantity.unit, float(quantity.to_si(1.0)))))
-        return found
+        found = [(p, QUANTITIES[p.name]) for p in (self.fit.parameters if self.fit else ())]
+        return [(p, (quantity.unit, float(quantity.to_si(1.0)))) for p, quantity in found]
 
     def signals(self) -> TableColumns:
         """Return measured and computed signals over time."""

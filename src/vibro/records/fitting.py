@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 from scipy.special import stdtrit
@@ -132,11 +131,11 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
         threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * TOL.confidence)) ** 2
         fitting = [m for m in minima if m.squares <= minima[0].squares + TOL.excluded]
         profiles = [_profile(problem, fitting, threshold, column) for column in range(len(names))]
-        better = min((found.best for found in profiles), key=_squares)
+        better = min((best for _, best in profiles), key=_squares)
         if better.squares > minima[0].squares - TOL.better * threshold:
             break
         minima = _least(problem, [better, *minima])
-    return _judged(problem, fitting, [p.intervals for p in profiles], threshold)
+    return _judged(problem, fitting, [found for found, _ in profiles], threshold)
 
 
 def _check_names(scene: Scene, names: Sequence[str]) -> None:
@@ -150,14 +149,11 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
         quantity = QUANTITIES[name]
         if name not in own:
             path = "a line" if scene.amplitude is not None else "an ellipse"
-            raise InputError(
-                f"{said}the trough moves along {path}, which has no {quantity.label}", hint=choice
-            )
+            none = f"{said}the trough moves along {path}, which has no {quantity.label}"
+            raise InputError(none, hint=choice)
         if name in AMPLITUDES and not float(getattr(scene, name)):
-            raise InputError(
-                f"{said}the search for the {quantity.label} begins at the scene's, which is 0",
-                hint=f"give what it may be, for example {quantity.options[0]} 0.3",
-            )
+            zero = f"{said}the search for the {quantity.label} begins at the scene's, which is 0"
+            raise InputError(zero, hint=f"give what it may be, for example {quantity.options[0]} 0.3")
 
 
 def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:
@@ -213,10 +209,8 @@ def _first_minima(problem: Problem) -> list[Minimum]:
                 minima.append(minimise(problem, start, TOL.rough, aim))
                 aim = min(aim, minima[-1].squares)
     if not minima:
-        raise InputError(
-            "--fit: no value that was tried gives a steady motion to compare with",
-            hint="check the other quantities of the scene",
-        )
+        none = "--fit: no value that was tried gives a steady motion to compare with"
+        raise InputError(none, hint="check the other quantities of the scene")
     return _least(problem, minima)
 
 
@@ -274,20 +268,9 @@ def _in_one_turn(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
 # --- intervals of confidence ----------------------------------------------------------------------------
 
 
-class _Profile(NamedTuple):
-    """Values of one quantity that fit, and the best point that was met on the way."""
-
-    intervals: Intervals
-    best: Minimum
-
-
-class _Tried(NamedTuple):
-    value: float
-    root: float  # of the sum of squares above the minimum's; inf where the pattern has no such value
-    point: Floats
-
-
-def _profile(problem: Problem, minima: Sequence[Minimum], threshold: float, column: int) -> _Profile:
+def _profile(
+    problem: Problem, minima: Sequence[Minimum], threshold: float, column: int
+) -> tuple[Intervals, Minimum]:
     """Find all values of one quantity with which the record can still be fitted.
 
     In each pattern the quantity is moved away from the minimum, the others refitted, until the sum of squares
@@ -318,14 +301,14 @@ def _profile(problem: Problem, minima: Sequence[Minimum], threshold: float, colu
         size = float(problem.scale(minimum.point)[column])
         step = TOL.first_step * size
         if variance:
-            step = min(max(math.sqrt(variance * threshold), TOL.least_step * size), TOL.most_step * size)
+            step = min(max(math.sqrt(variance * threshold), TOL.rounding * size), TOL.most_step * size)
         ends = []
         for way in (-step, step):
             end, met = _end(problem, minimum, path, threshold, column, way)
             ends.append(end)
             best = min(best, met, key=_squares)
         pieces.append((ends[0], ends[1]))
-    return _Profile(_merged(pieces), best)
+    return _merged(pieces), best
 
 
 def _merged(pieces: list[tuple[float, float]]) -> Intervals:
@@ -348,49 +331,48 @@ def _end(
     ``path`` is how the coordinates follow the quantity, ``step`` the first step, to that side.
     """
     origin, aim = float(minimum.point[column]), math.sqrt(threshold)
-    way = math.copysign(1.0, step)
-    inside, best = _Tried(origin, 0.0, minimum.point), minimum
-    outside: _Tried | None = None
+    value, way = origin, math.copysign(1.0, step)
+    inside, root, best = minimum, 0.0, minimum
+    outside, far = math.inf, math.inf  # the nearest value that does not fit, and its root
     for _ in range(TOL.tries):
-        if outside is None:
-            value = inside.value + step
+        near = float(inside.point[column])
+        if math.isinf(outside):
+            value = near + step
             step *= 2.0
+        elif abs(outside - near) <= TOL.narrow * abs(outside - origin):
+            break
         else:
-            gap = outside.value - inside.value
-            if abs(gap) <= TOL.narrow * abs(outside.value - origin):
-                break
-            share = 0.5
-            if math.isfinite(outside.root):
-                share = min(max((aim - inside.root) / (outside.root - inside.root), 0.05), 0.95)
-            value = inside.value + share * gap
-        found = _refitted(problem, minimum.label, inside, path, column, value)
+            share = min(max((aim - root) / (far - root), 0.05), 0.95) if math.isfinite(far) else 0.5
+            value = near + share * (outside - near)
+        found = _refitted(problem, inside, path, column, value)
         best = min(best, found, key=_squares)
-        tried = _Tried(value, math.sqrt(max(found.squares - minimum.squares, 0.0)), found.point)
-        if abs(tried.root**2 - threshold) <= TOL.close * threshold:
+        # of the sum of squares above the minimum's; inf where the pattern has no such value
+        tried = math.sqrt(max(found.squares - minimum.squares, 0.0))
+        if abs(tried**2 - threshold) <= TOL.close * threshold:
             return value, best
-        if tried.root >= aim:
-            outside = tried
+        if tried >= aim:
+            outside, far = value, tried
             continue
-        inside = tried
-        if outside is None and tried.root > 0.0:
+        inside, root = found, tried
+        if math.isinf(outside) and root > 0.0:
             # as if the misfit grew with the square of the distance
-            step = way * min(max(aim / tried.root - 1.0, 0.1), 2.0) * abs(value - origin)
-    return (outside.value if outside else way * math.inf), best
+            step = way * min(max(aim / root - 1.0, 0.1), 2.0) * abs(value - origin)
+    return way * outside if math.isinf(outside) else outside, best
 
 
-def _refitted(problem: Problem, label: str, near: _Tried, path: Floats, column: int, value: float) -> Minimum:
+def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value: float) -> Minimum:
     """Set a quantity to a value, and fit the others again; inf where the pattern has no such value.
 
     They begin where the quantity takes them by the slopes at the minimum, or else where they were.
     """
     movable = [place for place in range(near.point.size - 1) if place != column]
     for slopes in (path, np.zeros(path.size)):
-        start = near.point + slopes * (value - near.value)
+        start = near.point + slopes * (value - near.point[column])
         start[column] = value
-        begun = nearest_inside(problem, label, start, movable)
+        begun = nearest_inside(problem, near.label, start, movable)
         if begun is not None:
             return minimise(problem, begun, TOL.enough, fixed=[column])
-    return Minimum(label, start, math.inf)
+    return Minimum(near.label, start, math.inf)
 
 
 # --- in words -------------------------------------------------------------------------------------------
@@ -451,10 +433,8 @@ def _unidentified(
                 most = float(problem.bounds[1, column])
                 edge = move_to_edge(problem, best.label, best.point[None], column, most)
                 until = f", from mu_d up to {edge[0, column]:.4g}"
-            found.append(
-                f"the data cannot identify mu_s: in pattern {pattern} the body never rests, and mu_s has no"
-                f" effect at all{until}"
-            )
+            why = f"in pattern {pattern} the body never rests, and mu_s has no effect at all{until}"
+            found.append(f"the data cannot identify mu_s: {why}")
         elif first:
             found.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")
         else:

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 from vibro.errors import InputError
 from vibro.records.tolerances import TOL
 
-__all__ = ["Estimate", "Floats", "Folded", "fold", "harmonics", "independent_samples", "independent_share"]
+__all__ = [
+    "Estimate", "Floats", "Folded", "detrended", "fold", "harmonics", "independent_samples",
+    "independent_share",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 
@@ -43,6 +46,8 @@ class Folded:
     coefficients, covariance : array
         Trend, then the cosines and the sines of the harmonics; their covariance, increased for noise that
         lasts longer than one sample.
+    order : int
+        Of the derivative that is taken of it.
     """
 
     frequency: float
@@ -51,6 +56,7 @@ class Folded:
     half: float
     coefficients: Floats
     covariance: Floats
+    order: int = 0
 
     @property
     def count(self) -> int:
@@ -64,8 +70,7 @@ class Folded:
 
     def periodic(self, time: Floats) -> Floats:
         """Harmonic part of the signal at times on the record's clock [s]."""
-        waves = harmonics(time, self.frequency, self.count)
-        return np.asarray(waves @ self.coefficients[self.trends :])
+        return np.asarray(self._basis(time)[:, self.trends :] @ self.coefficients[self.trends :])
 
     def fitted(self, time: Floats) -> Floats:
         """Trend and harmonic part of the signal at times on the record's clock [s]."""
@@ -78,24 +83,26 @@ class Folded:
 
     def derivative(self) -> Folded:
         """Differentiate the signal with respect to the time."""
-        left, rates = max(self.trends - 1, 0), math.tau * self.frequency * np.arange(1, self.count + 1)
-        change = np.zeros((left + 2 * self.count, self.coefficients.size))
-        change[range(left), range(1, left + 1)] = np.arange(1, left + 1) / self.half
-        cosines = np.arange(self.count)
-        change[left + cosines, self.trends + self.count + cosines] = rates
-        change[left + self.count + cosines, self.trends + cosines] = -rates
-        covariance = np.asarray(change @ self.covariance @ change.T)
-        return replace(self, trends=left, coefficients=change @ self.coefficients, covariance=covariance)
+        return replace(self, order=self.order + 1)
 
     def _basis(self, time: Floats) -> Floats:
         powers = np.vander((time - self.middle) / self.half, self.trends, increasing=True)
-        return np.hstack([powers, harmonics(time, self.frequency, self.count)])
+        for _ in range(self.order):
+            powers = np.pad(powers[:, :-1] * np.arange(1, self.trends) / self.half, ((0, 0), (1, 0)))
+        return np.hstack([powers, harmonics(time, self.frequency, self.count, self.order)])
 
 
-def harmonics(time: Floats, frequency: float, count: int) -> Floats:
-    """Return cosines, then sines, of the harmonics of a frequency, by column."""
-    angles = np.outer(time, math.tau * frequency * np.arange(1, count + 1))
-    return np.hstack([np.cos(angles), np.sin(angles)])
+def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -> Floats:
+    """Return cosines, then sines, of the harmonics of a frequency, or derivatives of them, by column."""
+    rates = math.tau * frequency * np.arange(1, count + 1)
+    angles = np.outer(time, rates) + 0.5 * math.pi * derivative
+    return np.hstack([np.cos(angles), np.sin(angles)]) * np.tile(rates**derivative, 2)
+
+
+def detrended(time: Floats, values: Floats, power: int) -> Floats:
+    """Take off the polynomial that fits best."""
+    centred = time - time.mean()
+    return np.asarray(values - np.polyval(np.polyfit(centred, values, power), centred))
 
 
 def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
@@ -125,16 +132,12 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     span = float(time[-1] - time[0])
     cycles, cycle = span * frequency, f"of {1e3 / frequency:.6g} ms: at least"
     if cycles < TOL.least_cycles * (1.0 - 1e-9):
-        raise InputError(
-            f"the data cover {cycles:.3g} drive cycles {cycle} {TOL.least_cycles:.0f} are needed",
-            hint="record longer, or check the frequency and the unit of the time",
-        )
+        short = f"the data cover {cycles:.3g} drive cycles {cycle} {TOL.least_cycles:.0f} are needed"
+        raise InputError(short, hint="record longer, or check the frequency and the unit of the time")
     samples = (time.size - 1) / cycles
     if samples < TOL.least_samples:
-        raise InputError(
-            f"the data have {samples:.3g} samples a drive cycle {cycle} {TOL.least_samples} are needed",
-            hint="sample faster, or check the frequency and the unit of the time",
-        )
+        coarse = f"the data have {samples:.3g} samples a drive cycle {cycle} {TOL.least_samples} are needed"
+        raise InputError(coarse, hint="sample faster, or check the frequency and the unit of the time")
     count = min(TOL.most_harmonics, int(TOL.of_nyquist * 0.5 * samples))
     size, middle = trends + 2 * count, float(time[0]) + 0.5 * span
     empty = Folded(frequency, trends, middle, 0.5 * span, np.zeros(size), np.zeros((size, size)))

@@ -88,7 +88,7 @@ class Repetition:
         basis = np.hstack([self._trend, basis])
         # Normal equations are quick, and accurate enough where waves are nearly orthogonal. The ridge keeps
         # them solvable where waves are indistinguishable.
-        ridge = TOL.ridge * self._time.size * np.eye(basis.shape[1])
+        ridge = TOL.rounding * self._time.size * np.eye(basis.shape[1])
         coefficients = np.linalg.solve(basis.T @ basis + ridge, basis.T @ self._signals)
         made_up = math.sqrt(self._time.size / (self._time.size - basis.shape[1]))
         return np.asarray(coefficients, np.float64), (self._signals - basis @ coefficients) * made_up
@@ -102,7 +102,7 @@ class Repetition:
     def squares(self, frequency: float, which: Places | None = None) -> Floats:
         """Sum of squares of what is left of each signal, made up for the number of waves."""
         left = self._explained(frequency, which)[1]
-        return np.asarray(np.einsum("ij,ij->j", left, left) + TOL.left_by_rounding * self._power)
+        return np.asarray(np.einsum("ij,ij->j", left, left) + TOL.rounding * self._power)
 
     def counts(self, frequency: float) -> Floats:
         """Effective number of independent samples of what is left of each signal."""

@@ -125,9 +125,7 @@ def choose(path: Path, headers: list[Header], wanted: Wanted) -> Columns:
         If a column is missing, ambiguous, without a unit, or named twice; if a voltage has no sensitivity, or
         a sensitivity no voltage.
     """
-    problems: list[str] = []
-    hints: list[str] = []
-    found: Columns = {}
+    problems, hints, found = list[str](), list[str](), Columns()
     named = [role for role in KINDS if role in wanted.headers]
     # A user who names one signal wants only the named ones; the time is needed in any case.
     alone = any(role in wanted.headers for role in SIGNALS)
@@ -151,10 +149,9 @@ def choose(path: Path, headers: list[Header], wanted: Wanted) -> Columns:
         hints.append(_name_one(headers, wanted))
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
-    columns = {role: found[role] for role in KINDS if role in found}
-    _check_once(path, columns)
-    _check_used(path, headers, columns, wanted)
-    return columns
+    _check_once(path, found)
+    _check_used(path, headers, found, wanted)
+    return {role: found[role] for role in KINDS if role in found}
 
 
 def _check_once(path: Path, columns: Columns) -> None:
@@ -174,10 +171,8 @@ def _check_used(path: Path, headers: list[Header], columns: Columns, wanted: Wan
         role, used = sensitivity.role or sensitivity.kind, {header.place for header, _ in columns.values()}
         free = [h.text for h in _voltages(headers) if h.place not in used]
         read = f"{path}: no column that is read as {role.replace('_', ' ')}"
-        raise InputError(
-            f"{read} is a voltage for --sensitivity {sensitivity.text}",
-            hint=f'name the column: {option_of(role)} "{free[0]}"' if free else "leave it out",
-        )
+        hint = f'name the column: {option_of(role)} "{free[0]}"' if free else "leave it out"
+        raise InputError(f"{read} is a voltage for --sensitivity {sensitivity.text}", hint=hint)
 
 
 def _voltages(headers: list[Header]) -> list[Header]:
@@ -225,10 +220,9 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tupl
     option, kind = option_of(role), KINDS[role]
     if not found:
         close = difflib.get_close_matches(key, [h.text for h in headers], n=1, cutoff=0.5)
-        raise InputError(
-            f"{path}: no column {shown(key)} for {option}; its columns are {_list(headers)}",
-            hint=f"did you mean {shown(close[0])}?" if close else "write it as the header row does",
-        )
+        hint = f"did you mean {shown(close[0])}?" if close else "write it as the header row does"
+        missing = f"{path}: no column {shown(key)} for {option}; its columns are {_list(headers)}"
+        raise InputError(missing, hint=hint)
     if len(found) > 1:
         several = f"{path}: {len(found)} columns are called {shown(key)}"
         raise InputError(several, hint="give them different names in the file")
@@ -251,11 +245,8 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tupl
     problem = f"{shown(stated)} is no unit of {kind}" if stated else "it has no unit"
     voltage = f", or mV and V with --sensitivity {example}" if example else ""
     usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
-    raise InputError(
-        f"{said}: {problem}",
-        hint=f'write the unit in brackets: {option} "{header.name} [{usual}]"; units of {kind} are {units}'
-        f"{voltage}",
-    )
+    hint = f'write the unit in brackets: {option} "{header.name} [{usual}]"; units of {kind} are {units}'
+    raise InputError(f"{said}: {problem}", hint=hint + voltage)
 
 
 def _detected(path: Path, headers: list[Header], role: str) -> Columns:
@@ -265,10 +256,8 @@ def _detected(path: Path, headers: list[Header], role: str) -> Columns:
         word = _word_of(role)
         fitting = [(h, size) for h, size in fitting if word.fullmatch(h.name)] or fitting
     if len(fitting) > 1:
-        raise InputError(
-            f"{path}: {_list([h for h, _ in fitting])} could each be the {role}",
-            hint=f'choose: --{role} "{fitting[0][0].text}"',
-        )
+        several = f"{path}: {_list([h for h, _ in fitting])} could each be the {role}"
+        raise InputError(several, hint=f'choose: --{role} "{fitting[0][0].text}"')
     return {role: fitting[0]} if fitting else {}
 
 

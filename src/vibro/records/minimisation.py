@@ -154,7 +154,7 @@ def move_to_edge(problem: Problem, label: str, points: Floats, follower: int, re
             found = leaves.any(axis=1)
         column = np.argmin(np.where(leaves, np.abs(places[:, :-1]), np.inf), axis=1)
         low, high = places[rows, column], places[rows, column + 1]
-        if float(np.abs(high - low).max()) < TOL.sharp * float(problem.scale(points[0])[follower]):
+        if float(np.abs(high - low).max()) < TOL.step * float(problem.scale(points[0])[follower]):
             break
     moved = points.copy()
     moved[found, follower] += low[found]

@@ -14,7 +14,7 @@ from scipy.optimize import nnls
 from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR
 from vibro.records.alignment import Observation, misfits_at_shifts
 from vibro.records.cycles import HOPS, Labels, SceneCycles, labels_of, scene_cycles
-from vibro.records.folding import Floats, fold, independent_samples
+from vibro.records.folding import Floats, detrended, fold, independent_samples
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
 
@@ -98,8 +98,7 @@ class Problem:
         self._sensors: dict[str, Floats] = {}
         for name, values in observation.signals.items():
             folded = observation.folded[name]
-            rest = values - folded.periodic(observation.time)
-            rest = rest - np.polyval(np.polyfit(observation.time, rest, folded.trends), observation.time)
+            rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
             self._weigh(name, np.ones(values.size), rest, values.size)
 
     @property

@@ -63,11 +63,6 @@ class Record:
     sensitivities: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
-    @property
-    def sample_time(self) -> float:
-        """Usual step of the time [s]."""
-        return float(np.median(np.diff(self.time)))
-
 
 class _Table(NamedTuple):
     """A parsed file: the rows of data, each with its number in the file."""
@@ -162,23 +157,18 @@ def read_record(
     for role, (header, _) in chosen.items():
         at = f" at {texts[role]}" if role in texts else ""
         notes.append(f"{role.replace('_', ' ')}: column {shown(header.text)}{at}")
-    return Record(
-        time=values["time"],
-        signals={role: values[role] for role in SIGNALS if role in chosen},
-        trough={role: values[role] for role in TROUGH if role in chosen},
-        headers={role: header.text for role, (header, _) in chosen.items()},
-        sensitivities=texts,
-        notes=tuple(notes),
-    )
+    headers = {role: header.text for role, (header, _) in chosen.items()}
+    signals = {role: x for role, x in values.items() if role in SIGNALS}
+    trough = {role: x for role, x in values.items() if role in TROUGH}
+    return Record(values["time"], signals, trough, headers, texts, tuple(notes))
 
 
 def _decode(path: Path) -> tuple[str, list[str]]:
     try:
         data = path.read_bytes()
     except OSError as exc:
-        raise FileError(
-            f"cannot read {path}: {exc.strerror or exc}", hint=suggestion(path, (".csv", ".txt"))
-        ) from exc
+        near = suggestion(path, (".csv", ".txt"))
+        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=near) from exc
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         try:
             return data.decode("utf-16"), [f"{path.name}: UTF-16"]
@@ -205,9 +195,8 @@ def _rows(text: str, separator: str) -> Iterable[tuple[int, list[str]]]:
 
 def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
     """Index of the first row with at least as many numbers as most rows have."""
-    counts = [
-        sum(_NUMBER.fullmatch(cell) is not None for cell in cells) for _, cells in rows[: TOL.looked_at]
-    ]
+    looked_at = [cells for _, cells in rows[: TOL.looked_at]]
+    counts = [sum(_NUMBER.fullmatch(cell) is not None for cell in cells) for cells in looked_at]
     usual = Counter(count for count in counts if count > 1).most_common(1)
     return next((i for i, count in enumerate(counts) if count >= usual[0][0]), None) if usual else None
 
@@ -223,24 +212,18 @@ def _take_apart(path: Path, text: str, wanted: Wanted) -> tuple[_Table, Columns]
         if first is not None:
             break
     else:
-        raise InputError(
-            f"{path}: no table of numbers found",
-            hint="it needs a header row and rows of numbers, separated by commas, semicolons or tabs",
-        )
+        hint = "it needs a header row and rows of numbers, separated by commas, semicolons or tabs"
+        raise InputError(f"{path}: no table of numbers found", hint=hint)
     if first == 0:
-        raise InputError(
-            f"{path}: row {rows[0][0]} holds numbers, but there is no header row above it",
-            hint="name the columns in a first row, with units: Time [s],X [mm]",
-        )
+        bare = f"{path}: row {rows[0][0]} holds numbers, but there is no header row above it"
+        raise InputError(bare, hint="name the columns in a first row, with units: Time [s],X [mm]")
     place, chosen = _header_row(path, [cells for _, cells in rows[:first]], wanted)
     width, data = len(rows[place][1]), rows[place + 1 :]
     comma = any("," in cell for _, cells in data[: TOL.looked_at] for cell in cells)
     for row, cells in data:
         if any(cells[width:]):
-            raise InputError(
-                f"{path}: row {row} has {len(cells)} cells, the header row {width}",
-                hint="decimal commas need semicolons between the cells",
-            )
+            wide = f"{path}: row {row} has {len(cells)} cells, the header row {width}"
+            raise InputError(wide, hint="decimal commas need semicolons between the cells")
     return _Table(path, data, comma, separator), chosen
 
 

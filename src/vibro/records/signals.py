@@ -163,10 +163,9 @@ def read_sensitivities(texts: Sequence[str]) -> tuple[Sensitivity, ...]:
         one = _sensitivity(text)
         for other in found:
             if one.served == other.served:
-                raise InputError(
-                    f"--sensitivity {cut(other.text)} and {cut(one.text)}: each is for {one.served}",
-                    hint="say which column each is for: --sensitivity trough-along=100mV/g",
-                )
+                both = f"--sensitivity {cut(other.text)} and {cut(one.text)}: each is for {one.served}"
+                hint = "say which column each is for: --sensitivity trough-along=100mV/g"
+                raise InputError(both, hint=hint)
         found.append(one)
     return tuple(found)
 
@@ -191,10 +190,8 @@ def _sensitivity(text: str) -> Sensitivity:
         raise InputError(f"{said}: {shown(unit_text)} is no unit of a sensitivity", hint=_HINT)
     kind, size, inverse = unit
     if role and KINDS[role] != kind:
-        raise InputError(
-            f"{said}: {shown(unit_text)} is no sensitivity of {_a(KINDS[role])}",
-            hint=f"write it like {EXAMPLES[KINDS[role]]}",
-        )
+        other = f"{said}: {shown(unit_text)} is no sensitivity of {_a(KINDS[role])}"
+        raise InputError(other, hint=f"write it like {EXAMPLES[KINDS[role]]}")
     if number == 0.0 or not math.isfinite(number):
         raise InputError(f"{said}: must be finite and not 0", hint=_HINT)
     per_volt = number * size if inverse else size / number

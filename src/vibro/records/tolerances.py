@@ -42,8 +42,9 @@ class Tolerances(NamedTuple):
     curvature_step: float = 0.02  # of 1/T: over it the end of the record turns by 3.6 deg
     lowest_fraction: int = 6  # the largest wave may be up to this harmonic
     rounded: float = 1e-6  # of a signal's largest value: less than that beside its trend is rounding
-    ridge: float = 1e-12  # of the power of a wave
-    left_by_rounding: float = 1e-12  # of the power: less of it is not left unexplained
+    # Of a power: a ridge that moves nothing, and the least that is left unexplained. Of the drive's own
+    # motion: a residual counts as at least this. Relative, of a step: no shorter one is tried.
+    rounding: float = 1e-12
     # Log-likelihood to be gained: 5 sigma, besides the logarithm of the number of frequencies tried.
     clear: float = 12.5
     own_wave: float = 0.1  # of the power of the largest wave: a lower one has it if that is its harmonic
@@ -66,18 +67,18 @@ class Tolerances(NamedTuple):
     searched_cycles: float = 4.0  # and at least so many cycles
     searched: float = 0.05  # of a cycle to each side of the rough result,
     searched_steps: int = 41  # in so many steps
-    rival_sigmas: float = 3.0  # within which a second position in the cycle counts as fitting as well
+    # Standard errors within which a wave is none, a line no ellipse, and a second position fits as well.
+    likely_sigmas: float = 3.0
 
     # --- accelerations of the trough ------------------------------------------------------------------
     few_harmonics: float = 0.1  # of the fundamental's root mean square: less is told, and not warned of
     much_rest: float = 0.3  # of the same: what else may be left
     channel_phase: float = 2.0  # [deg] between two channels that is theirs, and no ellipse
-    least_sine: float = 1e-3  # of the drive's direction: less of the motion cannot be scaled up to all of it
     digits: int = 2  # below the first one of the error that are written
     wave_rounding: float = 1e-24  # of the power of a signal: a wave counts as at least this
     usual_acceleration: float = 50.0  # [m/s^2] of a wave: hardly a conveyor vibrates with more
-    wave_sigmas: float = 3.0  # of a wave: with less there is none
-    shortest_axis: float = 1e-3  # of the longer one: less of the motion has no phase that would matter
+    # Of a motion: a component below it has no phase that would matter, and cannot be scaled up to all of it.
+    least_component: float = 1e-3
 
     # --- comparison -----------------------------------------------------------------------------------
     slide_level: float = 0.1  # of a slide's computed peak speed: marks its start and end
@@ -90,7 +91,6 @@ class Tolerances(NamedTuple):
     # --- residuals of a fit ---------------------------------------------------------------------------
     jump_window: float = 0.25  # sample times over which the model's jumps are averaged: derivatives exist
     least_variance: float = 1e-18  # of a residual, relative to that of the signal: data may be exact
-    rounding: float = 1e-12  # of the drive's own motion: a residual counts as at least this
     least_scale: float = 1e-3  # of the greatest value that is tried: a quantity counts as at least this large
     random_share: float = 0.1  # of a residual that must differ from cycle to cycle to tell of jitter
     variance_rounds: int = 3  # of weighting the squares that the variances are regressed on
@@ -103,7 +103,8 @@ class Tolerances(NamedTuple):
     at_once: int = 512  # scenes, in memory
 
     # --- Levenberg-Marquardt --------------------------------------------------------------------------
-    step: float = 1e-6  # relative, of derivatives: the model's noise is 1e-15, its curvature of order 1
+    # Relative, of derivatives: the model's noise is 1e-15, its curvature of order 1. Edges are as sharp.
+    step: float = 1e-6
     edge_step: float = 1e-4  # the same along an edge, which is known less sharply
     idle: float = 1e-6  # of the largest effect of a coordinate: less is rounding, and counts as none
     dampings: tuple[float, ...] = (1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0)  # of the normalised equations
@@ -115,7 +116,6 @@ class Tolerances(NamedTuple):
     patience: float = 5.0  # steps as large as the last one that a search may still need
     edge_places: int = 65  # points between which an edge is looked for, in each round
     edge_rounds: int = 6  # at most
-    sharp: float = 1e-6  # of a coordinate's scale: an edge is found to this
     nearest: float = 1e-7  # relative distances to a pattern, from
     farthest: float = 0.5  # to
     distances: int = 60  # that are tried
@@ -142,7 +142,6 @@ class Tolerances(NamedTuple):
     close: float = 0.03  # of the threshold: the misfit at an end of an interval may miss it by this
     narrow: float = 0.02  # of the distance to the estimate: an end at an edge of a pattern is found to this
     first_step: float = 0.02  # relative, of an interval's search where the derivatives give none,
-    least_step: float = 1e-12  # and the least
     most_step: float = 0.5  # and the greatest where they give one
     tries: int = 24  # points that are tried for one end
     apart: float = 0.02  # of the hull: intervals closer to each other than this are one

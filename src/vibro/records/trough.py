@@ -85,7 +85,7 @@ class Trough:
             return math.nan
         sizes = abs(self.along.value), abs(self.normal.value)
         error = max(self.along.error, self.normal.error)
-        if min(sizes) < max(TOL.shortest_axis * max(sizes), TOL.wave_sigmas * error):
+        if min(sizes) < max(TOL.least_component * max(sizes), TOL.likely_sigmas * error):
             return math.nan
         return float(np.angle(self.normal.value / self.along.value))
 
@@ -100,7 +100,7 @@ class Trough:
     def on_an_ellipse(self) -> bool:
         """Whether the motion leaves a line by more than noise, and than two channels may differ."""
         return abs(math.remainder(self.phase, math.pi)) > max(
-            math.radians(TOL.channel_phase), TOL.wave_sigmas * self.phase_error
+            math.radians(TOL.channel_phase), TOL.likely_sigmas * self.phase_error
         )
 
     @property
@@ -153,7 +153,7 @@ class Trough:
         if not math.isnan(self.phase):
             found["normal_phase"] = Estimate(self.phase, self.phase_error)
         wave, ahead = self.along, 0.0
-        if wave is None or abs(wave.value) < TOL.wave_sigmas * wave.error:
+        if wave is None or abs(wave.value) < TOL.likely_sigmas * wave.error:
             wave, ahead = self.normal, normal_phase or 0.0
         assert wave is not None
         warnings = (*self.warnings, *_doubts(self, found, normal_phase))
@@ -183,12 +183,10 @@ class Trough:
             return x.value * cosine + y.value * sine, math.hypot(x.error * cosine, y.error * sine)
         (wave,) = self.waves
         part, name, other = (cosine, _ALONG, _NORMAL) if self.along is not None else (sine, _NORMAL, _ALONG)
-        if part < TOL.least_sine:
-            raise InputError(
-                f"{option_of(name)} shows nothing of the motion at a drive angle of"
-                f" {math.degrees(drive_angle):.6g} deg",
-                hint=f"check the drive angle, or give {option_of(other)}",
-            )
+        if part < TOL.least_component:
+            at = f"at a drive angle of {math.degrees(drive_angle):.6g} deg"
+            hint = f"check the drive angle, or give {option_of(other)}"
+            raise InputError(f"{option_of(name)} shows nothing of the motion {at}", hint=hint)
         return wave.value / part, wave.error / part
 
     @property
@@ -197,7 +195,7 @@ class Trough:
         found = []
         for wave in self.waves:
             size, text = abs(wave.value), f"column {shown(wave.header)}: "
-            if size < TOL.wave_sigmas * wave.error:
+            if size < TOL.likely_sigmas * wave.error:
                 text += f"no wave of {self.frequency.value:.5g} Hz stands out: is the sensor connected,"
                 found.append(f"{text} and does it point the right way?")
                 continue
@@ -267,16 +265,13 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
     repetition = Repetition(record.time, signals, dict.fromkeys(signals, 0))
     for name, alive in zip(signals, repetition.alive, strict=True):
         if not alive or float(np.abs(signals[name]).max()) < 1.0 / TOL.largest:
-            raise InputError(
-                f"column {shown(record.headers[name])} for {option_of(name)} does not vibrate",
-                hint="is its sensor connected?",
-            )
+            dead = f"column {shown(record.headers[name])} for {option_of(name)} does not vibrate"
+            raise InputError(dead, hint="is its sensor connected?")
     frequency = repetition.fundamental()
     if frequency is None:
         columns = " and ".join(shown(record.headers[name]) for name in signals)
-        raise InputError(
-            f"no wave stands out in column {columns}", hint="is it the acceleration of a trough that runs?"
-        )
+        hint = "is it the acceleration of a trough that runs?"
+        raise InputError(f"no wave stands out in column {columns}", hint=hint)
     frequency = Estimate(float(spelled(*frequency)), frequency.error)
     waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
     trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
@@ -312,11 +307,11 @@ def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
 def _check_direction(trough: Trough, reverse: bool) -> None:
     """Refuse a line that leads down in the conveying direction: no drive angle is below 0."""
     if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:
-        raise InputError(
-            "the trough moves down while it moves forwards: one of its two sensors is inverted",
-            hint=f"{'leave out --reverse, unless' if reverse else '--reverse, if'} the axis along the trough"
-            " points against the conveying direction; a negative sensitivity turns one sensor alone",
-        )
+        why = "the axis along the trough points against the conveying direction"
+        hint = f"{'leave out --reverse, unless' if reverse else '--reverse, if'} {why}"
+        hint += "; a negative sensitivity turns one sensor alone"
+        down = "the trough moves down while it moves forwards: one of its two sensors is inverted"
+        raise InputError(down, hint=hint)
 
 
 def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | None) -> list[str]:
@@ -329,15 +324,12 @@ def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | No
         options = " ".join(
             f"{q.options[0]}{'=' if text.startswith('-') else ' '}{text}{q.unit}" for q, text in named
         )
-        doubts.append(
-            f"the trough moves on an ellipse, not on a line: {said}; this ellipse is taken. Elsewhere give"
-            f" {options}"
-        )
+        taken = f"{said}; this ellipse is taken. Elsewhere give {options}"
+        doubts.append(f"the trough moves on an ellipse, not on a line: {taken}")
     off = math.remainder(trough.phase - (normal_phase or 0.0), math.tau)
     if abs(off) > 0.5 * math.pi:
         than = "that along the trough" if normal_phase is None else "where the scene has it"
-        doubts.append(
-            f"the normal motion is {abs(math.degrees(off)):.0f} deg {'ahead of' if off > 0.0 else 'behind'}"
-            f" {than}: one of the two sensors may be inverted (--reverse, or a negative sensitivity)"
-        )
+        lead = f"{abs(math.degrees(off)):.0f} deg {'ahead of' if off > 0.0 else 'behind'} {than}"
+        why = "one of the two sensors may be inverted (--reverse, or a negative sensitivity)"
+        doubts.append(f"the normal motion is {lead}: {why}")
     return doubts
