@@ -6,13 +6,14 @@ import math
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, PERIOD, STUDY, STUDY_FILE, Walked, nut
+from made_records import FREQUENCY, ON_ELLIPSES, PERIOD, STUDY, STUDY_FILE, Walked, bowl, nut
 
 import vibro
 from vibro.errors import InputError, VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, align
 from vibro.records.comparison import Comparison, Row, compare
+from vibro.records.fitting import fit
 from vibro.records.folding import fold, independent_samples
 from vibro.records.reading import read_record
 
@@ -236,6 +237,37 @@ def test_a_body_at_rest_has_no_place_in_the_cycle() -> None:
 def test_friction_tells_the_place_of_a_body_at_rest() -> None:
     observation = Walked(nut(0.5)).observe("friction", trigger=0.02)
     assert align(observation, settled_motion(nut(0.5))).shift == pytest.approx(0.02, abs=1e-4)
+
+
+@pytest.mark.parametrize("label", ["F_", "B_", "F_B_", "FB_", "F_B", "FB"])
+@pytest.mark.parametrize("signals", [("displacement",), ("velocity",), ("acceleration", "friction")])
+def test_a_record_is_aligned_and_compared(label: str, signals: tuple[str, ...]) -> None:
+    walked = Walked(ON_ELLIPSES[label])
+    comparison = compare(ON_ELLIPSES[label], walked.observe(*signals))
+    assert comparison.passing == "forwards"
+    assert comparison.motion.pattern == label
+    assert abs(comparison.alignment.shift - 0.0137) < 4.0 * comparison.alignment.error < 0.05 * PERIOD
+    assert comparison.warnings == ()
+    for row in comparison.rows:
+        if row.key in ("stroke_advance", "mean_speed"):
+            assert abs(row.measured.value - row.computed) < 4.0 * row.measured.error
+
+
+def test_scenes_that_cannot_be_compared_are_refused() -> None:
+    observed = Walked(bowl()).observe("velocity", cycles=3)
+    shared = {"frequency": FREQUENCY, "static_friction": 0.4, "kinetic_friction": 0.3}
+    waves = vibro.Scene(along_harmonics=[(1e-3, 0.0), (3e-4, 1.0)], normal_harmonics=[(1e-4, 0.0)], **shared)
+    for run in (
+        lambda: compare(waves, observed),
+        lambda: fit(waves, observed, ["static_friction"]),
+    ):
+        with pytest.raises(InputError, match="a drive with harmonics cannot be compared") as caught:
+            run()
+        assert "--along, --normal and --phase" in caught.value.hint
+    for x, y in ((0.0, 0.0), (1e-21, 1e-22), (1e21, 1e-3)):
+        with pytest.raises(InputError, match=r"along_amplitude = .* beside a record"):
+            compare(bowl(along_amplitude=x, normal_amplitude=y), observed)
+    assert compare(bowl(along_amplitude=0.0, trough_angle=-0.28), observed).passing == ""
 
 
 # --- figures ---------------------------------------------------------------------------------------

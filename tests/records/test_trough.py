@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_records import FREQUENCY, PERIOD, Walked, nut, trough_record
+from made_records import FREQUENCY, PERIOD, Walked, bowl, nut, trough_record
 
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
@@ -246,3 +246,84 @@ def test_another_machine_in_the_record_does_not_hide_the_drive(ratio: float, sha
         drive = measured(replace(record, trough=shaken))
         assert drive.quantities["frequency"].value == pytest.approx(15.003, rel=0.01)
         assert drive.quantities["amplitude"].value == pytest.approx(TRUE["amplitude"], rel=0.15)
+
+
+# --- elliptical drives -------------------------------------------------------------------------------
+
+
+def on_ellipse(phase: float | None, lead: float, **options: Any) -> MeasuredDrive:
+    trough = trough_of(trough_record(ellipse=lead, **options), down=True)
+    assert trough is not None
+    return trough.drive_on_ellipse(phase)
+
+
+@pytest.mark.parametrize("lead_deg", [-179.0, -60.0, 0.0, 90.0])
+def test_errors_of_an_ellipse_are_those_of_repeated_noise(lead_deg: float) -> None:
+    lead = math.radians(lead_deg)
+    x, y = (1.02e-3 * side(math.radians(20.5)) for side in (math.cos, math.sin))
+    true = {"along_amplitude": x, "normal_amplitude": y, "normal_phase": lead, "frequency": 15.003}
+    off: dict[str, list[float]] = {}
+    for seed in range(20):
+        drive = on_ellipse(0.0, lead, noise=0.5, offset=3.0, seed=seed)
+        assert list(drive.quantities) == ["along_amplitude", "normal_amplitude", "frequency", "normal_phase"]
+        for name, estimate in drive.quantities.items():
+            wrapped = math.remainder(estimate.value - true[name], math.tau)
+            off.setdefault(name, []).append(wrapped / estimate.error)
+        error = math.remainder(drive.clock.value - 0.0137, 1.0 / 15.003)
+        off.setdefault("clock", []).append(error / drive.clock.error)
+    for name, values in off.items():
+        assert 0.5 < float(np.sqrt(np.mean(np.square(values)))) < 1.6, name
+        assert max(map(abs, values)) < 4.0, name
+
+
+@pytest.mark.parametrize("column", ["trough_along", "trough_normal"])
+def test_one_acceleration_gives_one_amplitude_and_the_clock(column: str) -> None:
+    drive = on_ellipse(1.1, 1.1, columns=(column,))
+    amplitude = "along_amplitude" if column == "trough_along" else "normal_amplitude"
+    assert list(drive.quantities) == [amplitude, "frequency"]
+    assert drive.clock.value == pytest.approx(0.0137, abs=1e-6)
+    assert drive.warnings == ()
+
+
+def test_a_motion_normal_to_the_trough_alone_tells_the_clock_by_the_scenes_phase() -> None:
+    drive = on_ellipse(1.1, 1.1, angle=0.5 * math.pi, noise=0.3)
+    assert "normal_phase" not in drive.quantities
+    assert abs(drive.clock.value - 0.0137) < 4.0 * drive.clock.error < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("lead_deg", "noise", "ellipse"),
+    [(0.0, 0.0, False), (1.9, 0.0, False), (2.1, 0.0, True), (-2.1, 0.0, True), (4.0, 3.0, False),
+     (60.0, 3.0, True), (-150.0, 0.0, True), (177.8, 0.0, True)],
+)  # fmt: skip
+def test_an_ellipse_is_one_beyond_its_error(lead_deg: float, noise: float, ellipse: bool) -> None:
+    trough = trough_of(trough_record(ellipse=math.radians(lead_deg), noise=noise))
+    assert trough is not None
+    assert trough.on_an_ellipse == ellipse
+
+
+@pytest.mark.parametrize("lead_deg", [-150.0, -60.0, 12.0, 120.0])
+def test_an_ellipse_in_the_place_of_a_line_is_told_with_the_options_to_give(lead_deg: float) -> None:
+    drive = on_ellipse(None, math.radians(lead_deg), noise=1e-3)
+    said, *more = drive.warnings
+    numbers = [float(word) for word in said.replace("=", " ").replace("mm", " ").replace("deg", " ").split()
+               if word.lstrip("-").replace(".", "").isdigit()]  # fmt: skip
+    expected = [1.02 * math.cos(math.radians(20.5)), 1.02 * math.sin(math.radians(20.5)), lead_deg]
+    assert numbers == pytest.approx([*expected, *expected], rel=2e-3)
+    assert f"--phase{'=' if lead_deg < 0.0 else ' '}" in said
+    assert len(more) == (abs(lead_deg) > 90.0)
+    assert all("one of the two sensors may be inverted" in text for text in more)
+
+
+@pytest.mark.parametrize(("given", "doubts"), [(170.0, 0), (-170.0, 0), (0.0, 1), (-75.0, 1), (-85.0, 0)])
+def test_a_phase_nearly_opposite_to_the_scenes_is_doubted(given: float, doubts: int) -> None:
+    drive = on_ellipse(math.radians(given), math.radians(-170.0))
+    assert len(drive.warnings) == doubts
+
+
+def test_the_troughs_clock_places_the_record() -> None:
+    observed = Walked(bowl()).observe("velocity", trigger=0.02)
+    drive = on_ellipse(None, math.radians(-60.0), frequency=FREQUENCY, trigger=0.02)
+    comparison = compare(bowl(), replace(observed, clock=drive.clock))
+    assert comparison.alignment.shift == pytest.approx(0.02, abs=1e-6)
+    assert comparison.warnings == ()

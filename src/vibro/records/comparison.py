@@ -156,8 +156,8 @@ def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
     if not name:
         return []
     mean, period = observation.folded[name].trend(power), observation.period
-    bent = fold(observation.time, observation.signals[name], observation.frequency, power + 2)
-    drift = bent.trend(power + 1).scaled((power + 1) * 2.0 * bent.half)
+    curved = fold(observation.time, observation.signals[name], observation.frequency, power + 2)
+    drift = curved.trend(power + 1).scaled((power + 1) * 2.0 * curved.half)
     return [
         Row("stroke_advance", "stroke advance", "displacement", mean.scaled(period), motion.advance),
         Row("mean_speed", "mean speed", "velocity", mean, motion.advance / period),

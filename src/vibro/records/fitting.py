@@ -134,7 +134,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
         better = min((best for _, best in profiles), key=_squares)
         if better.squares > minima[0].squares - TOL.better * threshold:
             break
-        minima = _least(problem, [better, *minima])
+        minima = _least_of_each(problem, [better, *minima])
     return _judged(problem, fitting, [found for found, _ in profiles], threshold)
 
 
@@ -211,10 +211,10 @@ def _first_minima(problem: Problem) -> list[Minimum]:
     if not minima:
         none = "--fit: no value that was tried gives a steady motion to compare with"
         raise InputError(none, hint="check the other quantities of the scene")
-    return _least(problem, minima)
+    return _least_of_each(problem, minima)
 
 
-def _least(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]:
+def _least_of_each(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]:
     """Keep the least of each pattern, and of each side of its phases, in the order of their misfits."""
     kept: dict[tuple[str, tuple[bool, ...]], Minimum] = {}
     for minimum in sorted(minima, key=_squares):
@@ -229,8 +229,8 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
         first, *others = (best_of(problem, m.label, m.point[None]) for m in minima)
         best = minimise(problem, first, TOL.enough)
         most = best.squares + TOL.excluded
-        others = _least(problem, [*others, *_neighbours(problem, best)])
-        minima = _least(problem, [best, *(minimise(problem, m, TOL.enough, most) for m in others)])
+        others = _least_of_each(problem, [*others, *_neighbours(problem, best)])
+        minima = _least_of_each(problem, [best, *(minimise(problem, m, TOL.enough, most) for m in others)])
         if minima[0].squares >= best.squares - TOL.enough:
             break
     return minima
@@ -252,7 +252,7 @@ def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
     labels = problem.labels(points)
     found = []
     # Scenes that hop take too long for a guess: they are starts of the search alone.
-    for label in set(labels.tolist()) - {"", HOPS}:
+    for label in sorted(set(labels.tolist()) - {"", HOPS}):
         cells = np.flatnonzero(labels == label)
         cells = np.concatenate([cells[: TOL.kept], cells[cells >= count][: TOL.kept]])
         found.append(best_of(problem, label, points[cells]))

@@ -24,14 +24,8 @@ from vibro.records.problem import Problem
 from vibro.records.tolerances import TOL
 
 __all__ = [
-    "Minimum",
-    "best_of",
-    "error_covariance",
-    "jacobian_at",
-    "minimise",
-    "move_to_edge",
-    "nearest_inside",
-]
+    "Minimum", "best_of", "error_covariance", "jacobian_at", "minimise", "move_to_edge", "nearest_inside",
+]  # fmt: skip
 
 # Relative distances from a pattern at which it is looked for.
 _DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(TOL.nearest, TOL.farthest, TOL.distances)).ravel()
