@@ -12,10 +12,10 @@ import vibro
 from vibro.errors import InputError, VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, align
-from vibro.records.comparison import Comparison, Row, compare
+from vibro.records.comparison import Comparison, Row, _Clocked, _crossing, compare
 from vibro.records.fitting import fit
 from vibro.records.folding import fold, independent_samples
-from vibro.records.reading import read_record
+from vibro.records.reading import Record, read_record
 
 TRIGGER = STUDY["TRIGGER_TIME"]
 MASS = STUDY["MASS"]
@@ -209,6 +209,29 @@ def test_jumps_alone_are_placed_no_better_than_a_sample(signal: str) -> None:
     assert alignment.error == pytest.approx(float(np.std(anywhere)), rel=0.01)
 
 
+def test_other_positions_that_fit_as_well_are_rivals() -> None:
+    """Data of another frequency fit badly everywhere."""
+    observed = Walked(ON_ELLIPSES["F_B"]).observe("friction")
+    scene = bowl(60.0, along_amplitude=8e-4, normal_amplitude=1e-3, frequency=1.3 * FREQUENCY)
+    other = Observation(observed.time, observed.signals, 1.3 * FREQUENCY)
+    alignment = align(other, settled_motion(scene))
+    assert len(alignment.rivals) > 2
+    for rival in alignment.rivals:
+        away = math.remainder(rival - alignment.shift, other.period)
+        assert abs(away) > 0.05 * other.period
+    said = [text for text in compare(scene, other).warnings if "fit almost as well" in text]
+    assert len(said) == len(alignment.rivals)
+
+
+@pytest.mark.parametrize("cycles", [2.25, 3.5, 7.9])
+def test_the_zero_of_an_acceleration_is_that_of_its_whole_cycles(cycles: float) -> None:
+    """Of a part of a cycle the mean is none: it would shift the others."""
+    time = np.arange(round(cycles * 40) + 1) / 600.0
+    wave = 5.0 * np.sin(2.0 * math.pi * FREQUENCY * time)
+    record = Record(time, {"acceleration": wave + 9.81}, {}, {})
+    np.testing.assert_allclose(Observation.of(record, FREQUENCY).signals["acceleration"], wave, atol=1e-9)
+
+
 def test_searches_use_the_middle_of_a_long_record() -> None:
     observation = Walked(nut()).observe("velocity", cycles=250, trigger=0.02)
     part = observation.middle
@@ -336,6 +359,25 @@ def test_a_drifting_sensor_is_noticed() -> None:
     assert found["drift"].measured.value == pytest.approx(1e-3 * span, rel=0.02)
 
 
+def test_a_drift_of_a_velocity_is_told_as_it_is() -> None:
+    observation = Walked(nut()).observe("velocity")
+    drifting = {"velocity": observation.signals["velocity"] + 0.03 * observation.time}
+    found = rows(compare(nut(), Observation(observation.time, drifting, FREQUENCY)))
+    assert found["drift"].measured.value == pytest.approx(0.03 * np.ptp(observation.time), rel=0.02)
+
+
+@pytest.mark.parametrize("rising", [True, False])
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_speed_passes_a_level_between_two_points(way: int, rising: bool) -> None:
+    time = np.arange(801) / 600.0
+    folded = fold(time, way * np.sin(2.0 * math.pi * FREQUENCY * time), FREQUENCY, 1)
+    exact = math.asin(0.1) / (2.0 * math.pi * FREQUENCY)
+    exact = exact + 0.02 if rising else 0.5 * PERIOD - exact + 0.02
+    seen = _crossing(_Clocked(folded, 0.02, 3e-4), way, 0.1, exact + 1e-3, rising, PERIOD)
+    assert seen.value == pytest.approx(exact, abs=1e-9)
+    assert seen.error == pytest.approx(3e-4, rel=1e-3)
+
+
 def test_a_slide_that_the_data_do_not_show_is_not_seen() -> None:
     resting = Walked(nut(0.5)).observe("velocity")
     found = rows(compare(nut(), resting))
@@ -374,6 +416,16 @@ def test_a_frequency_is_wrong_when_drive_and_data_part_within_the_record(off: fl
     other = Observation(observation.time, observation.signals, FREQUENCY + off)
     warnings = compare(nut(frequency=FREQUENCY + off), other).warnings
     assert any("the data repeat at" in text for text in warnings) == noticed
+
+
+def test_a_signal_is_too_large_by_what_repeats_in_it() -> None:
+    """Ten times, with noise of as much: noise is no motion."""
+    observation = Walked(nut()).observe("velocity")
+    large = 10.0 * observation.signals["velocity"]
+    noise = float(np.std(large)) * np.random.default_rng(1).standard_normal(large.size)
+    noisy = Observation(observation.time, {"velocity": large + noise}, FREQUENCY)
+    (warning,) = (text for text in compare(nut(), noisy).warnings if "times the computed" in text)
+    assert 9.0 < float(warning.split("about ")[1].split()[0]) < 11.5
 
 
 def test_data_of_another_frequency_are_noticed() -> None:

@@ -16,7 +16,7 @@ from vibro.records.alignment import Observation, align
 from vibro.records.comparison import compare
 from vibro.records.folding import Estimate
 from vibro.records.reading import Record
-from vibro.records.trough import MeasuredDrive, spelled, trough_of
+from vibro.records.trough import MeasuredDrive, Trough, Wave, spelled, trough_of
 
 TRUE = {"amplitude": 1.02e-3, "frequency": 15.003, "drive_angle": math.radians(20.5)}
 TRIGGER = 0.0137
@@ -67,6 +67,16 @@ def test_errors_are_those_of_repeated_noise(columns: tuple[str, ...]) -> None:
     for name, values in off.items():
         assert 0.6 < float(np.sqrt(np.mean(np.square(values)))) < 1.4, name
         assert max(map(abs, values)) < 4.0, name
+
+
+def test_errors_of_the_frequency_count_in_amplitude_and_clock() -> None:
+    """By the square of the frequency, and by half the record."""
+    wave = Wave("a [g]", 3.0 - 4.0j, 0.05, 0.0, 0.0, "")
+    drive = Trough(Estimate(15.0, 0.15), wave, None, 2.0).drive_on_line(0.0)
+    amplitude, clock = drive.quantities["amplitude"], drive.clock
+    assert amplitude.value == pytest.approx(5.0 / (30.0 * math.pi) ** 2)
+    assert amplitude.error / amplitude.value == pytest.approx(math.hypot(0.01, 2.0 * 0.01))
+    assert clock.error == pytest.approx(math.hypot(0.01 / (30.0 * math.pi), 0.5 * 2.0 * 0.01))
 
 
 def test_a_frequency_is_known_far_below_the_inverse_of_the_record() -> None:
