@@ -14,7 +14,7 @@ from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, align
 from vibro.records.comparison import Comparison, Row, _Clocked, _crossing, compare
 from vibro.records.fitting import fit
-from vibro.records.folding import fold, independent_samples
+from vibro.records.folding import fold, independent_samples, independent_share
 from vibro.records.reading import Record, read_record
 
 TRIGGER = STUDY["TRIGGER_TIME"]
@@ -141,6 +141,15 @@ def test_standard_errors_are_those_of_repeated_noise(count: int, rate: float) ->
         harmonics.append((float(folded.fitted(at)[0]), float(folded.error(at)[0])))
     for values in (np.array(trends), np.array(harmonics)):
         assert np.std(values[:, 0]) == pytest.approx(np.median(values[:, 1]), rel=0.2)
+
+
+def test_the_share_of_independent_samples_of_an_autoregressive_process() -> None:
+    """(1 - r) / (1 + r) of the samples, where neighbours are correlated by r; never more than all of them."""
+    white = np.random.default_rng(2).standard_normal(20_000)
+    for r, share in ((0.8, 1.0 / 9.0), (0.5, 1.0 / 3.0), (0.0, 1.0), (-0.5, 1.0)):
+        lasting = np.convolve(white, r ** np.arange(60), "valid")
+        assert independent_share(lasting) == pytest.approx(share, rel=0.06)
+    assert independent_share(np.ones(50)) == 2.0 / 50
 
 
 def test_independent_samples() -> None:

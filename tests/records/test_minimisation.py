@@ -9,6 +9,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from vibro.records.cycles import HOPS
+from vibro.records.fitting import _profile
 from vibro.records.minimisation import (
     Minimum,
     best_of,
@@ -26,15 +28,17 @@ Floats = NDArray[np.float64]
 class Valley:
     """Rosenbrock's valley, its lowest point at (1, 1), and a shift that belongs at 0.3; y ends at an edge."""
 
-    def __init__(self, edge: float = np.inf, is_curved: bool = False, shift_effect: float = 3.0) -> None:
+    def __init__(
+        self, edge: float = np.inf, *, is_curved: bool = False, shift_effect: float = 3.0, label: str = "F"
+    ) -> None:
         self.edge, self.is_curved, self.shift_effect = edge, is_curved, shift_effect
-        self.points = 0
+        self.label, self.points = label, 0
 
     def scale(self, point: Floats) -> Floats:
         return np.ones(3)
 
     def labels(self, points: Floats) -> NDArray[np.str_]:
-        return np.where(points[:, 1] <= self.edge, "F", "B")
+        return np.where(points[:, 1] <= self.edge, self.label, "B")
 
     def residuals(self, label: str, points: Floats) -> Residuals:
         self.points += points.shape[0]
@@ -127,6 +131,26 @@ def test_the_covariance_is_the_inverse_of_the_curvature() -> None:
     np.testing.assert_allclose(jacobian_at(valley, "F", found.point), jacobian, atol=1e-3)
     expected = np.linalg.inv(jacobian.T @ jacobian)
     np.testing.assert_allclose(error_covariance(valley, found), expected, rtol=1e-3, atol=1e-6)
+
+
+def test_an_interval_of_a_body_that_hops_comes_from_the_curvature() -> None:
+    """A profile would take too long: the half is the root of threshold times variance."""
+    valley = problem(label=HOPS)
+    found = minimise(valley, best_of(valley, HOPS, np.array([[0.9, 0.8, 0.3]])), 1e-12)
+    ((low, high),), best = _profile(valley, [found], 4.0, 0)
+    half = 2.0 * float(np.sqrt(error_covariance(valley, found)[0, 0]))
+    assert (low, high) == pytest.approx((found.point[0] - half, found.point[0] + half))
+    assert best is found
+
+
+def test_an_interval_ends_where_the_others_refitted_the_misfit_is_too_large() -> None:
+    """Of x the least misfit along the valley is that of 1 - x; an edge of y ends it earlier."""
+    for edge, most in ((np.inf, 3.0), (4.0, 2.0)):
+        valley = problem(edge=edge)
+        found = minimise(valley, best_of(valley, "F", np.array([[0.9, 0.8, 0.3]])), 1e-12)
+        ((low, high),), _ = _profile(valley, [found], 4.0, 0)
+        assert low == pytest.approx(-1.0, abs=0.05)
+        assert high == pytest.approx(most, abs=0.1)
 
 
 def test_a_coordinate_whose_effect_is_rounding_has_none() -> None:
