@@ -7,11 +7,14 @@ import math
 import numpy as np
 import pytest
 from made_records import FREQUENCY, ON_ELLIPSES, PERIOD, STUDY, STUDY_FILE, Walked, bowl, nut
+from scipy import stats
 
 import vibro
 from vibro.errors import InputError
 from vibro.records.alignment import Observation
-from vibro.records.fitting import FITTABLE, Fit, Parameter, fit
+from vibro.records.fitting import FITTABLE, Fit, Parameter, _profile, fit
+from vibro.records.minimisation import Minimum
+from vibro.records.problem import Problem
 from vibro.records.reading import read_record
 
 SLIP = ("static_friction", "kinetic_friction")
@@ -210,6 +213,23 @@ def test_smoothed_friction_looks_like_more_friction() -> None:
         # A misfit in every cycle widens the intervals, but not enough to contain the true values.
         assert found["static_friction"].high - found["static_friction"].low > 0.02
         assert found["static_friction"].low > 0.74
+
+
+@pytest.mark.usefixtures("own_start_alone")
+def test_few_independent_samples_widen_intervals_by_students_t(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Smoothed friction misfits in every cycle, which counts as a few samples, however many there are."""
+    seen: list[tuple[float, float]] = []
+
+    def watched(problem: Problem, minima: list[Minimum], threshold: float, column: int) -> object:
+        seen.append((problem.count, threshold))
+        return _profile(problem, minima, threshold, column)
+
+    monkeypatch.setattr("vibro.records.fitting._profile", watched)
+    fit(nut(), Observation.of(read_record(STUDY_FILE), FREQUENCY), ["kinetic_friction"])
+    assert seen
+    for count, threshold in seen:
+        assert 2.0 < count < 60.0
+        assert threshold == pytest.approx(stats.t.ppf(0.975, count) ** 2)
 
 
 @pytest.mark.parametrize("names", [["restitution"], ["amplitude", "amplitude"]])

@@ -79,6 +79,27 @@ def test_errors_of_the_frequency_count_in_amplitude_and_clock() -> None:
     assert clock.error == pytest.approx(math.hypot(0.01 / (30.0 * math.pi), 0.5 * 2.0 * 0.01))
 
 
+def test_the_error_of_a_wave_is_that_of_white_noise() -> None:
+    """The root of 2 / N times the noise; and noise counts as no harmonics."""
+    errors, harmonics = [], []
+    for seed in range(20):
+        record = trough_record(noise=1.5, seed=seed)
+        trough = trough_of(record)
+        assert trough is not None
+        errors += [wave.error for wave in trough.waves]
+        harmonics += [wave.harmonics**2 for wave in trough.waves if wave is trough.along]
+    assert np.mean(errors) == pytest.approx(1.5 * math.sqrt(2.0 / record.time.size), rel=0.1)
+    assert np.mean(harmonics) < 1.5e-3
+
+
+def test_the_error_of_the_direction_is_that_across_it() -> None:
+    x, y = 4.0 * math.cos(0.3), 4.0 * math.sin(0.3)
+    for along, normal, across in ((0.2, 0.0, math.sin(0.3)), (0.0, 0.2, math.cos(0.3))):
+        waves = Wave("a [g]", -x, along, 0.0, 0.0, ""), Wave("b [g]", -y, normal, 0.0, 0.0, "")
+        angle = Trough(Estimate(15.0, 0.0), *waves, 2.0).drive_angle
+        assert angle == pytest.approx((0.3, 0.2 * across / 4.0))
+
+
 def test_a_frequency_is_known_far_below_the_inverse_of_the_record() -> None:
     """A part in a thousand of 1/T, with noise of a tenth of the wave."""
     record = trough_record(noise=0.9, cycles=40.0)
