@@ -12,7 +12,7 @@ import vibro
 from vibro.errors import InputError, VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, align
-from vibro.records.comparison import Comparison, Row, _Clocked, _crossing, compare
+from vibro.records.comparison import Comparison, Row, _Clocked, _crossing, _middle_of_rest, compare
 from vibro.records.fitting import fit
 from vibro.records.folding import fold, independent_samples, independent_share
 from vibro.records.reading import Record, read_record
@@ -385,6 +385,14 @@ def test_a_speed_passes_a_level_between_two_points(way: int, rising: bool) -> No
     seen = _crossing(_Clocked(folded, 0.02, 3e-4), way, 0.1, exact + 1e-3, rising, PERIOD)
     assert seen.value == pytest.approx(exact, abs=1e-9)
     assert seen.error == pytest.approx(3e-4, rel=1e-3)
+
+
+def test_the_speed_at_rest_is_that_in_the_middle_of_the_longest_rest() -> None:
+    """Between two slides of F_B_ the body rests twice."""
+    motion = settled_motion(nut(1.2))
+    rests = sorted((p for p in motion.phases if p.kind == "_"), key=lambda p: p.end - p.start)
+    assert len(rests) == 2
+    assert _middle_of_rest(motion) == 0.5 * (rests[1].start + rests[1].end)
 
 
 def test_a_slide_that_the_data_do_not_show_is_not_seen() -> None:
