@@ -16,7 +16,7 @@ from helpers.commands import NUT, Run
 from helpers.made_records import EXAMPLES, STUDY_FILE
 
 from vibro.plots.comparison import comparison_figure
-from vibro.records.sensitivities import read_sensitivities
+from vibro.records.signals import read_sensitivities
 
 SCENE = EXAMPLES / "safety_nut.toml"
 MADE: dict[str, Any] = runpy.run_path(str(EXAMPLES / "data" / "make_nut_trough_mv.py"))

@@ -6,15 +6,16 @@ import math
 
 import numpy as np
 import pytest
-from helpers.made_records import FREQUENCY, PERIOD, STUDY, STUDY_FILE, Walked, nut
+from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, STUDY, STUDY_FILE, Walked, bowl, nut
 
 import vibro
 from vibro.errors import InputError, VibroError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, align
-from vibro.records.comparison import Comparison, Row, compare
-from vibro.records.folding import fold, independent_samples
-from vibro.records.reading import read_record
+from vibro.records.comparison import Comparison, Row, _Clocked, _crossing, _middle_of_rest, compare
+from vibro.records.fitting import fit
+from vibro.records.folding import fold, independent_samples, independent_share
+from vibro.records.reading import Record, read_record
 
 TRIGGER = STUDY["TRIGGER_TIME"]
 MASS = STUDY["MASS"]
@@ -124,20 +125,31 @@ def test_a_trend_and_harmonics_are_found_exactly_also_with_gaps() -> None:
     at = np.array([0.013, 0.4])
     slope = 2 * math.pi * FREQUENCY * np.cos(2 * math.pi * FREQUENCY * at)
     slope -= 3 * math.pi * FREQUENCY * np.sin(6 * math.pi * FREQUENCY * at)
-    np.testing.assert_allclose(folded.periodic(at, 1), slope, rtol=1e-10)
+    np.testing.assert_allclose(folded.derivative().periodic(at), slope, rtol=1e-10)
 
 
-def test_standard_errors_are_those_of_repeated_noise() -> None:
+@pytest.mark.parametrize(("count", "rate"), [(161, 600.0), (25, 180.0)])
+def test_standard_errors_are_those_of_repeated_noise(count: int, rate: float) -> None:
+    """Also of short records, of which trend and harmonics take half the degrees of freedom."""
     random = np.random.default_rng(3)
-    time = np.arange(161) / 600.0
+    time = np.arange(count) / rate
     trends, harmonics = [], []
     for _ in range(200):
         folded = fold(time, time + 0.1 * random.standard_normal(time.size), FREQUENCY, 2)
         trends.append((folded.trend(1).value, folded.trend(1).error))
         at = np.array([0.02])
-        harmonics.append((float(folded.periodic(at)[0]), float(folded.error(at)[0])))
+        harmonics.append((float(folded.fitted(at)[0]), float(folded.error(at)[0])))
     for values in (np.array(trends), np.array(harmonics)):
         assert np.std(values[:, 0]) == pytest.approx(np.median(values[:, 1]), rel=0.2)
+
+
+def test_the_share_of_independent_samples_of_an_autoregressive_process() -> None:
+    """(1 - r) / (1 + r) of the samples, where neighbours are correlated by r; never more than all of them."""
+    white = np.random.default_rng(2).standard_normal(20_000)
+    for r, share in ((0.8, 1.0 / 9.0), (0.5, 1.0 / 3.0), (0.0, 1.0), (-0.5, 1.0)):
+        lasting = np.convolve(white, r ** np.arange(60), "valid")
+        assert independent_share(lasting) == pytest.approx(share, rel=0.06)
+    assert independent_share(np.ones(50)) == 2.0 / 50
 
 
 def test_independent_samples() -> None:
@@ -206,6 +218,29 @@ def test_jumps_alone_are_placed_no_better_than_a_sample(signal: str) -> None:
     assert alignment.error == pytest.approx(float(np.std(anywhere)), rel=0.01)
 
 
+def test_other_positions_that_fit_as_well_are_rivals() -> None:
+    """Data of another frequency fit badly everywhere."""
+    observed = Walked(ON_ELLIPSES["F_B"]).observe("friction")
+    scene = bowl(60.0, along_amplitude=8e-4, normal_amplitude=1e-3, frequency=1.3 * FREQUENCY)
+    other = Observation(observed.time, observed.signals, 1.3 * FREQUENCY)
+    alignment = align(other, settled_motion(scene))
+    assert len(alignment.rivals) > 2
+    for rival in alignment.rivals:
+        away = math.remainder(rival - alignment.shift, other.period)
+        assert abs(away) > 0.05 * other.period
+    said = [text for text in compare(scene, other).warnings if "fit almost as well" in text]
+    assert len(said) == len(alignment.rivals)
+
+
+@pytest.mark.parametrize("cycles", [2.25, 3.5, 7.9])
+def test_the_zero_of_an_acceleration_is_that_of_its_whole_cycles(cycles: float) -> None:
+    """Of a part of a cycle the mean is none: it would shift the others."""
+    time = np.arange(round(cycles * 40) + 1) / 600.0
+    wave = 5.0 * np.sin(2.0 * math.pi * FREQUENCY * time)
+    record = Record(time, {"acceleration": wave + 9.81}, {}, {})
+    np.testing.assert_allclose(Observation.of(record, FREQUENCY).signals["acceleration"], wave, atol=1e-9)
+
+
 def test_searches_use_the_middle_of_a_long_record() -> None:
     observation = Walked(nut()).observe("velocity", cycles=250, trigger=0.02)
     part = observation.middle
@@ -234,6 +269,37 @@ def test_a_body_at_rest_has_no_place_in_the_cycle() -> None:
 def test_friction_tells_the_place_of_a_body_at_rest() -> None:
     observation = Walked(nut(0.5)).observe("friction", trigger=0.02)
     assert align(observation, settled_motion(nut(0.5))).shift == pytest.approx(0.02, abs=1e-4)
+
+
+@pytest.mark.parametrize("label", ["F_", "B_", "F_B_", "FB_", "F_B", "FB"])
+@pytest.mark.parametrize("signals", [("displacement",), ("velocity",), ("acceleration", "friction")])
+def test_a_record_is_aligned_and_compared(label: str, signals: tuple[str, ...]) -> None:
+    walked = Walked(ON_ELLIPSES[label])
+    comparison = compare(ON_ELLIPSES[label], walked.observe(*signals))
+    assert comparison.passing == "forwards"
+    assert comparison.motion.pattern == label
+    assert abs(comparison.alignment.shift - 0.0137) < 4.0 * comparison.alignment.error < 0.05 * PERIOD
+    assert comparison.warnings == ()
+    for row in comparison.rows:
+        if row.key in ("stroke_advance", "mean_speed"):
+            assert abs(row.measured.value - row.computed) < 4.0 * row.measured.error
+
+
+def test_scenes_that_cannot_be_compared_are_refused() -> None:
+    observed = Walked(bowl()).observe("velocity", cycles=3)
+    shared = {"frequency": FREQUENCY, "static_friction": 0.4, "kinetic_friction": 0.3}
+    waves = vibro.Scene(along_harmonics=[(1e-3, 0.0), (3e-4, 1.0)], normal_harmonics=[(1e-4, 0.0)], **shared)
+    for run in (
+        lambda: compare(waves, observed),
+        lambda: fit(waves, observed, ["static_friction"]),
+    ):
+        with pytest.raises(InputError, match="a drive with harmonics: flights, histories") as caught:
+            run()
+        assert "--along, --normal and --phase" in caught.value.hint
+    for x, y in ((0.0, 0.0), (1e-21, 1e-22), (1e21, 1e-3)):
+        with pytest.raises(InputError, match=r"along_amplitude = .* beside a record"):
+            compare(bowl(along_amplitude=x, normal_amplitude=y), observed)
+    assert compare(bowl(along_amplitude=0.0, trough_angle=-0.28), observed).passing == ""
 
 
 # --- figures ---------------------------------------------------------------------------------------
@@ -302,6 +368,33 @@ def test_a_drifting_sensor_is_noticed() -> None:
     assert found["drift"].measured.value == pytest.approx(1e-3 * span, rel=0.02)
 
 
+def test_a_drift_of_a_velocity_is_told_as_it_is() -> None:
+    observation = Walked(nut()).observe("velocity")
+    drifting = {"velocity": observation.signals["velocity"] + 0.03 * observation.time}
+    found = rows(compare(nut(), Observation(observation.time, drifting, FREQUENCY)))
+    assert found["drift"].measured.value == pytest.approx(0.03 * np.ptp(observation.time), rel=0.02)
+
+
+@pytest.mark.parametrize("rising", [True, False])
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_speed_passes_a_level_between_two_points(way: int, rising: bool) -> None:
+    time = np.arange(801) / 600.0
+    folded = fold(time, way * np.sin(2.0 * math.pi * FREQUENCY * time), FREQUENCY, 1)
+    exact = math.asin(0.1) / (2.0 * math.pi * FREQUENCY)
+    exact = exact + 0.02 if rising else 0.5 * PERIOD - exact + 0.02
+    seen = _crossing(_Clocked(folded, 0.02, 3e-4), way, 0.1, exact + 1e-3, rising, PERIOD)
+    assert seen.value == pytest.approx(exact, abs=1e-9)
+    assert seen.error == pytest.approx(3e-4, rel=1e-3)
+
+
+def test_the_speed_at_rest_is_that_in_the_middle_of_the_longest_rest() -> None:
+    """Between two slides of F_B_ the body rests twice."""
+    motion = settled_motion(nut(1.2))
+    rests = sorted((p for p in motion.phases if p.kind == "_"), key=lambda p: p.end - p.start)
+    assert len(rests) == 2
+    assert _middle_of_rest(motion) == 0.5 * (rests[1].start + rests[1].end)
+
+
 def test_a_slide_that_the_data_do_not_show_is_not_seen() -> None:
     resting = Walked(nut(0.5)).observe("velocity")
     found = rows(compare(nut(), resting))
@@ -340,6 +433,16 @@ def test_a_frequency_is_wrong_when_drive_and_data_part_within_the_record(off: fl
     other = Observation(observation.time, observation.signals, FREQUENCY + off)
     warnings = compare(nut(frequency=FREQUENCY + off), other).warnings
     assert any("the data repeat at" in text for text in warnings) == noticed
+
+
+def test_a_signal_is_too_large_by_what_repeats_in_it() -> None:
+    """Ten times, with noise of as much: noise is no motion."""
+    observation = Walked(nut()).observe("velocity")
+    large = 10.0 * observation.signals["velocity"]
+    noise = float(np.std(large)) * np.random.default_rng(1).standard_normal(large.size)
+    noisy = Observation(observation.time, {"velocity": large + noise}, FREQUENCY)
+    (warning,) = (text for text in compare(nut(), noisy).warnings if "times the computed" in text)
+    assert 9.0 < float(warning.split("about ")[1].split()[0]) < 11.5
 
 
 def test_data_of_another_frequency_are_noticed() -> None:

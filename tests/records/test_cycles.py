@@ -11,8 +11,8 @@ from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, Walked, nut
 
 import vibro
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import computed
-from vibro.records.cycles import HOPS, labels_of, steady_cycles
+from vibro.records.alignment import computed_signals
+from vibro.records.cycles import HOPS, labels_of, scene_cycles
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")
 CLIMBING: dict[str, Any] = {
@@ -40,14 +40,14 @@ def values_of(*scenes: vibro.Scene) -> dict[str, Any]:
 @pytest.mark.parametrize("scenes", [SCENES, ON_ELLIPSES], ids=["lines", "ellipses"])
 def test_every_pattern_has_the_signals_of_another_solver(scenes: dict[str, vibro.Scene]) -> None:
     """All at once, so that none may disturb another; each with its own position in the cycle."""
-    cycles = steady_cycles(values_of(*scenes.values()))
+    cycles = scene_cycles(values_of(*scenes.values()))
     assert cycles.labels.tolist() == list(scenes)
     shifts = PERIOD * np.linspace(0.0, 0.9, len(scenes))
     signals = cycles.signals(SIGNALS, TIME, shifts, WINDOW)
     for row, (label, scene) in enumerate(scenes.items()):
         trough = TIME + shifts[row]
         if label == HOPS:
-            expected = computed(settled_motion(scene), SIGNALS, trough, WINDOW)
+            expected = computed_signals(settled_motion(scene), SIGNALS, trough, WINDOW)
         else:
             walked = Walked(scene)
             assert walked.pattern == label

@@ -6,16 +6,20 @@ import math
 
 import numpy as np
 import pytest
-from helpers.made_records import FREQUENCY, STUDY, STUDY_FILE, Walked, nut
+from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, STUDY, STUDY_FILE, Walked, bowl, nut
+from scipy import stats
 
 import vibro
 from vibro.errors import InputError
 from vibro.records.alignment import Observation
-from vibro.records.fitting import FITTABLE, Fit, Parameter, fit
+from vibro.records.fitting import FITTABLE, Fit, Parameter, _profile, fit
+from vibro.records.minimisation import Minimum
+from vibro.records.problem import Problem
 from vibro.records.reading import read_record
 
 SLIP = ("static_friction", "kinetic_friction")
 MOTION = ("displacement", "velocity", "acceleration")
+ELLIPSE = ("along_amplitude", "normal_amplitude", "normal_phase")
 WRONG = {"static_friction": 0.5, "kinetic_friction": 0.45}
 
 
@@ -36,7 +40,7 @@ def assert_contains(found: Fit, scene: vibro.Scene, *names: str, within: float =
 @pytest.fixture
 def own_start_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Search from the scene's own values alone, which takes a fraction of the time."""
-    monkeypatch.setattr("vibro.records.starts._GRID", dict.fromkeys(FITTABLE, ()))
+    monkeypatch.setattr("vibro.records.problem._GRID", dict.fromkeys(FITTABLE, ()))
 
 
 # Every pattern with a rest, every set of signals, and both at the pattern of the paper's scene.
@@ -123,6 +127,22 @@ def test_late_and_correlated_samples_widen_the_intervals() -> None:
     assert (jittered > 2.0 * quietest).all()
 
 
+@pytest.mark.parametrize("edge", [0.0, 1.0], ids=["starts", "ends"])
+@pytest.mark.usefixtures("own_start_alone")
+def test_samples_beside_a_jump_of_the_acceleration_do_not_count(edge: float) -> None:
+    """Nobody knows what a sensor shows there: a spike at every start, or end, of a slide moves nothing."""
+    walked = Walked(nut(1.2))
+    clean = walked.observe("acceleration", cycles=6)
+    jumps = [start + edge * length for _, start, length in walked.slides]
+    away = (np.subtract.outer(clean.time + 0.0137, jumps) / PERIOD + 0.5) % 1.0 - 0.5
+    beside = (np.abs(away) * PERIOD < 0.7 / 600.0).any(axis=1)
+    assert np.count_nonzero(beside) >= 12
+    spiky = Observation(clean.time, {"acceleration": clean.signals["acceleration"] + 0.5 * beside}, FREQUENCY)
+    found, same = (fit(nut(1.2), one, ["kinetic_friction"]).parameters[0] for one in (spiky, clean))
+    assert same.identified
+    assert found.value == pytest.approx(same.value, rel=1e-6)
+
+
 def test_a_value_near_the_onset_of_back_slip_is_not_pinned_there() -> None:
     """The misfit jumps where back slip begins: both sides of the onset are looked at."""
     onset = 0.7444
@@ -195,8 +215,127 @@ def test_smoothed_friction_looks_like_more_friction() -> None:
         assert found["static_friction"].low > 0.74
 
 
+@pytest.mark.usefixtures("own_start_alone")
+def test_few_independent_samples_widen_intervals_by_students_t(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Smoothed friction misfits in every cycle, which counts as a few samples, however many there are."""
+    seen: list[tuple[float, float]] = []
+
+    def watched(problem: Problem, minima: list[Minimum], threshold: float, column: int) -> object:
+        seen.append((problem.count, threshold))
+        return _profile(problem, minima, threshold, column)
+
+    monkeypatch.setattr("vibro.records.fitting._profile", watched)
+    fit(nut(), Observation.of(read_record(STUDY_FILE), FREQUENCY), ["kinetic_friction"])
+    assert seen
+    for count, threshold in seen:
+        assert 2.0 < count < 60.0
+        assert threshold == pytest.approx(stats.t.ppf(0.975, count) ** 2)
+
+
 @pytest.mark.parametrize("names", [["restitution"], ["amplitude", "amplitude"]])
 def test_what_cannot_be_fitted_is_refused(names: list[str]) -> None:
     with pytest.raises(InputError, match="cannot be estimated, or is named twice") as caught:
         fit(nut(), Walked(nut()).observe("velocity", cycles=3), names)
     assert "mu_s" in caught.value.hint
+
+
+# --- elliptical drives -------------------------------------------------------------------------------
+
+
+def held(found: Fit, true: vibro.Scene) -> list[bool]:
+    """Whether each interval holds the true value; phases within their turn."""
+    return [
+        any(low <= float(getattr(true, p.name)) <= high for low, high in p.intervals)
+        for p in found.parameters
+    ]
+
+
+def begun(true: vibro.Scene, **wrong: float) -> vibro.Scene:
+    return vibro.Scene(**{n: float(x) for n, x in true.arrays()._asdict().items()} | wrong)
+
+
+@pytest.mark.parametrize(
+    ("label", "names", "wrong"),
+    [
+        ("FB_", (*SLIP, "normal_phase"), {"static_friction": 0.42, "normal_phase": -1.1}),
+        ("FB_", ELLIPSE, {"along_amplitude": 1.05e-3, "normal_phase": -1.1}),
+        ("FB", ELLIPSE, {"along_amplitude": 1.4e-3, "normal_amplitude": 0.9e-3}),
+        ("F_B_", ("normal_amplitude", "normal_phase"), {"normal_amplitude": 3.2e-4, "normal_phase": -1.1}),
+    ],
+)
+@pytest.mark.usefixtures("own_start_alone")
+def test_intervals_hold_the_unknowns_of_an_ellipse(
+    label: str, names: tuple[str, ...], wrong: dict[str, float]
+) -> None:
+    """Three seeds; of the quantities at 95 % at most two lie outside, and none by far."""
+    true = ON_ELLIPSES[label]
+    walked = Walked(true)
+    inside: list[bool] = []
+    for seed in range(3):
+        observed = walked.observe("displacement", "velocity", cycles=6, seed=seed)
+        found = fit(begun(true, **wrong), observed, names)
+        inside += held(found, true)
+        for p in found.parameters:
+            value = float(getattr(true, p.name))
+            assert p.identified
+            assert abs(p.value - value) < 4.0 / 1.96 * 0.5 * (p.high - p.low), p.name
+            assert p.high - p.low < 0.35 * abs(value), p.name
+    assert inside.count(False) <= 2
+
+
+def test_an_ellipse_is_found_from_afar() -> None:
+    """The valley of the misfit bends: straight steps would end far from its lowest point."""
+    true = ON_ELLIPSES["FB"]
+    far = begun(true, along_amplitude=1.95e-3, normal_amplitude=7e-4, normal_phase=0.5)
+    found = fit(far, Walked(true).observe("displacement", "velocity", cycles=6), ELLIPSE)
+    for p in found.parameters:
+        half, value = 0.5 * (p.high - p.low), float(getattr(true, p.name))
+        assert abs(p.value - value) < 4.0 / 1.96 * half < 0.05 * abs(value), p.name
+
+
+@pytest.mark.parametrize("given", [-50.0, 300.0, 119.0, -420.0])
+def test_a_phase_is_told_in_the_turn_of_the_scenes(given: float) -> None:
+    """Also next to the phase opposite to it, where a search crosses from one turn to the other."""
+    true = ON_ELLIPSES["FB_"]
+    observed = Walked(true).observe("velocity", cycles=6)
+    (p,) = fit(begun(true, normal_phase=math.radians(given)), observed, ["normal_phase"]).parameters
+    assert p.identified
+    assert abs(p.value - math.radians(given)) <= 0.5 * math.tau
+    off = math.remainder(p.value - math.radians(-60.0), math.tau)
+    assert abs(off) < 4.0 / 1.96 * 0.5 * (p.high - p.low) < 0.02
+    assert p.low < p.value < p.high
+
+
+def test_a_phase_without_a_normal_motion_cannot_be_identified() -> None:
+    level = bowl(normal_amplitude=0.0, static_friction=0.3, kinetic_friction=0.2)
+    found = fit(level, Walked(level).observe("velocity", cycles=6), ["kinetic_friction", "normal_phase"])
+    friction, phase = found.parameters
+    assert friction.identified
+    assert not phase.identified
+    assert phase.intervals == ()
+    assert any("cannot identify phi" in said for said in found.statements)
+
+
+@pytest.mark.parametrize(
+    ("one", "name", "said", "hint"),
+    [
+        (bowl(), "drive_angle", "moves along an ellipse, which has no drive angle", "mu_s, mu_d, X, Y, phi"),
+        (nut(), "normal_phase", "moves along a line, which has no normal phase", "mu_s, mu_d, A, alpha"),
+        (bowl(normal_amplitude=0.0), "normal_amplitude", "begins at the scene's, which is 0", "--normal 0.3"),
+    ],
+)
+def test_what_a_drive_does_not_have_is_not_fitted(one: vibro.Scene, name: str, said: str, hint: str) -> None:
+    with pytest.raises(InputError, match=said) as caught:
+        fit(one, Walked(one).observe("velocity", cycles=3), [name])
+    assert hint in caught.value.hint
+
+
+def test_one_slide_a_cycle_leaves_phases_to_both_sides() -> None:
+    """Its load is the same for a phase and its opposite, and the start of a slide tells little."""
+    true = ON_ELLIPSES["F_"]
+    wrong = begun(true, static_friction=0.42, normal_phase=1.1)
+    found = fit(wrong, Walked(true).observe("velocity", cycles=6), ("static_friction", "normal_phase"))
+    assert all(held(found, true))
+    phase = found.parameters[1]
+    assert [low > 0.0 for low, _ in phase.intervals] == [False, True]
+    assert not phase.identified

@@ -12,7 +12,7 @@ from helpers.made_records import FREQUENCY, Walked, nut
 from vibro.motion.histories import simulate
 from vibro.records.alignment import Observation
 from vibro.records.comparison import compare
-from vibro.records.frequencies import Foreign, foreign_frequency
+from vibro.records.frequencies import Foreign, Repetition, foreign_frequency
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")
 
@@ -71,6 +71,21 @@ def test_a_wrong_frequency_is_named_with_the_right_one(signal: str, factor: floa
 
 
 @pytest.mark.parametrize("seed", range(4))
+def test_a_multiple_of_the_drives_frequency_may_be_off_by_as_many_of_its_errors(seed: int) -> None:
+    """Data at twice the drive's frequency, of which five errors are two and a half of the drive's."""
+    time = np.arange(1201) / 600.0
+    values = np.sin(2.0 * math.pi * 30.0 * time) + np.random.default_rng(seed).standard_normal(time.size)
+    found = seen(Observation(time, {"velocity": values}, 15.0))
+    assert found is not None
+    value, error = found.frequency
+    for off in (-5.0, 5.0):
+        claim = seen(Observation(time, {"velocity": values}, 0.5 * (value + off * error)))
+        assert claim is not None
+        assert claim.cycles == 0
+        assert claim.frequency.value == pytest.approx(value, abs=1e-3 * error)
+
+
+@pytest.mark.parametrize("seed", range(4))
 def test_the_standard_error_of_a_frequency_is_that_of_repeated_noise(seed: int) -> None:
     found = [seen(noisy(SCENES["F_"], "velocity", 10.0, 40, 0.1, 100 * seed + k), 1.3) for k in range(20)]
     off = np.array([claim.frequency.value - FREQUENCY for claim in found if claim])
@@ -105,6 +120,36 @@ def test_a_motion_that_repeats_every_other_cycle_is_told_as_such() -> None:
     (warning,) = (text for text in compare(nut(), observation).warnings if "repeat" in text)
     assert "at 7.5 Hz, every 2 cycles of the drive: the body hops so, or the drive runs" in warning
     assert warning.endswith(": -f 7.5")
+
+
+def test_a_multiple_is_no_other_frequency_where_the_drives_own_wave_is_seen() -> None:
+    """The largest wave is the second harmonic, and the third shows that the drive has half its frequency."""
+    time = np.arange(1201) / 600.0
+    waves = [(0.03, 15.0), (0.65, 30.0), (0.32, 45.0)]
+    values = np.sum([math.sqrt(p) * np.sin(2.0 * math.pi * f * time + f) for p, f in waves], axis=0)
+    values += 0.02 * np.random.default_rng(1).standard_normal(time.size)
+    signals = Repetition(time, {"velocity": values}, {"velocity": 0})
+    found = signals.fundamental()
+    assert found is not None
+    assert found.value == pytest.approx(30.0, abs=0.01)
+    assert seen(Observation(time, {"velocity": values}, 15.0)) is None
+
+
+def test_powers_of_waves_add_up_to_that_of_the_signal() -> None:
+    time = np.arange(1201) / 600.0
+    values = np.sin(2.0 * math.pi * 15.0 * time) + 0.5 * np.sin(2.0 * math.pi * 30.0 * time)
+    powers = Repetition(time, {"velocity": values}, {"velocity": 0})._powers_of_waves(15.0)
+    assert powers[:3, 0] == pytest.approx([0.8, 0.2, 0.0], abs=0.01)
+
+
+def test_what_is_left_of_noise_is_made_up_for_the_number_of_waves() -> None:
+    """Else a frequency with more harmonics would explain more of it."""
+    random, time = np.random.default_rng(1), np.arange(121) / 600.0
+    shares = []
+    for _ in range(200):
+        noise = Repetition(time, {"velocity": random.standard_normal(time.size)}, {"velocity": 0})
+        shares.append(noise.share(12.0))
+    assert np.mean(shares) < 0.1
 
 
 @pytest.mark.parametrize("kind", ["noise", "slow", "still", "drift", "digits"])

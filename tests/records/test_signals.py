@@ -1,10 +1,15 @@
-"""Units of signals, however programs spell them."""
+"""Units of signals, however programs spell them, and what voltages of sensors stand for."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
-from vibro.records.signals import signal_unit
+from vibro.errors import InputError
+from vibro.records.reading import Record, read_record
+from vibro.records.signals import read_sensitivities, signal_unit
 
 
 @pytest.mark.parametrize(
@@ -46,3 +51,109 @@ def test_spellings_of_units(text: str, kind: str, size: float) -> None:
 @pytest.mark.parametrize("text", ["", "deg", "1/s", "furlong", "v"])
 def test_what_is_no_unit(text: str) -> None:
     assert signal_unit(text) is None
+
+
+# --- voltages ----------------------------------------------------------------------------------------
+
+
+def volts(folder: Path, content: list[str], *texts: str, **columns: str) -> Record:
+    path = folder / "data.csv"
+    path.write_text("\n".join(content) + "\n", encoding="utf-8")
+    return read_record(path, columns, read_sensitivities(texts))
+
+
+@pytest.mark.parametrize(
+    ("role", "sensitivity", "expected"),
+    [
+        ("acceleration", "100mV/g", 9.80665),
+        ("acceleration", "-100 mV/g", -9.80665),
+        ("acceleration", "10.2mV/(m/s²)", 1 / 0.102),
+        ("acceleration", "0.1 V per m/s^2", 1.0),
+        ("acceleration", "1e2mV/m/s2", 1.0),
+        ("velocity", "20mV/mm/s", 5e-3),
+        ("velocity", "125mm/s/V", 12.5e-3),
+        ("velocity", "125 (mm/s)/V", 12.5e-3),
+        ("displacement", "2V/mm", 5e-5),
+        ("displacement", "50 µm/mV", 5e-3),
+        ("displacement", "-0.5mm/V", -5e-5),
+        ("force", "50mV/N", 2.0),
+        ("trough_along", "100mV/g", 9.80665),
+        ("trough_along", "trough-along=0.2V/g", 4.903325),
+    ],
+)
+def test_voltages_have_the_size_that_their_sensitivity_says(
+    tmp_path: Path, role: str, sensitivity: str, expected: float
+) -> None:
+    content = ["t [s],x [mm],u [mV]", "0,1,100", "1,2,-200", "2,3,300"]
+    columns = {"displacement": "x"} | {role: "u [mV]"}
+    record = volts(tmp_path, content, sensitivity, **columns)
+    np.testing.assert_allclose(
+        {**record.signals, **record.trough}[role], np.array([1.0, -2.0, 3.0]) * expected
+    )
+    assert f"{role.replace('_', ' ')}: column 'u [mV]' at {sensitivity}" in record.notes
+
+
+def test_each_voltage_has_its_own_sensitivity(tmp_path: Path) -> None:
+    content = ["t [s],a [V],b [mV],c [mV],v [V]", "0,1,100,100,1", "1,2,200,200,2", "2,3,300,300,3"]
+    record = volts(
+        tmp_path, content, "100mV/g", "trough-normal=-200mV/g", "2m/s/V",
+        acceleration="a", trough_along="b", trough_normal="c", velocity="v",
+    )  # fmt: skip
+    assert record.signals["acceleration"][0] == pytest.approx(98.0665)
+    assert record.trough["trough_along"][0] == pytest.approx(9.80665)
+    assert record.trough["trough_normal"][0] == pytest.approx(-4.903325)
+    assert record.signals["velocity"][0] == 2.0
+
+
+@pytest.mark.parametrize(
+    ("texts", "columns", "said", "hint"),
+    [
+        ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: what its voltage", "--sensitivity 100mV/g"),
+        (["2V/mm"], {"acceleration": "u"}, "one of acceleration is needed", "--sensitivity 100mV/g"),
+        ([], {"velocity": "u"}, "what its voltage stands for is not said", "--sensitivity 20mV/mm/s"),
+        (["100mV/g"], {}, "no column that is read as acceleration is a voltage", '--acceleration "u [mV]"'),
+        (["100mV/g"], {"displacement": "x"}, "is read as acceleration", '--acceleration "u [mV]"'),
+        (["100mV/g", "2V/mm"], {"acceleration": "u"}, "is read as displacement", "leave it out"),
+        (["trough-along=100mV/g"], {}, "no column that is read as trough along", '--trough-along "u [mV]"'),
+        ([], {"time": "u"}, "'mV' is no unit of time", "s, ms"),
+        (["0mV/g"], {"acceleration": "u"}, "0mV/g: must be finite and not 0", "100mV/g"),
+        (["nan mV/g"], {"acceleration": "u"}, "must be finite and not 0", "100mV/g"),
+        (["-inf mV/g"], {"acceleration": "u"}, "must be finite and not 0", "100mV/g"),
+        (["1e999mV/g"], {"acceleration": "u"}, "must be finite and not 0", "100mV/g"),
+        (["1e-300mV/g"], {"acceleration": "u"}, "beyond any sensor", ""),
+        (["10,2mV/g"], {"acceleration": "u"}, "not a number with a unit", "a decimal point: 10.2mV/g"),
+        (["100"], {"acceleration": "u"}, "not a number with a unit", "100mV/g"),
+        (["100mV"], {"acceleration": "u"}, "'mV' is no unit of a sensitivity", "100mV/g"),
+        (["100mV/s"], {"acceleration": "u"}, "'mV/s' is no unit of a sensitivity", "100mV/g"),
+        (["10pC/g"], {"acceleration": "u"}, "'pC/g' is no unit of a sensitivity", "100mV/g"),
+        (["100mV/g", "50mV/g"], {"acceleration": "u"}, "each is for an acceleration", "trough-along=100mV/g"),
+        (["trough=100mV/g"], {"acceleration": "u"}, "'trough' is no signal", "trough-normal"),
+        (["velocity=1mV/g"], {"velocity": "u"}, "'mV/g' is no sensitivity of a velocity", "20mV/mm/s"),
+        (["9" * 9999 + "mV/g"], {"acceleration": "u"}, "must be finite", ""),
+        (["1" * 50000], {"acceleration": "u"}, "not a number with a unit", ""),
+    ],
+)  # fmt: skip
+def test_wrong_sensitivities_are_told_with_what_would_do(
+    tmp_path: Path, texts: list[str], columns: dict[str, str], said: str, hint: str
+) -> None:
+    content = ["t [s],x [mm],u [mV]", "0,1,100", "1,2,200", "2,3,300"]
+    with pytest.raises(InputError) as caught:
+        volts(tmp_path, content, *texts, **columns)
+    assert said in str(caught.value)
+    assert hint in caught.value.hint
+    assert len(str(caught.value)) < len(str(tmp_path)) + 300
+
+
+def test_a_voltage_alone_is_pointed_at(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        volts(tmp_path, ["Zeit in s;Beschleunigung [mV]", "0;1", "1;2"])
+    assert caught.value.hint.endswith(': --acceleration "Beschleunigung [mV]" --sensitivity 100mV/g')
+
+
+def test_a_sensitivity_of_another_kind_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        volts(tmp_path, ["t [s],LDV [mV]", "0,1", "1,2", "2,3"], "4mV/mm", velocity="LDV")
+    assert "--sensitivity 4mV/mm is a sensitivity of displacement, one of velocity is needed" in str(
+        caught.value
+    )
+    assert caught.value.hint == "give the sensor's sensitivity: --sensitivity 20mV/mm/s"

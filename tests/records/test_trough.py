@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.made_records import FREQUENCY, PERIOD, Walked, nut, trough_record
+from helpers.made_records import FREQUENCY, PERIOD, Walked, bowl, nut, trough_record
 
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
@@ -16,7 +16,7 @@ from vibro.records.alignment import Observation, align
 from vibro.records.comparison import compare
 from vibro.records.folding import Estimate
 from vibro.records.reading import Record
-from vibro.records.trough import MeasuredDrive, spelled, trough_of
+from vibro.records.trough import MeasuredDrive, Trough, Wave, spelled, trough_of
 
 TRUE = {"amplitude": 1.02e-3, "frequency": 15.003, "drive_angle": math.radians(20.5)}
 TRIGGER = 0.0137
@@ -26,7 +26,7 @@ ALONG, NORMAL = ("trough_along",), ("trough_normal",)
 def measured(record: Record, angle: float | None = None, **options: Any) -> MeasuredDrive:
     trough = trough_of(record, **options)
     assert trough is not None
-    return trough.drive(angle)
+    return trough.drive_on_line(angle)
 
 
 def test_a_record_without_accelerations_of_the_trough_tells_nothing() -> None:
@@ -39,13 +39,14 @@ def test_a_record_without_accelerations_of_the_trough_tells_nothing() -> None:
 def test_exact_accelerations_give_the_exact_motion(cycles: float, start: float, offset: float) -> None:
     """Whatever the clock and the sensor's zero, such as gravity on a sensor that is not level."""
     drive = measured(trough_record(cycles=cycles, offset=offset, start=start))
-    assert drive.amplitude.value == pytest.approx(TRUE["amplitude"], rel=1e-5)
-    assert drive.frequency.value == pytest.approx(TRUE["frequency"], rel=1e-6)
-    assert drive.drive_angle is not None
-    assert drive.drive_angle.value == pytest.approx(TRUE["drive_angle"], abs=1e-6)
+    assert drive.quantities["amplitude"].value == pytest.approx(TRUE["amplitude"], rel=1e-5)
+    assert drive.quantities["frequency"].value == pytest.approx(TRUE["frequency"], rel=1e-6)
+    assert drive.quantities["drive_angle"].value == pytest.approx(TRUE["drive_angle"], abs=1e-6)
     # the clock counts where the record is: at its middle
     middle = start + 0.5 * cycles / TRUE["frequency"]
-    turns = (middle + drive.clock.value) * drive.frequency.value - (middle - start + TRIGGER) * 15.003
+    turns = (middle + drive.clock.value) * drive.quantities["frequency"].value - (
+        middle - start + TRIGGER
+    ) * 15.003
     assert abs(math.remainder(turns, 1.0)) < 1e-5
     assert drive.trough.warnings == ()
 
@@ -68,22 +69,53 @@ def test_errors_are_those_of_repeated_noise(columns: tuple[str, ...]) -> None:
         assert max(map(abs, values)) < 4.0, name
 
 
+def test_errors_of_the_frequency_count_in_amplitude_and_clock() -> None:
+    """By the square of the frequency, and by half the record."""
+    wave = Wave("a [g]", 3.0 - 4.0j, 0.05, 0.0, 0.0, "")
+    drive = Trough(Estimate(15.0, 0.15), wave, None, 2.0).drive_on_line(0.0)
+    amplitude, clock = drive.quantities["amplitude"], drive.clock
+    assert amplitude.value == pytest.approx(5.0 / (30.0 * math.pi) ** 2)
+    assert amplitude.error / amplitude.value == pytest.approx(math.hypot(0.01, 2.0 * 0.01))
+    assert clock.error == pytest.approx(math.hypot(0.01 / (30.0 * math.pi), 0.5 * 2.0 * 0.01))
+
+
+def test_the_error_of_a_wave_is_that_of_white_noise() -> None:
+    """The root of 2 / N times the noise; and noise counts as no harmonics."""
+    errors, harmonics = [], []
+    for seed in range(20):
+        record = trough_record(noise=1.5, seed=seed)
+        trough = trough_of(record)
+        assert trough is not None
+        errors += [wave.error for wave in trough.waves]
+        harmonics += [wave.harmonics**2 for wave in trough.waves if wave is trough.along]
+    assert np.mean(errors) == pytest.approx(1.5 * math.sqrt(2.0 / record.time.size), rel=0.1)
+    assert np.mean(harmonics) < 1.5e-3
+
+
+def test_the_error_of_the_direction_is_that_across_it() -> None:
+    x, y = 4.0 * math.cos(0.3), 4.0 * math.sin(0.3)
+    for along, normal, across in ((0.2, 0.0, math.sin(0.3)), (0.0, 0.2, math.cos(0.3))):
+        waves = Wave("a [g]", -x, along, 0.0, 0.0, ""), Wave("b [g]", -y, normal, 0.0, 0.0, "")
+        angle = Trough(Estimate(15.0, 0.0), *waves, 2.0).drive_angle
+        assert angle == pytest.approx((0.3, 0.2 * across / 4.0))
+
+
 def test_a_frequency_is_known_far_below_the_inverse_of_the_record() -> None:
     """A part in a thousand of 1/T, with noise of a tenth of the wave."""
     record = trough_record(noise=0.9, cycles=40.0)
     drive = measured(record)
-    assert abs(drive.frequency.value - 15.003) < 1e-3 / float(np.ptp(record.time))
+    assert abs(drive.quantities["frequency"].value - 15.003) < 1e-3 / float(np.ptp(record.time))
 
 
 @pytest.mark.parametrize("angle", [0.0, 5.0, 45.0, 80.0])
 def test_one_acceleration_needs_the_drive_angle_of_the_scene(angle: float) -> None:
     alpha = math.radians(angle)
     along = trough_record(angle=alpha, columns=ALONG)
-    assert measured(along, alpha).amplitude.value == pytest.approx(1.02e-3, rel=1e-5)
-    assert measured(along, alpha).drive_angle is None
+    assert measured(along, alpha).quantities["amplitude"].value == pytest.approx(1.02e-3, rel=1e-5)
+    assert "drive_angle" not in measured(along, alpha).quantities
     normal = trough_record(angle=alpha, columns=NORMAL, noise=1e-9)
     if angle:
-        assert measured(normal, alpha).amplitude.value == pytest.approx(1.02e-3, rel=1e-5)
+        assert measured(normal, alpha).quantities["amplitude"].value == pytest.approx(1.02e-3, rel=1e-5)
     with pytest.raises(InputError, match="--trough-normal shows nothing of the motion at a drive angle of 0"):
         measured(trough_record(columns=NORMAL), 0.0)
 
@@ -92,9 +124,9 @@ def test_one_acceleration_needs_the_drive_angle_of_the_scene(angle: float) -> No
 def test_a_drive_angle_at_an_end_of_its_range_stays_in_it(angle: float) -> None:
     for seed in range(10):
         drive = measured(trough_record(angle=math.radians(angle), noise=0.5, seed=seed))
-        assert drive.drive_angle is not None
-        assert 0.0 <= drive.drive_angle.value <= 0.5 * math.pi
-        assert abs(drive.drive_angle.value - math.radians(angle)) < 4.0 * drive.drive_angle.error
+        value, error = drive.quantities["drive_angle"]
+        assert 0.0 <= value <= 0.5 * math.pi
+        assert abs(value - math.radians(angle)) < 4.0 * error
 
 
 def test_inverted_sensors() -> None:
@@ -118,8 +150,8 @@ def test_inverted_sensors() -> None:
 def test_harmonics_are_told_and_warned_of(share: float) -> None:
     """A third harmonic that is larger than the fundamental does not take its place."""
     drive = measured(trough_record(harmonic=share, noise=0.05))
-    assert drive.frequency.value == pytest.approx(15.003, abs=1e-3)
-    assert drive.amplitude.value == pytest.approx(1.02e-3, rel=2e-3)
+    assert drive.quantities["frequency"].value == pytest.approx(15.003, abs=1e-3)
+    assert drive.quantities["amplitude"].value == pytest.approx(1.02e-3, rel=2e-3)
     for wave in drive.trough.waves:
         assert wave.harmonics == pytest.approx(share, rel=0.02, abs=2e-3)
     warned = [text for text in drive.trough.warnings if "does not move as one sine" in text]
@@ -243,5 +275,86 @@ def test_another_machine_in_the_record_does_not_hide_the_drive(ratio: float, sha
         wave = np.sin(2.0 * math.pi * 15.003 * ratio * record.time + seed)
         shaken = {name: a + 0.5 * share * np.ptp(a) * wave for name, a in record.trough.items()}
         drive = measured(replace(record, trough=shaken))
-        assert drive.frequency.value == pytest.approx(15.003, rel=0.01)
-        assert drive.amplitude.value == pytest.approx(TRUE["amplitude"], rel=0.15)
+        assert drive.quantities["frequency"].value == pytest.approx(15.003, rel=0.01)
+        assert drive.quantities["amplitude"].value == pytest.approx(TRUE["amplitude"], rel=0.15)
+
+
+# --- elliptical drives -------------------------------------------------------------------------------
+
+
+def on_ellipse(phase: float | None, lead: float, **options: Any) -> MeasuredDrive:
+    trough = trough_of(trough_record(ellipse=lead, **options), down=True)
+    assert trough is not None
+    return trough.drive_on_ellipse(phase)
+
+
+@pytest.mark.parametrize("lead_deg", [-179.0, -60.0, 0.0, 90.0])
+def test_errors_of_an_ellipse_are_those_of_repeated_noise(lead_deg: float) -> None:
+    lead = math.radians(lead_deg)
+    x, y = (1.02e-3 * side(math.radians(20.5)) for side in (math.cos, math.sin))
+    true = {"along_amplitude": x, "normal_amplitude": y, "normal_phase": lead, "frequency": 15.003}
+    off: dict[str, list[float]] = {}
+    for seed in range(20):
+        drive = on_ellipse(0.0, lead, noise=0.5, offset=3.0, seed=seed)
+        assert list(drive.quantities) == ["along_amplitude", "normal_amplitude", "frequency", "normal_phase"]
+        for name, estimate in drive.quantities.items():
+            wrapped = math.remainder(estimate.value - true[name], math.tau)
+            off.setdefault(name, []).append(wrapped / estimate.error)
+        error = math.remainder(drive.clock.value - 0.0137, 1.0 / 15.003)
+        off.setdefault("clock", []).append(error / drive.clock.error)
+    for name, values in off.items():
+        assert 0.5 < float(np.sqrt(np.mean(np.square(values)))) < 1.6, name
+        assert max(map(abs, values)) < 4.0, name
+
+
+@pytest.mark.parametrize("column", ["trough_along", "trough_normal"])
+def test_one_acceleration_gives_one_amplitude_and_the_clock(column: str) -> None:
+    drive = on_ellipse(1.1, 1.1, columns=(column,))
+    amplitude = "along_amplitude" if column == "trough_along" else "normal_amplitude"
+    assert list(drive.quantities) == [amplitude, "frequency"]
+    assert drive.clock.value == pytest.approx(0.0137, abs=1e-6)
+    assert drive.warnings == ()
+
+
+def test_a_motion_normal_to_the_trough_alone_tells_the_clock_by_the_scenes_phase() -> None:
+    drive = on_ellipse(1.1, 1.1, angle=0.5 * math.pi, noise=0.3)
+    assert "normal_phase" not in drive.quantities
+    assert abs(drive.clock.value - 0.0137) < 4.0 * drive.clock.error < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("lead_deg", "noise", "ellipse"),
+    [(0.0, 0.0, False), (1.9, 0.0, False), (2.1, 0.0, True), (-2.1, 0.0, True), (4.0, 3.0, False),
+     (60.0, 3.0, True), (-150.0, 0.0, True), (177.8, 0.0, True)],
+)  # fmt: skip
+def test_an_ellipse_is_one_beyond_its_error(lead_deg: float, noise: float, ellipse: bool) -> None:
+    trough = trough_of(trough_record(ellipse=math.radians(lead_deg), noise=noise))
+    assert trough is not None
+    assert trough.on_an_ellipse == ellipse
+
+
+@pytest.mark.parametrize("lead_deg", [-150.0, -60.0, 12.0, 120.0])
+def test_an_ellipse_in_the_place_of_a_line_is_told_with_the_options_to_give(lead_deg: float) -> None:
+    drive = on_ellipse(None, math.radians(lead_deg), noise=1e-3)
+    said, *more = drive.warnings
+    numbers = [float(word) for word in said.replace("=", " ").replace("mm", " ").replace("deg", " ").split()
+               if word.lstrip("-").replace(".", "").isdigit()]  # fmt: skip
+    expected = [1.02 * math.cos(math.radians(20.5)), 1.02 * math.sin(math.radians(20.5)), lead_deg]
+    assert numbers == pytest.approx([*expected, *expected], rel=2e-3)
+    assert f"--phase{'=' if lead_deg < 0.0 else ' '}" in said
+    assert len(more) == (abs(lead_deg) > 90.0)
+    assert all("one of the two sensors may be inverted" in text for text in more)
+
+
+@pytest.mark.parametrize(("given", "doubts"), [(170.0, 0), (-170.0, 0), (0.0, 1), (-75.0, 1), (-85.0, 0)])
+def test_a_phase_nearly_opposite_to_the_scenes_is_doubted(given: float, doubts: int) -> None:
+    drive = on_ellipse(math.radians(given), math.radians(-170.0))
+    assert len(drive.warnings) == doubts
+
+
+def test_the_troughs_clock_places_the_record() -> None:
+    observed = Walked(bowl()).observe("velocity", trigger=0.02)
+    drive = on_ellipse(None, math.radians(-60.0), frequency=FREQUENCY, trigger=0.02)
+    comparison = compare(bowl(), replace(observed, clock=drive.clock))
+    assert comparison.alignment.shift == pytest.approx(0.02, abs=1e-6)
+    assert comparison.warnings == ()

@@ -20,7 +20,6 @@ from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR, QUANTITIES, STANDS_
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from vibro.records.ellipse import MeasuredEllipse
     from vibro.records.folding import Estimate
     from vibro.records.trough import MeasuredDrive, Trough
     from vibro.sweeps.request import Request
@@ -134,9 +133,9 @@ def compare_command(
     from vibro.quantities import MASS, exact_number
     from vibro.records.alignment import Observation, check_scene
     from vibro.records.comparison import compare
+    from vibro.records.comparison_tables import ComparisonTables
     from vibro.records.reading import read_record
-    from vibro.records.sensitivities import read_sensitivities
-    from vibro.records.tables import ComparisonTables
+    from vibro.records.signals import read_sensitivities
     from vibro.records.trough import trough_of
 
     console = Console(quiet=options.quiet)
@@ -256,20 +255,20 @@ def _elliptical(options: Options) -> bool:
 
 def _with_measured(
     trough: Trough, elliptical: bool, options: Options, argv: Sequence[str], console: Console
-) -> tuple[MeasuredDrive | MeasuredEllipse, Request]:
+) -> tuple[MeasuredDrive, Request]:
     """Put what was measured of the trough in the place of what the scene file gives, and say so."""
     from dataclasses import replace
 
     from vibro.cli.compare_report import measured
     from vibro.cli.request import request_of
-    from vibro.records.ellipse import ellipse_of
     from vibro.records.folding import Estimate
-    from vibro.records.signals import FAR_OFF, doubt, rounded
+    from vibro.records.signals import doubt, rounded
+    from vibro.records.tolerances import TOL
     from vibro.records.trough import spelled
 
     on_an_ellipse = elliptical or trough.on_an_ellipse
     if on_an_ellipse:
-        found = list(ellipse_of(trough).quantities)
+        found = list(trough.drive_on_ellipse().quantities)
     else:
         found = ["amplitude", "frequency", *(["drive_angle"] if trough.drive_angle else [])]
     columns = " and ".join(shown(wave.header) for wave in trough.waves)
@@ -293,21 +292,20 @@ def _with_measured(
 
     # One acceleration alone gives the amplitude by the drive angle of the scene, which is read with any.
     given = request_with({name: Estimate(_HARMLESS[name], 0.0) for name in found})
-    drive: MeasuredDrive | MeasuredEllipse
     if on_an_ellipse:
         own_phase = (
             given.own.get("normal_phase", 0.0) if "normal_phase" in found else given.fixed["normal_phase"]
         )
-        drive = ellipse_of(trough, math.radians(own_phase) if elliptical else None)
+        drive = trough.drive_on_ellipse(math.radians(own_phase) if elliptical else None)
     else:
-        drive = trough.drive(scene_fields(given.fixed)["drive_angle"])
+        drive = trough.drive_on_line(scene_fields(given.fixed)["drive_angle"])
     for name, estimate in drive.quantities.items():
         own = given.own.get(name)
         instead = "" if own is None else f"; the scene gives {QUANTITIES[name].text(own)}"
         console.echo(f"{measured(name, estimate)} from column {columns}{instead}")
         if name in AMPLITUDES and own:
             ratio = QUANTITIES[name].from_si(estimate.value) / own
-            if not 1.0 / FAR_OFF <= ratio <= FAR_OFF:
+            if not 1.0 / TOL.far_off <= ratio <= TOL.far_off:
                 texts = dict.fromkeys(wave.sensitivity for wave in trough.waves if wave.sensitivity)
                 console.warn(
                     f"column {columns}: the {QUANTITIES[name].label} is about"

@@ -15,10 +15,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from vibro.records.comparison import Comparison, Row
-    from vibro.records.ellipse import MeasuredEllipse
+    from vibro.records.comparison_tables import ComparisonTables
     from vibro.records.fitting import Parameter
     from vibro.records.folding import Estimate
-    from vibro.records.tables import ComparisonTables
     from vibro.records.trough import MeasuredDrive
     from vibro.sweeps.request import Request
 
@@ -129,7 +128,7 @@ def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
     return f"{parameter.value / size:.{digits}f}" if parameter.identified else "-", interval
 
 
-def _trough(drive: MeasuredDrive | MeasuredEllipse) -> list[tuple[str, str]]:
+def _trough(drive: MeasuredDrive) -> list[tuple[str, str]]:
     """Say what was measured of the trough's motion."""
     facts = [("trough", ", ".join(measured(name, estimate) for name, estimate in drive.quantities.items()))]
     for wave in drive.trough.waves:

@@ -3,48 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 from vibro.drives import Ability
 from vibro.errors import InputError
+from vibro.motion.settled import SettledMotion
 from vibro.quantities import AMPLITUDES, QUANTITIES
-from vibro.records.folding import Folded, fold, independent_samples
-from vibro.records.signals import MOST
+from vibro.records.folding import Estimate, Floats, Folded, detrended, fold, independent_samples
+from vibro.records.reading import Record
+from vibro.records.tolerances import TOL
+from vibro.scene import Scene
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+__all__ = ["Alignment", "Observation", "align", "check_scene", "computed_signals", "misfits_at_shifts"]
 
-    from numpy.typing import NDArray
-
-    from vibro.motion.settled import SettledMotion
-    from vibro.records.folding import Estimate
-    from vibro.records.reading import Record
-    from vibro.scene import Scene
-
-    Floats = NDArray[np.float64]
-
-__all__ = ["Alignment", "Observation", "align", "check_scene", "computed"]
-
-_GRID: Final = 512  # shifts that the search starts from
-# A signal that fits exactly would outweigh all others: its misfit counts as at least this fraction of the
-# signal.
-_LEAST_MISFIT: Final = 1e-9
-# The computed body rests where all positions in the cycle fit equally well: their log-likelihoods per sample
-# differ by less than this.
-_FLAT: Final = 1e-3
-# Long records are searched in part: this many rows give errors far below the sample time, and at least this
-# many cycles.
-_SEARCHED_ROWS: Final = 6000
-_SEARCHED_CYCLES: Final = 4.0
-# The fine search covers this fraction of the cycle on each side of the rough result, with this many points.
-_SEARCHED: Final = 0.05
-_STEPS: Final = 41
-_SIGMAS: Final = 3.0  # within which a second position in the cycle counts as fitting equally well
+_RANGE: Final = f"[{1.0 / TOL.largest:g}, {TOL.largest:g}]"
 _TRENDS: Final = {"displacement": 2, "velocity": 1, "acceleration": 1, "friction": 1}
 
 
@@ -122,18 +100,15 @@ class Observation:
         InputError
             If there is only a force, and no mass; or if a mass is beyond 1e-20 to 1e20 kg.
         """
-        if mass is not None and not 1.0 / MOST <= mass <= MOST:
-            raise InputError(
-                f"mass = {mass:.15g} kg: must be in [{1.0 / MOST:g}, {MOST:g}] kg beside a record"
-            )
+        if mass is not None and not 1.0 / TOL.largest <= mass <= TOL.largest:
+            raise InputError(f"mass = {mass:.15g} kg: must be in {_RANGE} kg beside a record")
         sign = -1.0 if reverse else 1.0
         signals = {name: sign * values for name, values in record.signals.items() if name != "force"}
         if "force" in record.signals and mass is not None:
             signals["friction"] = sign * record.signals["force"] / mass
         if not signals:
-            raise InputError(
-                "the data hold a force alone, and the mass is unknown", hint="give --mass 0.02kg"
-            )
+            unknown = "the data hold a force alone, and the mass is unknown"
+            raise InputError(unknown, hint="give --mass 0.02kg")
         if "acceleration" in signals:
             # The velocity of a steady motion repeats, so that its acceleration has no mean: what a record has
             # of it is the sensor's zero, or gravity on a sensor that is not level.
@@ -155,16 +130,14 @@ class Observation:
     @cached_property
     def folded(self) -> Mapping[str, Folded]:
         """What each signal repeats in every cycle."""
-        return {
-            name: fold(self.time, values, self.frequency, _TRENDS[name])
-            for name, values in self.signals.items()
-        }
+        fields = self.signals.items()
+        return {name: fold(self.time, values, self.frequency, _TRENDS[name]) for name, values in fields}
 
     @cached_property
     def middle(self) -> Observation:
         """The part that searches use: all of it, or the middle of a long record."""
         cycles = (float(self.time[-1]) - float(self.time[0])) * self.frequency
-        rows = max(_SEARCHED_ROWS, math.ceil(_SEARCHED_CYCLES * self.time.size / cycles))
+        rows = max(TOL.searched_rows, math.ceil(TOL.searched_cycles * self.time.size / cycles))
         if self.time.size <= rows:
             return self
         first = (self.time.size - rows) // 2
@@ -172,9 +145,7 @@ class Observation:
         signals = {name: values[part] for name, values in self.signals.items()}
         return replace(self, time=self.time[part], signals=signals)
 
-    def residuals(
-        self, motion: SettledMotion, shift: float, *, trend: bool = True, window: float = 1.0
-    ) -> dict[str, Floats]:
+    def residuals(self, motion: SettledMotion, shift: float, *, trend: bool = True) -> dict[str, Floats]:
         """Measured minus computed, of each signal.
 
         Parameters
@@ -186,29 +157,24 @@ class Observation:
         trend : bool
             Whether the growth of the displacement counts. Its zero never does, because it is that of the
             sensor.
-        window : float
-            Time over which the model's accelerations and friction are averaged, in sample times.
         """
         result = {}
-        model = computed(motion, self.signals, self.time + shift, window * self.sample_time)
+        model = computed_signals(motion, self.signals, self.time + shift, self.sample_time)
         for name, values in self.signals.items():
             residual = values - model[name]
             if name == "displacement":
-                residual = residual - residual.mean()
-                if not trend:
-                    time = self.time - self.time.mean()
-                    residual = residual - time * float(time @ residual) / float(time @ time)
+                residual = detrended(self.time, residual, 0 if trend else 1)
             result[name] = residual
         return result
 
     def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
         """Return the best shift on a grid over the cycle, and the negative log-likelihood of every shift.
 
-        One correlation of the folded signals gives all of them. The trend does not count.
+        The trend does not count.
         """
-        grid = np.arange(_GRID) * self.period / _GRID
-        loss = np.zeros(_GRID)
-        models = computed(motion, self.signals, grid, self.sample_time)
+        grid = np.arange(TOL.shifts) * self.period / TOL.shifts
+        loss = np.zeros(TOL.shifts)
+        models = computed_signals(motion, self.signals, grid, self.sample_time)
         for name, folded in self.folded.items():
             measured, model = folded.periodic(grid), models[name]
             if name == "displacement":
@@ -216,11 +182,30 @@ class Observation:
                 model = model - model.mean()
             else:
                 measured = measured + folded.coefficients[0]
-            both = np.fft.irfft(np.conj(np.fft.rfft(measured)) * np.fft.rfft(model), _GRID)
-            energy = float(measured @ measured + model @ model)
-            misfit = np.maximum(energy - 2.0 * both, 0.0) + _LEAST_MISFIT * energy
-            loss += 0.5 * self.time.size * np.log(misfit + np.finfo(float).tiny)
+            misfits, energy = misfits_at_shifts(measured, model)
+            misfits = np.maximum(misfits, 0.0) + TOL.least_misfit * energy
+            loss += 0.5 * self.time.size * np.log(misfits + np.finfo(float).tiny)
         return float(grid[np.argmin(loss)]), loss
+
+
+def misfits_at_shifts(measured: Floats, models: Floats) -> tuple[Floats, Floats]:
+    """Compare a measured cycle with models at every shift: squares of the differences, and the energy.
+
+    Parameters
+    ----------
+    measured : array, shape (N,)
+        One cycle.
+    models : array, shape (..., N)
+        The same of models.
+
+    Returns
+    -------
+    tuple of array
+        Of shapes (..., N) and (..., 1). One correlation gives all shifts; the energy is that of both.
+    """
+    both = np.fft.irfft(np.conj(np.fft.rfft(measured)) * np.fft.rfft(models), measured.size)
+    energy = measured @ measured + np.square(models).sum(axis=-1, keepdims=True)
+    return energy - 2.0 * both, energy
 
 
 def check_scene(scene: Scene) -> None:
@@ -234,21 +219,21 @@ def check_scene(scene: Scene) -> None:
         1e-20 to 1e20 in SI units.
     """
     fields = scene.arrays()
-    fields.require(
-        Ability.FLIGHT, hint="give its fundamental alone: -A and -a, or --along, --normal and --phase"
-    )
+    fundamental = "give its fundamental alone: -A and -a, or --along, --normal and --phase"
+    fields.require(Ability.FLIGHT, hint=fundamental)
     largest = max((name for name in AMPLITUDES if name in fields._fields), key=lambda n: getattr(fields, n))
     problems = []
     for name in (largest, "frequency", "gravity"):
         value, unit = float(getattr(scene, name)), QUANTITIES[name].kind.si_unit
-        if not 1.0 / MOST <= value <= MOST:
-            limits = f"must be in [{1.0 / MOST:g}, {MOST:g}] {unit} beside a record"
-            problems.append(f"{name} = {value:.15g} {unit}: {limits}")
+        if not 1.0 / TOL.largest <= value <= TOL.largest:
+            problems.append(f"{name} = {value:.15g} {unit}: must be in {_RANGE} {unit} beside a record")
     if problems:
         raise InputError(*problems)
 
 
-def computed(motion: SettledMotion, names: Iterable[str], time: Floats, window: float) -> dict[str, Floats]:
+def computed_signals(
+    motion: SettledMotion, names: Iterable[str], time: Floats, window: float
+) -> dict[str, Floats]:
     """Return signals of the model at trough times.
 
     Accelerations and friction jump where a slide starts or ends, which no record resolves and no search can
@@ -308,25 +293,22 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
         name: independent_samples(observation.time, r, observation.frequency)
         for name, r in observation.residuals(motion, rough, trend=False).items()
     }
-    least = {name: _LEAST_MISFIT * float(np.abs(s).mean()) for name, s in observation.signals.items()}
-    if float(np.ptp(losses)) < _FLAT * observation.time.size:
+    least = {name: TOL.least_misfit * float(np.abs(s).mean()) for name, s in observation.signals.items()}
+    if float(np.ptp(losses)) < TOL.flat * observation.time.size:
         return Alignment(math.nan, math.nan, ())
     # The rough search took all samples as independent: reduce its likelihoods to the effective number.
     losses = losses * max(counts.values()) / observation.time.size
 
     def loss(shift: float) -> float:
         residuals = observation.residuals(motion, shift, trend=False)
-        return sum(
-            counts[name] * math.log(float(np.abs(r).mean()) + least[name] + np.finfo(float).tiny)
-            for name, r in residuals.items()
-        )
+        sizes = {name: float(np.abs(r).mean()) + least[name] for name, r in residuals.items()}
+        return sum(counts[name] * math.log(x + np.finfo(float).tiny) for name, x in sizes.items())
 
-    near = rough + period * np.linspace(-_SEARCHED, _SEARCHED, _STEPS)
+    near = rough + period * np.linspace(-TOL.searched, TOL.searched, TOL.searched_steps)
     place = float(near[np.argmin([loss(shift) for shift in near])])
     step = float(near[1] - near[0])
-    best = minimize_scalar(
-        loss, bounds=(place - step, place + step), method="bounded", options={"xatol": 1e-9 * period}
-    )
+    bounds = (place - step, place + step)
+    best = minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-9 * period})
     shift, least_loss = float(best.x), float(best.fun)
     error = 0.5 * sum(_reach(loss, shift, least_loss, way * period) for way in (1, -1))
     if not {"displacement", "velocity"} & observation.signals.keys():
@@ -334,19 +316,20 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
         # the standard deviation of an even distribution over one sample time.
         error = math.hypot(error, observation.sample_time / math.sqrt(12.0))
     low = (losses <= np.roll(losses, 1)) & (losses <= np.roll(losses, -1))
-    rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * _SIGMAS**2)) * period / _GRID
-    apart = np.abs((rivals - shift + 0.5 * period) % period - 0.5 * period) > _SEARCHED * period
+    rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * TOL.likely_sigmas**2)) * period / TOL.shifts
+    apart = np.abs((rivals - shift + 0.5 * period) % period - 0.5 * period) > TOL.searched * period
     return Alignment(shift % period, error, tuple(rivals[apart].tolist()))
 
 
 def _reach(loss: Callable[[float], float], shift: float, least: float, period: float) -> float:
     """Distance at which the log-likelihood has fallen by 1/2; forward for ``period`` > 0, else backward."""
+
+    def fallen(distance: float) -> float:
+        return loss(shift + distance) - least - 0.5
+
     near, far = 0.0, 1e-7 * period
-    while loss(shift + far) - least < 0.5:
+    while fallen(far) < 0.0:
         near, far = far, 2.0 * far
         if abs(far) > 0.5 * abs(period):
             return 0.5 * abs(period)
-    for _ in range(20):
-        middle = 0.5 * (near + far)
-        near, far = (middle, far) if loss(shift + middle) - least < 0.5 else (near, middle)
-    return abs(far)
+    return abs(brentq(fallen, near, far, xtol=1e-6 * abs(far)))

@@ -3,37 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from vibro.motion.settled import SettledMotion, settled_motion
-from vibro.records.alignment import Alignment, Observation, align, check_scene, computed
-from vibro.records.folding import Estimate, fold
+from vibro.records.alignment import Alignment, Observation, align, check_scene, computed_signals
+from vibro.records.folding import Estimate, Floats, Folded, detrended, fold
 from vibro.records.frequencies import foreign_frequency
-from vibro.records.signals import FAR_OFF, doubt, rounded
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from vibro.records.folding import Folded
-    from vibro.results.history import Phase
-    from vibro.scene import Scene
-
-    Floats = NDArray[np.float64]
+from vibro.records.signals import doubt, rounded
+from vibro.records.tolerances import TOL
+from vibro.results.history import Phase
+from vibro.scene import Scene
 
 __all__ = ["Comparison", "Row", "compare"]
 
-_THRESHOLD: Final = 0.1  # of a slide's computed peak speed: the level that marks its start and end
-_FINE: Final = 4096  # points per cycle at which folded signals are searched
-_CURVE: Final = 1001  # points of a smooth curve
-_ASTRAY: Final = 0.01  # cycles by which a frequency that is proposed may drift from the data over the record
-_SIGMAS: Final = 4.0  # between the clock of the trough and that of the body: less is no difference,
-_APART: Final = 0.02  # nor is less than this share of a cycle
-_OPPOSITE: Final = 0.06  # of a cycle: as near to half of one
 _WAYS: Final = {"F": 1, "B": -1}
 _NAN: Final = Estimate(math.nan, math.nan)
 
@@ -138,126 +124,99 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
     trough_time = observation.time + shift
     step = observation.sample_time
-    signals = computed(motion, observation.signals, trough_time, step)
-    cycle = np.linspace(0.0, motion.period, _CURVE)
-    curves = computed(motion, observation.signals, cycle, step)
+    signals = computed_signals(motion, observation.signals, trough_time, step)
+    cycle = np.linspace(0.0, motion.period, TOL.curve)
+    curves = computed_signals(motion, observation.signals, cycle, step)
     if "displacement" in signals:
         offset = float((observation.signals["displacement"] - signals["displacement"]).mean())
         signals["displacement"] = signals["displacement"] + offset
         curves["displacement"] = curves["displacement"] - curves["displacement"][0]
-    rows = [*_means(observation, motion)]
-    velocity = _Velocity.of(observation, shift)
+    rows = _means(observation, motion)
+    velocity = _velocity(observation)
     if velocity is not None:
-        rows += _speeds(velocity, motion, alignment)
+        rows += _speeds(_Clocked(velocity, shift, alignment.error), motion)
     rows += _misfits(observation, motion, shift)
-    return Comparison(
-        observation=observation,
-        motion=motion,
-        alignment=alignment,
-        rows=tuple(rows),
-        trough_time=trough_time,
-        passing="upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else "",
-        computed=signals,
-        curve_time=cycle,
-        curves=curves,
-        warnings=_warnings(observation, motion, alignment, signals),
-    )
+    passing = "upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else ""
+    warnings = _warnings(observation, motion, alignment, signals)
+    seen = (observation, motion, alignment, tuple(rows))
+    return Comparison(*seen, trough_time, passing, signals, cycle, curves, warnings)
+
+
+def _velocity(observation: Observation) -> Folded | None:
+    """Folded velocity, measured or from the displacement."""
+    folded = observation.folded
+    displacement = folded.get("displacement")
+    return folded.get("velocity", displacement.derivative() if displacement else None)
 
 
 def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
     """Advance, mean speed and its drift, from the displacement if there is one, else from the velocity."""
-    folded = observation.folded
-    if "displacement" in folded:
-        mean = folded["displacement"].trend(1)
-        drift = _drift(observation, "displacement")
-    elif "velocity" in folded:
-        mean = folded["velocity"].trend(0)
-        drift = _drift(observation, "velocity")
-    else:
+    measured = {"displacement": 1, "velocity": 0}.items()
+    name, power = next(((n, p) for n, p in measured if n in observation.signals), ("", 0))
+    if not name:
         return []
-    period = observation.period
+    mean, period = observation.folded[name].trend(power), observation.period
+    curved = fold(observation.time, observation.signals[name], observation.frequency, power + 2)
+    drift = curved.trend(power + 1).scaled((power + 1) * 2.0 * curved.half)
     return [
-        Row("stroke_advance", "stroke advance", "displacement", _scaled(mean, period), motion.advance),
+        Row("stroke_advance", "stroke advance", "displacement", mean.scaled(period), motion.advance),
         Row("mean_speed", "mean speed", "velocity", mean, motion.advance / period),
         Row("drift", "drift of the mean speed over the record", "velocity", drift, 0.0),
     ]
 
 
-def _drift(observation: Observation, name: str) -> Estimate:
-    """Change of the mean speed over the record."""
-    power = 2 if name == "displacement" else 1
-    folded = fold(observation.time, observation.signals[name], observation.frequency, power + 1)
-    return _scaled(folded.trend(power), power * 2.0 * folded.half)
-
-
-def _scaled(estimate: Estimate, factor: float) -> Estimate:
-    return Estimate(estimate.value * factor, estimate.error * factor)
-
-
 @dataclass(frozen=True, eq=False)
-class _Velocity:
-    """The folded velocity over trough time, from a velocity or by differentiating a displacement."""
+class _Clocked:
+    """A folded velocity over trough time: the record's time plus a shift, which has an error [s]."""
 
     folded: Folded
-    derivative: int
-    mean: float
     shift: float
-
-    @classmethod
-    def of(cls, observation: Observation, shift: float) -> _Velocity | None:
-        folded = observation.folded
-        if "velocity" in folded:
-            return cls(folded["velocity"], 0, folded["velocity"].trend(0).value, shift)
-        if "displacement" in folded:
-            return cls(folded["displacement"], 1, folded["displacement"].trend(1).value, shift)
-        return None
+    clock_error: float
 
     def at(self, time: Floats) -> Floats:
-        return self.mean + self.folded.periodic(time - self.shift, self.derivative)
+        return self.folded.fitted(time - self.shift)
 
-    def error(self, time: float) -> float:
-        return float(self.folded.error(np.array([time - self.shift]), self.derivative, self.derivative)[0])
+    def estimate(self, time: float) -> Estimate:
+        at = np.array([time - self.shift])
+        return Estimate(float(self.folded.fitted(at)[0]), float(self.folded.error(at)[0]))
 
-    def slope(self, time: float) -> float:
-        return float(self.folded.periodic(np.array([time - self.shift]), self.derivative + 1)[0])
+    def passing(self, time: float) -> Estimate:
+        """Return a time, with the error that those of speed and clock leave of it."""
+        slope = abs(float(self.folded.derivative().periodic(np.array([time - self.shift]))[0]))
+        error = self.estimate(time).error / slope if slope else math.nan
+        return Estimate(time, math.hypot(error, 0.0 if math.isnan(self.clock_error) else self.clock_error))
 
 
-def _speeds(velocity: _Velocity, motion: SettledMotion, alignment: Alignment) -> list[Row]:
+def _speeds(velocity: _Clocked, motion: SettledMotion) -> list[Row]:
     """Peak speed, the speed at rest, start and end of every slide."""
-    period = motion.period
-    cycle = np.arange(_FINE) * period / _FINE
-    measured, model = velocity.at(cycle), motion.sample(cycle).velocity
-    fastest = int(np.argmax(np.abs(measured)))
-    peak = Estimate(abs(float(measured[fastest])), velocity.error(float(cycle[fastest])))
+    cycle = np.arange(TOL.fine) * motion.period / TOL.fine
+    model = motion.sample(cycle).velocity
+    value, error = velocity.estimate(float(cycle[np.argmax(np.abs(velocity.at(cycle)))]))
+    peak = Estimate(abs(value), error)
     rows = [Row("peak_speed", "peak speed", "velocity", peak, float(np.abs(model).max()))]
     rest = _middle_of_rest(motion)
     if rest is not None:
-        creep = Estimate(float(velocity.at(np.array([rest]))[0]), velocity.error(rest))
+        creep = velocity.estimate(rest)
         rows.append(Row("rest_speed", "speed in the middle of the rest", "velocity", creep, 0.0))
     if "H" not in motion.pattern:  # next to a flight a slide may start or end at any speed
         for phase in motion.phases:
-            if phase.kind in _WAYS:
-                rows += _slip(velocity, motion, phase, alignment)
+            rows += _slide(velocity, motion, phase) if phase.kind in _WAYS else []
     return rows
 
 
-def _slip(velocity: _Velocity, motion: SettledMotion, phase: Phase, alignment: Alignment) -> list[Row]:
+def _slide(velocity: _Clocked, motion: SettledMotion, phase: Phase) -> list[Row]:
     """Start and end of a slide: where its speed passes a level, the same for measured and computed speed."""
     way = _WAYS[phase.kind]
     name = "forward" if way > 0 else "back"
-    inside = phase.start + (phase.end - phase.start) * np.linspace(0.0, 1.0, _FINE)
+    inside = phase.start + (phase.end - phase.start) * np.linspace(0.0, 1.0, TOL.fine)
     speed = way * motion.sample(inside).velocity
-    level = _THRESHOLD * float(speed.max())
-    fast = np.flatnonzero(speed >= level)
+    level = TOL.slide_level * float(speed.max())
+    fast = inside[speed >= level].tolist()
     rows = []
-    for key, label, rising, reached in (
-        ("start", "starts", True, float(inside[fast[0]])),
-        ("end", "ends", False, float(inside[fast[-1]])),
-    ):
+    for key, reached, rising in (("start", fast[0], True), ("end", fast[-1], False)):
         seen = _crossing(velocity, way, level, reached, rising, motion.period)
-        error = math.hypot(seen.error, 0.0 if math.isnan(alignment.error) else alignment.error)
-        label = f"{name} slip {label} ({1e3 * level:.3g} mm/s)"
-        rows.append(Row(f"{name}_slip_{key}", label, "time", Estimate(seen.value, error), reached))
+        label = f"{name} slip {key}s ({1e3 * level:.3g} mm/s)"
+        rows.append(Row(f"{name}_slip_{key}", label, "time", seen, reached))
     return rows
 
 
@@ -269,31 +228,29 @@ def _middle_of_rest(motion: SettledMotion) -> float | None:
 
 
 def _crossing(
-    velocity: _Velocity, way: int, level: float, near: float, rising: bool, period: float
+    velocity: _Clocked, way: int, level: float, near: float, rising: bool, period: float
 ) -> Estimate:
     """Trough time nearest to ``near`` at which the folded velocity passes a level."""
-    time = near + period * (np.arange(_FINE + 1) / _FINE - 0.5)
-    above = way * velocity.at(time) >= level
+    time = near + period * (np.arange(TOL.fine + 1) / TOL.fine - 0.5)
+    excess = way * velocity.at(time) - level
+    above = excess >= 0.0
     passed = np.flatnonzero(above[1:] & ~above[:-1] if rising else above[:-1] & ~above[1:])
     if not passed.size:
         return _NAN
     i = int(passed[np.argmin(np.abs(time[passed] - near))])
-    ends = way * velocity.at(time[i : i + 2])
-    at = float(time[i] + (time[i + 1] - time[i]) * (level - ends[0]) / (ends[1] - ends[0]))
-    slope = abs(velocity.slope(at))
-    return Estimate(at, velocity.error(at) / slope if slope else math.nan)
+    step = excess[i] / (excess[i] - excess[i + 1])
+    return velocity.passing(float(time[i] + (time[i + 1] - time[i]) * step))
 
 
 def _misfits(observation: Observation, motion: SettledMotion, shift: float) -> list[Row]:
     """Root mean squares of measured minus computed."""
     rows = []
-    for trend in (True, False):
+    for trend, which in ((True, "{}"), (False, "{} without trend")):
         for name, residual in observation.residuals(motion, shift, trend=trend).items():
             if trend or name == "displacement":
-                without = "" if trend else " without trend"
-                rms = Estimate(float(np.sqrt(np.mean(residual**2))), math.nan)
-                key = f"rms_{name}{without.replace(' ', '_')}"
-                rows.append(Row(key, f"RMS difference of {name}{without}", name, rms, math.nan))
+                rms, text = Estimate(float(np.sqrt(np.mean(residual**2))), math.nan), which.format(name)
+                key, label = f"rms_{text.replace(' ', '_')}", f"RMS difference of {text}"
+                rows.append(Row(key, label, name, rms, math.nan))
     return rows
 
 
@@ -304,26 +261,24 @@ def _warnings(
     if math.isnan(alignment.shift):
         warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
     for rival in alignment.rivals:
-        warnings.append(
-            f"the data fit almost as well if they begin {1e3 * rival:.4g} ms after the trough's middle"
-        )
+        begin = f"{1e3 * rival:.4g} ms after the trough's middle"
+        warnings.append(f"the data fit almost as well if they begin {begin}")
     warnings += _of_another_size(observation, motion)
     warnings += _of_another_frequency(observation)
     warnings += _of_another_clock(observation, motion, alignment)
     advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
     if advance * motion.advance < 0.0:
         warnings.append("the data run against the computed direction: --reverse reverses their axis")
-    if "friction" in model and _oppose(model["friction"], observation.signals["friction"]):
-        warnings.append(
-            "the friction has the opposite sign: it must be the force on the body, not on the trough"
-        )
+    if "friction" in model and np.cov(model["friction"], observation.signals["friction"])[0, 1] < 0.0:
+        must = "it must be the force on the body, not on the trough"
+        warnings.append(f"the friction has the opposite sign: {must}")
     return tuple(warnings)
 
 
 def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:
     """Name signals that are so much larger or smaller than computed that their unit may be wrong."""
-    cycle = np.arange(_FINE) * motion.period / _FINE
-    model = computed(motion, observation.signals, cycle, observation.sample_time)
+    cycle = np.arange(TOL.fine) * motion.period / TOL.fine
+    model = computed_signals(motion, observation.signals, cycle, observation.sample_time)
     found = []
     for name, values in observation.signals.items():
         trend = motion.advance / motion.period * cycle if name == "displacement" else 0.0
@@ -331,20 +286,14 @@ def _of_another_size(observation: Observation, motion: SettledMotion) -> list[st
         # Noise is no motion, but motion at another frequency is: what repeats may be too much, and all of it
         # too little.
         repeated = float(np.std(observation.folded[name].periodic(cycle)))
-        whole = _swing(observation.time, values, 1 if name == "displacement" else 0)
-        moved = repeated if repeated > FAR_OFF * size else whole
+        whole = float(np.std(detrended(observation.time, values, 1 if name == "displacement" else 0)))
+        moved = repeated if repeated > TOL.far_off * size else whole
         # A body that rests has no size, and a signal that is dead no unit.
-        if size and whole and not size / FAR_OFF <= moved <= FAR_OFF * size:
+        if size and whole and not size / TOL.far_off <= moved <= TOL.far_off * size:
             what = doubt(observation.sensitivities.get(name, ""))
             also = " Is the mass?" if name == "friction" else ""
             found.append(f"the {name} is about {rounded(moved / size)} times the computed one: {what}{also}")
     return found
-
-
-def _swing(time: Floats, values: Floats, power: int) -> float:
-    """Root mean square of a signal about its trend, a polynomial."""
-    centred = time - time.mean()
-    return float(np.std(values - np.polyval(np.polyfit(centred, values, power), centred)))
 
 
 def _of_another_frequency(observation: Observation) -> list[str]:
@@ -353,17 +302,15 @@ def _of_another_frequency(observation: Observation) -> list[str]:
     if foreign is None:
         return []
     found, error = foreign.frequency
-    off = max(error, _ASTRAY / float(np.ptp(observation.time)))
+    off = max(error, TOL.proposed / float(np.ptp(observation.time)))
     plain = next(text for digits in range(18) if abs(float(text := f"{found:.{digits}f}") - found) <= off)
     said, remedy = f"{found:.5g} Hz", f"-f {plain}"
     if observation.clock is not None:
         trough = f"the trough at {observation.frequency:.5g} Hz"
         return [f"the body's signals repeat at {said}, {trough}: are both of one run, and of one clock?"]
     if foreign.cycles:
-        return [
-            f"the data repeat at {said}, every {foreign.cycles} cycles of the drive: the body hops so, or the"
-            f" drive runs at that frequency: {remedy}"
-        ]
+        why = "the body hops so, or the drive runs at that frequency"
+        return [f"the data repeat at {said}, every {foreign.cycles} cycles of the drive: {why}: {remedy}"]
     return [f"the data repeat at {said}, the scene says {observation.frequency:.5g} Hz: {remedy}"]
 
 
@@ -373,17 +320,12 @@ def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Al
         return []
     own = align(replace(observation, clock=None), motion)
     off = math.remainder(own.shift - clock.shift, motion.period)
-    least = max(_SIGMAS * math.hypot(own.error, clock.error), _APART * motion.period)
+    least = max(TOL.sigmas * math.hypot(own.error, clock.error), TOL.clocks_apart * motion.period)
     if math.isnan(off) or abs(off) < least:
         return []
     where = "later" if off > 0.0 else "earlier"
     why = "a channel lags, or the body does not move as computed"
-    if abs(off) > (0.5 - _OPPOSITE) * motion.period:
+    if abs(off) > (0.5 - TOL.inverted) * motion.period:
         why = "one of the sensors may be inverted (--reverse, or a negative sensitivity)"
     apart = f"{1e3 * abs(off):.3g} ms ({360.0 * abs(off) / motion.period:.0f} deg) {where} in the cycle"
     return [f"the body's signals alone fit best {apart} than the trough's acceleration says: {why}"]
-
-
-def _oppose(one: Floats, other: Floats) -> bool:
-    """Whether two signals are correlated negatively; a constant is not."""
-    return float((one - one.mean()) @ (other - other.mean())) < 0.0

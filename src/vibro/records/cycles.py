@@ -3,40 +3,34 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibro.core.codes import PATTERNS, Regime, is_answered
 from vibro.errors import VibroError
-from vibro.motion.settled import settled_motion
-from vibro.records.alignment import computed
+from vibro.motion.settled import SettledMotion, settled_motion
+from vibro.records.alignment import computed_signals
+from vibro.records.folding import Floats
+from vibro.results.steady import SteadyCycle
 from vibro.scene import Scene
 from vibro.slopes import slides_of
 from vibro.steady import solve
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+__all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
 
-    from numpy.typing import NDArray
-
-    from vibro.motion.settled import SettledMotion
-    from vibro.results.steady import SteadyCycle
-
-    Floats = NDArray[np.float64]
-    Labels = NDArray[np.str_]
-
-__all__ = ["HOPS", "Cycles", "labels_of", "steady_cycles"]
+Labels = NDArray[np.str_]
 
 HOPS: Final = "H"  # label of every scene that hops: its many patterns follow each other too closely
-_TURN: Final = 2.0 * math.pi
 _WAYS: Final = (1, -1)
 _TEXTS: Final = np.array(PATTERNS)
 
 
 @dataclass(frozen=True, eq=False)
-class Cycles:
+class SceneCycles:
     """Steady cycles of M scenes.
 
     Attributes
@@ -47,10 +41,10 @@ class Cycles:
         The fields of the scenes, each of shape (M,).
     scales, inertias : array, shape (M,)
         Length that the loads are counted in [m]; amplitude of the trough's acceleration along itself [m/s^2].
-    zeros, starts, lengths, loads, resistances : array, shape (2, M)
+    slides : array, shape (5, 2, M)
         Of the forward and the back slide: drive phase at which the load is zero and rises; phase of the
         start, counted from there, and length [rad]; amplitude of the load and its resistance, as in
-        ``Onset``. The length is 0 without a slide.
+        ``Slides``. The length is 0 without a slide.
     hopping : mapping of int to SettledMotion
         Scenes that hop.
     """
@@ -59,15 +53,11 @@ class Cycles:
     values: Mapping[str, Floats]
     scales: Floats
     inertias: Floats
-    zeros: Floats
-    starts: Floats
-    lengths: Floats
-    loads: Floats
-    resistances: Floats
+    slides: Floats
     hopping: Mapping[int, SettledMotion]
 
     def signals(self, names: Iterable[str], time: Floats, shift: Floats, window: float) -> dict[str, Floats]:
-        """Sample signals as ``alignment.computed`` does.
+        """Sample signals as ``computed_signals`` does.
 
         Parameters
         ----------
@@ -86,7 +76,7 @@ class Cycles:
             Of scenes without a steady cycle, those of a body at rest.
         """
         names = list(names)
-        rate = _TURN * self.values["frequency"][:, None]
+        rate = math.tau * self.values["frequency"][:, None]
         phase = rate * (time + shift[:, None])
         result = {}
         if "displacement" in names:
@@ -95,53 +85,44 @@ class Cycles:
             result["velocity"] = self._velocities(phase)
         if {"acceleration", "friction"} & set(names):
             half = 0.5 * window * rate
-            result["acceleration"] = (
-                self._velocities(phase + half) - self._velocities(phase - half)
-            ) / window
+            gained = self._velocities(phase + half) - self._velocities(phase - half)
+            result["acceleration"] = gained / window
             weight = self.values["gravity"] * np.sin(self.values["trough_angle"])
             inertial = self.inertias[:, None] * np.sin(phase) - weight[:, None]
             result["friction"] = result["acceleration"] - inertial
         for scene, motion in self.hopping.items():
-            for name, values in computed(motion, names, time + shift[scene], window).items():
+            for name, values in computed_signals(motion, names, time + shift[scene], window).items():
                 result[name][scene] = values
         return {name: result[name] for name in names}
 
     def _velocities(self, phase: Floats) -> Floats:
-        speed = self.scales * _TURN * self.values["frequency"]
+        speed = self.scales * math.tau * self.values["frequency"]
         total = np.zeros_like(phase)
-        for row, way in enumerate(_WAYS):
-            if not self.lengths[row].any():
-                continue
-            zero, start, length, load, k = self._slide(row)
-            since = np.minimum((phase - start - zero) % _TURN, length)
-            swing = np.cos(start) - np.cos(start + since) - k * since
-            total += np.where(since < length, way * speed[:, None] * load * swing, 0.0)
+        for way, (zero, start, length, load, resistance) in self._acting():
+            since = np.minimum((phase - start - zero) % math.tau, length)
+            gained = np.cos(start) - np.cos(start + since) - resistance * since
+            total += np.where(since < length, way * speed[:, None] * load * gained, 0.0)
         return total
 
     def _displacements(self, phase: Floats) -> Floats:
         total = np.zeros_like(phase)
-        for row, way in enumerate(_WAYS):
-            if not self.lengths[row].any():
-                continue
-            zero, start, length, load, k = self._slide(row)
-            turns, since = np.divmod(phase - start - zero, _TURN)
-
-            def path(since: Floats, start: Floats = start, k: Floats = k) -> Floats:
-                turned = np.sin(start + since) - np.sin(start)
-                return np.asarray(since * np.cos(start) - turned - 0.5 * k * since * since)
-
+        for way, (zero, start, length, load, resistance) in self._acting():
+            turns, since = np.divmod(phase - start - zero, math.tau)
             size = way * self.scales[:, None] * load
-            total += size * (path(np.minimum(since, length)) + turns * path(length))
+            for times, until in ((1.0, np.minimum(since, length)), (turns, length)):
+                turned = np.sin(start + until) - np.sin(start)
+                moved = until * np.cos(start) - turned - 0.5 * resistance * until * until
+                total += size * times * moved
         return total
 
-    def _slide(self, row: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        columns = (self.zeros, self.starts, self.lengths, self.loads, self.resistances)
-        zero, start, length, load, k = (column[row][:, None] for column in columns)
-        return zero, start, length, load, k
+    def _acting(self) -> list[tuple[int, Floats]]:
+        """Direction and rows of ``slides``, of shape (5, M, 1), where any of the scenes slides that way."""
+        rows = zip(_WAYS, self.slides.swapaxes(0, 1)[..., None], strict=True)
+        return [(way, columns) for way, columns in rows if columns[2].any()]
 
 
 def labels_of(values: Mapping[str, Floats]) -> Labels:
-    """Label scenes as ``Cycles`` does, from all their fields, each of shape (M,) [SI]."""
+    """Label scenes as ``SceneCycles`` does, from all their fields, each of shape (M,) [SI]."""
     return _labels(solve(Scene.allowing_infeasible(**values), flight=False))
 
 
@@ -150,7 +131,7 @@ def _labels(cycle: SteadyCycle) -> Labels:
     return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
 
 
-def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
+def scene_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> SceneCycles:
     """Solve the steady cycles of scenes.
 
     Parameters
@@ -178,6 +159,5 @@ def steady_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> Cycles:
         except VibroError:  # it repeats its motion only every few cycles, or never
             labels[cell] = ""
     fields = scene.flat()
-    scales, inertias = np.asarray(fields.scale), fields.along * (_TURN * fields.frequency) ** 2
-    zeros, starts, lengths, sizes, resistances = slides
-    return Cycles(labels, values, scales, inertias, zeros, starts, lengths, sizes, resistances, hopping)
+    scales, inertias = np.asarray(fields.scale), fields.along * (math.tau * fields.frequency) ** 2
+    return SceneCycles(labels, values, scales, inertias, slides, hopping)

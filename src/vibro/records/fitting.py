@@ -1,57 +1,37 @@
-"""Estimates of a scene's friction and drive from a record, and what cannot be estimated."""
+"""Estimates of a scene's friction and drive from a record, their intervals, and what cannot be estimated."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from scipy.special import stdtrit
 
 from vibro.errors import InputError, cut, shown
+from vibro.motion.settled import settled_motion
 from vibro.quantities import AMPLITUDES, QUANTITIES
-from vibro.records.alignment import check_scene
+from vibro.records.alignment import Observation, check_scene
 from vibro.records.cycles import HOPS
-from vibro.records.descent import Minimum, descend, to_edge
-from vibro.records.intervals import ENOUGH, profile, spread_of
-from vibro.records.misfits import FITTABLE, Problem, fittable
-from vibro.records.starts import starts
-from vibro.records.statements import groups, statements
+from vibro.records.folding import Floats
+from vibro.records.minimisation import (
+    Minimum,
+    best_of,
+    error_covariance,
+    jacobian_at,
+    minimise,
+    move_to_edge,
+    nearest_inside,
+)  # fmt: skip
+from vibro.records.problem import FITTABLE, Problem, fittable, starts
+from vibro.records.tolerances import TOL
 from vibro.scene import Scene
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from numpy.typing import NDArray
-
-    from vibro.records.alignment import Observation
-
-    Floats = NDArray[np.float64]
-    Intervals = tuple[tuple[float, float], ...]
 
 __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
-_ROUGH: Final = 1.0  # decrease of the sum of squares, in variances, below which a first descent ends
-# A pattern is excluded that fits worse by this, in variances: 4 sigma. The values of another pattern may lie
-# far away, so that excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
-_EXCLUDED: Final = 16.0
-_EXPLAINED: Final = 1.5  # sum of squares over the number of samples, in variances of the noise
-_BETTER: Final = 0.1  # of the threshold: a point this much better than the best is a new start
-_WEIGHINGS: Final = 3
-_NEIGHBOURS: Final = 400  # points around a minimum at which other patterns are looked for
-_WIDEST: Final = 4.0  # standard deviations: how far these reach,
-_FARTHEST: Final = 0.3  # and how far in any case, relative
-_ACROSS: Final = np.geomspace(1e-5, 0.3, 40)  # relative distances beyond an edge, for the same
-_KEPT: Final = 24  # of both, of each pattern
-_RESTARTS: Final = 3  # from a better point than the search had found
-_CONFIDENCE: Final = 0.95
-# A motion must fit this much better than rest to be one, in variances: 5 sigma.
-_STANDS_OUT: Final = 25.0
-# An interval whose half exceeds this share of the estimate leaves no estimate: 30 % of standard error.
-_WIDE: Final = 0.6
-_AT_BOUND: Final = 1e-3  # relative: an interval that reaches this near what is tried has no end
+Intervals = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -74,7 +54,7 @@ class Parameter:
 
     name: str
     value: float
-    intervals: tuple[tuple[float, float], ...]
+    intervals: Intervals
     identified: bool
 
     @property
@@ -122,9 +102,9 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     Returns
     -------
     Fit
-        By least squares over all signals, each weighted by the inverse of its own misfit; the unknown trigger
-        time and the sensors' offsets and drifts are fitted too. Of long records the middle is used. A phase
-        is the one next to the scene's of those that differ by whole turns.
+        By least squares over all signals, each weighted by the inverse of its own residuals; the unknown
+        trigger time and the sensors' offsets and drifts are fitted too. Of long records the middle is used. A
+        phase is the one next to the scene's of those that differ by whole turns.
 
     Raises
     ------
@@ -142,19 +122,20 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     _check_names(scene, names)
     problem = Problem(scene, observation.middle, names)
     minima = _first_minima(problem)
-    rest = next((m for m in minima if m.label == "_" and m.squares <= minima[0].squares + _STANDS_OUT), None)
+    worst = minima[0].squares + TOL.stands_out
+    rest = next((m for m in minima if m.label == "_" and m.squares <= worst), None)
     if rest is not None:
-        return _told(problem, [rest], [()] * len(names), 0.0)
-    for _ in range(_RESTARTS):
+        return _judged(problem, [rest], [()] * len(names), 0.0)
+    for _ in range(TOL.restarts):
         minima = _in_one_turn(problem, _weighed_minima(problem, minima))
-        threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * _CONFIDENCE)) ** 2
-        fitting = [m for m in minima if m.squares <= minima[0].squares + _EXCLUDED]
-        profiles = [profile(problem, fitting, threshold, column) for column in range(len(names))]
-        better = min((found.best for found in profiles), key=lambda m: m.squares)
-        if better.squares > minima[0].squares - _BETTER * threshold:
+        threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * TOL.confidence)) ** 2
+        fitting = [m for m in minima if m.squares <= minima[0].squares + TOL.excluded]
+        profiles = [_profile(problem, fitting, threshold, column) for column in range(len(names))]
+        better = min((best for _, best in profiles), key=_squares)
+        if better.squares > minima[0].squares - TOL.better * threshold:
             break
-        minima = _least(problem, [better, *minima])
-    return _told(problem, fitting, [p.intervals for p in profiles], threshold)
+        minima = _least_of_each(problem, [better, *minima])
+    return _judged(problem, fitting, [found for found, _ in profiles], threshold)
 
 
 def _check_names(scene: Scene, names: Sequence[str]) -> None:
@@ -168,14 +149,114 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
         quantity = QUANTITIES[name]
         if name not in own:
             path = "a line" if scene.amplitude is not None else "an ellipse"
-            raise InputError(
-                f"{said}the trough moves along {path}, which has no {quantity.label}", hint=choice
-            )
+            none = f"{said}the trough moves along {path}, which has no {quantity.label}"
+            raise InputError(none, hint=choice)
         if name in AMPLITUDES and not float(getattr(scene, name)):
-            raise InputError(
-                f"{said}the search for the {quantity.label} begins at the scene's, which is 0",
-                hint=f"give what it may be, for example {quantity.options[0]} 0.3",
-            )
+            zero = f"{said}the search for the {quantity.label} begins at the scene's, which is 0"
+            raise InputError(zero, hint=f"give what it may be, for example {quantity.options[0]} 0.3")
+
+
+def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:
+    """Choose the best pattern of those that fit, and judge each quantity."""
+    acting = [error_covariance(problem, minimum).diagonal() > 0.0 for minimum in fitting]
+    # A pattern in which fewer quantities act needs fewer to be adjusted: each takes 2 off, as in Akaike's
+    # criterion. Else one that ends where another begins would be pinned there by the noise.
+    costs = [m.squares + 2.0 * np.count_nonzero(acts) for m, acts in zip(fitting, acting, strict=True)]
+    within = [m.squares <= min(map(_squares, fitting)) + threshold for m in fitting]
+    acts = np.all([a for a, counts in zip(acting, within, strict=True) if counts], axis=0)
+    fitting = [fitting[i] for i in np.argsort(costs)]
+    best = fitting[0]
+    sizes = problem.scale(best.point)
+    # A valley that bends cannot be followed to where the misfit ends it: no interval of what lies along it.
+    groups = _groups(problem, best)
+    mixed = {name for group in groups if len(group) > 1 for name in group} if problem.is_curved else set()
+    parameters = []
+    for column, (name, found) in enumerate(zip(problem.names, intervals, strict=True)):
+        bounded = () if name in mixed else _bounded(found, *problem.bounds[:, column])
+        half = 0.5 * (bounded[-1][1] - bounded[0][0]) if bounded else math.inf
+        identified = bool(acts[column] and half <= TOL.wide * sizes[column])
+        parameters.append(Parameter(name, float(best.point[column]), bounded, identified))
+    values = problem.fixed | {p.name: p.value for p in parameters}
+    said = _statements(problem, fitting, parameters, values, groups)
+    return Fit(Scene(**values), tuple(parameters), tuple(said))
+
+
+def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
+    """Drop intervals that reach what is tried: they have no end."""
+    low, high = (bound + way * TOL.at_bound * abs(bound) for bound, way in ((least, 1.0), (most, -1.0)))
+    return intervals if intervals and intervals[0][0] > low and intervals[-1][1] < high else ()
+
+
+# --- the search -----------------------------------------------------------------------------------------
+
+
+def _squares(minimum: Minimum) -> float:
+    return minimum.squares
+
+
+def _first_minima(problem: Problem) -> list[Minimum]:
+    """Search from the most promising starts in each pattern; return the least misfit of each.
+
+    A scene that hops takes as long as a hundred others. A record that is explained to its noise without one
+    needs none.
+    """
+    minima: list[Minimum] = []
+    aim = math.inf
+    for hops in (False, True):
+        if aim > TOL.explained * problem.count:
+            for label, point in starts(problem, hops=hops):
+                start = best_of(problem, label, point[None])
+                minima.append(minimise(problem, start, TOL.rough, aim))
+                aim = min(aim, minima[-1].squares)
+    if not minima:
+        none = "--fit: no value that was tried gives a steady motion to compare with"
+        raise InputError(none, hint="check the other quantities of the scene")
+    return _least_of_each(problem, minima)
+
+
+def _least_of_each(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]:
+    """Keep the least of each pattern, and of each side of its phases, in the order of their misfits."""
+    kept: dict[tuple[str, tuple[bool, ...]], Minimum] = {}
+    for minimum in sorted(minima, key=_squares):
+        kept.setdefault((minimum.label, problem.sides(minimum.point)), minimum)
+    return list(kept.values())
+
+
+def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
+    """Weight the signals by the residuals of the best pattern, and minimise those of all again."""
+    for _ in range(TOL.weighings):
+        problem.weigh(minima[0].point)
+        first, *others = (best_of(problem, m.label, m.point[None]) for m in minima)
+        best = minimise(problem, first, TOL.enough)
+        most = best.squares + TOL.excluded
+        others = _least_of_each(problem, [*others, *_neighbours(problem, best)])
+        minima = _least_of_each(problem, [best, *(minimise(problem, m, TOL.enough, most) for m in others)])
+        if minima[0].squares >= best.squares - TOL.enough:
+            break
+    return minima
+
+
+def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
+    """Points of other patterns: as far as the data could mistake the minimum, and across its edges."""
+    values, vectors = np.linalg.eigh(error_covariance(problem, minimum))
+    count, size, scale = TOL.neighbours, values.size, problem.scale(minimum.point)
+    reach = np.linspace(0.0, TOL.widest, count)[:, None] * np.sqrt(np.maximum(values, 0.0))
+    random = np.random.default_rng(1).standard_normal((count, size))
+    farthest = TOL.farthest_neighbour * scale
+    parts = [minimum.point + np.clip((random * reach) @ vectors.T, -farthest, farthest)]
+    for column, way in product(range(size - 1), (1.0, -1.0)):
+        across = way * scale[column]
+        edge = move_to_edge(problem, minimum.label, minimum.point[None], column, across)
+        parts.append(edge + np.outer(np.geomspace(*TOL.across) * across, np.eye(size)[column]))
+    points = np.concatenate(parts)
+    labels = problem.labels(points)
+    found = []
+    # Scenes that hop take too long for a guess: they are starts of the search alone.
+    for label in sorted(set(labels.tolist()) - {"", HOPS}):
+        cells = np.flatnonzero(labels == label)
+        cells = np.concatenate([cells[: TOL.kept], cells[cells >= count][: TOL.kept]])
+        found.append(best_of(problem, label, points[cells]))
+    return found
 
 
 def _in_one_turn(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
@@ -184,119 +265,219 @@ def _in_one_turn(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
     return [m._replace(point=problem.unwound(m.point, near)) for m in minima]
 
 
-def _all(problem: Problem) -> list[int]:
-    """Coordinates of a point: the quantities and the shift."""
-    return list(range(len(problem.names) + 1))
+# --- intervals of confidence ----------------------------------------------------------------------------
 
 
-def _told(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:
-    """Choose the best pattern of those that fit, and judge each quantity."""
-    spreads = [spread_of(problem, minimum) for minimum in fitting]
-    # A pattern in which fewer quantities act needs fewer to be adjusted: each takes 2 off, as in Akaike's
-    # criterion. Else one that ends where another begins would be pinned there by the noise.
-    costs = [m.squares + 2.0 * np.count_nonzero(s.diagonal()) for m, s in zip(fitting, spreads, strict=True)]
-    order = np.argsort(costs)
-    fitting, spreads = [fitting[i] for i in order], [spreads[i] for i in order]
-    best, least = fitting[0], min(m.squares for m in fitting)
-    sizes = problem.scale(best.point)
-    # A valley that bends cannot be followed to where the misfit ends it: no interval of what lies along it.
-    mixed = [group for group in groups(problem, best) if len(group) > 1] if problem.bends else []
-    parameters = []
-    for column, (name, found) in enumerate(zip(problem.names, intervals, strict=True)):
-        value = float(best.point[column])
-        bounded = _bounded(found, *problem.bounds[:, column])
-        known = not any(name in group for group in mixed)
-        parameter = Parameter(name, value, bounded if known else (), False)
-        acts = all(
-            spread[column, column] > 0.0
-            for minimum, spread in zip(fitting, spreads, strict=True)
-            if minimum.squares <= least + threshold
-        )
-        if acts and parameter.intervals and 0.5 * (parameter.high - parameter.low) <= _WIDE * sizes[column]:
-            parameter = replace(parameter, identified=True)
-        parameters.append(parameter)
-    estimates = {p.name: p.value for p in parameters}
-    said = statements(problem, fitting, parameters)
-    return Fit(Scene(**problem.fixed | estimates), tuple(parameters), tuple(said))
+def _profile(
+    problem: Problem, minima: Sequence[Minimum], threshold: float, column: int
+) -> tuple[Intervals, Minimum]:
+    """Find all values of one quantity with which the record can still be fitted.
 
+    In each pattern the quantity is moved away from the minimum, the others refitted, until the sum of squares
+    exceeds that of the minimum by the threshold, or the pattern ends.
 
-def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
-    """Drop intervals that reach what is tried: they have no end."""
-    if (
-        intervals
-        and intervals[0][0] > least + _AT_BOUND * abs(least)
-        and intervals[-1][1] < most - _AT_BOUND * abs(most)
-    ):
-        return intervals
-    return ()
-
-
-def _first_minima(problem: Problem) -> list[Minimum]:
-    """Descend from the most promising starts in each pattern; return the least misfit of each.
-
-    A scene that hops takes as long as a hundred others. A record that is explained to its noise without one
-    needs none.
+    Parameters
+    ----------
+    problem : Problem
+        The residuals.
+    minima : sequence of Minimum
+        Of each pattern that fits.
+    threshold : float
+        Increase of the sum of squares that counts as too much.
+    column : int
+        Of the quantity among the coordinates.
     """
-    minima: list[Minimum] = []
-    for hops in (False, True):
-        aim = min((m.squares for m in minima), default=math.inf)
-        if aim > _EXPLAINED * problem.count:
-            for label, point in starts(problem, hops=hops):
-                minima.append(descend(problem, label, point, _all(problem), _ROUGH, aim))
-                aim = min(aim, minima[-1].squares)
-    if not minima:
-        raise InputError(
-            "--fit: no value that was tried gives a steady motion to compare with",
-            hint="check the other quantities of the scene",
-        )
-    return _least(problem, minima)
+    pieces: list[tuple[float, float]] = []
+    best = minima[0]
+    for minimum in minima:
+        covariance = error_covariance(problem, minimum)
+        value, variance = float(minimum.point[column]), float(covariance[column, column])
+        if minimum.label == HOPS:
+            # A point takes up to a tenth of a second: take the curvature at the minimum for the profile.
+            half = math.sqrt(threshold * variance) or math.inf
+            pieces.append((value - half, value + half))
+            continue
+        path = covariance[:, column] / variance if variance else np.zeros(minimum.point.size)
+        size = float(problem.scale(minimum.point)[column])
+        step = TOL.first_step * size
+        if variance:
+            step = min(max(math.sqrt(variance * threshold), TOL.rounding * size), TOL.most_step * size)
+        ends = []
+        for way in (-step, step):
+            end, met = _end(problem, minimum, path, threshold, column, way)
+            ends.append(end)
+            best = min(best, met, key=_squares)
+        pieces.append((ends[0], ends[1]))
+    return _merged(pieces), best
 
 
-def _least(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]:
-    """Keep the least of each pattern, and of each side of its phases, in the order of their misfits."""
-    kept: dict[tuple[str, tuple[bool, ...]], Minimum] = {}
-    for minimum in sorted(minima, key=lambda m: m.squares):
-        kept.setdefault((minimum.label, problem.sides(minimum.point)), minimum)
-    return list(kept.values())
+def _merged(pieces: list[tuple[float, float]]) -> Intervals:
+    pieces = sorted(pieces)
+    hull = max(high for _, high in pieces) - pieces[0][0]
+    merged = pieces[:1]
+    for low, high in pieces[1:]:
+        if low - merged[-1][1] <= TOL.apart * hull:
+            merged[-1] = (merged[-1][0], max(high, merged[-1][1]))
+        else:
+            merged.append((low, high))
+    return tuple(merged)
 
 
-def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
-    """Weight the signals by the misfit of the best pattern, and minimise that of all again."""
-    for _ in range(_WEIGHINGS):
-        problem.weigh(minima[0].point)
-        best = descend(problem, minima[0].label, minima[0].point, _all(problem), ENOUGH)
-        others = [descend(problem, m.label, m.point, [], ENOUGH) for m in minima[1:]]  # their misfits alone
-        found = [best]
-        for other in _least(problem, [*others, *_neighbours(problem, best)]):
-            found.append(
-                descend(problem, other.label, other.point, _all(problem), ENOUGH, best.squares + _EXCLUDED)
-            )
-        minima = _least(problem, found)
-        if minima[0].squares >= best.squares - ENOUGH:
+def _end(
+    problem: Problem, minimum: Minimum, path: Floats, threshold: float, column: int, step: float
+) -> tuple[float, Minimum]:
+    """Return the last value that fits on one side, infinite if none is the last, and the best point met.
+
+    ``path`` is how the coordinates follow the quantity, ``step`` the first step, to that side.
+    """
+    origin, aim = float(minimum.point[column]), math.sqrt(threshold)
+    value, way = origin, math.copysign(1.0, step)
+    inside, root, best = minimum, 0.0, minimum
+    outside, far = math.inf, math.inf  # the nearest value that does not fit, and its root
+    for _ in range(TOL.tries):
+        near = float(inside.point[column])
+        if math.isinf(outside):
+            value = near + step
+            step *= 2.0
+        elif abs(outside - near) <= TOL.narrow * abs(outside - origin):
             break
-    return minima
+        else:
+            share = min(max((aim - root) / (far - root), 0.05), 0.95) if math.isfinite(far) else 0.5
+            value = near + share * (outside - near)
+        found = _refitted(problem, inside, path, column, value)
+        best = min(best, found, key=_squares)
+        # of the sum of squares above the minimum's; inf where the pattern has no such value
+        tried = math.sqrt(max(found.squares - minimum.squares, 0.0))
+        if abs(tried**2 - threshold) <= TOL.close * threshold:
+            return value, best
+        if tried >= aim:
+            outside, far = value, tried
+            continue
+        inside, root = found, tried
+        if math.isinf(outside) and root > 0.0:
+            # as if the misfit grew with the square of the distance
+            step = way * min(max(aim / root - 1.0, 0.1), 2.0) * abs(value - origin)
+    return way * outside if math.isinf(outside) else outside, best
 
 
-def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
-    """Points of other patterns: as far as the data could mistake the minimum, and across its edges."""
-    values, vectors = np.linalg.eigh(spread_of(problem, minimum))
-    size, scale = values.size, problem.scale(minimum.point)
-    reach = np.linspace(0.0, _WIDEST, _NEIGHBOURS)[:, None] * np.sqrt(np.maximum(values, 0.0))
-    random = np.random.default_rng(1).standard_normal((_NEIGHBOURS, size))
-    cloud = np.clip((random * reach) @ vectors.T, -_FARTHEST * scale, _FARTHEST * scale)
-    parts = [minimum.point + cloud]
-    for column, way in product(range(size - 1), (1.0, -1.0)):
-        across = way * scale[column]
-        edge = to_edge(problem, minimum.label, minimum.point[None], column, across)
-        parts.append(edge + np.outer(_ACROSS * across, np.eye(size)[column]))
-    points = np.concatenate(parts)
-    labels = problem.labels(points)
+def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value: float) -> Minimum:
+    """Set a quantity to a value, and fit the others again; inf where the pattern has no such value.
+
+    They begin where the quantity takes them by the slopes at the minimum, or else where they were.
+    """
+    movable = [place for place in range(near.point.size - 1) if place != column]
+    for slopes in (path, np.zeros(path.size)):
+        start = near.point + slopes * (value - near.point[column])
+        start[column] = value
+        begun = nearest_inside(problem, near.label, start, movable)
+        if begun is not None:
+            return minimise(problem, begun, TOL.enough, fixed=[column])
+    return Minimum(near.label, start, math.inf)
+
+
+# --- in words -------------------------------------------------------------------------------------------
+
+
+def _statements(
+    problem: Problem,
+    minima: Sequence[Minimum],
+    parameters: Sequence[Parameter],
+    values: Mapping[str, float],
+    groups: Sequence[tuple[str, ...]],
+) -> list[str]:
+    """Say what the estimates come from, what cannot be identified, and what ended at a bound."""
+    best = minima[0]
+    pattern = settled_motion(Scene(**values)).pattern if best.label == HOPS else best.label
+    lost = {p.name: p for p in parameters if not p.identified}
+    if "F" not in pattern and "B" not in pattern:
+        said = ", ".join(QUANTITIES[name].letter for name in lost)
+        return [f"the fitted body rests: beyond that, the data cannot identify {said}"] if said else []
     found = []
-    # Scenes that hop take too long for a guess: they are starts of the search alone.
-    for label in set(labels.tolist()) - {"", HOPS}:
-        cells = np.flatnonzero(labels == label)
-        cells = np.concatenate([cells[:_KEPT], cells[cells >= _NEIGHBOURS][:_KEPT]])
-        squares = problem.misfits(label, points[cells]).squares
-        place = int(np.argmin(squares))
-        found.append(Minimum(label, points[cells[place]], float(squares[place])))
+    told = [n for n in ("static_friction", "kinetic_friction") if n in problem.names and n not in lost]
+    if "_" in pattern and told:
+        effects = {"static_friction": "mu_s sets the start of a slide", "kinetic_friction": "mu_d its end"}
+        if told == ["kinetic_friction"]:
+            effects["kinetic_friction"] = "mu_d sets the end of a slide"
+        found.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
+    if best.label == HOPS:
+        found.append("the body hops: intervals are those of small changes, and end at no other pattern")
+    if any(len(p.intervals) > 1 for p in parameters):
+        labels = dict.fromkeys(m.label for m in minima)
+        both = "phases to both sides of 0 fit"
+        several = f"patterns {' and '.join(labels)} fit" if len(labels) > 1 else both
+        found.append(f"{several}: an interval in pieces holds the values of each")
+    found += _unidentified(problem, best, pattern, lost, groups)
+    return found + _limits(problem, pattern, parameters, values)
+
+
+def _unidentified(
+    problem: Problem,
+    best: Minimum,
+    pattern: str,
+    lost: Mapping[str, Parameter],
+    groups: Sequence[tuple[str, ...]],
+) -> list[str]:
+    """Say of each quantity without an estimate why it has none."""
+    found = []
+    left = set(lost)
+    for group in groups:
+        if not left & set(group):
+            continue
+        left -= set(group)
+        *first, last = (QUANTITIES[name].letter for name in group)
+        symbols = f"{', '.join(first)} and {last}" if first else last
+        if group == ("static_friction",) and "_" not in pattern:
+            until = ""
+            if best.label != HOPS:
+                column = problem.names.index("static_friction")
+                most = float(problem.bounds[1, column])
+                edge = move_to_edge(problem, best.label, best.point[None], column, most)
+                until = f", from mu_d up to {edge[0, column]:.4g}"
+            why = f"in pattern {pattern} the body never rests, and mu_s has no effect at all{until}"
+            found.append(f"the data cannot identify mu_s: {why}")
+        elif first:
+            found.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")
+        else:
+            found.append(f"the data cannot identify {symbols}: its effect is smaller than the misfit")
+    for name in sorted(left):
+        endless = "no end of the values that fit was found"
+        why = "a wide range of values fits" if lost[name].intervals else endless
+        found.append(f"the data cannot identify {QUANTITIES[name].letter}: {why}")
+    return found
+
+
+def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
+    """Find combinations of quantities that the data do not determine.
+
+    They are singular directions of the relative sensitivities, without the effect of the trigger time.
+    """
+    jacobian = jacobian_at(problem, best.label, best.point)
+    clock, free = jacobian[:, -1:], jacobian[:, :-1]
+    power = float((clock**2).sum())
+    if power > 0.0:
+        free = free - clock @ (clock.T @ free) / power
+    _, singular, directions = np.linalg.svd(free * problem.scale(best.point)[:-1], full_matrices=False)
+    return [
+        tuple(name for name, share in zip(problem.names, row, strict=True) if abs(share) > TOL.group_share)
+        for row in directions[singular * TOL.unknown < 1.0]
+    ]
+
+
+def _limits(
+    problem: Problem, pattern: str, parameters: Sequence[Parameter], values: Mapping[str, float]
+) -> list[str]:
+    """Say which estimates ended at a limit."""
+    found = []
+    both = {"static_friction", "kinetic_friction"} <= set(problem.names)
+    for p, low, high in zip(parameters, *problem.bounds, strict=True):
+        if p.name == "static_friction" and "_" not in pattern:
+            continue  # it has no effect: its value means nothing
+        within = TOL.at_limit * (high - low)
+        limits = [
+            (p.value - low, f"the lowest value that is tried, {low:.4g}"),
+            (high - p.value, f"the highest value that is tried, {high:.4g}"),
+        ]
+        if p.name == "static_friction" or (p.name == "kinetic_friction" and not both):
+            limits.append((values["static_friction"] - values["kinetic_friction"], "mu_d = mu_s"))
+        found += [f"{QUANTITIES[p.name].letter} is at its limit, {what}" for d, what in limits if d < within]
     return found

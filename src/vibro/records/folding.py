@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, NamedTuple
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibro.errors import InputError
+from vibro.records.tolerances import TOL
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+__all__ = [
+    "Estimate", "Floats", "Folded", "detrended", "fold", "harmonics", "independent_samples",
+    "independent_share",
+]  # fmt: skip
 
-    Floats = NDArray[np.float64]
-
-__all__ = ["Estimate", "Folded", "fold", "harmonics", "independent_samples", "independent_share"]
-
-# The velocity of a slide has kinks, whose harmonics fall off quadratically: more of them add nothing.
-_MOST_HARMONICS: Final = 24
-# Evenly spaced samples cannot resolve a harmonic at half their rate: stay below it.
-_OF_NYQUIST: Final = 0.9
-# Times the power that noise alone leaves in a harmonic; noise exceeds that in 3 of 10 000 harmonics.
-_SIGNIFICANT: Final = 8.0
-_LEAST_CYCLES: Final = 2.0
-_LEAST_SAMPLES: Final = 8  # per cycle
+Floats = NDArray[np.float64]
 
 
 class Estimate(NamedTuple):
@@ -32,6 +25,10 @@ class Estimate(NamedTuple):
 
     value: float
     error: float
+
+    def scaled(self, factor: float) -> Estimate:
+        """Multiply both by a positive factor."""
+        return Estimate(self.value * factor, self.error * factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +46,8 @@ class Folded:
     coefficients, covariance : array
         Trend, then the cosines and the sines of the harmonics; their covariance, increased for noise that
         lasts longer than one sample.
+    order : int
+        Of the derivative that is taken of it.
     """
 
     frequency: float
@@ -57,40 +56,53 @@ class Folded:
     half: float
     coefficients: Floats
     covariance: Floats
+    order: int = 0
+
+    @property
+    def count(self) -> int:
+        """Number of harmonics."""
+        return (self.coefficients.size - self.trends) // 2
 
     def trend(self, power: int) -> Estimate:
         """Coefficient of a power of the time, in the signal's unit per s to that power."""
-        scale = self.half**-power
         error = math.sqrt(self.covariance[power, power])
-        return Estimate(float(self.coefficients[power] * scale), error * scale)
+        return Estimate(float(self.coefficients[power]), error).scaled(self.half**-power)
 
-    def periodic(self, time: Floats, derivative: int = 0) -> Floats:
-        """Harmonic part of the signal, or a derivative of it, at times on the record's clock [s]."""
-        return np.asarray(self._basis(time, derivative) @ self.coefficients)
+    def periodic(self, time: Floats) -> Floats:
+        """Harmonic part of the signal at times on the record's clock [s]."""
+        return np.asarray(self._basis(time)[:, self.trends :] @ self.coefficients[self.trends :])
 
     def fitted(self, time: Floats) -> Floats:
         """Trend and harmonic part of the signal at times on the record's clock [s]."""
-        powers = np.vander((time - self.middle) / self.half, self.trends, increasing=True)
-        return powers @ self.coefficients[: self.trends] + self.periodic(time)
+        return np.asarray(self._basis(time) @ self.coefficients)
 
-    def error(self, time: Floats, derivative: int = 0, power: int | None = None) -> Floats:
-        """Return the standard error of ``periodic``, plus one of the trend's coefficients if named."""
-        basis = self._basis(time, derivative)
-        if power is not None:
-            basis[:, power] = self.half**-power
+    def error(self, time: Floats) -> Floats:
+        """Return the standard error of ``fitted``."""
+        basis = self._basis(time)
         return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", basis, self.covariance, basis)))
 
-    def _basis(self, time: Floats, derivative: int) -> Floats:
-        count = (self.coefficients.size - self.trends) // 2
-        waves = harmonics(np.atleast_1d(time), self.frequency, count, derivative)
-        return np.hstack([np.zeros((waves.shape[0], self.trends)), waves])
+    def derivative(self) -> Folded:
+        """Differentiate the signal with respect to the time."""
+        return replace(self, order=self.order + 1)
+
+    def _basis(self, time: Floats) -> Floats:
+        powers = np.vander((time - self.middle) / self.half, self.trends, increasing=True)
+        for _ in range(self.order):
+            powers = np.pad(powers[:, :-1] * np.arange(1, self.trends) / self.half, ((0, 0), (1, 0)))
+        return np.hstack([powers, harmonics(time, self.frequency, self.count, self.order)])
 
 
 def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -> Floats:
     """Return cosines, then sines, of the harmonics of a frequency, or derivatives of them, by column."""
-    rates = 2.0 * math.pi * frequency * np.arange(1, count + 1)
+    rates = math.tau * frequency * np.arange(1, count + 1)
     angles = np.outer(time, rates) + 0.5 * math.pi * derivative
     return np.hstack([np.cos(angles), np.sin(angles)]) * np.tile(rates**derivative, 2)
+
+
+def detrended(time: Floats, values: Floats, power: int) -> Floats:
+    """Take off the polynomial that fits best."""
+    centred = time - time.mean()
+    return np.asarray(values - np.polyval(np.polyfit(centred, values, power), centred))
 
 
 def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
@@ -118,64 +130,56 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
         If there are too few cycles, or too few samples a cycle.
     """
     span = float(time[-1] - time[0])
-    cycles = span * frequency
-    if cycles < _LEAST_CYCLES * (1.0 - 1e-9):
-        raise InputError(
-            f"the data cover {cycles:.3g} drive cycles of {1e3 / frequency:.6g} ms: at least"
-            f" {_LEAST_CYCLES:.0f} are needed",
-            hint="record longer, or check the frequency and the unit of the time",
-        )
+    cycles, cycle = span * frequency, f"of {1e3 / frequency:.6g} ms: at least"
+    if cycles < TOL.least_cycles * (1.0 - 1e-9):
+        short = f"the data cover {cycles:.3g} drive cycles {cycle} {TOL.least_cycles:.0f} are needed"
+        raise InputError(short, hint="record longer, or check the frequency and the unit of the time")
     samples = (time.size - 1) / cycles
-    if samples < _LEAST_SAMPLES:
-        raise InputError(
-            f"the data have {samples:.3g} samples a drive cycle of {1e3 / frequency:.6g} ms: at least"
-            f" {_LEAST_SAMPLES} are needed",
-            hint="sample faster, or check the frequency and the unit of the time",
-        )
-    count = min(_MOST_HARMONICS, int(_OF_NYQUIST * 0.5 * samples))
-    middle, half = float(time[0]) + 0.5 * span, 0.5 * span
-    powers = np.vander((time - middle) / half, trends, increasing=True)
-    basis = np.hstack([powers, harmonics(time, frequency, count)])
+    if samples < TOL.least_samples:
+        coarse = f"the data have {samples:.3g} samples a drive cycle {cycle} {TOL.least_samples} are needed"
+        raise InputError(coarse, hint="sample faster, or check the frequency and the unit of the time")
+    count = min(TOL.most_harmonics, int(TOL.of_nyquist * 0.5 * samples))
+    size, middle = trends + 2 * count, float(time[0]) + 0.5 * span
+    empty = Folded(frequency, trends, middle, 0.5 * span, np.zeros(size), np.zeros((size, size)))
+    basis = empty._basis(time)
     # Normal equations lose digits. Harmonics are nearly orthogonal, so they lose few, and one step of
     # refinement restores them.
     inverse = np.linalg.pinv(basis.T @ basis)
     coefficients = inverse @ (basis.T @ signal)
     coefficients += inverse @ (basis.T @ (signal - basis @ coefficients))
     residual = signal - basis @ coefficients
-    freedom = max(1, time.size - basis.shape[1])
+    freedom = max(1, time.size - size)
     variance = float(residual @ residual) / freedom / independent_share(residual)
-    return Folded(frequency, trends, middle, half, coefficients, variance * inverse)
+    return replace(empty, coefficients=coefficients, covariance=np.asarray(variance * inverse))
 
 
-def independent_samples(time: Floats, misfit: Floats, frequency: float) -> float:
-    """Effective number of independent samples of a misfit.
+def independent_samples(time: Floats, residual: Floats, frequency: float) -> float:
+    """Effective number of independent samples of a residual.
 
-    Correlated neighbours count less. A misfit that repeats in every cycle, because the model does not
+    Correlated neighbours count less. A residual that repeats in every cycle, because the model does not
     contain it, is not averaged out by more cycles: it counts as two samples for each of its strong
     harmonics, however many cycles there are.
 
     Parameters
     ----------
-    time, misfit : array
+    time, residual : array
         As for ``fold``.
     frequency : float
         Of the drive [Hz].
     """
-    folded = fold(time, misfit, frequency, 1)
-    repeated = folded.periodic(time)
-    rest = misfit - repeated - folded.coefficients[0]
+    folded = fold(time, residual, frequency, 1)
+    rest = residual - folded.fitted(time)
     noise = float(np.var(rest))
-    waves = folded.coefficients[1:].reshape(2, -1)
-    powers = 0.5 * (waves**2).sum(axis=0)
-    powers[powers < _SIGNIFICANT * 2.0 * noise / time.size] = 0.0
+    powers = 0.5 * (folded.coefficients[1:].reshape(2, -1) ** 2).sum(axis=0)
+    powers[powers < TOL.significant * 2.0 * noise / time.size] = 0.0
     total = float(powers.sum())
     if total + noise == 0.0:
         return float(time.size)
-    spread = noise / (time.size * independent_share(rest))
+    variance_of_mean = noise / (time.size * independent_share(rest))
     if total > 0.0:
         # the total over twice the effective number of strong harmonics
-        spread += float(powers @ powers) / (2.0 * total)
-    return (total + noise) / spread
+        variance_of_mean += float(powers @ powers) / (2.0 * total)
+    return (total + noise) / variance_of_mean
 
 
 def independent_share(residual: Floats) -> float:

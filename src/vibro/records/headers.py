@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import difflib
 import re
-from typing import TYPE_CHECKING, Final, NamedTuple
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final, NamedTuple
 
 from vibro.errors import InputError, shown
-from vibro.records.sensitivities import EXAMPLES
-from vibro.records.signals import KINDS, SIGNAL_UNITS, SIGNALS, option_of, signal_unit
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
-
-    from vibro.records.sensitivities import Sensitivity
+from vibro.records.signals import (
+    EXAMPLES,
+    KINDS,
+    SIGNAL_UNITS,
+    SIGNALS,
+    Sensitivity,
+    Unit,
+    option_of,
+    signal_unit,
+)  # fmt: skip
+from vibro.records.tolerances import TOL
 
 __all__ = ["Columns", "Header", "Wanted", "choose", "headers_of", "sensitivity_of"]
 
@@ -29,7 +34,6 @@ _WORDS: Final[Mapping[str, str]] = {
 _BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
 _IN: Final = re.compile(r"(.*\S)\s+(?:in|/)\s+(\S.*)", re.IGNORECASE)  # Zeit in s, or Zeit / s
 _OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
-_LISTED: Final = 12  # headers that a message lists
 
 
 class Header(NamedTuple):
@@ -39,7 +43,7 @@ class Header(NamedTuple):
     text: str
     name: str
     stated: str
-    unit: tuple[str, float] | None
+    unit: Unit | None
 
 
 class Wanted(NamedTuple):
@@ -69,9 +73,9 @@ def headers_of(above: list[list[str]]) -> list[Header]:
 def _split(text: str) -> tuple[str, str]:
     """Split ``X [mm]``, ``X in mm`` or ``X/mm`` into name and unit."""
     if match := _BRACKETS.fullmatch(text):
-        name, slash, _ = match[1].rpartition("/")
-        if not slash or match[1] != f"{name}/":
-            return match[1], match[2].strip()
+        name = match[1].removesuffix("/")
+        if name == match[1]:
+            return name, match[2].strip()
         parts = name.rstrip(), match[2].strip()
         return parts if signal_unit(parts[1]) is None or _is_quotient(*parts) else (text, "")
     if signal_unit(text):  # m / s is no m in s
@@ -93,7 +97,7 @@ def _is_quotient(name: str, unit_text: str) -> bool:
     return signal_unit(name) is None
 
 
-def _unit_at_end(name: str) -> tuple[str, float] | None:
+def _unit_at_end(name: str) -> Unit | None:
     """Find the unit that ends a name of vibro's own tables, such as ``velocity_mm_s``."""
     words = name.split("_")
     for count in (2, 1):
@@ -121,9 +125,7 @@ def choose(path: Path, headers: list[Header], wanted: Wanted) -> Columns:
         If a column is missing, ambiguous, without a unit, or named twice; if a voltage has no sensitivity, or
         a sensitivity no voltage.
     """
-    problems: list[str] = []
-    hints: list[str] = []
-    found: Columns = {}
+    problems, hints, found = list[str](), list[str](), Columns()
     named = [role for role in KINDS if role in wanted.headers]
     # A user who names one signal wants only the named ones; the time is needed in any case.
     alone = any(role in wanted.headers for role in SIGNALS)
@@ -147,10 +149,9 @@ def choose(path: Path, headers: list[Header], wanted: Wanted) -> Columns:
         hints.append(_name_one(headers, wanted))
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
-    columns = {role: found[role] for role in KINDS if role in found}
-    _check_once(path, columns)
-    _check_used(path, headers, columns, wanted)
-    return columns
+    _check_once(path, found)
+    _check_used(path, headers, found, wanted)
+    return {role: found[role] for role in KINDS if role in found}
 
 
 def _check_once(path: Path, columns: Columns) -> None:
@@ -167,14 +168,11 @@ def _check_used(path: Path, headers: list[Header], columns: Columns, wanted: Wan
     for sensitivity in wanted.sensitivities:
         if any(sensitivity_of(role, header, wanted) == sensitivity for role, (header, _) in columns.items()):
             continue
-        role = sensitivity.role or sensitivity.kind
-        free = [h for h in _voltages(headers) if all(h.place != used.place for used, _ in columns.values())]
-        name = f'name the column: {option_of(role)} "{free[0].text}"' if free else "leave it out"
-        raise InputError(
-            f"{path}: no column that is read as {role.replace('_', ' ')} is a voltage for --sensitivity"
-            f" {sensitivity.text}",
-            hint=name,
-        )
+        role, used = sensitivity.role or sensitivity.kind, {header.place for header, _ in columns.values()}
+        free = [h.text for h in _voltages(headers) if h.place not in used]
+        read = f"{path}: no column that is read as {role.replace('_', ' ')}"
+        hint = f'name the column: {option_of(role)} "{free[0]}"' if free else "leave it out"
+        raise InputError(f"{read} is a voltage for --sensitivity {sensitivity.text}", hint=hint)
 
 
 def _voltages(headers: list[Header]) -> list[Header]:
@@ -196,7 +194,7 @@ def _word_of(role: str) -> re.Pattern[str]:
     return re.compile(rf"(?:{_WORDS[role]})(?:[\W_\d].*)?", re.IGNORECASE)
 
 
-def _unit_of(role: str, header: Header, wanted: Wanted) -> tuple[str, float] | None:
+def _unit_of(role: str, header: Header, wanted: Wanted) -> Unit | None:
     """Return the unit of a column: that of its header, else the one that the option gives."""
     stated = _split(wanted.headers.get(role, "").strip())[1]
     return signal_unit(stated) if stated and not header.stated else header.unit
@@ -208,7 +206,7 @@ def sensitivity_of(role: str, header: Header, wanted: Wanted) -> Sensitivity | N
     if unit is None or unit[0] != "voltage":
         return None
     serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
-    return next(iter(sorted(serving, key=lambda sensitivity: not sensitivity.role)), None)
+    return max(serving, key=lambda sensitivity: bool(sensitivity.role), default=None)
 
 
 def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tuple[Header, float]:
@@ -222,43 +220,33 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tupl
     option, kind = option_of(role), KINDS[role]
     if not found:
         close = difflib.get_close_matches(key, [h.text for h in headers], n=1, cutoff=0.5)
-        raise InputError(
-            f"{path}: no column {shown(key)} for {option}; its columns are {_list(headers)}",
-            hint=f"did you mean {shown(close[0])}?" if close else "write it as the header row does",
-        )
+        hint = f"did you mean {shown(close[0])}?" if close else "write it as the header row does"
+        missing = f"{path}: no column {shown(key)} for {option}; its columns are {_list(headers)}"
+        raise InputError(missing, hint=hint)
     if len(found) > 1:
-        raise InputError(
-            f"{path}: {len(found)} columns are called {shown(key)}",
-            hint="give them different names in the file",
-        )
+        several = f"{path}: {len(found)} columns are called {shown(key)}"
+        raise InputError(several, hint="give them different names in the file")
     (header,) = found
     unit = _unit_of(role, header, wanted)
     if unit is not None and unit[0] == kind:
         return header, unit[1]
-    said = f"{path}: column {shown(header.text)} for {option}"
-    if unit is not None and unit[0] == "voltage" and kind in EXAMPLES:
+    said, example = f"{path}: column {shown(header.text)} for {option}", EXAMPLES.get(kind)
+    if unit is not None and unit[0] == "voltage" and example:
         sensitivity = sensitivity_of(role, header, wanted)
-        if sensitivity is None:
-            others = [s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers))]
-            what = "what its voltage stands for is not said"
-            if others:
-                what = (
-                    f"--sensitivity {others[0].text} is a sensitivity of {others[0].kind}, one of {kind} is"
-                    " needed"
-                )
-            raise InputError(
-                f"{said}: {what}",
-                hint=f"give the sensor's sensitivity: --sensitivity {EXAMPLES[kind]}",
-            )
-        return header, unit[1] * sensitivity.per_volt
+        if sensitivity is not None:
+            return header, unit[1] * sensitivity.per_volt
+        what = "what its voltage stands for is not said"
+        for other in wanted.sensitivities:
+            if not any(map(other.serves, wanted.headers)):
+                what = f"--sensitivity {other.text} is a sensitivity of {other.kind}, one of {kind} is needed"
+                break
+        raise InputError(f"{said}: {what}", hint=f"give the sensor's sensitivity: --sensitivity {example}")
     stated = unit_text or header.stated
     problem = f"{shown(stated)} is no unit of {kind}" if stated else "it has no unit"
-    voltage = f", or mV and V with --sensitivity {EXAMPLES[kind]}" if kind in EXAMPLES else ""
-    raise InputError(
-        f"{said}: {problem}",
-        hint=f'write the unit in brackets: {option} "{header.name} [{next(iter(SIGNAL_UNITS[kind]))}]"; '
-        f"units of {kind} are {', '.join(SIGNAL_UNITS[kind])}{voltage}",
-    )
+    voltage = f", or mV and V with --sensitivity {example}" if example else ""
+    usual, units = next(iter(SIGNAL_UNITS[kind])), ", ".join(SIGNAL_UNITS[kind])
+    hint = f'write the unit in brackets: {option} "{header.name} [{usual}]"; units of {kind} are {units}'
+    raise InputError(f"{said}: {problem}", hint=hint + voltage)
 
 
 def _detected(path: Path, headers: list[Header], role: str) -> Columns:
@@ -268,14 +256,12 @@ def _detected(path: Path, headers: list[Header], role: str) -> Columns:
         word = _word_of(role)
         fitting = [(h, size) for h, size in fitting if word.fullmatch(h.name)] or fitting
     if len(fitting) > 1:
-        raise InputError(
-            f"{path}: {_list([h for h, _ in fitting])} could each be the {role}",
-            hint=f'choose: --{role} "{fitting[0][0].text}"',
-        )
+        several = f"{path}: {_list([h for h, _ in fitting])} could each be the {role}"
+        raise InputError(several, hint=f'choose: --{role} "{fitting[0][0].text}"')
     return {role: fitting[0]} if fitting else {}
 
 
 def _list(headers: Sequence[Header]) -> str:
     texts = [shown(h.text) for h in headers if h.text]
-    more = len(texts) - _LISTED
-    return ", ".join(texts[:_LISTED]) + (f" and {more} more" if more > 0 else "")
+    more = len(texts) - TOL.headers_named
+    return ", ".join(texts[: TOL.headers_named]) + (f" and {more} more" if more > 0 else "")

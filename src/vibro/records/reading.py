@@ -4,30 +4,27 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, NamedTuple
+from pathlib import Path
+from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.nearby import suggestion
+from vibro.records.folding import Floats
 from vibro.records.headers import Columns, Header, Wanted, choose, headers_of, sensitivity_of
-from vibro.records.signals import MOST, SIGNALS, TROUGH
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from vibro.records.sensitivities import Sensitivity
-
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
+from vibro.records.signals import SIGNALS, TROUGH, Sensitivity
+from vibro.records.tolerances import TOL
 
 __all__ = ["Record", "read_record"]
+
+Flags = NDArray[np.bool_]
 
 # Possessive, so that a long cell takes no longer than its length asks for.
 _NUMBER: Final = re.compile(r"[+-]?+(?:\d++[.,]?+\d*+|[.,]\d++)(?:[eE][+-]?+\d++)?+")
@@ -35,11 +32,6 @@ _NUMBER: Final = re.compile(r"[+-]?+(?:\d++[.,]?+\d*+|[.,]\d++)(?:[eE][+-]?+\d++
 _NO_VALUE: Final = re.compile(r"[+-]?nan|#?n/?a|null|none|[-?*]+", re.IGNORECASE)
 _WRONG: Final = re.compile(r"[+-]?inf(inity)?|error|overflow|#.*", re.IGNORECASE)
 _SEPARATORS: Final = {";": "semicolon", "\t": "tab", ",": "comma"}
-_LOOKED_AT: Final = 300  # rows from which separator and header are found
-# A step longer than this many usual steps is a gap: two rows may be missing, however their times are rounded.
-_GAP: Final = 3.5
-_SKIPPED: Final = 0.05  # of the rows: so many may hold no value
-_TOLD: Final = 5  # number of bad cells of a column, or of rows, that a message lists
 _DELETE: Final = "delete those rows, or keep the part before or after them"
 
 
@@ -71,18 +63,48 @@ class Record:
     sensitivities: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
-    @property
-    def sample_time(self) -> float:
-        """Usual step of the time [s]."""
-        return float(np.median(np.diff(self.time)))
-
 
 class _Table(NamedTuple):
     """A parsed file: the rows of data, each with its number in the file."""
 
+    path: Path
     rows: list[tuple[int, list[str]]]
     decimal_comma: bool
     separator: str
+
+    def cell(self, row: int, header: Header) -> str:
+        """Text of a cell; empty where the row is too short."""
+        cells = self.rows[row][1]
+        return cells[header.place] if header.place < len(cells) else ""
+
+    def numbers(self, header: Header, unit: float) -> Floats:
+        """Read a column, in SI units; NaN where a cell holds no value."""
+        values = np.full(len(self.rows), np.nan)
+        bad = np.zeros(values.size, np.bool_)
+        for i in range(values.size):
+            cell = self.cell(i, header)
+            commas = "," in cell
+            if _NUMBER.fullmatch(cell) and commas <= self.decimal_comma and not (commas and "." in cell):
+                values[i] = float(cell.replace(",", ".")) * unit
+                bad[i] = not abs(values[i]) <= TOL.largest
+            else:
+                bad[i] = bool(cell) and not _NO_VALUE.fullmatch(cell)
+        if bad.any():
+            raise InputError(*self.named(header, bad, values, TOL.largest / abs(unit)), hint=_DELETE)
+        return values
+
+    def named(self, header: Header, bad: Flags, values: Floats, most: float = math.nan) -> list[str]:
+        """Name the first bad cells of a column, and count the others; a cell with a value is too large."""
+        problems, places, column = [], np.flatnonzero(bad).tolist(), f"column {shown(header.text)}"
+        for i in places[: TOL.cells_named]:
+            cell = self.cell(i, header)
+            what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
+            if not math.isnan(values[i]):
+                what = f"{cut(cell)} is too large to compute with, at most {most:g} is allowed"
+            problems.append(f"{self.path}: row {self.rows[i][0]}, {column}: {what}")
+        if len(places) > TOL.cells_named:
+            problems.append(f"{self.path}: {column}: {len(places) - TOL.cells_named} more such cells")
+        return problems
 
 
 def read_record(
@@ -121,37 +143,32 @@ def read_record(
     if table.separator != "," or table.decimal_comma:
         decimals = ", decimal commas" if table.decimal_comma else ""
         notes.append(f"{path.name}: separated by {_SEPARATORS[table.separator]}s{decimals}")
-    values = {role: _numbers(path, table, header, unit) for role, (header, unit) in chosen.items()}
-    kept = _with_values(path, table, {chosen[role][0]: column for role, column in values.items()})
+    values = {role: table.numbers(header, unit) for role, (header, unit) in chosen.items()}
+    kept = _with_values(table, {chosen[role][0]: column for role, column in values.items()})
     values = {role: column[kept] for role, column in values.items()}
-    _check_time(path, table, chosen["time"][0], values["time"], np.flatnonzero(kept))
+    _check_time(table, chosen["time"][0], values["time"], np.flatnonzero(kept))
     if not kept.all():
         rows = [table.rows[i][0] for i in np.flatnonzero(~kept)]
-        more = f" and {len(rows) - _TOLD} more" if len(rows) > _TOLD else ""
-        told = f"row{'s' if len(rows) > 1 else ''} {', '.join(map(str, rows[:_TOLD]))}{more}"
-        notes.append(f"{path.name}: {len(rows)} of {kept.size} rows lack a value and are skipped: {told}")
+        more = f" and {len(rows) - TOL.cells_named} more" if len(rows) > TOL.cells_named else ""
+        named = f"row{'s' if len(rows) > 1 else ''} {', '.join(map(str, rows[: TOL.cells_named]))}{more}"
+        notes.append(f"{path.name}: {len(rows)} of {kept.size} rows lack a value and are skipped: {named}")
     used = {role: sensitivity_of(role, header, wanted) for role, (header, _) in chosen.items()}
     texts = {role: sensitivity.text for role, sensitivity in used.items() if sensitivity}
     for role, (header, _) in chosen.items():
         at = f" at {texts[role]}" if role in texts else ""
         notes.append(f"{role.replace('_', ' ')}: column {shown(header.text)}{at}")
-    return Record(
-        time=values["time"],
-        signals={role: values[role] for role in SIGNALS if role in chosen},
-        trough={role: values[role] for role in TROUGH if role in chosen},
-        headers={role: header.text for role, (header, _) in chosen.items()},
-        sensitivities=texts,
-        notes=tuple(notes),
-    )
+    headers = {role: header.text for role, (header, _) in chosen.items()}
+    signals = {role: x for role, x in values.items() if role in SIGNALS}
+    trough = {role: x for role, x in values.items() if role in TROUGH}
+    return Record(values["time"], signals, trough, headers, texts, tuple(notes))
 
 
 def _decode(path: Path) -> tuple[str, list[str]]:
     try:
         data = path.read_bytes()
     except OSError as exc:
-        raise FileError(
-            f"cannot read {path}: {exc.strerror or exc}", hint=suggestion(path, (".csv", ".txt"))
-        ) from exc
+        near = suggestion(path, (".csv", ".txt"))
+        raise FileError(f"cannot read {path}: {exc.strerror or exc}", hint=near) from exc
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         try:
             return data.decode("utf-16"), [f"{path.name}: UTF-16"]
@@ -178,7 +195,8 @@ def _rows(text: str, separator: str) -> Iterable[tuple[int, list[str]]]:
 
 def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
     """Index of the first row with at least as many numbers as most rows have."""
-    counts = [sum(_NUMBER.fullmatch(cell) is not None for cell in cells) for _, cells in rows[:_LOOKED_AT]]
+    looked_at = [cells for _, cells in rows[: TOL.looked_at]]
+    counts = [sum(_NUMBER.fullmatch(cell) is not None for cell in cells) for cells in looked_at]
     usual = Counter(count for count in counts if count > 1).most_common(1)
     return next((i for i, count in enumerate(counts) if count >= usual[0][0]), None) if usual else None
 
@@ -194,25 +212,19 @@ def _take_apart(path: Path, text: str, wanted: Wanted) -> tuple[_Table, Columns]
         if first is not None:
             break
     else:
-        raise InputError(
-            f"{path}: no table of numbers found",
-            hint="it needs a header row and rows of numbers, separated by commas, semicolons or tabs",
-        )
+        hint = "it needs a header row and rows of numbers, separated by commas, semicolons or tabs"
+        raise InputError(f"{path}: no table of numbers found", hint=hint)
     if first == 0:
-        raise InputError(
-            f"{path}: row {rows[0][0]} holds numbers, but there is no header row above it",
-            hint="name the columns in a first row, with units: Time [s],X [mm]",
-        )
+        bare = f"{path}: row {rows[0][0]} holds numbers, but there is no header row above it"
+        raise InputError(bare, hint="name the columns in a first row, with units: Time [s],X [mm]")
     place, chosen = _header_row(path, [cells for _, cells in rows[:first]], wanted)
     width, data = len(rows[place][1]), rows[place + 1 :]
-    comma = any("," in cell for _, cells in data[:_LOOKED_AT] for cell in cells)
+    comma = any("," in cell for _, cells in data[: TOL.looked_at] for cell in cells)
     for row, cells in data:
         if any(cells[width:]):
-            raise InputError(
-                f"{path}: row {row} has {len(cells)} cells, the header row {width}",
-                hint="decimal commas need semicolons between the cells",
-            )
-    return _Table(data, comma, separator), chosen
+            wide = f"{path}: row {row} has {len(cells)} cells, the header row {width}"
+            raise InputError(wide, hint="decimal commas need semicolons between the cells")
+    return _Table(path, data, comma, separator), chosen
 
 
 def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int, Columns]:
@@ -221,81 +233,42 @@ def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int
     The lowest row may be one of data in which a cell is bad. It is no header then: it lacks the columns, and
     holds a number, or what stands for one.
     """
-    place = len(above) - 1
-    while True:
-        try:
-            return place, choose(path, headers_of(above[: place + 1]), wanted)
-        except InputError:
-            patterns = (_NUMBER, _NO_VALUE, _WRONG)
-            if not place or not any(p.fullmatch(cell) for cell in above[place] for p in patterns):
-                raise
-        place -= 1
+    *higher, lowest = above
+    try:
+        return len(higher), choose(path, headers_of(above), wanted)
+    except InputError:
+        patterns = (_NUMBER, _NO_VALUE, _WRONG)
+        if not higher or not any(p.fullmatch(cell) for cell in lowest for p in patterns):
+            raise
+    return _header_row(path, higher, wanted)
 
 
-def _cell(cells: list[str], header: Header) -> str:
-    return cells[header.place] if header.place < len(cells) else ""
-
-
-def _numbers(path: Path, table: _Table, header: Header, unit: float) -> Floats:
-    """Read a column, in SI units; NaN where a cell holds no value."""
-    values = np.full(len(table.rows), np.nan)
-    bad = np.zeros(values.size, np.bool_)
-    for i, (_, cells) in enumerate(table.rows):
-        cell = _cell(cells, header)
-        if _NUMBER.fullmatch(cell) and ("," in cell) <= table.decimal_comma and not {",", "."} <= set(cell):
-            values[i] = float(cell.replace(",", ".")) * unit
-            bad[i] = not abs(values[i]) <= MOST
-        else:
-            bad[i] = bool(cell) and not _NO_VALUE.fullmatch(cell)
-    if bad.any():
-        raise InputError(*_told(path, table, header, bad, ~np.isnan(values), MOST / abs(unit)), hint=_DELETE)
-    return values
-
-
-def _told(
-    path: Path, table: _Table, header: Header, bad: Flags, too_large: Flags | None = None, most: float = 0.0
-) -> list[str]:
-    """Name the first bad cells of a column, and count the others."""
-    problems = []
-    places = np.flatnonzero(bad)
-    for i in places[:_TOLD]:
-        row, cells = table.rows[i]
-        cell = _cell(cells, header)
-        what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
-        if too_large is not None and too_large[i]:
-            what = f"{cut(cell)} is too large to compute with, at most {most:g} is allowed"
-        problems.append(f"{path}: row {row}, column {shown(header.text)}: {what}")
-    if places.size > _TOLD:
-        problems.append(f"{path}: column {shown(header.text)}: {places.size - _TOLD} more such cells")
-    return problems
-
-
-def _with_values(path: Path, table: _Table, columns: Mapping[Header, Floats]) -> Flags:
+def _with_values(table: _Table, columns: Mapping[Header, Floats]) -> Flags:
     """Tell which rows hold a value in every column; refuse a table in which too many do not."""
-    missing = {header: np.isnan(values) for header, values in columns.items()}
-    lost: Flags = np.any(list(missing.values()), axis=0)
-    count = int(np.count_nonzero(lost))
-    if count > _SKIPPED * lost.size:
-        told = [text for header, bad in missing.items() for text in _told(path, table, header, bad)]
-        limit = f"at most {100.0 * _SKIPPED:.0f} % are skipped"
-        raise InputError(*told, f"{path}: {count} of {lost.size} rows lack a value: {limit}", hint=_DELETE)
-    return ~lost
+    kept = np.asarray(~np.isnan(list(columns.values())).any(axis=0))
+    count = int(np.count_nonzero(~kept))
+    if count > TOL.skipped * kept.size:
+        named = [t for header, x in columns.items() for t in table.named(header, np.isnan(x), x)]
+        limit = f"at most {100.0 * TOL.skipped:.0f} % are skipped"
+        lost = f"{table.path}: {count} of {kept.size} rows lack a value: {limit}"
+        raise InputError(*named, lost, hint=_DELETE)
+    return kept
 
 
-def _check_time(path: Path, table: _Table, header: Header, time: Floats, kept: NDArray[np.intp]) -> None:
+def _check_time(table: _Table, header: Header, time: Floats, kept: NDArray[np.intp]) -> None:
     """Refuse a time that repeats, goes back or jumps; ``kept`` are the places of its rows in the table."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0
     for bad, what, hint in (
         (steps < 0.0, "goes back to", "sort the rows by time, or keep one of the runs"),
         (steps == 0.0, "repeats", "keep one row for each time, or export more digits"),
-        (steps > _GAP * usual, "jumps to", "fill the gap, or keep the part before or after it"),
+        (steps > TOL.gap * usual, "jumps to", "fill the gap, or keep the part before or after it"),
     ):
         places = np.flatnonzero(bad)
         if places.size:
             i = int(places[0]) + 1
             before, now = time[i - 1], time[i]
-            where = f"{path}: row {table.rows[kept[i]][0]}, column {shown(header.text)}"
+            where = f"{table.path}: row {table.rows[kept[i]][0]}, column {shown(header.text)}"
             more = f"; {places.size - 1} more such rows" if places.size > 1 else ""
             said = f"time {what} {now:.9g} s" + (f" after {before:.9g} s" if now != before else "")
             skipped = int(kept[i] - kept[i - 1]) - 1

@@ -1,40 +1,27 @@
-"""What accelerometers on the trough tell of its motion, and of a drive along a line."""
+"""What accelerometers on the trough tell of its motion, and of the drive of a scene."""
 
 from __future__ import annotations
 
 import math
 import sys
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from vibro.errors import InputError, shown
-from vibro.records.folding import Estimate, fold
+from vibro.quantities import ELLIPTICAL, QUANTITIES
+from vibro.records.folding import Estimate, Floats, fold
 from vibro.records.frequencies import Repetition
-from vibro.records.signals import MOST, SIGNAL_UNITS, doubt, option_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from vibro.records.reading import Record
-
-    Floats = NDArray[np.float64]
+from vibro.records.reading import Record
+from vibro.records.signals import SIGNAL_UNITS, doubt, option_of
+from vibro.records.tolerances import TOL
 
 __all__ = ["MeasuredDrive", "Trough", "Wave", "spelled", "trough_of"]
 
 _ALONG, _NORMAL = "trough_along", "trough_normal"
 _TRENDS: Final = 2  # an offset, gravity's part in it, and a slow drift of the sensor
-_FEW: Final = 0.1  # of the fundamental's root mean square: harmonics below it are told, and no more
-_MUCH: Final = 0.3  # of the same: what else may be left
-_ROUND: Final = math.radians(2.0)  # phase between two channels that is theirs, and no ellipse
-_LEAST_SINE: Final = 1e-3  # of the drive's direction: less of the motion cannot be scaled up to all of it
-_DIGITS: Final = 2  # below the first one of the error
-_ROUNDING: Final = 1e-24  # of the power of a signal: a wave counts as at least this
 _G: Final = SIGNAL_UNITS["acceleration"]["g"]
-_USUAL: Final = 50.0  # [m/s^2] of a wave: hardly a conveyor vibrates with more
-_SIGMAS: Final = 3.0  # of a wave: with less there is none
-_SHORTEST: Final = 1e-3  # of the longer axis of the motion: less of it has no phase that would matter
 
 
 @dataclass(frozen=True)
@@ -98,7 +85,7 @@ class Trough:
             return math.nan
         sizes = abs(self.along.value), abs(self.normal.value)
         error = max(self.along.error, self.normal.error)
-        if min(sizes) < max(_SHORTEST * max(sizes), _SIGMAS * error):
+        if min(sizes) < max(TOL.least_component * max(sizes), TOL.likely_sigmas * error):
             return math.nan
         return float(np.angle(self.normal.value / self.along.value))
 
@@ -112,7 +99,9 @@ class Trough:
     @property
     def on_an_ellipse(self) -> bool:
         """Whether the motion leaves a line by more than noise, and than two channels may differ."""
-        return abs(math.remainder(self.phase, math.pi)) > max(_ROUND, _SIGMAS * self.phase_error)
+        return abs(math.remainder(self.phase, math.pi)) > max(
+            math.radians(TOL.channel_phase), TOL.likely_sigmas * self.phase_error
+        )
 
     @property
     def drive_angle(self) -> Estimate | None:
@@ -126,8 +115,8 @@ class Trough:
         across = math.hypot(self.along.error * math.sin(angle), self.normal.error * math.cos(angle))
         return Estimate(angle, across / math.hypot(abs(x), abs(y)))
 
-    def drive(self, drive_angle: float | None = None) -> MeasuredDrive:
-        """Tell what the scene needs to know of the motion.
+    def drive_on_line(self, drive_angle: float | None = None) -> MeasuredDrive:
+        """Tell what the scene of a drive along a line needs to know of the motion.
 
         Parameters
         ----------
@@ -141,20 +130,50 @@ class Trough:
         """
         angle = self.drive_angle
         value, error = self._along_the_drive(angle.value if angle else drive_angle or 0.0)
-        frequency, size = self.frequency, abs(value)
-        rate = 2.0 * math.pi * frequency.value
-        relative_error = frequency.error / frequency.value
-        relative = math.hypot(error / size, 2.0 * relative_error)
+        found = {"amplitude": self._amplitude(value, error), "frequency": self.frequency}
+        found |= {"drive_angle": angle} if angle else {}
+        return MeasuredDrive(self, found, self._clock(value, error), self.warnings)
+
+    def drive_on_ellipse(self, normal_phase: float | None = None) -> MeasuredDrive:
+        """Tell what the scene of an elliptical drive needs to know of the motion.
+
+        Parameters
+        ----------
+        normal_phase : float, optional
+            Of the scene [rad]; None where that moves along a line, or does not say.
+
+        Notes
+        -----
+        Each acceleration gives its own amplitude. The phase takes both, and the clock that along the trough;
+        from the other one it follows by the phase.
+        """
+        waves = {"along_amplitude": self.along, "normal_amplitude": self.normal}
+        found = {name: self._amplitude(w.value, w.error) for name, w in waves.items() if w is not None}
+        found["frequency"] = self.frequency
+        if not math.isnan(self.phase):
+            found["normal_phase"] = Estimate(self.phase, self.phase_error)
+        wave, ahead = self.along, 0.0
+        if wave is None or abs(wave.value) < TOL.likely_sigmas * wave.error:
+            wave, ahead = self.normal, normal_phase or 0.0
+        assert wave is not None
+        warnings = (*self.warnings, *_doubts(self, found, normal_phase))
+        return MeasuredDrive(self, found, self._clock(wave.value, wave.error, ahead), warnings)
+
+    def _amplitude(self, value: complex, error: float) -> Estimate:
+        """Amplitude of a motion by its acceleration, which has an error [m]."""
+        frequency, frequency_error = self.frequency
+        size = Estimate(abs(value), error).scaled((math.tau * frequency) ** -2)
+        return Estimate(size.value, math.hypot(size.error, 2.0 * size.value * frequency_error / frequency))
+
+    def _clock(self, value: complex, error: float, ahead: float = 0.0) -> Estimate:
+        """Trough time at the clock's zero by an acceleration that runs ahead by a phase [s]."""
+        frequency, frequency_error = self.frequency
+        rate = math.tau * frequency
         # The acceleration of A sin(w t) is opposed to it.
-        shift = float(np.angle(-value)) / rate % (1.0 / frequency.value)
-        return MeasuredDrive(
-            self,
-            Estimate(size / rate**2, size / rate**2 * relative),
-            frequency,
-            angle,
-            # The frequency is known less well than the phase: at the ends of the record both errors count.
-            Estimate(shift, math.hypot(error / size / rate, 0.5 * self.span * relative_error)),
-        )
+        shift = (float(np.angle(-value)) - ahead) / rate % (1.0 / frequency)
+        # The frequency is known less well than the phase: at the ends of the record both errors count.
+        late = 0.5 * self.span * frequency_error / frequency
+        return Estimate(shift, math.hypot(error / abs(value) / rate, late))
 
     def _along_the_drive(self, drive_angle: float) -> tuple[complex, float]:
         """Acceleration along the drive's line, and its standard error."""
@@ -164,12 +183,10 @@ class Trough:
             return x.value * cosine + y.value * sine, math.hypot(x.error * cosine, y.error * sine)
         (wave,) = self.waves
         part, name, other = (cosine, _ALONG, _NORMAL) if self.along is not None else (sine, _NORMAL, _ALONG)
-        if part < _LEAST_SINE:
-            raise InputError(
-                f"{option_of(name)} shows nothing of the motion at a drive angle of"
-                f" {math.degrees(drive_angle):.6g} deg",
-                hint=f"check the drive angle, or give {option_of(other)}",
-            )
+        if part < TOL.least_component:
+            at = f"at a drive angle of {math.degrees(drive_angle):.6g} deg"
+            hint = f"check the drive angle, or give {option_of(other)}"
+            raise InputError(f"{option_of(name)} shows nothing of the motion {at}", hint=hint)
         return wave.value / part, wave.error / part
 
     @property
@@ -177,62 +194,43 @@ class Trough:
         """Reasons to doubt that each of the two motions is one sinusoid."""
         found = []
         for wave in self.waves:
-            column = f"column {shown(wave.header)}"
-            if abs(wave.value) < _SIGMAS * wave.error:
-                found.append(
-                    f"{column}: no wave of {self.frequency.value:.5g} Hz stands out: is the sensor connected,"
-                    " and does it point the right way?"
-                )
+            size, text = abs(wave.value), f"column {shown(wave.header)}: "
+            if size < TOL.likely_sigmas * wave.error:
+                text += f"no wave of {self.frequency.value:.5g} Hz stands out: is the sensor connected,"
+                found.append(f"{text} and does it point the right way?")
                 continue
-            if abs(wave.value) > _USUAL:
-                found.append(
-                    f"{column}: {abs(wave.value) / _G:.3g} g is more than conveyors usually have:"
-                    f" {doubt(wave.sensitivity)}"
-                )
-            if wave.harmonics > _FEW:
-                found.append(
-                    f"{column}: harmonics have {100.0 * wave.harmonics:.0f} % of the fundamental: the trough"
-                    " does not move as one sine, as the computed one does"
-                )
-            if wave.rest > _MUCH:
-                found.append(
-                    f"{column}: {100.0 * wave.rest:.0f} % of the fundamental is neither it nor its harmonics:"
-                    " noise, another machine, or a frequency that changes"
-                )
+            if size > TOL.usual_acceleration:
+                usual = f"{size / _G:.3g} g is more than conveyors usually have"
+                found.append(f"{text}{usual}: {doubt(wave.sensitivity)}")
+            if wave.harmonics > TOL.few_harmonics:
+                share = f"harmonics have {100.0 * wave.harmonics:.0f} % of the fundamental"
+                found.append(f"{text}{share}: the trough does not move as one sine, as the computed one does")
+            if wave.rest > TOL.much_rest:
+                share = f"{100.0 * wave.rest:.0f} % of the fundamental is neither it nor its harmonics"
+                found.append(f"{text}{share}: noise, another machine, or a frequency that changes")
         return tuple(found)
 
 
 class MeasuredDrive(NamedTuple):
-    """What was measured of a drive along a line, for its scene.
+    """What was measured of a drive, for its scene.
 
     Attributes
     ----------
     trough : Trough
         From which it is.
-    amplitude, frequency : Estimate
-        Along the drive's line [m]; [Hz].
-    drive_angle : Estimate or None
-        [rad]; None where the scene has to give it.
+    quantities : dict of str to Estimate
+        What it gives of a scene, by the names of its fields [SI].
     clock : Estimate
-        Trough time at the clock's zero, in [0, period); at 0 the trough passes its middle upwards [s].
+        Trough time at the clock's zero, in [0, period); at 0 the trough passes its middle upwards, on an
+        ellipse forwards [s].
+    warnings : tuple of str
+        Reasons to doubt it.
     """
 
     trough: Trough
-    amplitude: Estimate
-    frequency: Estimate
-    drive_angle: Estimate | None
+    quantities: dict[str, Estimate]
     clock: Estimate
-
-    @property
-    def quantities(self) -> dict[str, Estimate]:
-        """What it gives of a scene, by the names of its fields [SI]."""
-        found = {"amplitude": self.amplitude, "frequency": self.frequency}
-        return found | ({"drive_angle": self.drive_angle} if self.drive_angle else {})
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Reasons to doubt it."""
-        return self.trough.warnings
+    warnings: tuple[str, ...]
 
 
 def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> Trough | None:
@@ -261,22 +259,19 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
     """
     if not record.trough:
         return None
-    signals = {
-        name: -values if reverse and name == _ALONG else values for name, values in record.trough.items()
-    }
+    signals = dict(record.trough)
+    if reverse and _ALONG in signals:
+        signals[_ALONG] = -signals[_ALONG]
     repetition = Repetition(record.time, signals, dict.fromkeys(signals, 0))
-    for name, power in zip(signals, repetition.power, strict=True):
-        if not power or float(np.abs(signals[name]).max()) < 1.0 / MOST:
-            raise InputError(
-                f"column {shown(record.headers[name])} for {option_of(name)} does not vibrate",
-                hint="is its sensor connected?",
-            )
+    for name, alive in zip(signals, repetition.alive, strict=True):
+        if not alive or float(np.abs(signals[name]).max()) < 1.0 / TOL.largest:
+            dead = f"column {shown(record.headers[name])} for {option_of(name)} does not vibrate"
+            raise InputError(dead, hint="is its sensor connected?")
     frequency = repetition.fundamental()
     if frequency is None:
         columns = " and ".join(shown(record.headers[name]) for name in signals)
-        raise InputError(
-            f"no wave stands out in column {columns}", hint="is it the acceleration of a trough that runs?"
-        )
+        hint = "is it the acceleration of a trough that runs?"
+        raise InputError(f"no wave stands out in column {columns}", hint=hint)
     frequency = Estimate(float(spelled(*frequency)), frequency.error)
     waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
     trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
@@ -287,26 +282,23 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
 
 def spelled(value: float, error: float) -> str:
     """Write a value without the digits that are far below its error."""
-    digits = _DIGITS - math.floor(math.log10(error)) if error > 0.0 else sys.float_info.dig
+    digits = TOL.digits - math.floor(math.log10(error)) if error > 0.0 else sys.float_info.dig
     return f"{value:.{min(max(0, digits), sys.float_info.dig)}f}"
 
 
 def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
     """Take the fundamental of an acceleration from its regression on all harmonics."""
     folded = fold(record.time, values, frequency, _TRENDS)
-    count = (folded.coefficients.size - _TRENDS) // 2
-    cosines, sines = folded.coefficients[_TRENDS:].reshape(2, count)
+    cosines, sines = folded.coefficients[_TRENDS:].reshape(2, -1)
     powers = 0.5 * (cosines**2 + sines**2)
-    fundamental = max(float(powers[0]), _ROUNDING * float(np.mean(values**2)))
-    noise = 0.5 * np.diagonal(folded.covariance)[_TRENDS:].reshape(2, count).sum(axis=0)
+    fundamental = max(float(powers[0]), TOL.wave_rounding * float(np.mean(values**2)))
+    variances = np.diagonal(folded.covariance)[_TRENDS:].reshape(2, -1).sum(axis=0)
     left = values - folded.fitted(record.time)
-    first = (_TRENDS, _TRENDS + count)
-    error = math.sqrt(0.5 * float(folded.covariance[first, first].sum()))
     return Wave(
         record.headers[name],
         complex(sines[0], cosines[0]),
-        error,
-        math.sqrt(max(0.0, float((powers - noise)[1:].sum())) / fundamental),
+        math.sqrt(0.5 * float(variances[0])),
+        math.sqrt(max(0.0, float((powers - 0.5 * variances)[1:].sum())) / fundamental),
         math.sqrt(float(np.mean(left**2)) / fundamental),
         record.sensitivities.get(name, ""),
     )
@@ -315,8 +307,29 @@ def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
 def _check_direction(trough: Trough, reverse: bool) -> None:
     """Refuse a line that leads down in the conveying direction: no drive angle is below 0."""
     if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:
-        raise InputError(
-            "the trough moves down while it moves forwards: one of its two sensors is inverted",
-            hint=f"{'leave out --reverse, unless' if reverse else '--reverse, if'} the axis along the trough"
-            " points against the conveying direction; a negative sensitivity turns one sensor alone",
+        why = "the axis along the trough points against the conveying direction"
+        hint = f"{'leave out --reverse, unless' if reverse else '--reverse, if'} {why}"
+        hint += "; a negative sensitivity turns one sensor alone"
+        down = "the trough moves down while it moves forwards: one of its two sensors is inverted"
+        raise InputError(down, hint=hint)
+
+
+def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | None) -> list[str]:
+    """Say that the scene does not move on an ellipse, and question a phase that is nearly the opposite."""
+    doubts = []
+    if normal_phase is None and trough.on_an_ellipse:
+        texts = {name: spelled(*map(QUANTITIES[name].from_si, found[name])) for name in ELLIPTICAL}
+        named = [(QUANTITIES[name], text) for name, text in texts.items()]
+        said = ", ".join(f"{q.label} {text} {q.unit}" for q, text in named)
+        options = " ".join(
+            f"{q.options[0]}{'=' if text.startswith('-') else ' '}{text}{q.unit}" for q, text in named
         )
+        taken = f"{said}; this ellipse is taken. Elsewhere give {options}"
+        doubts.append(f"the trough moves on an ellipse, not on a line: {taken}")
+    off = math.remainder(trough.phase - (normal_phase or 0.0), math.tau)
+    if abs(off) > 0.5 * math.pi:
+        than = "that along the trough" if normal_phase is None else "where the scene has it"
+        lead = f"{abs(math.degrees(off)):.0f} deg {'ahead of' if off > 0.0 else 'behind'} {than}"
+        why = "one of the two sensors may be inverted (--reverse, or a negative sensitivity)"
+        doubts.append(f"the normal motion is {lead}: {why}")
+    return doubts

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
+from vibro.files.tables import TableColumns
 from vibro.quantities import QUANTITIES
-
-if TYPE_CHECKING:
-    from vibro.files.tables import TableColumns
-    from vibro.records.comparison import Comparison
-    from vibro.records.ellipse import MeasuredEllipse
-    from vibro.records.fitting import Fit, Parameter
-    from vibro.records.reading import Record
-    from vibro.records.trough import MeasuredDrive
+from vibro.records.comparison import Comparison
+from vibro.records.fitting import Fit, Parameter
+from vibro.records.reading import Record
+from vibro.records.trough import MeasuredDrive
 
 __all__ = ["ComparisonTables"]
 
@@ -28,6 +25,7 @@ _UNITS: Final = {
     "acceleration": ("m/s^2", 1.0),
     "friction": ("m/s^2", 1.0),
 }
+_FIGURES: Final = ("measured", "standard_error", "computed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +42,7 @@ class ComparisonTables:
         Of the body [kg]; without it friction is per unit mass.
     fit : Fit or None
         Estimates from the record.
-    drive : MeasuredDrive, MeasuredEllipse or None
+    drive : MeasuredDrive or None
         What accelerations of the trough gave for the scene.
     """
 
@@ -52,7 +50,7 @@ class ComparisonTables:
     record: Record
     mass: float | None = None
     fit: Fit | None = None
-    drive: MeasuredDrive | MeasuredEllipse | None = None
+    drive: MeasuredDrive | None = None
 
     @property
     def units(self) -> dict[str, tuple[str, float]]:
@@ -61,11 +59,8 @@ class ComparisonTables:
 
     def parameters(self) -> list[tuple[Parameter, tuple[str, float]]]:
         """Return the estimates, each with its unit and the size of that in SI units."""
-        found = []
-        for parameter in self.fit.parameters if self.fit else ():
-            quantity = QUANTITIES[parameter.name]
-            found.append((parameter, (quantity.unit, float(quantity.to_si(1.0)))))
-        return found
+        found = [(p, QUANTITIES[p.name]) for p in (self.fit.parameters if self.fit else ())]
+        return [(p, (quantity.unit, float(quantity.to_si(1.0)))) for p, quantity in found]
 
     def signals(self) -> TableColumns:
         """Return measured and computed signals over time."""
@@ -82,20 +77,25 @@ class ComparisonTables:
             columns[f"{name}_computed_{suffix}"] = comparison.computed[name] / size
         return columns
 
+    def _figures(self) -> dict[str, tuple[str, tuple[float, float, float]]]:
+        """Return the unit of each figure, and what is measured, its standard error, and what is computed."""
+        figures = {}
+        for row in self.comparison.rows:
+            unit, size = self.units[row.kind]
+            value, error = row.measured
+            figures[row.key] = unit, (value / size, error / size, row.computed / size)
+        return figures
+
     def summary(self) -> TableColumns:
         """Return the figures, and from which columns of the data they come."""
-        rows = self.comparison.rows
-        sizes = [self.units[row.kind][1] for row in rows]
+        figures = self._figures()
+        units, numbers = zip(*figures.values(), strict=True)
         columns = "; ".join(text for role, text in self.record.headers.items())
         return {
-            "quantity": [row.key for row in rows],
-            "unit": [self.units[row.kind][0] for row in rows],
-            "measured": np.array([row.measured.value / size for row, size in zip(rows, sizes, strict=True)]),
-            "standard_error": np.array(
-                [row.measured.error / size for row, size in zip(rows, sizes, strict=True)]
-            ),
-            "computed": np.array([row.computed / size for row, size in zip(rows, sizes, strict=True)]),
-            "data_columns": [columns] * len(rows),
+            "quantity": list(figures),
+            "unit": list(units),
+            **dict(zip(_FIGURES, np.array(numbers).T, strict=True)),
+            "data_columns": [columns] * len(figures),
         }
 
     def content(self) -> dict[str, Any]:
@@ -109,13 +109,8 @@ class ComparisonTables:
             "trough_time_error_s": _number(alignment.error),
             "warnings": list(comparison.warnings),
             "figures": {
-                row.key: {
-                    "unit": self.units[row.kind][0],
-                    "measured": _number(row.measured.value / self.units[row.kind][1]),
-                    "standard_error": _number(row.measured.error / self.units[row.kind][1]),
-                    "computed": _number(row.computed / self.units[row.kind][1]),
-                }
-                for row in comparison.rows
+                key: {"unit": unit, **dict(zip(_FIGURES, map(_number, numbers), strict=True))}
+                for key, (unit, numbers) in self._figures().items()
             },
         }
         if self.drive is not None:
@@ -135,7 +130,7 @@ class ComparisonTables:
         return content
 
 
-def _measured(drive: MeasuredDrive | MeasuredEllipse) -> dict[str, Any]:
+def _measured(drive: MeasuredDrive) -> dict[str, Any]:
     """Return what was measured of the trough's motion."""
     trough = drive.trough
     content: dict[str, Any] = {}

@@ -1,0 +1,255 @@
+"""The least misfit of one pattern: Levenberg-Marquardt with geodesic acceleration, and steps along edges.
+
+A slide begins with a finite length where its load passes static friction, so that the misfit jumps from
+pattern to pattern, and its least value may lie on the edge of one, where no derivative vanishes. Inside a
+pattern the motion is smooth. A step that would leave it is replaced by one along the edge: one coordinate
+follows the edge, and the others move.
+
+References
+----------
+Transtrum, M. K.; Sethna, J. P.: Improvements to the Levenberg-Marquardt algorithm for nonlinear
+least-squares minimization. arXiv:1201.5885 (2012). Here several dampings are tried at once, as many points
+take hardly longer than one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from vibro.records.folding import Floats
+from vibro.records.problem import Problem
+from vibro.records.tolerances import TOL
+
+__all__ = [
+    "Minimum", "best_of", "error_covariance", "jacobian_at", "minimise", "move_to_edge", "nearest_inside",
+]  # fmt: skip
+
+# Relative distances from a pattern at which it is looked for.
+_DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(TOL.nearest, TOL.farthest, TOL.distances)).ravel()
+
+
+class Minimum(NamedTuple):
+    """A point of least misfit within a pattern, and its sum of squares."""
+
+    label: str
+    point: Floats
+    squares: float
+
+
+class _Linear(NamedTuple):
+    """Residuals at a point, shape (K,), their Jacobian, (K, free coordinates), and whether it is inside."""
+
+    point: Floats
+    inside: bool
+    residual: Floats
+    jacobian: Floats
+
+
+def minimise(
+    problem: Problem, start: Minimum, enough: float, aim: float = np.inf, fixed: Sequence[int] = ()
+) -> Minimum:
+    """Search for the least misfit of a pattern.
+
+    Parameters
+    ----------
+    problem : Problem
+        The residuals.
+    start : Minimum
+        Where it begins; outside its pattern, with a sum of squares of inf, it stays.
+    enough : float
+        Decrease of the sum of squares below which the search ends.
+    aim : float
+        A sum of squares that matters: a search that would not reach it with many more such steps ends.
+    fixed : sequence of int
+        Coordinates that stay.
+    """
+    best, free = start, [i for i in range(start.point.size) if i not in fixed]
+    for _ in range(TOL.most_steps if np.isfinite(best.squares) else 0):
+        found = _best_step(problem, best, free, enough)
+        gain = best.squares - found.squares
+        if gain > 0.0:
+            best = found
+        if not gain > max(enough, (best.squares - aim) / TOL.patience):
+            break
+    return best
+
+
+def best_of(problem: Problem, label: str, points: Floats) -> Minimum:
+    """Return the point with the least misfit; its sum of squares is inf where none lies in the pattern."""
+    return _least(label, points, problem.residuals(label, points).squares)
+
+
+def _least(label: str, points: Floats, squares: Floats) -> Minimum:
+    place = int(np.argmin(squares))
+    return Minimum(label, points[place], float(squares[place]))
+
+
+def jacobian_at(problem: Problem, label: str, point: Floats) -> Floats:
+    """Differentiate the residuals, shape (K, P + 1); 0 without an effect."""
+    return _linear(problem, label, point, list(range(point.size))).jacobian
+
+
+def error_covariance(problem: Problem, minimum: Minimum) -> Floats:
+    """Covariance of the coordinates at a minimum, inside its pattern, shape (P + 1, P + 1).
+
+    Coordinates without an effect have neither variance nor covariance.
+    """
+    jacobian = jacobian_at(problem, minimum.label, minimum.point)
+    sizes = np.linalg.norm(jacobian, axis=0)
+    sizes = np.where(sizes > 0.0, sizes, np.inf)
+    normed = jacobian / sizes
+    return np.asarray(np.linalg.pinv(normed.T @ normed, rcond=1e-12, hermitian=True) / np.outer(sizes, sizes))
+
+
+def nearest_inside(problem: Problem, label: str, point: Floats, movable: Sequence[int]) -> Minimum | None:
+    """Move one coordinate of a point as little as needed to bring it into the pattern.
+
+    Of several such coordinates the one with the least misfit moves; None if there is none.
+    """
+    if problem.labels(point[None])[0] == label:
+        return best_of(problem, label, point[None])
+    found = []
+    for coordinate in movable:
+        points = np.repeat(point[None], _DISTANCES.size, axis=0)
+        points[:, coordinate] += _DISTANCES * problem.scale(point)[coordinate]
+        inside = problem.labels(points) == label
+        if inside.any():
+            found.append(points[np.argmin(np.where(inside, np.abs(_DISTANCES), np.inf))])
+    return best_of(problem, label, np.array(found)) if found else None
+
+
+def move_to_edge(problem: Problem, label: str, points: Floats, follower: int, reach: float) -> Floats:
+    """Move one coordinate of each point to the nearest edge where it leaves the pattern, just inside.
+
+    Parameters
+    ----------
+    problem, label : Problem, str
+        The residuals, and the pattern.
+    points : array, shape (M, P + 1)
+        From which no edge lies within ``reach``, to either side, stay.
+    follower : int
+        The coordinate.
+    reach : float
+        Farthest distance; its sign tells on which side of the pattern the edge lies.
+    """
+    low, high = np.full(points.shape[0], -reach), np.full(points.shape[0], reach)
+    shares, rows = np.linspace(0.0, 1.0, TOL.edge_places), np.arange(points.shape[0])
+    found = np.ones(points.shape[0], np.bool_)
+    for turn in range(TOL.edge_rounds):
+        places = low[:, None] + (high - low)[:, None] * shares
+        trials = np.repeat(points, TOL.edge_places, axis=0)
+        trials[:, follower] += places.ravel()
+        inside = (problem.labels(trials) == label).reshape(places.shape)
+        leaves = inside[:, :-1] & ~inside[:, 1:]
+        if not turn:
+            found = leaves.any(axis=1)
+        column = np.argmin(np.where(leaves, np.abs(places[:, :-1]), np.inf), axis=1)
+        low, high = places[rows, column], places[rows, column + 1]
+        if float(np.abs(high - low).max()) < TOL.step * float(problem.scale(points[0])[follower]):
+            break
+    moved = points.copy()
+    moved[found, follower] += low[found]
+    return moved
+
+
+def _linear(
+    problem: Problem,
+    label: str,
+    point: Floats,
+    free: list[int],
+    step: float = TOL.step,
+    bring: Callable[[Floats], Floats] = np.copy,
+) -> _Linear:
+    """Take differences: central, one-sided at an edge, none in a corner; ``bring`` moves points to one."""
+    sizes = step * problem.scale(point)[free]
+    moved = np.zeros((len(free), point.size))
+    moved[range(len(free)), free] = sizes
+    points = bring(np.concatenate([point[None], point + moved, point - moved]))
+    inside, values = problem.residuals(label, points)
+    ahead, behind = inside[1:].reshape(2, -1)
+    upper, lower = values[1:].reshape(2, len(free), -1)
+    change = np.where(ahead[:, None], upper, values[0]) - np.where(behind[:, None], lower, values[0])
+    jacobian = (change / (sizes * np.maximum(ahead.astype(float) + behind, 1.0))[:, None]).T
+    effects = np.linalg.norm(jacobian, axis=0) * sizes
+    jacobian[:, effects < TOL.idle * effects.max(initial=0.0)] = 0.0
+    return _Linear(points[0], bool(inside[0]), values[0], jacobian)
+
+
+def _damped_steps(residual: Floats, jacobian: Floats, dampings: tuple[float, ...] = TOL.dampings) -> Floats:
+    """Damped steps, shape (dampings, columns); 0 in coordinates without an effect.
+
+    Residuals are of shape (K,), or (dampings, K).
+    """
+    sizes = np.linalg.norm(jacobian, axis=0)
+    acting = sizes > 0.0
+    steps = np.zeros((len(dampings), sizes.size))
+    if acting.any():
+        normed = jacobian[:, acting] / sizes[acting]
+        values, vectors = np.linalg.eigh(normed.T @ normed)
+        damped = -(residual @ normed @ vectors) / (np.maximum(values, 0.0) + np.array(dampings)[:, None])
+        steps[:, acting] = (damped @ vectors.T) / sizes[acting]
+    return steps
+
+
+def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) -> Minimum:
+    linear = _linear(problem, at.label, at.point, free)
+    steps = _damped_steps(linear.residual, linear.jacobian)
+    points = _moved(at.point, free, steps)
+    tried = problem.residuals(at.label, points)
+    best = _least(at.label, points, tried.squares)
+    hoped = at.squares - float(np.square(linear.residual + linear.jacobian @ steps[0]).sum())
+    if at.squares - best.squares > TOL.fair * hoped:
+        return best
+    if problem.is_curved and hoped > TOL.accelerated:
+        best = min(best, _accelerated_step(problem, at, free, linear), key=lambda m: m.squares)
+    if tried.inside[0]:
+        return best
+    for coordinate, step in zip(free, steps[0].tolist(), strict=True):
+        if coordinate < at.point.size - 1 and step:
+            along = _step_along_edge(problem, at, [f for f in free if f != coordinate], coordinate, step)
+            if along is not None and along.squares < best.squares - enough:
+                return along
+    return best
+
+
+def _moved(point: Floats, free: list[int], steps: Floats) -> Floats:
+    """Points at steps of the free coordinates."""
+    points = np.repeat(point[None], steps.shape[0], axis=0)
+    points[:, free] += steps
+    return points
+
+
+def _accelerated_step(problem: Problem, at: Minimum, free: list[int], linear: _Linear) -> Minimum:
+    """Best of lightly damped steps with their geodesic acceleration.
+
+    Amplitudes and phase of an ellipse can make up for each other: the valley of the misfit is narrow and
+    bends, so that straight steps leave it soon, and are short. Each step is the velocity of a geodesic; the
+    second derivative of the residuals along it gives the acceleration, by the same damped equations.
+    """
+    h, dampings = TOL.acceleration_step, TOL.light_dampings
+    velocity = _damped_steps(linear.residual, linear.jacobian, dampings)
+    inside, ahead = problem.residuals(at.label, _moved(at.point, free, h * velocity))
+    second = 2.0 * ((ahead - linear.residual) / h - velocity @ linear.jacobian.T) / h
+    second[~inside] = 0.0
+    acceleration = _damped_steps(second, linear.jacobian, dampings)
+    return best_of(problem, at.label, _moved(at.point, free, velocity + 0.5 * acceleration))
+
+
+def _step_along_edge(
+    problem: Problem, at: Minimum, free: list[int], follower: int, step: float
+) -> Minimum | None:
+    """One step along the edge that bounds a coordinate, the follower, on the side of ``step``."""
+    size = float(problem.scale(at.point)[follower])
+    reach = float(np.copysign(np.clip(2.0 * abs(step), TOL.edge_step * size, size), step))
+
+    def bring(points: Floats) -> Floats:
+        return move_to_edge(problem, at.label, points, follower, reach)
+
+    linear = _linear(problem, at.label, at.point, free, TOL.edge_step, bring)
+    if not linear.inside:
+        return None
+    trials = bring(_moved(linear.point, free, _damped_steps(linear.residual, linear.jacobian)))
+    return best_of(problem, at.label, np.concatenate([linear.point[None], trials]))
