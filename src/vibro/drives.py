@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.scene import Scene
-
     Floats = NDArray[np.float64]
     Pairs = tuple[tuple[Floats, Floats], ...]
 
@@ -67,7 +65,7 @@ class Drive:
     abilities: ClassVar[frozenset[Ability]]
 
     @classmethod
-    def of(cls, scene: Scene) -> Self:
+    def of(cls, scene: Any) -> Self:
         """Take the fields of a scene that has this kind of drive."""
         return cls(*(getattr(scene, name) for name in _names(cls)))
 
@@ -254,7 +252,7 @@ class Harmonics(_HarmonicFields, Drive):
     abilities = frozenset()
 
     @classmethod
-    def of(cls, scene: Scene) -> Self:
+    def of(cls, scene: Any) -> Self:
         """Take the fields of a scene, either of whose motions may have fewer harmonics than the other."""
         along, normal = scene.along_harmonics or (), scene.normal_harmonics or ()
         count = max(len(along), len(normal))

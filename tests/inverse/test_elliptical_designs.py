@@ -16,11 +16,12 @@ import vibro
 from vibro import InputError, Regime
 from vibro.inverse.designs import chosen_of
 from vibro.inverse.ellipses import EllipseOptimiser
+from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.rows import Finder, Found, find
+from vibro.inverse.rows import Finder, find
 from vibro.inverse.spaces import Setting
 from vibro.inverse.windows import Family, window_of
 from vibro.results.designs import Design, DesignResult

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping
 
-    from vibro.inverse.rows import Found
+    from vibro.inverse.exchange import Found
     from vibro.inverse.spaces import Box
     from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Design

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vibro.inverse.exchange import Found
     from vibro.inverse.questions import Question
-    from vibro.inverse.rows import Found
     from vibro.inverse.specs import Span
 
     Floats = NDArray[np.float64]

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.questions import Question
-    from vibro.inverse.rows import Found
+    from vibro.results.designs import Guarantee
 
     Floats = NDArray[np.float64]
 
-__all__ = ["MOST_MARGIN", "SCATTERED", "SEED", "Effort", "Exchange", "Optimum"]
+__all__ = ["MOST_MARGIN", "SCATTERED", "SEED", "Effort", "Exchange", "Found", "Optimum"]
 
 #: Factor on the bands up to which a margin is followed.
 MOST_MARGIN: Final = 10.0
@@ -74,6 +74,17 @@ class Optimum(NamedTuple):
     speed: float
 
 
+@dataclass(frozen=True)
+class Found:
+    """A setting, its knobs as they are printed, what it guarantees, and its margin by which optimiser."""
+
+    setting: Setting
+    printed: tuple[float, ...]
+    guarantee: Guarantee
+    margin: float | None = None
+    optimiser: Exchange | None = None
+
+
 class Exchange(ABC):
     """Optimal settings for one question.
 
@@ -97,7 +108,6 @@ class Exchange(ABC):
 
     def __init__(self, question: Question, effort: Effort, shares: Floats) -> None:
         self._question, self._effort = question, effort
-        self._target = question.spec.goal.speed
         #: The bodies looked at.
         self.scenarios = Scenarios.fixed(shares)
 

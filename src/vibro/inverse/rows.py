@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from vibro.drives import Ellipse, Line
 from vibro.inverse.ellipses import EllipseOptimiser
+from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.rounding import rounded
@@ -22,25 +23,12 @@ if TYPE_CHECKING:
 
     from vibro.inverse.exchange import Exchange, Optimum
     from vibro.inverse.questions import Question
-    from vibro.inverse.spaces import Setting
-    from vibro.results.designs import Guarantee
 
-__all__ = ["KINDS", "Finder", "Found", "find"]
+__all__ = ["KINDS", "Finder", "find"]
 
 KINDS: Final = ("gentlest", "fastest", "safest")
 _DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
 _OPTIMISERS: Final[Mapping[type, type[Exchange]]] = {Line: LineOptimiser, Ellipse: EllipseOptimiser}
-
-
-@dataclass(frozen=True)
-class Found:
-    """A setting, its knobs as they are printed, what it guarantees, and its margin by which optimiser."""
-
-    setting: Setting
-    printed: tuple[float, ...]
-    guarantee: Guarantee
-    margin: float | None = None
-    optimiser: Exchange | None = None
 
 
 @dataclass(frozen=True)

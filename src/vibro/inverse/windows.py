@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from vibro.inverse.exchange import Found
     from vibro.inverse.questions import Question
-    from vibro.inverse.rows import Found
     from vibro.inverse.spaces import Box, Setting
     from vibro.scene import Scene
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Final
 from vibro.quantities import DRIVES, ELLIPTICAL, HARMONIC, LINEAR, QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from vibro.axes import AxisSpec
-    from vibro.sweeps.request import Caller
+    from vibro.quantities import Quantity
 
 __all__ = ["TWO_AXIS", "drive_given"]
 
@@ -19,7 +19,9 @@ TWO_AXIS: Final = (*ELLIPTICAL, *HARMONIC)
 
 
 def drive_given(
-    layers: Sequence[tuple[str, dict[str, AxisSpec]]], caller: Caller, known: Collection[str]
+    layers: Sequence[tuple[str, dict[str, AxisSpec]]],
+    spelled: Callable[[Quantity], str],
+    known: Collection[str],
 ) -> tuple[tuple[str, ...], tuple[str, str] | None]:
     """Find which drive is given; if it is complete, drop quantities of another drive from lower layers.
 
@@ -27,8 +29,8 @@ def drive_given(
     ----------
     layers : sequence of pair of str and dict
         Source and its quantities, by slot; each overrides those after it.
-    caller : Caller
-        For messages.
+    spelled : callable
+        How the caller names a quantity, for messages.
     known : collection of str
         Slots that need not be given.
 
@@ -52,12 +54,12 @@ def drive_given(
                     del specs[slot]
                 break
         else:
-            return LINEAR, _two_drives(both, caller)
+            return LINEAR, _two_drives(both, spelled)
     named = {*given} or {*known}
     return (TWO_AXIS if named & set(TWO_AXIS) else LINEAR), None
 
 
-def _two_drives(both: Mapping[str, str], caller: Caller) -> tuple[str, str]:
+def _two_drives(both: Mapping[str, str], spelled: Callable[[Quantity], str]) -> tuple[str, str]:
     """Return message and hint for quantities of two drives: their sources, and the remedy."""
     said = [
         f"{source} gives {', '.join(QUANTITIES[slot].label for slot in both if both[slot] == source)}"
@@ -66,7 +68,7 @@ def _two_drives(both: Mapping[str, str], caller: Caller) -> tuple[str, str]:
     why = "a drive moves either along a line or along an ellipse"
     if both.keys() <= {*LINEAR, "normal_phase"}:
         why = "a drive along a line has no phase"
-    a, alpha, x, y, phi = (caller.name(QUANTITIES[name]) for name in (*LINEAR, *ELLIPTICAL))
+    a, alpha, x, y, phi = (spelled(QUANTITIES[name]) for name in (*LINEAR, *ELLIPTICAL))
     return (
         f"{' and '.join(said)}: {why}",
         f"for an ellipse give {x}, {y} and {phi}; for a line {a} and {alpha} alone",

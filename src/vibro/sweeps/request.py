@@ -232,7 +232,7 @@ def gather(
             problems.add(f"{label} is given, and asked for", "leave it out", asked_for)
     values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
     layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", own)]
-    drive, mixed = drive_given(layers, caller, {*problems.slots, asked_for or ""})
+    drive, mixed = drive_given(layers, caller.name, {*problems.slots, asked_for or ""})
     if mixed is not None:
         problems.add(*mixed)
         problems.slots |= {*DRIVES}
