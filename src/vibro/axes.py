@@ -76,7 +76,7 @@ class Axis:
         return len(self.values)
 
     def __str__(self) -> str:
-        """Say what was understood: ``amplitude: 200 values, 0.1 ... 3 mm, step 0.0146``."""
+        """Return a summary of the axis: ``amplitude: 200 values, 0.1 ... 3 mm, step 0.0146``."""
         n, first, last = len(self), float(self.values[0]), float(self.values[-1])
         if self.spacing == "list":
             values = ", ".join(f"{v:.6g}" for v in self.values[:8]) + (", ..." if n > 8 else "")
@@ -92,7 +92,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class AxisSpec:
-    """What a user asked for: one value, a list, or a range whose count may still be open.
+    """Values that a user asked for: one value, a list, or a range whose count may still be open.
 
     Numbers are in the quantity's default unit.
 
@@ -235,7 +235,7 @@ def _doubles(value: Any, quantity: Quantity) -> NDArray[np.float64]:
 
 
 def _unsigned(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Take the sign off zeros: -0.0 equals 0.0, and what is told of either must be the same."""
+    """Replace -0.0 by 0.0: they are equal, and messages about either must be the same."""
     return values + 0.0
 
 

@@ -1,7 +1,7 @@
 """The kinds of drive as small values: along a line, along an ellipse, with harmonics.
 
-What differs between them is said here once: which fields tell them, how far they reach, what the solver
-reads, and what is solved for them. Nothing above asks a scene which kind it has; it asks for an ability.
+Each kind defines its fields, its reach, the columns that the solver reads, and its abilities. Callers ask a
+scene for an ability and never for its kind, so that a new kind is added here alone.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 __all__ = ["KINDS", "Ability", "Columns", "Drive", "Ellipse", "Harmonics", "Line", "read_harmonics"]
 
 _ONE: Final = np.ones(())
-_POINTS: Final = 64  # of the path for each harmonic, between which the farthest one is bracketed
-_STEPS: Final = 6  # of Newton's method from there: it squares an error of 1e-3 until nothing is left
+_POINTS: Final = 64  # points of the path per harmonic, which bracket the farthest one
+_STEPS: Final = 6  # of Newton's method from there; each squares the error, which begins at 1e-3
 _ALLOWED: Final = f"up to {MOST_HARMONICS} pairs of an amplitude and a phase"
 
 
 class Ability(Enum):
-    """What is solved for some kinds of drive alone; every kind has a steady cycle in contact."""
+    """Results that only some kinds of drive have; every kind has a steady cycle in contact."""
 
     FLIGHT = "flights, histories and critical loads"
     PROOF = "closed forms and proved bounds"
@@ -48,16 +48,16 @@ class Columns(NamedTuple):
 
 
 class Drive:
-    """What every kind of drive says of itself.
+    """Base class of all kinds of drive.
 
     Attributes
     ----------
     kind : str
-        How it moves, in words.
+        How it moves, as messages say it.
     told_by : tuple of str
-        Fields of a scene that tell this kind from the others.
+        Fields of a scene that distinguish this kind from the others.
     abilities : frozenset of Ability
-        What is solved for it.
+        Results that can be computed for it.
     """
 
     kind: ClassVar[str]
@@ -66,20 +66,20 @@ class Drive:
 
     @classmethod
     def of(cls, scene: Any) -> Self:
-        """Take the fields of a scene that has this kind of drive."""
+        """Return the fields of a scene that has this kind of drive."""
         return cls(*(getattr(scene, name) for name in _names(cls)))
 
     def can(self, ability: Ability) -> bool:
-        """Tell whether something is solved for this kind of drive."""
+        """Return whether this kind of drive has an ability."""
         return ability in self.abilities
 
     def require(self, ability: Ability, hint: str = "") -> None:
-        """Refuse a drive for which something is not solved.
+        """Raise unless this kind of drive has an ability.
 
         Raises
         ------
         InputError
-            It names the kind of drive, what was asked for, and the kinds that have it.
+            If it lacks the ability; the message names the kinds of drive that have it.
         """
         if ability not in self.abilities:
             raise self._refusal(ability, hint)
@@ -96,29 +96,29 @@ class Drive:
 
     @property
     def reach(self) -> Floats:
-        """Farthest that the trough gets from its middle [m]."""
+        """Largest distance of the trough from its middle position [m]."""
         raise NotImplementedError
 
     @property
     def acceleration_reach(self) -> Floats:
-        """Amplitude of a line with the same largest acceleration [m]."""
+        """Amplitude of a motion along a line with the same largest acceleration [m]."""
         return self.reach
 
     @property
     def stroke(self) -> Floats:
-        """From one end of the path to the other, the longest way across [m]."""
+        """Largest distance between two points of the path [m]."""
         return 2.0 * self.reach
 
     def columns(self) -> Columns:
-        """Return what the solver reads; refuse a drive that it does not follow yet."""
+        """Return the columns that the solver reads; raise InputError without ``Ability.FLIGHT``."""
         raise self._refusal(Ability.FLIGHT)
 
     def at_any_load(self) -> Self:
-        """Replace what critical loads do not depend on, so that its shape does not count."""
+        """Replace fields that critical loads do not depend on by scalars; InputError without FLIGHT."""
         raise self._refusal(Ability.FLIGHT)
 
     def members(self) -> list[tuple[str, str, Floats]]:
-        """Return every array with the name of its field, and of a quantity with the same unit and range."""
+        """Return each array, after the names of its field and of a quantity with its unit and range."""
         return [(name, name, getattr(self, name)) for name in _names(self)]
 
 
@@ -147,12 +147,12 @@ class Line(_LineFields, Drive):
 
     @property
     def scale(self) -> Floats:
-        """Length that the solvers count in, A [m]."""
+        """Unit of length of the solvers: A [m]."""
         return self.amplitude
 
     @property
     def reach(self) -> Floats:
-        """Farthest that the trough gets from its middle [m]."""
+        """Largest distance of the trough from its middle position [m]."""
         return self.amplitude
 
     @property
@@ -166,11 +166,11 @@ class Line(_LineFields, Drive):
         return np.zeros(())
 
     def columns(self) -> Columns:
-        """Return what the solver reads."""
+        """Return the columns that the solver reads."""
         return Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), is_ellipse=False)
 
     def at_any_load(self) -> Self:
-        """Replace what critical loads do not depend on, so that its shape does not count."""
+        """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
         return self._replace(amplitude=_ONE, frequency=_ONE, gravity=_ONE, restitution=_ONE - _ONE)
 
 
@@ -196,14 +196,14 @@ class Ellipse(_EllipseFields, Drive):
 
     @property
     def scale(self) -> Floats:
-        """Length that the solvers count in, the larger of both amplitudes [m]."""
+        """Unit of length of the solvers: the larger of both amplitudes [m]."""
         return largest_amplitude(self.along_amplitude, self.normal_amplitude)
 
     @property
     def reach(self) -> Floats:
-        """Farthest that the trough gets from its middle, half of the ellipse's larger axis [m]."""
+        """Largest distance of the trough from its middle position: the ellipse's larger semi-axis [m]."""
         x, y = self.along_amplitude, self.normal_amplitude
-        # of the sum and the difference of two rotations against each other
+        # An ellipse is the sum of two opposite rotations: its larger semi-axis is the sum of their radii.
         sine, cosine = y * np.sin(self.normal_phase), y * np.cos(self.normal_phase)
         return np.asarray(0.5 * (np.hypot(x + sine, cosine) + np.hypot(x - sine, cosine)))
 
@@ -218,11 +218,11 @@ class Ellipse(_EllipseFields, Drive):
         return self.normal_phase
 
     def columns(self) -> Columns:
-        """Return what the solver reads."""
+        """Return the columns that the solver reads."""
         return Columns(tuple(self), is_ellipse=True)
 
     def at_any_load(self) -> Self:
-        """Replace what critical loads do not depend on, so that its shape does not count."""
+        """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
         return self._replace(frequency=_ONE, gravity=_ONE, restitution=_ONE - _ONE)
 
 
@@ -253,7 +253,7 @@ class Harmonics(_HarmonicFields, Drive):
 
     @classmethod
     def of(cls, scene: Any) -> Self:
-        """Take the fields of a scene, either of whose motions may have fewer harmonics than the other."""
+        """Return the fields of a scene; the motion with fewer harmonics is filled up with zeros."""
         along, normal = scene.along_harmonics or (), scene.normal_harmonics or ()
         count = max(len(along), len(normal))
         nothing = (np.zeros(()), np.zeros(()))
@@ -264,22 +264,22 @@ class Harmonics(_HarmonicFields, Drive):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Common shape of the fields: there are more than an iterator of NumPy takes."""
+        """Common shape of the fields, of which there are more than one NumPy iterator accepts."""
         return np.broadcast_shapes(*(x.shape for _, _, x in self.members()))
 
     @property
     def scale(self) -> Floats:
-        """Length that the solvers count in, the largest of all amplitudes [m]."""
+        """Unit of length of the solvers: the largest of all amplitudes [m]."""
         return largest_amplitude(*self.along_amplitudes, *self.normal_amplitudes)
 
     @property
     def reach(self) -> Floats:
-        """Farthest that the trough gets from its mean position [m]."""
+        """Largest distance of the trough from its mean position [m]."""
         return _farthest(self, 0)
 
     @property
     def acceleration_reach(self) -> Floats:
-        """Amplitude of a line with the same largest acceleration [m]."""
+        """Amplitude of a motion along a line with the same largest acceleration [m]."""
         return _farthest(self, 2)
 
     @property
@@ -294,15 +294,15 @@ class Harmonics(_HarmonicFields, Drive):
 
     @property
     def stroke(self) -> Floats:
-        """Not known: a path with harmonics need not be symmetric; NaN [m]."""
+        """NaN: the width of a path with harmonics, which need not be symmetric, is not computed [m]."""
         return np.array(np.nan)
 
     def loads(self) -> HarmonicLoads:
-        """Form the dimensionless groups, all but the restitution."""
+        """Return the dimensionless groups, without the restitution."""
         return harmonic_loads(*self[:9])
 
     def members(self) -> list[tuple[str, str, Floats]]:
-        """Return every array with the name of its field, and of a quantity with the same unit and range."""
+        """Return each array, after the names of its field and of a quantity with its unit and range."""
         harmonics = [
             ("along_harmonics", "along_amplitude", self.along_amplitudes),
             ("along_harmonics", "normal_phase", self.along_phases),
@@ -318,14 +318,14 @@ KINDS: Final[tuple[type[Line] | type[Ellipse] | type[Harmonics], ...]] = (Line, 
 
 
 def read_harmonics(name: str, value: Any) -> tuple[Pairs, list[Problem]]:
-    """Read pairs of amplitudes and phases, the first harmonic first, and tell what is wrong with them.
+    """Read pairs of amplitude and phase, the first harmonic first, and return their problems too.
 
     Returns
     -------
     tuple of pair of array
-        Read-only copies as doubles; without any where the value is None.
+        Read-only copies as doubles; empty if the value is None.
     list of Problem
-        Empty if nothing is.
+        Empty if there are none.
     """
     try:
         pairs = [] if value is None else [tuple(pair) for pair in value]
@@ -347,10 +347,10 @@ def read_harmonics(name: str, value: Any) -> tuple[Pairs, list[Problem]]:
 
 
 def _farthest(fields: Harmonics, derivative: int) -> Floats:
-    """Find how far a path gets from the origin, or that of its derivative over w^derivative.
+    """Return the largest distance of a path from the origin, or of its n-th derivative over w^n.
 
-    Its square is a trigonometric polynomial of degree 2 H. Parabolas through neighbouring points tell the
-    highest of its tops but for 1e-6 of it, and Newton's method goes up to that one.
+    Its square is a trigonometric polynomial of degree 2 H. Parabolas through neighbouring points find its
+    highest maximum to within 1e-6 of the value, and Newton's method refines that one.
     """
     count, unit = len(fields.along_amplitudes), fields.scale
     waves = [

@@ -1,4 +1,4 @@
-"""What goes wrong in vibro, as exceptions with the field, the value and the remedy in the message."""
+"""Exceptions of vibro, whose messages have the field, the value and the remedy."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-#: How many of the things that are wrong with one input are told; of the others the number.
+#: Largest number of problems of one input that a message lists; the others are counted.
 MOST_TOLD: Final = 20
 _LONGEST: Final = 60  # characters of a value in a message
 _RIGHT: Final = 24  # of these, from its end
-_LONGEST_LINE: Final = 500  # characters of a message: whatever a part of it holds, nobody reads on
+_LONGEST_LINE: Final = 500  # characters of a message; nobody reads more
 
 
 class _Shortened(reprlib.Repr):
@@ -50,7 +50,7 @@ def cut(text: str, most: int = _LONGEST) -> str:
 
 
 def printable(text: str) -> str:
-    """Spell out what would end a line, or what a terminal would obey: names are text."""
+    """Escape line ends and control characters, which a terminal would obey."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
@@ -67,7 +67,7 @@ class VibroError(Exception):
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong with one field of a scene.
+    """One problem with one field of a scene.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Problem:
     value : str
         The first offending value, with its unit.
     allowed : str
-        What the field may be, with its unit.
+        Allowed values of the field, with its unit.
     """
 
     field: str
@@ -88,12 +88,12 @@ class Problem:
 
 
 class SceneError(VibroError, ValueError):
-    """A scene that cannot be: every problem found, each with field, value and allowed range.
+    """Raised for an invalid scene: it lists every problem, each with field, value and allowed range.
 
     Attributes
     ----------
     problems : tuple of Problem
-        All that is wrong, in the order of the scene's fields.
+        Every problem, in the order of the scene's fields.
     """
 
     def __init__(self, problems: tuple[Problem, ...]) -> None:
@@ -110,13 +110,13 @@ class InputError(VibroError):
     Attributes
     ----------
     problems : tuple of str
-        Everything that is wrong, one sentence each; of more than ``MOST_TOLD`` the first, and how many more
-        there are.
+        Every problem, one sentence each; of more than ``MOST_TOLD`` the first ones, and how many more there
+        are.
     hint : str
-        How to put it right, a line or as many; empty where the problems say it themselves.
+        The remedy, in one or more lines; empty if the problems already say it.
     fields : tuple of str
-        Of each problem that is told the name of the quantity that it is of, empty where it is of no single
-        one; or no names at all.
+        For each listed problem the name of its quantity, or an empty text if it concerns several; or no names
+        at all.
     """
 
     def __init__(self, *problems: str, hint: str = "", fields: Sequence[str] = ()) -> None:
@@ -128,12 +128,12 @@ class InputError(VibroError):
 
 
 class Problems:
-    """Everything that is wrong with an input, to be told at once.
+    """Collects all problems of an input, to raise them together.
 
     Parameters
     ----------
     where : str
-        What every message begins with: the file.
+        Text that begins every message: the file.
     """
 
     def __init__(self, where: str = "") -> None:
@@ -141,12 +141,12 @@ class Problems:
         self.found: list[tuple[str, str, str]] = []  # field, text and hint of each
 
     def add(self, text: str, hint: str = "", field: str = "") -> None:
-        """Take note of one thing, of what may be done about it, and of the field that it is of."""
+        """Add a problem, with its remedy and its field."""
         self.found.append((field, self._where + text, hint))
 
     @contextmanager
     def taken(self, where: str = "", field: str = "") -> Iterator[None]:
-        """Take note of all that an InputError says, of its own fields if it names them, and go on behind."""
+        """Collect the problems of an InputError raised in this context, with its fields; suppress it."""
         try:
             yield
         except InputError as exc:
@@ -155,7 +155,7 @@ class Problems:
                 self.add(where + problem, "" if i else exc.hint, own or field)
 
     def settle(self) -> None:
-        """Raise all of it as one InputError; each hint once."""
+        """Raise all problems, if any, as one InputError; each hint appears once."""
         if self.found:
             fields, texts, hints = zip(*self.found, strict=True)
             raise InputError(*texts, hint="\n".join(dict.fromkeys(filter(None, hints))), fields=fields)
@@ -167,7 +167,7 @@ class FileError(VibroError):
     Attributes
     ----------
     hint : str
-        How to put it right; empty where the message says it itself.
+        The remedy; empty if the message already says it.
     """
 
     def __init__(self, message: str, hint: str = "") -> None:
@@ -177,6 +177,6 @@ class FileError(VibroError):
 
 
 def _note(error: VibroError, hint: str) -> None:
-    """Let a traceback show the hint too."""
+    """Add the hint to the traceback."""
     for line in hint.splitlines():
         error.add_note(f"hint: {line}")

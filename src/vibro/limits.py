@@ -1,4 +1,4 @@
-"""Where a scene changes its regime: critical loads, and what comes next from one operating point."""
+"""Critical loads, at which a scene changes its regime, and the transitions next to one operating point."""
 
 from __future__ import annotations
 
@@ -36,32 +36,32 @@ _BEGINNINGS: Final = {
 }
 _LATE: Final = "load for forward slip"
 
-# [1] Relative distance of two loads that are one, found in closed form and as a root.
+# [1] Relative distance within which a closed form and a root count as the same load.
 _SAME: Final = 1e-13
 
-_RANGE: Final = 8_192  # [cells] so that an interrupt is noticed within a fraction of a second
+_RANGE: Final = 8_192  # [cells] per call, so that an interrupt is noticed within a fraction of a second
 
 
 class CriticalLoads(NamedTuple):
-    """Critical loads G = A w^2 / g; inf where a transition never happens, 0 where it always has.
+    """Critical loads G = A w^2 / g; inf if a transition never happens, 0 if it has happened at any load.
 
     Attributes
     ----------
     hop : array
-        Above, the throw number exceeds 1 and the body leaves the trough.
+        Above it the throw number exceeds 1 and the body leaves the trough.
     forward_onset, back_onset : array
-        Above, the load of a body at rest exceeds static friction forward, or back.
+        Above it the tangential force on a body at rest exceeds static friction forward, or back.
     back_slip : array
-        Above, the steady cycle from rest has a back slide; at least ``back_onset``, and more where the
-        forward slide outlasts the back window. Elliptical drives on troughs steeper than the angle of kinetic
-        friction may lose it again.
+        Above it the steady cycle from rest has a back slide. It exceeds ``back_onset`` where the forward
+        slide outlasts the back window. Elliptical drives on troughs steeper than the angle of kinetic
+        friction may lose the back slide again at higher loads.
     rest_vanishes : array
-        Above, the body slides all the time.
+        Above it the body slides continuously.
 
     Notes
     -----
-    A body starts from rest where its load first exceeds static friction. On inclines phase 0 may lie later
-    than that, and where cycles coexist lead to the other one.
+    A body starts from rest at the phase where static friction is first exceeded. On inclines phase 0 may lie
+    later, and a start there may lead to another cycle where several coexist.
     """
 
     hop: Floats
@@ -72,12 +72,12 @@ class CriticalLoads(NamedTuple):
 
 
 class Transition(NamedTuple):
-    """Where a kind of motion begins, as seen from one operating point.
+    """Amplitude and frequency at which a kind of motion begins, starting from one operating point.
 
     Attributes
     ----------
     name : str
-        What begins.
+        The motion that begins.
     ratio : float
         The scene's load over the load at which it begins: above 1 it has begun [1].
     amplitude : float
@@ -96,7 +96,7 @@ class Transition(NamedTuple):
 def critical_loads(scene: Scene) -> CriticalLoads:
     """Critical loads G = A w^2 / g, at which the steady cycle from rest changes its regime.
 
-    Of an ellipse A is half of its larger axis, as in ``Scene.load``: both amplitudes change alike.
+    For an ellipse A is its larger semi-axis, as in ``Scene.load``: both amplitudes change in proportion.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     Raises
     ------
     InputError
-        If the drive has harmonics (``Ability.FLIGHT``).
+        If the drive has harmonics: it lacks ``Ability.FLIGHT``.
 
     Notes
     -----
@@ -137,7 +137,7 @@ def critical_loads_of_lines(
     kinetic_friction: ArrayLike,
     trough_angle: ArrayLike = 0.0,
 ) -> CriticalLoads:
-    """Critical loads of drives along a line, from what they depend on.
+    """Return critical loads of drives along a line from the angles and frictions that decide them.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def critical_loads_of_lines(
     Returns
     -------
     CriticalLoads
-        Arrays of the broadcast shape; else as ``critical_loads``.
+        As from ``critical_loads``; arrays of the broadcast shape.
     """
     return _critical_loads(_lines(drive_angle, static_friction, kinetic_friction, trough_angle))
 
@@ -174,7 +174,7 @@ def _critical_loads(grid: Grid) -> CriticalLoads:
 
 
 def transitions(scene: Scene) -> tuple[Transition, ...]:
-    """Where each kind of motion begins, as seen from one operating point.
+    """Return where each kind of motion begins, starting from one operating point.
 
     Parameters
     ----------
@@ -184,15 +184,15 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     Returns
     -------
     tuple of Transition
-        By rising amplitude; without what hopping forestalls, what no load brings, and what is beyond the
-        range of doubles.
+        By rising amplitude; without transitions that hopping forestalls, that no load causes, or that lie
+        beyond the range of doubles.
 
     Raises
     ------
     SceneError
         If the scene is more than one operating point.
     InputError
-        If its drive has harmonics.
+        If its drive has harmonics: it lacks ``Ability.FLIGHT``.
 
     Examples
     --------
@@ -225,7 +225,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
 
 
 def back_slip_of(fields: Line) -> NDArray[np.bool_]:
-    """Tell whether bodies slip back by Eqs. (5) and (17) alone, also where mu_d > mu_s.
+    """Return whether bodies slip back by Eqs. (5) and (17) alone, also where mu_d > mu_s.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def back_slip_of(fields: Line) -> NDArray[np.bool_]:
 
 
 def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
-    """Load G = A w^2 / g up to which no edge of a part lifts that starts from rest.
+    """Return the load G = A w^2 / g up to which no edge of a part that starts from rest lifts.
 
     Parameters
     ----------
@@ -258,13 +258,15 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     Returns
     -------
     array
-        Of the common shape of angles, static friction and stand ratio [1]. inf where static friction is at
-        most the stand ratio, 0 where the trough alone is too steep for the part.
+        Common shape of angles, static friction and stand ratio [1]. inf if static friction is at most the
+        stand ratio, 0 if the trough is so steep that the part tips at rest.
 
     Raises
     ------
     SceneError
         If a stand ratio is no number, or not > 0.
+    InputError
+        If the drive has harmonics: it lacks ``Ability.FLIGHT``.
 
     Notes
     -----
@@ -278,7 +280,7 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
 def tipping_load_of_lines(
     drive_angle: ArrayLike, static_friction: ArrayLike, trough_angle: ArrayLike, stand_ratio: ArrayLike
 ) -> Floats:
-    """Return ``tipping_load`` of drives along a line, from what it depends on; of the broadcast shape."""
+    """Return ``tipping_load`` of drives along a line from angles and frictions, of the broadcast shape."""
     alpha, mu_s, beta = (np.asarray(x, np.float64) for x in (drive_angle, static_friction, trough_angle))
     one = np.ones(())
     fields = Line(one, one, alpha, mu_s, one - one, beta, one, one - one)
@@ -286,7 +288,7 @@ def tipping_load_of_lines(
 
 
 def _tipping_load(fields: Fields, ratio: Floats) -> Floats:
-    # a field that has no effect brings in the shape of the ratio
+    # restitution has no effect, so it carries the shape of the ratio
     grid = Grid(fields._replace(restitution=np.zeros(ratio.shape)))
     ratios = np.ascontiguousarray(np.broadcast_to(ratio, grid.shape))
     found = np.empty(grid.size)
@@ -295,7 +297,7 @@ def _tipping_load(fields: Fields, ratio: Floats) -> Floats:
 
 
 def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
-    """Tell whether a part that starts from rest keeps its whole base on the trough.
+    """Return whether a part that starts from rest keeps its whole base on the trough.
 
     Parameters
     ----------
@@ -307,13 +309,15 @@ def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
     Returns
     -------
     int8 array
-        Of the common shape: 1 where no edge ever lifts, 0 where one does, -1 where that is unknown: the part
+        Common shape: 1 where no edge ever lifts, 0 where one does, -1 where that is unknown because the part
         hops and may land on an edge, or the trough is too steep for it to rest.
 
     Raises
     ------
     SceneError
         If a stand ratio is no number, or not > 0.
+    InputError
+        If the drive has harmonics: it lacks ``Ability.FLIGHT``.
     """
     load = tipping_load(scene, stand_ratio)
     hops = solve(scene, accuracy="regimes").regime == int(Regime.HOPPING)
@@ -324,7 +328,7 @@ def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
 
 
 def _stand_ratios(value: ArrayLike) -> Floats:
-    """Convert stand ratios to doubles, and refuse what is none."""
+    """Convert stand ratios to doubles; raise SceneError unless they are positive numbers."""
     try:
         ratios = real_array(value)
     except NotRealError as exc:

@@ -1,4 +1,4 @@
-"""How the C library's malloc treats what vibro's own processes free."""
+"""Setting of the C library's malloc: memory that vibro's own processes free is kept for reuse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work in blocks on all cores: how a grid is cut, and the threads that take the parts."""
+"""Work in blocks on all cores: cuts a grid into blocks, and runs them on several threads."""
 
 from __future__ import annotations
 

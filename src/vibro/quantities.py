@@ -1,4 +1,4 @@
-"""Every quantity that users give: its names, units and range.
+"""Every quantity that users enter: its names, units and range.
 
 Outside (options, scene files, tables) a quantity has the unit of its column; inside (``Scene``) it is in SI
 units and radians.
@@ -46,7 +46,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Range:
-    """Which finite values a quantity may have, in the unit outside; each end belongs to it or not."""
+    """Allowed finite values of a quantity, in users' units; each end is included or not."""
 
     low: float = -math.inf
     high: float = math.inf
@@ -54,7 +54,7 @@ class Range:
     with_high: bool = False
 
     def text(self, unit: str) -> str:
-        """Say it: ``finite and > 0 mm``, ``in [0, 90) deg``."""
+        """Return the range as text: ``finite and > 0 mm``, ``in [0, 90) deg``."""
         left, right = "[" if self.with_low else "(", "]" if self.with_high else ")"
         ends = f"in {left}{self.low:g}, {self.high:g}{right}"
         if math.isinf(self.low):
@@ -132,7 +132,7 @@ class Quantity:
         return self.to_si(self.allowed.low), self.to_si(self.allowed.high)
 
     def allows(self, values: Any) -> Any:
-        """Tell whether finite values in SI units lie in the range."""
+        """Return whether finite values in SI units lie in the range."""
         low, high = self._si_ends
         above = values >= low if self.allowed.with_low else values > low
         return above & (values <= high if self.allowed.with_high else values < high)
@@ -210,12 +210,12 @@ SWEPT: Final = (
     "along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2", "static_friction",
     "friction_ratio", "kinetic_friction", "trough_angle", "restitution",
 )  # fmt: skip
-#: What tells a drive along a line, and one along an ellipse, whose phase is 0 where it is not given.
+#: Fields of a drive along a line, and of one along an ellipse, whose phase is 0 if it is not given.
 LINEAR: Final = ("amplitude", "drive_angle")
 ELLIPTICAL: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
-#: What beside an ellipse tells a drive with harmonics.
+#: Fields of a drive with harmonics besides those of an ellipse.
 HARMONIC: Final = ("along_phase", *(q.name for n in range(2, MOST_HARMONICS + 1) for q in _harmonic(n)))
-#: All that tell drives.
+#: Fields of all drives.
 DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC)
 #: The amplitudes of a drive, with all of which its load grows.
 AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
@@ -244,7 +244,7 @@ _SPELLED_DIGITS: Final = 15  # every double has them, and people write no more
 
 
 def find_quantity(text: str) -> Quantity | None:
-    """Find a quantity of a scene by whatever people call it: name, column, letter or option."""
+    """Find a quantity of a scene by its name, column, letter or option."""
     called = text.strip()
     spelled = called.removeprefix("--").replace("-", "_").replace(" ", "_").casefold()
     # A single letter keeps its case: A is the amplitude, while the option -a is the drive angle.
@@ -254,7 +254,7 @@ def find_quantity(text: str) -> Quantity | None:
 
 
 def drive_of(names: Collection[str]) -> tuple[str, ...]:
-    """Return those of some quantities that tell the drive, in the order of a table's columns."""
+    """Return the names among the given ones that describe the drive, in the order of a table's columns."""
     return tuple(name for name in QUANTITIES if name in names and name in DRIVES)
 
 

@@ -22,7 +22,7 @@ _OTHERWISE = re.compile(rf"\s*{_NUMBER}\s*(\.{{2,}}|[-\u2013\u2014\u2026;]|to)\s
 
 
 def spelling_hint(text: str, quantity: Quantity) -> str:
-    """Say how to write a range given as ``5..60``, ``5-60``, ``5 to 60`` or ``5;60``; nothing if it is none.
+    """Return how to write a range given as ``5..60``, ``5-60``, ``5 to 60`` or ``5;60``; else an empty text.
 
     A unit that stands at the end alone is meant for both ends.
     """
@@ -40,7 +40,7 @@ def spelling_hint(text: str, quantity: Quantity) -> str:
 
 
 def order_hint(parts: Sequence[str], quantity: Quantity) -> str:
-    """Say how to write a range whose parts are out of place, as in MATLAB's start:step:stop."""
+    """Return how to write a range whose parts are in another order, as in MATLAB's start:step:stop."""
     try:
         numbers = [exact_number(part, quantity) for part in parts]
     except InputError:

@@ -1,4 +1,4 @@
-"""Real numbers, from whatever a program gives: the one place where arguments become doubles."""
+"""Conversion of arguments of any type to doubles."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ _PLAIN: Final = {int, float, np.int64, np.float64}
 
 
 class NotRealError(ValueError):
-    """What is no real number; the caller knows what it was given for.
+    """Raised for a value that is no real number; the caller adds the name of the argument.
 
     Attributes
     ----------
     value : str
-        The first value that is none, as a message shows it.
+        The first such value, as a message shows it.
     allowed : str
         What it must be.
     """
@@ -44,7 +44,7 @@ class NotRealError(ValueError):
 
 
 def real_array(value: Any, allowed: str = _ALLOWED) -> Floats:
-    """Convert numbers to doubles, and refuse all that NumPy would make numbers of without being any.
+    """Convert numbers to doubles, and refuse values that NumPy converts although they are no numbers.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where something changes along one unknown: the bracketed solver of all rooms above the core."""
+"""Bracketed root search along one unknown, for all rooms above the core."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def close_in(
     absolute: float = 0.0,
     sections: int = 1,
 ) -> tuple[Floats, Floats]:
-    """Close in on where a residual changes its sign.
+    """Narrow brackets around a change of a residual's sign.
 
     Parameters
     ----------

@@ -44,13 +44,13 @@ def field_text(name: str, value: float) -> str:
 
 
 def field_range(name: str) -> str:
-    """Say what a field may be, angles in degrees."""
+    """Return the allowed range of a field as text, angles in degrees."""
     kind = QUANTITIES[name].kind
     return QUANTITIES[name].allowed.text("deg" if kind.si_unit == "rad" else kind.si_unit)
 
 
 def _kind_of(values: dict[str, Any]) -> type[Fields]:
-    """Find which drive is given; fill in the phase that may be left out."""
+    """Return the kind of drive that is given, and fill in fields that may be left out."""
     given = {kind: [n for n in kind.told_by if values.get(n) is not None] for kind in KINDS}
     kinds = [kind for kind, names in given.items() if names]
     if len(kinds) != 1:
@@ -108,8 +108,8 @@ class Scene:
     Raises
     ------
     SceneError
-        If a field, or a combination of fields, is out of its range, or not one drive is given; it lists all
-        that is wrong.
+        If a field or a combination of fields is out of range, or not exactly one drive is given; it lists
+        every problem.
 
     Examples
     --------
@@ -189,8 +189,8 @@ class Scene:
     def load(self) -> Floats:
         """Largest acceleration of the trough over gravity, G; A w^2 / g along a line [1].
 
-        With harmonics it is the highest of the tops between points of a path, which is searched: of two tops
-        that differ by less than 1e-6 of them it may be the lower one.
+        With harmonics the largest maximum along the path is searched: of two maxima that agree to within 1e-6
+        it may be the lower one.
         """
         with np.errstate(over="ignore", invalid="ignore"):  # inf, or NaN, beyond the range of doubles
             w = 2.0 * np.pi * self.frequency
@@ -198,12 +198,12 @@ class Scene:
 
     @property
     def scale(self) -> Floats:
-        """Length that the solvers count in: A, or the largest of all amplitudes [m]."""
+        """Unit of length of the solvers: A, or the largest of all amplitudes [m]."""
         return self.arrays().scale
 
     @property
     def reach(self) -> Floats:
-        """Farthest that the trough gets from its middle: A, or half of the ellipse's larger axis [m]."""
+        """Largest distance of the trough from its middle: A, or the ellipse's larger semi-axis [m]."""
         return self.arrays().reach
 
     def arrays(self) -> Fields:
@@ -218,7 +218,7 @@ class Scene:
 
     @property
     def infeasible(self) -> NDArray[np.bool_]:
-        """Whether each combination cannot be: mu_d > mu_s."""
+        """Whether each combination of frictions is impossible: mu_d > mu_s."""
         return np.broadcast_to(self.kinetic_friction > self.static_friction, self.shape)
 
     def _set(self, values: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Steady contact cycles in detail: how their displacement follows the inputs, and their slides."""
+"""Steady contact cycles in detail: derivatives of the displacement, and the phases of the slides."""
 
 from __future__ import annotations
 
@@ -101,8 +101,8 @@ def displacement_gradient(scene: Scene, pattern: ArrayLike) -> Gradient:
     scene : Scene
         Operating points of any shape.
     pattern : int array_like
-        ``SteadyCycle.pattern_code`` of each, of the scene's shape; it does not change with the inputs, but at
-        a few of their values.
+        ``SteadyCycle.pattern_code`` of each, of the scene's shape; it is constant except at isolated values
+        of the inputs.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""How grids of scenes get to the solver's doors: as buffers with strides, in ranges, on several threads."""
+"""Passes grids of scenes to the compiled solver: as buffers with strides, in ranges, on several threads."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Grid:
     Raises
     ------
     InputError
-        If the drive has harmonics.
+        If the drive has harmonics: it lacks ``Ability.FLIGHT``.
 
     Attributes
     ----------

@@ -46,7 +46,7 @@ def solve(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> SteadyCycle:
-    """Steady cycle that a body at rest settles into, for every scene.
+    """Return the steady cycle that a body at rest settles into, for every scene.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def _hop(
 
 @cache
 def _say_that_it_takes_long() -> None:
-    """Hint, once, that a compiled solver would take minutes less."""
+    """Warn, once, that the solver is not compiled and that this takes minutes."""
     logging.getLogger("vibro").warning(
         "hint: the solver is not compiled, so that many flights take minutes; install vibro again where"
         " there is a C compiler, or where pip finds the package ziglang"
@@ -154,7 +154,7 @@ def _say_that_it_takes_long() -> None:
 
 
 def level_of(accuracy: str) -> Level:
-    """Read how much is wanted of every cell."""
+    """Return the level of detail that ``accuracy`` names."""
     try:
         return Level(accuracy)
     except ValueError:
@@ -162,7 +162,7 @@ def level_of(accuracy: str) -> Level:
 
 
 def check_switch(name: str, value: bool) -> None:
-    """Refuse what only looks like a switch: the text "off" would count as on."""
+    """Raise InputError unless a switch is a bool: the text "off" would count as on."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{name} = {shown(value)}: must be True or False")
 

@@ -1,8 +1,8 @@
-"""Claims: of several runs at one stem only one writes, and none touches what another may be writing.
+"""Claims: only one of several runs writes the files of a stem, and no run touches files of another.
 
-A claim is a hidden folder beside the files, named after their stem, in which they wait until they are whole.
-It comes into being by a renaming, which no two runs succeed in, and holds a lock that the system drops with
-its holder: whoever gets the lock of another knows that the run is there no more.
+A claim is a hidden folder beside the files, named after their stem, which holds them until they are complete.
+It is created by renaming, at which only one run can succeed. It contains a lock that the system releases when
+its process ends: a run that obtains another's lock knows that the other has ended.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ __all__ = ["Claim", "sweep"]
 
 _NAME: Final = re.compile(r"\.vibro-[0-9a-f]{16}")
 _FOREIGN_AGE: Final = 30 * 24 * 3600.0  # [s] far beyond any run, and any difference of clocks
-# Who looks whether a run is dead holds its lock, too, but not for long.
+# A run that tests whether another has ended holds the other's lock for a moment.
 _ATTEMPTS: Final = 20
 _PAUSE: Final = 0.005  # [s]
 _REMOVALS: Final = 3  # a disk that fails once need not leave anything
 
 
 class Claim:
-    """The right to write the files of one stem, and the place where they wait.
+    """The right to write the files of one stem, and the folder that holds them until they are complete.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ def _removed(folder: Path) -> bool:
 
 
 def _are_old(paths: list[Path]) -> bool:
-    """Whether files have not changed for so long that no run can be behind them."""
+    """Whether files are unchanged for so long that no run can still be writing them."""
     try:
         return time.time() - max(path.lstat().st_mtime for path in paths) > _FOREIGN_AGE
     except OSError:

@@ -1,6 +1,6 @@
-"""What scene files and questions of design may hold: every table, every key, and the form of each.
+"""Tables and keys of scene files and questions of design, and the form of each key.
 
-The one description of both: what reads them, the tables of keys in docs/ and the JSON Schema follow from it.
+The readers, the tables of keys in docs/ and the JSON Schema are all derived from this description.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a key of a file may hold: numbers, bands, choices, axes, texts; how each is read and spelled."""
+"""Forms of values in files: numbers, bands, choices, axes, texts; how each is read and written."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ def _value(quantity: Quantity, value: Any) -> AxisSpec:
 
 
 def _as_number(text: str, quantity: Quantity) -> str:
-    """Say how to write a text, with a unit or a decimal comma, as the number that it means; empty if none."""
+    """Return how to write a text, with a unit or a decimal comma, as a number; empty if it is none."""
     for reading in (text, text.replace(",", ".")):
         with suppress(InputError):
             return f"write {quantity.column} = {float(exact_number(reading, quantity)):.15g}"

@@ -1,7 +1,7 @@
 """The JSON Schema of scene files and designs, made from the description of what they may hold.
 
-Whatever the readers accept is valid. Not all that is valid is accepted: a text is checked for its form and
-its unit, not for the size of its numbers, and no key against another.
+Every file that the readers accept is valid. Readers refuse some valid files: the schema checks the form and
+unit of a text, but neither the size of its numbers nor one key against another.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Tables in parts: a folder in which whole files appear one by one, and last what says that all are there.
+"""Tables in parts: a folder to which complete files are added one by one, and last a file that says so.
 
 Only who holds the folder's claim gives files their names. Others, in this process or on another machine,
 write to hidden names of their own, and tell them: what an old run's worker still writes never gets in.

@@ -59,7 +59,7 @@ class Steps:
         self._taken: list[tuple[Path, Path | None]] = []
 
     def set_aside(self, target: Path) -> bool:
-        """Move a file away, if it is there; tell whether."""
+        """Move a file away if it exists; return whether it did."""
         if not is_regular(target):
             return False
         old = self._claim.new_name()

@@ -1,4 +1,4 @@
-"""What a run leaves behind: tables, pictures and the JSON that says how they came about."""
+"""Output files of a run: tables, pictures and the JSON that records how they were made."""
 
 from __future__ import annotations
 

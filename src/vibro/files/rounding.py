@@ -1,4 +1,4 @@
-"""Numbers to so many significant digits."""
+"""Rounding to a number of significant digits."""
 
 from __future__ import annotations
 

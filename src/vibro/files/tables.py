@@ -1,4 +1,4 @@
-"""Tables as text: CSV with exact floats, or with so many digits."""
+"""Tables as text: CSV with exact floats, or rounded to significant digits."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class CsvFormat:
 
     @property
     def separator(self) -> str:
-        """What stands between cells."""
+        """Separator between cells."""
         return ";" if self.decimal_comma else ","
 
     def header(self, columns: Sequence[Column]) -> str:

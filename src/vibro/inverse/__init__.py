@@ -1,1 +1,1 @@
-"""Inverse design: which drive does it, for parts of which the friction is known as bands alone."""
+"""Inverse design: which drive conveys fast enough, for parts whose friction is known only as bands."""

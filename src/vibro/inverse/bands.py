@@ -1,4 +1,4 @@
-"""Bands that a caller gives beside a scene."""
+"""Bands that a caller passes with a scene: checked, and turned into a box."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _RIGHT_ANGLE: Final = 0.5 * math.pi
 
 
 def one_point(scene: object, needs: Ability = Ability.FLIGHT) -> None:
-    """Refuse what is not one operating point, or whose drive lacks an ability."""
+    """Raise unless the scene is one operating point (SceneError) whose drive has an ability (InputError)."""
     if not isinstance(scene, Scene):
         raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
     scene.arrays().require(needs)
@@ -37,23 +37,23 @@ def one_point(scene: object, needs: Ability = Ability.FLIGHT) -> None:
 def box_of(
     scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "", needs: Ability = Ability.FLIGHT
 ) -> Box:
-    """Return the box of a scene's bands.
+    """Return the uncertainty set (box) that bands span around a scene.
 
     Parameters
     ----------
     scene : Scene
-        One operating point; what has no band is known.
+        One operating point; it gives the values of fields without a band.
     bands : mapping of str to pair of float
-        By the names of fields, in SI units and radians.
+        By field name, in SI units and radians.
     leaves_out : str
-        A field that may have no band here.
+        A field that must not have a band.
     needs : Ability
-        What the drive must be able to do.
+        Ability that the drive must have.
 
     Raises
     ------
     SceneError
-        It lists all that is wrong.
+        If the scene is more than one operating point or a band is invalid; it lists every problem.
     InputError
         If the drive lacks an ability.
     """
@@ -107,7 +107,7 @@ def box_of(
 
 
 def _line_problems(box: Box) -> list[Problem]:
-    """Tell what a drive along a line cannot be."""
+    """Return the problems of a drive along a line: too steep an angle, or too large or small a load."""
     problems = []
     drive, trough = box.shape["drive_angle"][1], box.trough_angle[1]
     if drive + trough >= _RIGHT_ANGLE:
@@ -122,7 +122,7 @@ def _line_problems(box: Box) -> list[Problem]:
 
 
 def _span(name: str, band: Any) -> Span | Problem:
-    """Read a band, or say what is wrong with it."""
+    """Read a band; return the problem if it is invalid."""
     try:
         ends = real_array(band)
     except NotRealError as exc:

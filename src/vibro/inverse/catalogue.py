@@ -1,8 +1,8 @@
-"""Coefficients of friction by pair of materials, as bands that sources print.
+"""Coefficients of friction by pair of materials, as bands taken from printed sources.
 
-The table beside this module has one row a pair, condition and source: the values as they are printed there.
-Sources disagree by a factor of six about one pair, and do not say which parts and surfaces they mean: all are
-kept, and none is averaged.
+The table beside this module has one row per pair, condition and source, with the values as printed there.
+Sources disagree by a factor of up to six about one pair, and do not say which parts and surfaces they mean.
+Therefore all rows are kept, and none are averaged.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ _TABLE: Final = "friction_catalogue.csv"
 
 @dataclass(frozen=True)
 class Row:
-    """What one source says of one pair in one condition.
+    """Friction of one pair in one condition, from one source.
 
     Attributes
     ----------
     pair, condition : str
-        Such as ``steel on steel`` and ``dry``.
+        For example ``steel on steel`` and ``dry``.
     static_friction, kinetic_friction : tuple of float or None
-        Band of mu_s and of mu_d [1], both ends equal where one value is given; None where none is.
+        Bands of mu_s and mu_d [1]; both ends are equal if the source gives one value, None if it gives none.
     source, url : str
-        Where that stands; the address may be empty.
+        Citation and web address; the address may be empty.
     note : str
-        What to know about it; may be empty.
+        Remark on the row; may be empty.
     """
 
     pair: str
@@ -76,7 +76,7 @@ def _band(line: Mapping[str, str], name: str) -> Span | None:
 
 
 def band_text(band: Span | None) -> str:
-    """Write a band as a question of ``vibro design`` takes it; a dash for none."""
+    """Return a band in the syntax of ``vibro design``, or a dash for None."""
     if band is None:
         return "-"
     low, high = band
@@ -84,22 +84,22 @@ def band_text(band: Span | None) -> str:
 
 
 def find(words: str) -> tuple[Row, ...]:
-    """Find pairs by words.
+    """Return the rows whose pair matches the given words.
 
     Parameters
     ----------
     words : str
-        Part of the name of a pair, or words of it in any order; without any, every row is found.
+        Part of a pair's name, or words of it in any order; an empty text matches every row.
 
     Returns
     -------
     tuple of Row
-        In the order of the catalogue.
+        In catalogue order.
 
     Raises
     ------
     InputError
-        If there is no such pair; it names the nearest.
+        If no pair matches; it suggests the nearest names.
     """
     wanted = _folded(words)
     found = [row for row in rows() if wanted in _folded(row.pair)]
@@ -110,23 +110,23 @@ def find(words: str) -> tuple[Row, ...]:
 
 
 def static_row(text: str) -> Row:
-    """Find the row that a text names, for its static friction.
+    """Return the row with static friction that a text names.
 
     Parameters
     ----------
     text : str
-        ``pair``, ``pair, condition`` or ``pair, condition, source``, where any distinctive part of the source
-        will do.
+        ``pair``, ``pair, condition`` or ``pair, condition, source``; any distinctive part of the source
+        suffices.
 
     Returns
     -------
     Row
-        With a band of static friction.
+        Its ``static_friction`` is not None.
 
     Raises
     ------
     InputError
-        If there is no such row, or none with static friction; if there are several, which are listed.
+        If no row matches, none of them has static friction, or several match; the hint then lists them.
 
     Examples
     --------
@@ -169,7 +169,7 @@ def _unknown_pair(text: str) -> InputError:
 
 
 def _listed(several: Sequence[Row]) -> str:
-    """Show how to name each of several rows, a line each."""
+    """Return one line per row that shows the text which selects it."""
     short = [re.split(r"[,(]", row.source)[0].strip() for row in several]
     return "\n".join(
         f'write "{row.pair}, {row.condition}, {name if _is_one(name, row, several) else row.source}"'

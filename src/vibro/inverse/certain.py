@@ -1,4 +1,4 @@
-"""Regimes and speeds that hold for every body of a band of frictions, for a whole map of operating points."""
+"""Regimes and speeds that hold for every body within bands of friction, over a map of operating points."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ if TYPE_CHECKING:
 
 __all__ = ["Certain", "certain"]
 
-# Rounds of halving a band of static friction on declines; each halves the sliver that is not told.
+# Bisections of a band of static friction on declines; each halves the interval that stays undecided.
 _HALVINGS: Final = 12
 
-# Some operating point: bands of frictions are read beside one.
+# Any operating point will do: ``box_of`` needs a scene to check the bands of friction.
 _ANY: Final = {"amplitude": 1e-3, "frequency": 50.0, "drive_angle": 0.3}
 
 
 class Certain(NamedTuple):
-    """What holds for every body of a box of frictions, at every operating point.
+    """Bounds that hold for every body of a box of frictions, at every operating point.
 
     Attributes
     ----------
     lowest, highest : int8 array
-        Codes of ``Regime`` that bound the regimes of all bodies. A ``lowest`` of -1: bodies without friction
-        have no regime.
+        Codes of ``Regime`` that bound the regimes of all bodies. ``lowest`` is -1 if the box holds bodies
+        without friction, which have no regime.
     speed_min : array
-        Mean speed that no body falls short of [m/s]; NaN where that is not proved.
+        Lower bound of the mean speeds of all bodies [m/s]; NaN where none is proved.
     """
 
     lowest: Codes
@@ -51,21 +51,21 @@ class Certain(NamedTuple):
 
 
 def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ratio: bool) -> Certain:
-    """Regimes and speeds that are certain while friction is known as a band, at every operating point.
+    """Return bounds on regime and speed for friction known as a band, at every operating point.
 
-    For bodies that start from rest on a drive along a line.
+    They hold for bodies that start from rest on a drive along a line.
 
     Parameters
     ----------
     scene : Scene
-        Operating points of any shape; their own frictions do not count.
+        Operating points of any shape; their own frictions are ignored.
     static_friction : pair of float
         Smallest and largest static friction [1].
     second_friction : pair of float
         Smallest and largest kinetic friction, or ratio of it to static friction [1]. The box is cut at
         mu_d <= mu_s.
     is_ratio : bool
-        Which of the two it is.
+        Whether ``second_friction`` is a ratio.
 
     Returns
     -------
@@ -75,22 +75,24 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
     Raises
     ------
     SceneError
-        If the drive does not move along a line, or a band cannot be; it lists all that is wrong.
+        If a band is invalid; it lists every problem.
+    InputError
+        If the drive does not move along a line (``Ability.PROOF``).
 
     Notes
     -----
-    The bounds are regimes of ``vibro.solve`` at corners of the box, equality at thresholds included. A body
-    leaves them nowhere, unless its friction and that of a corner are the same but for the last digits, and
-    rounding puts them on different sides. Where the bounds differ there are bodies of either regime, but for
-    two cases. On declines where the largest or the least kinetic friction changes with static friction (a
-    ratio, or the cut) no corner need be the first or the last to slip back: there that edge of the box is
-    halved until all its parts are proved, and a sliver beside the threshold stays open
-    (tests/inverse/test_certain.py counts its cells). And of a box that holds bodies without static friction
-    ``lowest`` is -1 and ``highest`` back slip, where they do not hop.
+    The bounds are regimes of ``vibro.solve`` at corners of the box, equality at thresholds included. Every
+    body stays within them, except where its friction equals that of a corner up to the last digits and
+    rounding puts the two on different sides of a threshold. Where the bounds differ, both regimes occur, with
+    two exceptions. First, on declines where the largest or the least kinetic friction changes with static
+    friction (a ratio, or the cut), the first or the last body to slip back may lie between corners: that edge
+    of the box is bisected until all its parts are proved, and a narrow interval at the threshold stays
+    undecided (tests/inverse/test_certain.py counts its cells). Second, if the box holds bodies without static
+    friction, ``lowest`` is -1 and ``highest`` back slip, where they do not hop.
 
-    ``speed_min`` is the speed of the roughest body, where none slips back and kinetic friction of all
-    outweighs the weight down the trough (theory.md, section 14), or where all rest; of a single body its own.
-    It is NaN where bodies may slip back or hop.
+    ``speed_min`` is the speed of the body with the highest friction, where no body slips back and kinetic
+    friction exceeds the weight component down the trough for all (theory.md, section 14), or where all rest.
+    For a single body it is the body's own speed. It is NaN where bodies may slip back or hop.
 
     Why corners: both onsets, Eq. (5), rise with mu_s. Of its speed over A w a forward slide keeps
     cos p - cos q - k (q - p) until the back window closes, where sin p = s_f and sin q = -s_b, Eq. (17). That
@@ -123,7 +125,7 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
         lost = (highest == Regime.UNDEFINED) & (lowest >= 0)
         lowest = np.where(lost, np.int8(Regime.UNDEFINED), lowest)
         highest = np.where(lost, np.int8(Regime.BACK_SLIP), highest)
-    if least[0] < most[0]:  # all bodies may have more kinetic friction than the one that was looked at
+    if least[0] < most[0]:  # all bodies may have more kinetic friction than the one that was solved
         _settle(scene, lowest, box, was=Regime.BACK_SLIP, otherwise=Regime.FORWARD_SLIP)
     if least[1] < most[1]:
         _settle(scene, highest, box, was=Regime.FORWARD_SLIP, otherwise=Regime.BACK_SLIP)
@@ -138,7 +140,7 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
 
 
 def _bodies(scene: Scene, static_friction: Floats, kinetic_friction: Floats) -> Scene:
-    """Put one body at every operating point."""
+    """Return the operating points with the frictions of one body."""
     fields = scene.arrays()._asdict()
     fields.update(static_friction=static_friction, kinetic_friction=kinetic_friction)
     return Scene.allowing_infeasible(**fields)
@@ -149,11 +151,11 @@ def _regimes(scene: Scene, static_friction: Floats, kinetic_friction: Floats) ->
 
 
 def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Regime) -> None:
-    """Change a bound, in place, where on a decline not all bodies are proved to keep to it.
+    """Change a bound in place on declines where it is not proved for all bodies.
 
-    A body slips back more readily the less its static and the larger its kinetic friction. So every part of
-    the band of static friction is proved by a body beyond the last one there, refuted by the one in
-    its middle, and halved where neither does.
+    A body slips back at a lower load the lower its static and the higher its kinetic friction. So each part
+    of the band of static friction is proved by a body that bounds it, refuted by the body in its middle, and
+    bisected if neither decides.
     """
     slips_back = was is Regime.BACK_SLIP
     last = 0 if slips_back else 1  # the end of kinetic friction
@@ -179,10 +181,10 @@ def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Reg
 
 
 def _slips_back(fields: Line, static_friction: Floats, kinetic_friction: Floats) -> Bools:
-    """Tell which bodies on a decline slip back, by Eqs. (5) and (17).
+    """Return whether bodies on a decline slip back, by Eqs. (5) and (17).
 
-    One that static friction does not hold runs away forward, as one does that it barely holds and kinetic
-    friction does not brake: so it is taken as barely held.
+    A body that static friction cannot hold at rest runs away forward. So does one that it just holds and that
+    kinetic friction does not slow down, so the former is replaced by the latter.
     """
     held = np.maximum(static_friction, np.abs(np.tan(fields.trough_angle)))
     return back_slip_of(fields._replace(static_friction=held, kinetic_friction=kinetic_friction))

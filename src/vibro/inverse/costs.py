@@ -1,4 +1,4 @@
-"""What small changes of the inputs cost: by how much the mean speed follows each of them."""
+"""Sensitivity of the mean speed to small changes of each input."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vibro.steady import solve
 
 __all__ = ["speed_costs"]
 
-_STEP: Final = 1e-5  # [1, rad] of differences
+_STEP: Final = 1e-5  # [1, rad] step of the finite differences
 # Inputs of a scene with an elliptical drive, and whether each is an angle.
 _OF_ELLIPSES: Final = {
     "along_amplitude": False, "normal_amplitude": False, "normal_phase": True, "frequency": False,
@@ -24,7 +24,7 @@ _OF_ELLIPSES: Final = {
 
 
 def speed_costs(scene: Scene) -> dict[str, float]:
-    """Tell by how many percent the mean speed changes if one input changes a little.
+    """Return by how many percent the mean speed changes for a small change of each input.
 
     Parameters
     ----------
@@ -34,12 +34,12 @@ def speed_costs(scene: Scene) -> dict[str, float]:
     Returns
     -------
     dict of str to float
-        ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: for 1 % more
-        of it, d ln v / d ln x; of an elliptical drive ``along_amplitude`` and ``normal_amplitude`` in place
-        of amplitude and drive angle. ``trough_angle_deg`` and ``normal_phase_deg``: for 1 deg more, since
-        1 % of an angle near 0 is nothing. Positive is faster, and faster backwards where the body is conveyed
-        backwards. All are NaN where there is no such number: the body rests, slides to and fro without being
-        conveyed, hops, or has no steady cycle [%].
+        ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change for
+        1 % more of it, d ln v / d ln x; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
+        instead of amplitude and drive angle. ``trough_angle_deg`` and ``normal_phase_deg``: change for 1 deg
+        more, since 1 % of an angle near 0 is nothing. Positive values mean faster, also for a body that is
+        conveyed backwards. All are NaN if the body rests, slides to and fro without being conveyed, hops, or
+        has no steady cycle [%].
 
     Raises
     ------
@@ -48,8 +48,8 @@ def speed_costs(scene: Scene) -> dict[str, float]:
 
     Notes
     -----
-    Closed form, Eq. (51); of elliptical drives differences. They hold within the pattern of the scene, not
-    across the jumps where slip begins or back slip enters.
+    Lines use the closed form, Eq. (51), ellipses finite differences. The values hold within the pattern of
+    the scene, not across the jumps where slip begins or back slip enters.
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
@@ -69,7 +69,7 @@ def speed_costs(scene: Scene) -> dict[str, float]:
 
 
 def _differences(scene: Scene) -> dict[str, float]:
-    """Tell the same of an elliptical drive, by differences over steps within which the pattern stays."""
+    """Return ``speed_costs`` of an elliptical drive by central differences; NaN where the pattern changes."""
     fields = {name: float(value) for name, value in scene.arrays()._asdict().items()}
     costs = {}
     for name, is_angle in _OF_ELLIPSES.items():

@@ -40,13 +40,13 @@ def design(spec: str | os.PathLike[str] | Mapping[str, Any]) -> DesignResult:
     Returns
     -------
     DesignResult
-        For every drive and each of the regimes forward-slip, back-slip and hopping the gentlest, the fastest
+        For every drive and each of the regimes forward-slip, back-slip and hopping: the gentlest, the fastest
         and the safest design.
 
     Raises
     ------
     InputError
-        If the question cannot be; it lists all that is wrong.
+        If the question is invalid; it lists every problem.
     FileError
         If the file cannot be read.
 
@@ -66,7 +66,7 @@ def design(spec: str | os.PathLike[str] | Mapping[str, Any]) -> DesignResult:
 
 
 def find_designs(spec: Spec, tell: Callable[[int, int], None] | None = None) -> DesignResult:
-    """Find the designs of a checked question; ``tell`` is told how many of all are found."""
+    """Find the designs of a checked question; call ``tell`` with the numbers found and wanted."""
     designs: list[Design] = []
     settings: list[tuple[float, ...] | None] = []
     total = len(spec.drives) * len(_REGIMES) * len(KINDS)
@@ -95,13 +95,13 @@ class Chosen:
     drive : Drive
         Its drive.
     design : Design
-        The safest of the best drive within the goal's regime; the fastest where no drive meets the goal.
+        The safest of the best drive within the goal's regime; if no drive meets the goal, the fastest.
     setting : Setting
         In SI units and radians.
     loads : dict of str to float
-        Load now over the load at which something happens first, or last.
+        Load of the setting over the critical load of the first, or the last, body [1].
     costs : dict of str to float
-        Change of the speed in the middle of all bands for 1 % of an input, by its field [%].
+        Change of the nominal speed for a change of 1 % (angles: 1 deg) of each input, by field [%].
     """
 
     drive: Drive
@@ -112,7 +112,7 @@ class Chosen:
 
 
 def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
-    """Choose a design to be shown; None where nothing is guaranteed at all."""
+    """Return the design that the report shows; None if no design guarantees any speed."""
     highest = spec.goal.highest_regime
     wanted = "safest" if result.met else "fastest"
     rows = [
@@ -130,7 +130,7 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
 
 
 def _loads(box: Box) -> dict[str, float]:
-    """Load now over the load at which something happens first, or last."""
+    """Return the load over the critical loads of the first body to slip back or hop and the last to start."""
     return {
         "the first part slips back": first_ratio(box, Regime.BACK_SLIP),
         "the first part hops": first_ratio(box, Regime.HOPPING),

@@ -1,4 +1,4 @@
-"""The gentlest, the fastest and the safest setting of an elliptical drive, by evolutions."""
+"""Settings of an elliptical drive of least acceleration, top speed or largest margin, by evolution."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ _IN_CONTACT: Final = Effort(population=5, generations=100, margins=33, margin=1e
 _FLYING: Final = Effort(population=7, generations=3, margins=17, margin=1e-2, scale=0.1, exchanges=1)
 _BOUNCING: Final = Effort(
     population=5, generations=1, margins=5, margin=0.1, scale=0.3, exchanges=1
-)  # they take long
+)  # solving bouncing bodies takes long
 _NUDGES: Final = 3  # steps of the last digit that amplitudes may be moved inwards
-# Costs of settings that do not do it, each worse than the one before: [1] over loads and speeds.
+# Costs of settings that fail: too slow, at rest, forbidden. [1] Far above any load or speed, in rising order.
 _SLOW: Final = 1e6
 _RESTS: Final = 2e6
 _FORBIDDEN: Final = 3e6
@@ -50,16 +50,16 @@ _FORBIDDEN: Final = 3e6
 class EllipseOptimiser(Exchange):
     """Optimal settings of an elliptical drive.
 
-    Every free amplitude, phase and frequency is a coordinate of one search: of the frequency the least is not
+    Every free amplitude, phase and frequency is a coordinate of one search. The lowest frequency is not
     always the best here, since one amplitude may be fixed.
 
     Parameters
     ----------
     question : Question
-        What is asked.
+        Drive, goal and bands.
     """
 
-    surpluses = (0.0, 1e-4, 1e-2)  # each asks for a search
+    surpluses = (0.0, 1e-4, 1e-2)  # one search each
     least_set_by = "limit"
 
     def __init__(self, question: Question) -> None:
@@ -71,7 +71,7 @@ class EllipseOptimiser(Exchange):
         self._checked = question.highest
 
     def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
-        """Look for the body that slips back first, too, where none may."""
+        """Search for slower bodies and, if none may slip back, for the one that slips back first."""
         slower = super().finds_slower(optimum, scale)
         if self._checked is not Regime.FORWARD_SLIP:
             return slower
@@ -83,7 +83,7 @@ class EllipseOptimiser(Exchange):
         return slower or self.scenarios.size > known
 
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
-        """Return the fastest setting for the bodies looked at."""
+        """Return the fastest setting for the current scenarios."""
 
         def cost(setting: Setting, shares: Floats) -> Floats:
             speeds = self.least(setting, scale)
@@ -95,7 +95,7 @@ class EllipseOptimiser(Exchange):
         return Optimum(setting, -least) if least < 0.0 else None
 
     def _least_acceleration(self, target: float) -> Optimum | None:
-        """Return the setting of least load that reaches a speed, for the bodies looked at."""
+        """Return the setting of least load that reaches a speed, for the current scenarios."""
 
         def cost(setting: Setting, shares: Floats) -> Floats:
             speeds = self.least(setting, 1.0)
@@ -111,7 +111,7 @@ class EllipseOptimiser(Exchange):
     def _best(
         self, cost: Callable[[Setting, Floats], Floats], scale: float, generations: int
     ) -> tuple[Setting, float]:
-        """Return the best setting of all ranges of the frequency, and its cost."""
+        """Return the best setting over all frequency ranges, and its cost."""
         ranges = self._question.drive.frequency
         return min((self._best_of(cost, f, scale, generations) for f in ranges), key=lambda best: best[1])
 
@@ -122,7 +122,7 @@ class EllipseOptimiser(Exchange):
         scale: float,
         generations: int,
     ) -> tuple[Setting, float]:
-        """Minimise the cost of settings and of the shares of their amplitudes, and say what it is."""
+        """Return the setting of least cost within one frequency range, and its cost."""
         along, normal, phases, _ = spans = self._spans(frequency)
         free = np.array([low < high for low, high in spans])
         count = int(free.sum())
@@ -156,7 +156,7 @@ class EllipseOptimiser(Exchange):
         return x, y, phase, frequency
 
     def _most_normal(self, frequency: Floats, scale: float) -> Floats:
-        """Largest nominal amplitude normal to the trough: up to the hop, or the last throw number sought."""
+        """Return the largest nominal normal amplitude [m]: where bodies hop, or reach ``MOST_THROW``."""
         question = self._question
         unit = question.box(Setting(1.0, 1.0, 0.0, 1.0), scale)
         weight = question.spec.gravity * unit.hop_load / (2.0 * np.pi * frequency) ** 2
@@ -164,9 +164,9 @@ class EllipseOptimiser(Exchange):
         return np.asarray(most * weight / question.growth(scale) * (1.0 - TOLERANCES.beside))
 
     def _most_along(self, frequency: Floats, normal_amplitude: Floats, phase: Floats) -> Floats:
-        """Largest amplitude along the trough that the drive's acceleration allows; 0 where it allows none.
+        """Return the largest amplitude along the trough that the drive's acceleration allows, or 0 [m].
 
-        With reach R an ellipse fits in where (R^2 - X^2) (R^2 - Y^2) is at least (X Y cos phi)^2.
+        An ellipse stays within a radius R where (R^2 - X^2) (R^2 - Y^2) is at least (X Y cos phi)^2.
         """
         acceleration = self._question.drive.acceleration * self._question.spec.gravity
         if math.isinf(acceleration):
@@ -176,26 +176,26 @@ class EllipseOptimiser(Exchange):
         sine = share * np.sin(phase)
         with np.errstate(divide="ignore", invalid="ignore"):
             rest = (1.0 - share) * (1.0 + share) / ((1.0 - sine) * (1.0 + sine))
-        # upright where the normal amplitude takes it all
+        # the motion is purely normal where the normal amplitude uses up the acceleration
         most = reach * np.sqrt(np.nan_to_num(rest, nan=0.0)) * (1.0 - TOLERANCES.beside)
         return np.where(normal_amplitude <= reach, most, 0.0)
 
     def has_more(self) -> bool:
-        """Whether some setting, or a wider band, is allowed here that a lower regime does not allow."""
+        """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
         question, drive = self._question, self._question.drive
         fastest = max(high for _, high in drive.frequency)
         widest = question.box(Setting(1.0, drive.span("normal_amplitude")[1], 0.0, fastest), MOST_MARGIN)
         return not question.flies or widest.throw_number > 1.0 - TOLERANCES.beside
 
     def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
-        """Return settings in the units outside with so many digits, from the nearest one inwards."""
+        """Return settings in users' units rounded to some digits, from the nearest one inwards."""
         f, ranges = setting.frequency, self._question.drive.frequency
         spans = self._spans(min(ranges, key=lambda span: max(span[0] - f, f - span[1])))
         values = [float(QUANTITIES[name].from_si(x)) for name, x in setting._asdict().items()]
         step = 1 if up else -1
         for steps in product(range(-step, step * _NUDGES, step), repeat=2):
             sizes = [moved(x, digits, n, up=up) for x, n in zip(values, steps, strict=False)]
-            # a phase has its digits after the point: 0 is one like all others
+            # a phase is rounded to decimals, not to significant digits, since it may be 0
             rounded = [*sizes, round(values[2], digits - 3), values[3]]
             yield tuple(
                 within(x, name, span, digits)
@@ -203,12 +203,12 @@ class EllipseOptimiser(Exchange):
             )
 
     def is_allowed(self, setting: Setting) -> bool:
-        """Tell whether a drive may be set so."""
+        """Return whether the drive's acceleration allows a setting."""
         load = float(self._question.load(setting))
         return load <= self._question.drive.acceleration * (1.0 + TOLERANCES.converted)
 
     def keeps_to_regime(self, found: Found) -> bool:
-        """Tell whether every body of a setting keeps to the regime, as far as searches find."""
+        """Return whether every body found by the searches keeps to the regime."""
         if any(regime > self._question.highest for regime in found.guarantee.regimes):
             return False
         if self._question.highest is not Regime.FORWARD_SLIP:
@@ -216,7 +216,7 @@ class EllipseOptimiser(Exchange):
         return first_ratio(self._question.box(found.setting), Regime.BACK_SLIP) <= 1.0
 
     def limit(self, found: Found, scale: float) -> str:
-        """Tell what keeps a setting from being better with bands of a scale."""
+        """Return the name of a setting's active constraint, with bands scaled by a factor."""
         question, setting, drive = self._question, found.setting, self._question.drive
         if question.landings.scaled(TOLERANCES.nearly).worst(question.box(setting, scale)).size:
             return "limit"
@@ -238,7 +238,7 @@ class EllipseOptimiser(Exchange):
         return "limit" if any(at_most) else "speed"
 
     def first_cap(self) -> str:
-        """Tell what ends the load before any speed is guaranteed."""
+        """Return the constraint that bounds the load before any speed is guaranteed."""
         question = self._question
         lowest = min(low for low, _ in question.drive.frequency)
         if question.drive.span("normal_amplitude")[0] > float(self._most_normal(np.array(lowest), 1.0)):
@@ -248,7 +248,7 @@ class EllipseOptimiser(Exchange):
         return "back slip" if slips else "limit"
 
     def _forbids(self, setting: Setting, scale: float) -> str:
-        """Tell what keeps a setting from being allowed: what it may do without."""
+        """Return the constraint that forbids a setting: the one without which it would be allowed."""
         spec = self._question.spec
         anywhere = replace(spec, stand_ratio=math.inf)
         for name, question in {
@@ -263,7 +263,7 @@ class EllipseOptimiser(Exchange):
 
 
 def _below(most: Floats, span: Span, share: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """Value at a share of what of a range is allowed, and whether anything is."""
+    """Return the value at a share of the allowed part of a range, and whether there is such a part."""
     low, high = span
     top = np.clip(most, low, high)
     return np.where(share == 1.0, top, low + share * (top - low)), most >= low * (1.0 - math.ulp(1.0))

@@ -1,7 +1,7 @@
 """Optimal settings of a drive by an exchange of scenarios, for every kind of drive.
 
-A setting is optimal for some scenarios of its box. A body that turns out to be slower there than all of them
-becomes a scenario too, and the setting is optimised again.
+A setting is optimised for a few scenarios of its uncertainty set. If a search of the whole set finds a body
+that is slower than all of them, that body joins the scenarios, and the setting is optimised again.
 """
 
 from __future__ import annotations
@@ -33,30 +33,30 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_MARGIN", "SCATTERED", "SEED", "Effort", "Exchange", "Found", "Optimum"]
 
-#: Factor on the bands up to which a margin is followed.
+#: [1] Largest margin that is searched: factor on the bands.
 MOST_MARGIN: Final = 10.0
 
 SEED: Final = 1
-SCATTERED: Final = 4  # settings looked at first over those of each round of scattered ones
-_STEPS: Final = 60  # at most, to the root of a speed
-_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's drift, for every body that was the slowest
+SCATTERED: Final = 4  # settings of the first round of sampling over those of each later round
+_STEPS: Final = 60  # iterations at most of the root search
+_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's band, added for each slowest body
 
 
 @dataclass(frozen=True, kw_only=True)
 class Effort:
-    """How closely is looked.
+    """Sizes and resolutions of the searches.
 
     Attributes
     ----------
     population, generations : int
-        Of an evolution, or settings looked at first and rounds of scattered ones; the first as its base-2
-        logarithm.
+        Size of an evolution's population, as a base-2 logarithm, and its generations; for bodies that hop,
+        the first samples and the further rounds.
     margins : int
-        Margins of one setting looked at at once.
+        Margins of one setting that are evaluated at once.
     margin, scale : float
-        To which margins are found, and the scale at which the safest setting is the fastest one.
+        Tolerances of margins, and of the scale of the bands at which the safest setting is the fastest one.
     exchanges : int
-        How often slower bodies are looked for.
+        Largest number of searches for slower bodies.
     """
 
     population: int
@@ -68,7 +68,7 @@ class Effort:
 
 
 class Optimum(NamedTuple):
-    """A setting, and the speed that the bodies looked at reach there [m/s]."""
+    """A setting, and the least speed of the scenarios there [m/s]."""
 
     setting: Setting
     speed: float
@@ -86,72 +86,72 @@ class Found:
 
 
 class Exchange(ABC):
-    """Optimal settings for one question.
+    """Finds optimal settings for one question.
 
     Parameters
     ----------
     question : Question
-        What is asked.
+        Drive, goal and bands.
     effort : Effort
-        How closely is looked.
+        Sizes of the searches.
     shares : (axes, n) array
-        The bodies looked at first.
+        Unit-cube coordinates of the first scenarios.
     """
 
-    #: Highest regime that a body may have to be counted at all; what its load tells need not be looked for.
+    #: Bodies in a higher regime than this count as the slowest; where the load excludes them it is hopping.
     _checked = Regime.HOPPING
 
-    #: Shares of the goal beyond it, for which a gentlest setting is sought that can be rounded.
+    #: Relative surpluses over the goal, tried in turn until a least-acceleration setting survives rounding.
     surpluses: tuple[float, ...]
-    #: What the gentlest design is set by that is faster than it need be.
+    #: The active constraint of a least-acceleration design that exceeds its target.
     least_set_by: str
 
     def __init__(self, question: Question, effort: Effort, shares: Floats) -> None:
         self._question, self._effort = question, effort
-        #: The bodies looked at.
+        #: The bodies for which settings are optimised.
         self.scenarios = Scenarios.fixed(shares)
 
     @abstractmethod
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
-        """Return the fastest setting for the bodies looked at."""
+        """Return the fastest setting for the current scenarios."""
 
     @abstractmethod
     def _least_acceleration(self, target: float) -> Optimum | None:
-        """Return the setting of least load that reaches a speed, for the bodies looked at."""
+        """Return the setting of least load that reaches a speed, for the current scenarios."""
 
     @abstractmethod
     def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterable[tuple[float, ...]]:
-        """Return knobs in the units outside, with so many digits, from the nearest setting inwards."""
+        """Return settings in users' units rounded to some digits, from the nearest one inwards."""
 
     @abstractmethod
     def is_allowed(self, setting: Setting) -> bool:
-        """Tell whether the drive may be set so."""
+        """Return whether the drive allows a setting."""
 
     @abstractmethod
     def limit(self, found: Found, scale: float) -> str:
-        """Name the active constraint of a setting with bands of a scale."""
+        """Return the name of a setting's active constraint, with bands scaled by a factor."""
 
     @abstractmethod
     def first_cap(self) -> str:
-        """Name what ends the load before any speed is guaranteed."""
+        """Return the constraint that bounds the load before any speed is guaranteed."""
 
     def has_more(self) -> bool:
-        """Whether some setting, or a wider band, is allowed here that a lower regime does not allow."""
+        """Whether this regime allows a setting, or a wider band, that lower regimes forbid."""
         return True
 
     def keeps_to_regime(self, found: Found) -> bool:
-        """Tell whether every body of a setting keeps to the regime."""
+        """Return whether every body of a setting keeps to the regime."""
         return True
 
     def _minimised(self, cost: Callable[[Floats], Floats], first: Floats, generations: int) -> Floats:
-        """Return the point of least cost, of shape (d, 1): what hops is smooth in nothing, and is sampled."""
-        if self._question.flies:  # one look at many settings is cheaper than many looks at few
+        """Return the point of least cost, of shape (d, 1); hopping speeds are not smooth, and are sampled."""
+        if self._question.flies:  # one call for many settings is cheaper than many calls for a few
             more = first.shape[1] // SCATTERED
             return scatter(cost, first, more=more, rounds=self._effort.generations, seed=SEED)[0]
         return evolve(cost, first, generations=generations, seed=SEED)[0]
 
     def fastest(self, scale: float = 1.0) -> Optimum | None:
-        """Return the setting of the largest guaranteed speed; None where none guarantees any."""
+        """Return the setting of the largest guaranteed speed; None if no setting guarantees any."""
 
         def best() -> Optimum | None:
             return self._fastest(scale, self._effort.generations)
@@ -159,11 +159,11 @@ class Exchange(ABC):
         return self._exchanged(best, scale)
 
     def least_acceleration(self, target: float) -> Optimum | None:
-        """Return the setting of least acceleration that guarantees a speed [m/s]; None where none does."""
+        """Return the setting of least acceleration that guarantees a speed [m/s]; None if there is none."""
         return self._exchanged(lambda: self._least_acceleration(target), 1.0)
 
     def safest(self, target: float) -> Optimum | None:
-        """Return the setting of the largest margin for a speed [m/s]; None where none guarantees it."""
+        """Return the setting of the largest margin for a speed [m/s]; None if none guarantees the speed."""
         if not self._question.spec.has_bands:
             best = self.fastest()
             return best if best is not None and best.speed >= target else None
@@ -175,7 +175,7 @@ class Exchange(ABC):
         return found
 
     def _safest(self, target: float) -> tuple[Optimum | None, float]:
-        """Return the setting that holds at the largest scale, and that scale."""
+        """Return the setting that reaches the speed at the largest scale of the bands, and that scale."""
         holds: dict[float, Optimum] = {}
 
         def surplus(scale: float) -> float:
@@ -196,9 +196,9 @@ class Exchange(ABC):
         return holds[widest], widest
 
     def margin(self, setting: Setting, target: float) -> float | None:
-        """Return the largest scale at which a setting guarantees a speed; None where none does.
+        """Return the largest scale of the bands at which a setting guarantees a speed; None without one.
 
-        Boxes of growing scale hold each other, so that what fails at one fails at every larger one.
+        Boxes of growing scale contain each other, so a setting that fails at one fails at every larger one.
         """
         margin = self._margin(setting, target)
         for _ in range(self._effort.exchanges):
@@ -222,20 +222,20 @@ class Exchange(ABC):
         return float(inside)
 
     def holds(self, setting: Setting, target: float) -> bool:
-        """Tell whether the bodies looked at reach a speed at a setting, within the regime."""
+        """Return whether all scenarios reach a speed at a setting, within the regime."""
         one = Setting(*(np.array([float(x)]) for x in setting))
         return bool(self._holds(one, 1.0)[0] and self.least(one, 1.0)[0] >= target)
 
     def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
-        """Tell whether settings keep to the regime, as far as that is known before bodies are looked at."""
+        """Return whether settings keep to the regime, as far as that is known before bodies are solved."""
         return np.ones(np.broadcast_shapes(np.shape(setting[0]), np.shape(scale)), np.bool_)
 
     def least(self, setting: Setting, scale: Floats | float) -> Floats:
-        """Least speeds of the bodies looked at, at settings [m/s]."""
+        """Return the least speed of the scenarios at each setting [m/s]."""
         return least_of(self._question.speeds(setting, self.scenarios, scale))
 
     def _exchanged(self, best: Callable[[], Optimum | None], scale: float) -> Optimum | None:
-        """Find an optimum again until no body is slower there than those looked at."""
+        """Repeat an optimisation until no body is slower at the optimum than the scenarios."""
         found = best()
         for _ in range(self._effort.exchanges):
             if found is None or not self.finds_slower(found, scale):
@@ -244,7 +244,7 @@ class Exchange(ABC):
         return found
 
     def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
-        """Look for a body that is slower at an optimum than those looked at; look at it from now on."""
+        """Search for a body slower than all scenarios at an optimum, add it; return whether there is one."""
         box = self._question.box(optimum.setting, scale)
         slowest = bound(box, fast=False, seen=Seen(), seeds=1, highest=self._checked).extreme
         new = self._question.landings.worst(box)

@@ -1,7 +1,7 @@
 """Slowest and fastest bodies of a box: an optimiser for those in contact, samples for those that hop.
 
-Both follow theory.md, section 14: a body is slower on a steeper trough, whatever its pattern, and of all
-settings with one load the one of the highest frequency is the slowest.
+Both use theory.md, section 14: in every pattern a body is slower on a steeper trough, and among settings with
+the same load the one of the highest frequency is the slowest.
 """
 
 from __future__ import annotations
@@ -33,35 +33,35 @@ __all__ = [
     "searched", "speeds_of", "taken",
 ]  # fmt: skip
 
-# Standard errors by which the speed of a body counts as less than its mean, where that is a mean.
+# Standard errors that are subtracted from a speed that is a statistical mean.
 _ERRORS: Final = 3.0
 
-#: Searches with different seeds, of which the best counts.
+#: Searches with different seeds; the best result counts.
 SEEDS: Final = 3
 _SEED: Final = 1  # of samples
-_POPULATION: Final = 24  # settings a coordinate
+_POPULATION: Final = 24  # points per coordinate
 _GENERATIONS: Final = 100
-_DIPS: Final = np.linspace(0.0, 1.0, 257)  # shares of the load looked at beside every corner
+_DIPS: Final = np.linspace(0.0, 1.0, 257)  # shares of the load tried at every corner
 _SEEDED: Final = 8  # of these in every first population
 
-# Samples of hopping bodies: base-2 logarithms of those looked at first, and in each round around the extreme
-# ones; the second pair where impacts are not plastic, which takes a hundred times as long.
+# Samples of hopping bodies: base-2 logarithms of those of the first round, and of each round around the
+# extreme ones; the second pair for impacts that are not plastic, which take a hundred times as long.
 _SAMPLES: Final = {False: (11, 7), True: (6, 5)}
-_LOOKS: Final = 12  # base-2 logarithm of the samples whose regimes are looked at
+_LOOKS: Final = 12  # base-2 logarithm of the samples whose regimes are solved
 _LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
 _ROUNDS: Final = 3  # of samples closer to the extreme ones
 
 
 @dataclass
 class Seen:
-    """What happened at the points that were looked at."""
+    """Regimes and other events at all points solved so far."""
 
     regimes: set[Regime] = field(default_factory=set)
     coexists: bool = False
     excluded: int = 0
 
     def add(self, cycle: SteadyCycle) -> None:
-        """Take note of what happens in these cycles."""
+        """Record the regimes and events of these cycles."""
         self.regimes |= {Regime(code) for code in np.unique(cycle.regime) if code >= 0}
         self.coexists |= bool(np.any(np.asarray(cycle.coexists) > 0))
 
@@ -73,11 +73,11 @@ class Extreme:
     Attributes
     ----------
     speed : float
-        Its mean speed [m/s]; infinite where a body has none; NaN if there is no body.
+        Its mean speed [m/s]; infinite if some body has none; NaN if there is no body.
     shares : array
-        Where, as shares of the bands, of shape (axes, 1).
+        Its unit-cube coordinates, of shape (axes, 1).
     scene : Scene
-        There.
+        The scene of that body.
     """
 
     speed: float
@@ -93,9 +93,9 @@ def speeds_of(
     seen: Seen | None = None,
     highest: Regime = Regime.HOPPING,
 ) -> Floats:
-    """Mean speeds of scenes as ``counted`` returns them; NaN where a body hops and no flight is wanted.
+    """Return mean speeds of scenes as ``counted`` does; NaN where a body hops and flight is not wanted.
 
-    A body in a higher regime than ``highest`` is slower, or faster, than all others.
+    A body in a higher regime than ``highest`` counts as slower, or faster, than all others.
     """
     cycle = solve(scene, flight=flight)
     if seen is not None:
@@ -105,22 +105,22 @@ def speeds_of(
 
 
 class Landings(NamedTuple):
-    """What landings may be at most: speed normal to the trough [m/s], and share of the time in flight."""
+    """Limits on landings: largest speed normal to the trough [m/s], largest share of the time in flight."""
 
     impact_speed: float = math.inf
     flight_fraction: float = math.inf
 
     def scaled(self, factor: float) -> Landings:
-        """Return limits that many times as large."""
+        """Return the limits multiplied by a factor."""
         return Landings(self.impact_speed * factor, self.flight_fraction * factor)
 
     def exceeded(self, cycle: SteadyCycle) -> NDArray[np.bool_]:
-        """Tell which bodies land too hard, or fly too long."""
+        """Return which bodies land too hard or fly too long."""
         too_hard = np.asarray(cycle.impact_velocity > self.impact_speed)
         return too_hard | (cycle.flight_fraction > self.flight_fraction)
 
     def worst(self, box: Box) -> Floats:
-        """Return the bodies of a box that exceed them most among samples, as shares, of shape (axes, n)."""
+        """Return the unit-cube coordinates, (axes, n), of the sampled bodies that exceed the limits most."""
         limited = math.isfinite(self.impact_speed) or math.isfinite(self.flight_fraction)
         if not limited or not box.may_hop:
             return np.empty((len(box.axes), 0))
@@ -142,8 +142,8 @@ ANY_LANDING: Final = Landings()
 def counted(cycle: SteadyCycle, *, fast: bool) -> Floats:
     """Mean speeds as they count in a guarantee [m/s].
 
-    A mean counts with three standard errors to its disadvantage. A body that runs away, or whose motion is
-    indeterminate, is slower, or faster, than all others. NaN where a hopping body could not be solved.
+    A statistical mean is reduced, or increased, by three standard errors. A body that runs away, or whose
+    motion is indeterminate, counts as slower, or faster, than all others. NaN if a hopping body was unsolved.
     """
     side = 1.0 if fast else -1.0
     status = np.asarray(cycle.status)
@@ -154,13 +154,13 @@ def counted(cycle: SteadyCycle, *, fast: bool) -> Floats:
 
 
 def least_of(speed: Floats) -> Floats:
-    """Least speed of each row of bodies; what is left out does not count, unless nothing else is there."""
+    """Return the least speed of each row of bodies, without NaN unless a row has nothing else."""
     known = ~np.isnan(speed)
     return np.where(known.any(axis=1), np.where(known, speed, np.inf).min(axis=1), -np.inf)
 
 
 def look_around(box: Box, seen: Seen) -> None:
-    """See which regimes there are in a box: at samples, corners, and corners where their regime changes."""
+    """Record which regimes occur in a box: at samples, at corners, and where corners change their regime."""
     free, middle = box.varies, np.full((len(box.axes), 1), 0.5)
     samples = [placed(free, sobol(int(free.sum()), _LOOKS, _SEED))] if free.any() else []
     shares = np.hstack([corners(free), *samples, middle])
@@ -169,9 +169,9 @@ def look_around(box: Box, seen: Seen) -> None:
 
 
 def _with_changes(box: Box, points: Points) -> Points:
-    """Add the corners at both sides of every load at which their regime changes."""
+    """Add points on both sides of every critical load of the corners."""
     ends = box.points(corners(box.varies))
-    if "drive_angle" in box.shape:  # the onset is least at the angle of friction
+    if "drive_angle" in box.shape:  # the onset load is least where the drive angle is the angle of friction
         angle = np.clip(np.arctan(ends.static_friction), *box.shape["drive_angle"])
         ends = ends.joined(ends._replace(shape=(angle,)))
     scene = box.scene(ends, fast=False)
@@ -185,9 +185,9 @@ def _with_changes(box: Box, points: Points) -> Points:
 def searched(
     box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING
 ) -> Extreme:
-    """Find the slowest or the fastest of the bodies in contact by differential evolution.
+    """Return the slowest or the fastest of the bodies in contact, by differential evolution.
 
-    The best of several seeds; against the reference designs and searches of ten times the size it is within
+    The best of several seeds; it agrees with the reference designs and with searches ten times as large to
     1e-9 (tests/inverse/test_guarantees.py, benchmarks/design.py).
 
     Parameters
@@ -195,13 +195,13 @@ def searched(
     box : Box
         A single box.
     fast : bool
-        Which of the two.
+        Whether to find the fastest body instead of the slowest.
     hops : bool
-        Whether some bodies of the box hop; they do not count here.
+        Whether some bodies of the box hop; these are left out.
     seen : Seen
-        Is told what happens.
+        Records the regimes.
     seeds : int
-        How many searches are made.
+        Number of searches.
     highest : Regime
         As for ``speeds_of``.
     """
@@ -223,13 +223,13 @@ def searched(
         points = box.points(shares_of(x))
         scene, other = (box.scene(points, fast=which) for which in (fast, not fast))
         speed = speeds_of(scene, fast=fast, flight=False, seen=seen, highest=highest)
-        # which of the frequencies is slow turns with the sign of the speed, which goes with 1/f
+        # the speed is proportional to 1/f, so its sign decides which frequency is the slow one
         return np.minimum(side * speed, side * speed * (scene.frequency / other.frequency))
 
     if not axes.size:
         return taken(box, fixed, fast=fast, flight=False, seen=seen, highest=highest)
     ends = corners(free)[axes]
-    if free[0]:  # of the load: past a drop the speed may fall for a while, within a sliver of the load
+    if free[0]:  # just past a drop the speed may go on falling, within a narrow interval of the load
         along = np.repeat(ends[:, ends[0] == 0.0], _DIPS.size, axis=1)
         along[0] = np.tile(_DIPS, along.shape[1] // _DIPS.size)
         ends = np.hstack([ends, along[:, np.argsort(cost(along))[:_SEEDED]]])
@@ -244,10 +244,10 @@ def searched(
 
 
 def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
-    """Find the slowest or the fastest of the bodies that hop among samples; NaN if none was found.
+    """Return the slowest or the fastest of the hopping bodies among samples; NaN if none was found.
 
-    Speeds of hopping bodies are not smooth in anything, so that a search has nothing to hold on to: a few
-    thousand points of the whole box, then some around the extreme ones.
+    Speeds of hopping bodies are not smooth in any coordinate, which defeats a search. So a few thousand
+    points of the whole box are sampled, then some around the extreme ones.
     """
     free = box.varies
     first, more = _SAMPLES[box.restitution > 0.0]
@@ -280,7 +280,7 @@ def taken(
     seen: Seen,
     highest: Regime = Regime.HOPPING,
 ) -> Extreme:
-    """Take the slower, or the faster, of the amplitudes and frequencies at a point."""
+    """Return the slower, or the faster, result of the amplitudes and frequencies that share a load."""
     scenes = [box.scene(box.points(shares), fast=which) for which in (fast, not fast)]
     found = [
         float(speeds_of(scene, fast=fast, flight=flight, seen=seen, highest=highest)[0]) for scene in scenes
@@ -291,6 +291,6 @@ def taken(
 
 
 def _may_run_away(box: Box) -> bool:
-    """Whether gravity along the trough outweighs kinetic friction for some body, up or down."""
+    """Whether the weight component along the trough exceeds kinetic friction for some body, up or down."""
     least, _ = box.kinetic_span(np.asarray(box.static_span[0]))
     return bool(least <= math.tan(max(abs(angle) for angle in box.trough_angle)))

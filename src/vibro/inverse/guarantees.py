@@ -1,4 +1,4 @@
-"""What holds for every point of a box of bands: ``vibro.guarantee``."""
+"""Bounds on speed and regime over a box of bands: ``vibro.guarantee``."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ _JUMPS: Final = {
 
 
 def guarantee(scene: Scene, **bands: Any) -> Guarantee:
-    """Speeds and regimes that hold for every point of a box of bands, for bodies that start from rest.
+    """Return bounds on speed and regime over a box of bands, for bodies that start from rest.
 
     Parameters
     ----------
     scene : Scene
-        One operating point; what has no band is known.
+        One operating point; it gives the values of fields without a band.
     **bands
         Pairs (low, high) by the names of fields, in SI units and radians: ``static_friction``,
         ``kinetic_friction`` or ``friction_ratio``, ``frequency``, ``trough_angle``, and those of the scene's
@@ -51,20 +51,22 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     Returns
     -------
     Guarantee
-        Infimum and supremum of the mean speed, where limits at a jump count, and what happens in the box.
+        Infimum and supremum of the mean speed (one-sided limits at a jump included), and the regimes.
 
     Raises
     ------
     SceneError
-        If the scene is more than one operating point, or a band cannot be; it lists all that is wrong.
+        If the scene is more than one operating point, or a band is invalid; it lists every problem.
+    InputError
+        If the drive has harmonics: it lacks ``Ability.FLIGHT``.
 
     Notes
     -----
-    Where the drive moves along a line and nothing slips back or hops the speed is monotone, so that corners
-    of the box have both ends (``corners``; theory.md, section 14). Else bodies in contact are searched by
-    differential evolution from several seeds (``searched``), and hopping ones sampled (``sampled``). Regimes
-    are those of all bodies that were looked at. A body whose motion has no short period counts with three
-    standard errors to its disadvantage.
+    If the drive moves along a line and no body slips back or hops, the speed is monotone, so that both
+    bounds lie at corners of the box (``corners``; theory.md, section 14). Otherwise bodies in contact are
+    searched by differential evolution from several seeds (``searched``), and hopping ones are sampled
+    (``sampled``). The regimes are those of all bodies that were solved. If a body's motion has no short
+    period, its mean speed is widened by three standard errors.
 
     Examples
     --------
@@ -79,7 +81,7 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
 
 
 def guarantee_of(box: Box) -> Guarantee:
-    """Return what holds in a single box."""
+    """Return the guarantee over a single box."""
     seen = Seen()
     look_around(box, seen)
     least, most = (bound(box, fast=fast, seen=seen) for fast in (False, True))
@@ -173,7 +175,7 @@ def _place(scene: Scene) -> dict[str, float]:
 
 
 def _limit(extreme: Extreme) -> str:
-    """Tell of which side a speed is the limit, where it jumps; empty where it does not."""
+    """Return the side from which a speed is the limit at a jump; empty where it does not jump."""
     at = _place(extreme.scene)
     load = float(np.ravel(extreme.scene.load)[0])
     known = critical_loads(extreme.scene)

@@ -1,4 +1,4 @@
-"""The gentlest, the fastest and the safest setting of a drive along a line.
+"""Settings of a drive along a line: of least acceleration, top speed or largest margin.
 
 Amplitude and frequency enter through the load G = A w^2 / g and a factor 1/f on all speeds, so that of all
 settings with one load the lowest frequency is the best: what is left to choose is a drive angle and a load.
@@ -46,12 +46,12 @@ _NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inw
 
 @dataclass(frozen=True, kw_only=True)
 class _Effort(Effort):
-    """How closely is looked.
+    """Sizes and resolutions of the searches.
 
     Attributes
     ----------
     angles, rounds : int
-        Drive angles looked at first, and rounds of looking closer.
+        Drive angles of the first grid, and rounds of refinement.
     loads : int
         Loads between which a speed is looked for.
     climbs : int
@@ -108,7 +108,7 @@ class LineOptimiser(Exchange):
     Parameters
     ----------
     question : Question
-        What is asked.
+        Drive, goal and bands.
     """
 
     surpluses = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
@@ -172,7 +172,7 @@ class LineOptimiser(Exchange):
         return question.space.setting(amplitude=amplitude, frequency=f, drive_angle=drive_angle)
 
     def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
-        """Tell whether settings keep to the regime."""
+        """Return whether settings keep to the regime."""
         question = self._question
         angles = question.space.turned(setting)["drive_angle"]
         caps = self._caps(np.reshape(angles, (-1, 1)), np.reshape(scale, (-1, 1)))
@@ -195,7 +195,7 @@ class LineOptimiser(Exchange):
         return low, high
 
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
-        """Return the fastest setting for the bodies looked at."""
+        """Return the fastest setting for the current scenarios."""
         search = self._fastest_at_the_top if self._monotone else self._fastest_below
         found = [search(choice, scale, generations) for choice in self._ranges]
         best = max(found, key=lambda optimum: optimum.speed)
@@ -253,7 +253,7 @@ class LineOptimiser(Exchange):
         return _optimum(settings(x)[2], float(speed(x)[0]))
 
     def _least_acceleration(self, target: float) -> Optimum | None:
-        """Return the setting of least load that reaches a speed, for the bodies looked at."""
+        """Return the setting of least load that reaches a speed, for the current scenarios."""
         found = []
         for choice in self._ranges:
 
@@ -321,7 +321,7 @@ class LineOptimiser(Exchange):
         return [(within(x, "amplitude", ends, digits), *near) for x in tried]
 
     def is_allowed(self, setting: Setting) -> bool:
-        """Tell whether the drive may be set so."""
+        """Return whether the drive allows a setting."""
         question, drive, slack = self._question, self._question.drive, TOLERANCES.converted
         turned = question.space.turned(setting)
         beyond = min(ends.distance(turned) for ends in self._ranges)

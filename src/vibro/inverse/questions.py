@@ -35,7 +35,7 @@ MOST_THROW: Final = 10.0
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of one drive within a regime.
+    """A question about one drive within a regime.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ class Finder:
     Attributes
     ----------
     question : Question
-        What is asked.
+        Drive, goal and bands.
     optimiser : Exchange
         What looks for optimal settings; it keeps the scenarios that it met.
     found : mapping of str to Found
@@ -103,7 +103,7 @@ def find(question: Question, calmer: Mapping[str, Found]) -> Finder:
     Parameters
     ----------
     question : Question
-        What is asked.
+        Drive, goal and bands.
     calmer : mapping of str to Found
         The designs within a lower regime, which are designs here too.
     """

@@ -151,6 +151,6 @@ def _drop_axis(box: Box, shares: Floats) -> int:
 
 
 def _slips_back(boxes: Box, points: Points) -> Bools:
-    """Tell which bodies slip back, or do more than that."""
+    """Return which bodies slip back or hop."""
     scene = boxes.scene(points, fast=False)
     return np.asarray(solve(scene, accuracy="regimes").regime >= Regime.BACK_SLIP)

@@ -105,7 +105,7 @@ class Space:
         raise NotImplementedError
 
     def motion(self, factor: Any, shape: tuple[Any, ...]) -> dict[str, Any]:
-        """Return the fields of a scene that tell its motion, but for the frequency."""
+        """Return the fields of a scene that describe its motion, except the frequency."""
         raise NotImplementedError
 
     def normal(self, shape: tuple[Any, ...]) -> Any:
@@ -344,7 +344,7 @@ class Box:
         return low, high
 
     def hops(self, points: Points) -> NDArray[np.bool_]:
-        """Tell which points throw their bodies."""
+        """Return which points make their bodies hop."""
         return np.asarray(points.load * self.space.normal(points.shape) > np.cos(points.trough_angle))
 
     def points(self, shares: Floats) -> Points:

@@ -1,7 +1,7 @@
 """Which amplitudes guarantee a speed: ``vibro.feasible_amplitudes``, and the windows of designs.
 
-The least speed of some scenarios is followed over the amplitude (``_Scan``); where it reaches the target,
-the slowest bodies of whole intervals are looked for, and followed too (``Family``).
+``_Scan`` computes the least speed of some scenarios over the amplitude. Where it reaches the target,
+``Family`` searches whole intervals for slower bodies, which join the scenarios.
 """
 
 from __future__ import annotations
@@ -50,16 +50,16 @@ _DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the drift in load, for ev
 
 
 class _Detail(NamedTuple):
-    """How closely is looked.
+    """Sizes and resolutions of a scan.
 
     Attributes
     ----------
     amplitudes, rounds : int
-        Amplitudes looked at first, and rounds of looking closer at extrema between them.
+        Amplitudes of the first grid, and rounds of refinement at extrema between them.
     end : float
         Relative width to which ends are found.
     exchanges, halves : int
-        How often slower bodies are looked for, and parts halved that are not confirmed.
+        Largest numbers of searches for slower bodies, and of bisections of unconfirmed intervals.
     edge : float
         Relative width to which an end is found by the slowest body of every amplitude.
     """
@@ -126,27 +126,28 @@ def feasible_amplitudes(
     limit : float, optional
         Largest nominal amplitude [m]; it must be finite where bodies may hop.
     amplitude_percent : float, optional
-        By how much the amplitude may be off its nominal value either way, in per cent of it.
+        Drift of the amplitude from its nominal value, either way, in per cent.
     **bands
-        As for ``vibro.guarantee``, but for the amplitude.
+        As for ``vibro.guarantee``, except the amplitude.
 
     Returns
     -------
     list of Interval
-        Closed intervals by rising amplitude [m], with what ends each below and above; empty where no
-        amplitude does it.
+        Closed intervals by rising amplitude [m], with the constraint at each end; empty if no amplitude
+        guarantees the speed.
 
     Raises
     ------
-    SceneError, InputError
-        If the scene is more than one operating point or of another drive than one along a line, or an
-        argument cannot be.
+    SceneError
+        If the scene is more than one operating point, or a band is invalid.
+    InputError
+        If the drive does not move along a line (it lacks ``Ability.PROOF``), or another argument is invalid.
 
     Notes
     -----
-    The least speed over the box is followed over the amplitude through every critical load and between its
-    extrema, and crossings are found to rounding. What it is over the box, ``vibro.guarantee`` confirms for
-    whole intervals; bodies that it finds slower are followed too.
+    The least speed of some scenarios is computed over the amplitude, with every critical load and extremum,
+    and its crossings of the target are found to rounding. ``vibro.guarantee`` then confirms whole intervals;
+    slower bodies that it finds join the scenarios.
 
     Examples
     --------
@@ -321,7 +322,7 @@ class Family:
         return bound(box, fast=False, seen=Seen(), seeds=seeds).extreme, self.landings.worst(box)
 
     def _holds(self, low: float, high: float, target: float, seeds: int = SEEDS) -> bool:
-        """Tell whether all amplitudes between two guarantee a speed."""
+        """Return whether all amplitudes between two guarantee a speed."""
         slowest, landing = self._slowest(low, high, seeds)
         return slowest.speed >= target * (1.0 - TOLERANCES.searched) and not landing.size
 
@@ -381,14 +382,14 @@ class Family:
         return float(close_in(holds, holding, failing, relative=width)[0])
 
     def ends_at(self, here: float, beyond: float, target: float) -> str:
-        """Tell what ends a window of one amplitude: what happens beyond it, unless that holds too."""
+        """Return the constraint that ends a window; "unconfirmed" if the goal is met just beyond it."""
         slowest, landing = self._slowest(beyond, beyond)
         if landing.size:
             return "limit"
         return self.ends_by(here, beyond) if slowest.speed < target else "unconfirmed"
 
     def ends_by(self, inside: float, outside: float) -> str:
-        """Tell whether the least speed jumps between two amplitudes, which it does where back slip enters."""
+        """Return "speed", or, if the least speed jumps between two amplitudes, "onset" or "back slip"."""
         here, there = (self._slowest(a, a)[0].speed for a in (inside, outside))
         if there >= here * (1.0 - TOLERANCES.fall):
             return "speed"
@@ -441,7 +442,7 @@ class _Scan:
         top_by : str
             What sets the second.
         detail : Detail
-            How closely is looked.
+            Resolution of the scan.
         near : float, optional
             An amplitude: of the intervals that alone is wanted which holds it.
         """
@@ -515,7 +516,7 @@ class _Scan:
         return close_in(surplus, holding, failing, relative=width)
 
     def _set_by(self, inside: float, outside: float) -> str:
-        """Tell what happens between two amplitudes of which one misses the target."""
+        """Return the constraint between an amplitude that reaches the target and one that misses it."""
         speed = self._speeds(np.array([inside, outside]))
         body = int(np.nanargmin(speed[1]))
         if abs(speed[0, body] - speed[1, body]) <= TOLERANCES.jump * abs(speed[0, body]):

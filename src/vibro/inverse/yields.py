@@ -1,4 +1,4 @@
-"""Which share of parts does it: ``vibro.yield_share``."""
+"""Share of the parts that reach a speed: ``vibro.yield_share``."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ _ERROR: Final = 3e-4
 
 
 def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any) -> tuple[float, float]:
-    """Share of the box of bands that reaches a speed without exceeding a regime.
+    """Return the share of a box of bands that reaches a speed without exceeding a regime.
 
     Parameters
     ----------
     scene : Scene
-        One operating point; what has no band is known.
+        One operating point; it gives the values of fields without a band.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"forward-slip", "back-slip", "hopping"}
@@ -50,8 +50,10 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
 
     Raises
     ------
-    SceneError, InputError
-        If the scene is more than one operating point, or an argument cannot be.
+    SceneError
+        If the scene is more than one operating point, or a band is invalid.
+    InputError
+        If the drive has harmonics (it lacks ``Ability.FLIGHT``), or another argument is invalid.
 
     Examples
     --------

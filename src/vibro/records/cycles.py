@@ -1,4 +1,4 @@
-"""The steady motions of many scenes at once, at the times of one record: what a search needs of the model."""
+"""Steady motions of many scenes at once, sampled at the times of one record, for searches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What repeats in every drive cycle of a noisy record: a harmonic regression with standard errors."""
+"""Periodic part of a noisy record: a regression on the drive's harmonics, with standard errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""At which frequency signals repeat, how sharply that is known, and whether it is that of the drive."""
+"""Frequency at which signals repeat, its standard error, and whether it is that of the drive."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TO_VELOCITY: Final = {"displacement": 1, "velocity": 0, "acceleration": -1, "fr
 
 
 class Repetition:
-    """How much of signals a frequency explains with its harmonics, beside an offset and a slow drift.
+    """Share of signals that a frequency explains with its harmonics, besides an offset and a slow drift.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ class Problem:
         return np.append(np.where(self._phases, 1.0, sizes), 1.0)
 
     def sides(self, point: Floats) -> tuple[bool, ...]:
-        """Tell on which side of a motion along a line each phase of a point lies.
+        """Return on which side of a motion along a line each phase of a point lies.
 
         The load of a slide is the same for a phase and its opposite, so that a record of one slide a cycle
         may fit with both: their misfits have two minima in one pattern.
