@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vibro.core.compiled import doors
+from vibro.drives import Ability
 from vibro.solver import Grid
 
 if TYPE_CHECKING:
@@ -82,6 +83,11 @@ def load_slope(scene: Scene, pattern: ArrayLike) -> Floats:
     array
         Over A; 0 at rest, NaN where there is no steady contact cycle [1].
 
+    Raises
+    ------
+    InputError
+        If the drive has harmonics.
+
     Notes
     -----
     Eqs. (45)-(50). Just above an onset it grows without bound, like 1 over the root of the distance.
@@ -109,12 +115,19 @@ def displacement_gradient(scene: Scene, pattern: ArrayLike) -> Gradient:
     Gradient
         0 at rest; NaN where there is no steady contact cycle.
 
+    Raises
+    ------
+    InputError
+        If the drive is not along a line.
+
     Notes
     -----
     Eqs. (45)-(50). Within 16 eps (1 + 1 / d) of its largest member of differences with 60 digits, where d is
     1 - s of the onsets in the cycle, and 1 - abs(t) / (mu_d n) in FB (tests/core/test_derivatives.py).
     """
-    grid, patterns = Grid(scene.arrays()), np.ascontiguousarray(pattern, np.int64)
+    fields = scene.arrays()
+    fields.require(Ability.PROOF)
+    grid, patterns = Grid(fields), np.ascontiguousarray(pattern, np.int64)
     found = np.empty((len(Gradient._fields), grid.size))
     buffers = doors().row(patterns), doors().rows(found)
     doors().displacement_gradients(grid.scenes, grid.place(), *buffers, 0, grid.size)
@@ -130,6 +143,11 @@ def slides_of(scene: Scene, pattern: ArrayLike) -> Slides:
         Operating points of any shape.
     pattern : int array_like
         ``SteadyCycle.pattern_code`` of each, of the scene's shape.
+
+    Raises
+    ------
+    InputError
+        If the drive has harmonics.
     """
     grid, patterns = Grid(scene.arrays()), np.ascontiguousarray(pattern, np.int64)
     found = np.empty((len(Slides._fields), 2 * grid.size))

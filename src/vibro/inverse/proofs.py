@@ -32,7 +32,7 @@ __all__ = [
 
 _EDGE: Final = 65  # static frictions at which an edge of the box is looked at
 _ROUNDS: Final = 5  # of looking closer, each by a factor of 32
-_FIRST: Final = 5  # base-2 logarithm of the bodies looked at first, beside corners, where none are proved
+_FIRST: Final = 5  # base-2 logarithm of the scenarios first, beside corners, where none are proved
 _GENERATIONS: Final = 60
 _SEED: Final = 1
 
