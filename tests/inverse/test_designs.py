@@ -10,10 +10,14 @@ from helpers.questions import answered
 
 import vibro
 from vibro.core.codes import Regime
+from vibro.drives import Line
 from vibro.inverse.designs import chosen_of
+from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
+from vibro.inverse.rows import Found
+from vibro.inverse.spaces import SPACES
 from vibro.results.designs import Design
 
 ORDER = ("forward-slip", "back-slip", "hopping")
@@ -134,6 +138,50 @@ def test_a_margin_counts_the_dip_of_the_speed_within_a_drift() -> None:
     margin = search.margin(safest.setting, 0.0323006)
     assert margin is not None
     assert margin > 2.25  # 2.057 by a grid of settings
+
+
+@pytest.mark.parametrize(("throw", "holds"), [(0.999, True), (1.001, False)])
+def test_parts_that_must_stay_upright_do_not_hop(throw: float, holds: bool) -> None:
+    """They never tip while they touch the trough, and nothing is known of how they land."""
+    drive = {"amplitude_mm": 5, "frequency_hz": 25, "drive_angle_deg": 30}
+    part = {"half_base_mm": 8, "centre_height_mm": 8}
+    scene = {"static_friction": 0.5, "friction_ratio": 0.9}
+    angle, weight = math.radians(30.0), 9.81 / (2.0 * math.pi * 25.0) ** 2
+    amplitude = throw * weight / math.sin(angle)
+    setting = SPACES[Line].setting(amplitude=amplitude, frequency=25.0, drive_angle=angle)
+    assert optimiser(one_drive(scene, drive, 5.0), Regime.HOPPING).holds(setting, 0.0)
+    assert optimiser(one_drive(scene, drive, 5.0, part=part), Regime.HOPPING).holds(setting, 0.0) is holds
+
+
+@pytest.mark.parametrize(("amplitude", "limit"), [(1e-3, "speed"), (2e-3, "limit")])
+def test_the_stroke_limits_a_setting_at_its_upper_end_alone(amplitude: float, limit: str) -> None:
+    drive = {"amplitude_mm": "0.5:2", "frequency_hz": 15, "drive_angle_deg": 20}
+    question = one_drive({"static_friction": 0.74, "kinetic_friction": 0.57}, drive, 5.0)
+    search, spec = optimiser(question), read_spec(question)
+    setting = SPACES[Line].setting(amplitude=amplitude, frequency=15.0, drive_angle=math.radians(20.0))
+    box = Question(spec, spec.drives[0], Regime.BACK_SLIP).box(setting)
+    assert search.limit(Found(setting, (), guarantee_of(box)), 1.0) == limit
+
+
+def test_a_margin_is_found_again_for_every_slower_body(monkeypatch: pytest.MonkeyPatch) -> None:
+    drive = {"amplitude_mm": 2, "frequency_hz": 15, "drive_angle_deg": 20}
+    search = optimiser(one_drive({"static_friction": "0.7:0.78", "kinetic_friction": 0.57}, drive, 5.0))
+    margins, slower = iter([3.0, 2.0, 1.5]), iter([True, True, False])
+    monkeypatch.setattr(search, "_margin", lambda *_: next(margins))
+    monkeypatch.setattr(search, "finds_slower", lambda *_: next(slower))
+    setting = SPACES[Line].setting(amplitude=1e-3, frequency=15.0, drive_angle=math.radians(20.0))
+    assert search.margin(setting, 5e-3) == 1.5
+
+
+def test_no_drive_drifts_beyond_the_vertical_on_the_steepest_trough() -> None:
+    drive = {"amplitude_mm": 2, "frequency_hz": 15, "drive_angle_deg": 79}
+    scene = {"static_friction": 0.7, "friction_ratio": 0.8, "trough_angle_deg": "7:8"}
+    spec = read_spec(one_drive(scene, drive, 5.0, drift={"drive_angle_deg": 1}))
+    setting = SPACES[Line].setting(amplitude=1e-3, frequency=15.0, drive_angle=math.radians(79.0))
+    box = Question(spec, spec.drives[0], Regime.BACK_SLIP).box(setting, 3.0)  # 6 to 9 deg, 76 to 82 deg
+    steepest = math.degrees(box.shape["drive_angle"][1] + box.trough_angle[1])
+    assert steepest == pytest.approx(90.0, abs=1e-3)
+    assert steepest < 90.0
 
 
 def test_the_nearest_drive_meets_the_goal() -> None:

@@ -16,7 +16,9 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import InputError, Regime, SceneError, Status
-from vibro.inverse import guarantees
+from vibro.inverse import guarantees, yields
+from vibro.inverse.bands import box_of
+from vibro.inverse.extremes import Landings
 from vibro.results.designs import Guarantee
 
 BANDED = (
@@ -290,6 +292,17 @@ def test_hopping_is_sampled() -> None:
     assert found.speed_max >= np.max((cycle.mean_velocity + 3 * error)[known]) - 0.02 * width
 
 
+def test_landings_are_hardest_at_the_lowest_frequency_of_a_load() -> None:
+    """Inside the band of the load, where amplitude and frequency may make up for each other."""
+    bands = {"amplitude": (8e-3, 11.5e-3), "frequency": (12.0, 15.0)}
+    scene = scene_with()
+    amplitude, frequency = np.meshgrid(*(np.linspace(*bands[name], 41) for name in bands))
+    cycle = vibro.solve(replaced(scene, amplitude=amplitude, frequency=frequency))
+    hardest, box = float(np.nanmax(cycle.impact_velocity)), box_of(scene, bands)
+    assert Landings(impact_speed=0.98 * hardest).worst(box).size
+    assert not Landings(impact_speed=1.01 * hardest).worst(box).size
+
+
 def test_means_count_with_three_errors_to_their_disadvantage() -> None:
     scene = scene_with(amplitude=6.489e-3, restitution=0.3)
     cycle, found = vibro.solve(scene), vibro.guarantee(scene)
@@ -361,6 +374,14 @@ def test_yields_of_certain_things() -> None:
         assert 0.0 < error < 1e-5  # a sliver of a sample's size may have been missed
     back = scene_with(amplitude=2e-3)
     assert vibro.yield_share(back, 1e-3, highest_regime="forward-slip", **bands)[0] == 0.0
+
+
+def test_the_error_of_a_yield_is_that_of_the_mean_of_its_scrambles(monkeypatch: pytest.MonkeyPatch) -> None:
+    shares = 0.5 + 1e-4 * np.arange(8)
+    monkeypatch.setattr(yields, "_share", lambda *args: float(shares[args[-1]]))
+    share, error = vibro.yield_share(scene_with(), 0.01, highest_regime="back-slip")
+    assert share == pytest.approx(0.50035, rel=1e-12)
+    assert error == pytest.approx(1e-4 * math.sqrt(6.0 / 8.0), rel=1e-9)  # of 8 numbers in a row
 
 
 @pytest.mark.parametrize("amplitude", [3e-4, 1e-3])

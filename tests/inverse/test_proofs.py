@@ -154,6 +154,14 @@ def test_ratios_of_a_line_are_those_that_a_search_finds(regime: Regime, box: Box
         assert ratio == pytest.approx(found, rel=2e-2)
 
 
+def test_the_last_part_hops_on_a_level_trough_within_the_band() -> None:
+    """It is heaviest there, against the trough: neither end of the band tells."""
+    box = box_of(scene_with(), {"trough_angle": (math.radians(-20.0), math.radians(10.0))})
+    level = scene_with()
+    expected = float(level.load / critical_loads(level).hop)
+    assert last_ratio(box, Regime.HOPPING) == pytest.approx(expected, rel=1e-12)
+
+
 @pytest.mark.parametrize(("least", "braked"), [(0.249327, False), (0.249329, True)])
 def test_friction_brakes_down_to_the_angle_of_the_trough(least: float, braked: bool) -> None:
     """tan 14 deg = 0.249328; the steepest decline and the least kinetic friction decide."""

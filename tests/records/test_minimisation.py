@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from vibro.records.cycles import HOPS
-from vibro.records.fitting import _profile
+from vibro.records.fitting import _merged, _profile
 from vibro.records.minimisation import (
     Minimum,
     best_of,
@@ -151,6 +151,22 @@ def test_an_interval_ends_where_the_others_refitted_the_misfit_is_too_large() ->
         ((low, high),), _ = _profile(valley, [found], 4.0, 0)
         assert low == pytest.approx(-1.0, abs=0.05)
         assert high == pytest.approx(most, abs=0.1)
+
+
+def test_a_quantity_without_an_effect_has_an_interval_without_ends() -> None:
+    class Flat(Valley):
+        def residuals(self, label: str, points: Floats) -> Residuals:
+            _, y, shift = points.T
+            return Residuals(self.labels(points) == label, np.stack([y, shift, 0.0 * y], axis=1))
+
+    flat = cast(Problem, Flat())
+    found = minimise(flat, best_of(flat, "F", np.array([[0.5, 0.1, 0.1]])), 1e-12)
+    assert _profile(flat, [found], 4.0, 0)[0] == ((-np.inf, np.inf),)
+
+
+def test_intervals_that_overlap_are_one() -> None:
+    """One that lies inside another does not end it."""
+    assert _merged([(20.0, 21.0), (0.0, 10.0), (1.0, 2.0)]) == ((0.0, 10.0), (20.0, 21.0))
 
 
 def test_a_coordinate_whose_effect_is_rounding_has_none() -> None:
