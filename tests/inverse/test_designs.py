@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from helpers.questions import answered
 
@@ -12,11 +13,11 @@ import vibro
 from vibro.core.codes import Regime
 from vibro.drives import Line
 from vibro.inverse.designs import chosen_of
+from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.rows import Found
 from vibro.inverse.spaces import SPACES
 from vibro.results.designs import Design
 
@@ -222,3 +223,38 @@ def test_the_drive_of_the_largest_margin_is_shown(
     chosen = chosen_of(spec, answered(True, *rows))
     assert chosen is not None
     assert chosen.design.drive == chosen.drive.name == name
+
+
+@pytest.mark.parametrize(
+    ("impact", "amplitude", "frequency"), [(640, 5.0, 5.0), (660, 18.0, 11.0)], ids=["5 %", "18 % and 11 %"]
+)
+def test_no_drift_lands_harder_than_the_limit(impact: float, amplitude: float, frequency: float) -> None:
+    """At one load landings are hardest where the frequency is low and the amplitude high."""
+    drive = {"amplitude_mm": "8:12", "frequency_hz": "12:15", "drive_angle_deg": 20}
+    question = one_drive(
+        {"static_friction": 0.74, "kinetic_friction": 0.57}, drive, 100,
+        drift={"amplitude_percent": amplitude, "frequency_percent": frequency},
+    )  # fmt: skip
+    question["goal"] |= {"highest_regime": "hopping", "impact_speed_mm_s": impact}
+    spec = read_spec(question)
+    asked = Question(spec, spec.drives[0], Regime.HOPPING)
+    best = LineOptimiser(asked).fastest()
+    assert best is not None
+    turned = asked.space.turned(best.setting)
+    shares = np.linspace(-0.01, 0.01, 41)
+    cycle = vibro.solve(
+        vibro.Scene(
+            amplitude=turned["amplitude"] * (1 + amplitude * shares),
+            frequency=turned["frequency"] * (1 + frequency * shares[:, None]),
+            drive_angle=turned["drive_angle"],
+            static_friction=0.74,
+            kinetic_friction=0.57,
+        )
+    )
+    assert np.nanmax(cycle.impact_velocity) <= impact / 1e3 * (1 + 1e-3)
+
+
+def test_a_drive_that_can_do_no_less_is_at_its_limit() -> None:
+    scene = {"static_friction": "0.315:0.377", "friction_ratio": "0.7:0.9"}
+    drive = {"amplitude_mm": "1.51:1.51", "frequency_hz": 20, "drive_angle_deg": 15}
+    assert rows(one_drive(scene, drive, 10))["back-slip", "gentlest"].set_by == "limit"

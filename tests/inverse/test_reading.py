@@ -360,3 +360,13 @@ def test_the_docs_show_a_question_and_list_every_key(tmp_path: Path) -> None:
     table = page[page.index("| table | key |") :]
     for _, key in PLACES:
         assert f"`{key}`" in table
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [{"amplitude_mm": 1e300}, {"amplitude_mm": 1e12}, {"frequency_hz": 1e200}, {"frequency_hz": "1:1e9"}],
+)
+def test_drives_beyond_every_machine_are_refused(drive: dict[str, Any]) -> None:
+    said = str(refusal(changed(**{f"drive__{key}": value for key, value in drive.items()})))
+    assert "frequency_hz = " in said
+    assert "must be at most 1e+09 g" in said

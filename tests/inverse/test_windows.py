@@ -15,6 +15,11 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import InputError, Regime, SceneError
+from vibro.inverse.exchange import Found
+from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.questions import Question
+from vibro.inverse.reading import read_spec
+from vibro.inverse.windows import window_of
 from vibro.results.designs import Interval
 
 NUT = scene_with()
@@ -187,3 +192,44 @@ def test_windows_leave_room_for_the_drift_at_both_ends(percent: float) -> None:
     found, regime = least(scene, still.high, bands, percent)
     assert (found > 0.0, regime) == (True, Regime.FORWARD_SLIP)
     assert least(scene, still.high * (1 + 1e-9), bands, percent)[1] > Regime.FORWARD_SLIP
+
+
+def test_a_body_past_a_drop_just_before_the_end_of_a_window_is_found() -> None:
+    """In the middle of the band, just past the drop where back slip enters, bodies miss the speed by 5 %."""
+    question = {
+        "scene": {"static_friction": 0.271, "kinetic_friction": "0:0.136"},
+        "drive": [
+            {"stroke_mm": 1.5, "frequency_hz": "15:25", "drive_angle_deg": "5:60", "acceleration_g": 1}
+        ],
+        "goal": {"speed_mm_s": 3},
+    }
+    spec = read_spec(question)
+    asked = Question(spec, spec.drives[0], Regime.BACK_SLIP)
+    setting = asked.space.setting(amplitude=0.32768e-3, frequency=15.0, drive_angle=math.radians(12.8210176))
+    window = window_of(asked, Found(setting, (), guarantee_of(asked.box(setting))))
+    assert window is not None
+    assert window.high == pytest.approx(0.3276924e-3, rel=2e-6)
+    kinetic = (0.0, 0.136)
+    scene = scene_with(
+        amplitude=window.high, drive_angle=math.radians(12.8210176), static_friction=0.271,
+        kinetic_friction=0.1,
+    )  # fmt: skip
+    assert vibro.guarantee(scene, kinetic_friction=kinetic).speed_min >= 3e-3 * (1 - 1e-9)
+
+
+def test_parts_that_must_stay_upright_have_no_window_beyond_the_hop() -> None:
+    """With a base twice as wide as the centre is high they never tip in contact, but may when they land."""
+    question = {
+        "scene": {"static_friction": 0.5, "friction_ratio": 0.9},
+        "drive": [{"amplitude_mm": 3, "frequency_hz": 25, "drive_angle_deg": 30}],
+        "goal": {"speed_mm_s": 1, "highest_regime": "hopping"},
+        "part": {"half_base_mm": 8, "centre_height_mm": 8},
+    }
+    spec = read_spec(question)
+    asked = Question(spec, spec.drives[0], Regime.HOPPING)
+    setting = asked.space.setting(amplitude=0.7e-3, frequency=25.0, drive_angle=math.radians(30.0))
+    window = window_of(asked, Found(setting, (), guarantee_of(asked.box(setting))))
+    assert window is not None
+    hop = 9.81 / math.sin(math.radians(30.0)) / (2.0 * math.pi * 25.0) ** 2
+    assert window.high == pytest.approx(hop, rel=1e-9)
+    assert window.high_set_by == "tip"

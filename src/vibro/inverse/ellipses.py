@@ -60,7 +60,7 @@ class EllipseOptimiser(Exchange):
     """
 
     surpluses = (0.0, 1e-4, 1e-2)  # one search each
-    least_set_by = "limit"
+    _least_set_by = "limit"
 
     def __init__(self, question: Question) -> None:
         one = question.box(Setting(1.0, 1.0, 0.0, 1.0))

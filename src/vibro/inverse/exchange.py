@@ -104,7 +104,7 @@ class Exchange(ABC):
     #: Relative surpluses over the goal, tried in turn until a least-acceleration setting survives rounding.
     surpluses: tuple[float, ...]
     #: The active constraint of a least-acceleration design that exceeds its target.
-    least_set_by: str
+    _least_set_by: str
 
     def __init__(self, question: Question, effort: Effort, shares: Floats) -> None:
         self._question, self._effort = question, effort
@@ -130,6 +130,14 @@ class Exchange(ABC):
     @abstractmethod
     def limit(self, found: Found, scale: float) -> str:
         """Return the name of a setting's active constraint, with bands scaled by a factor."""
+
+    def least_set_by(self, found: Found) -> str:
+        """Return the active constraint of a least-acceleration setting that exceeds its target."""
+        load = float(self._question.load(found.setting))
+        at_end = load <= self._question.drive.least_acceleration / self._question.spec.gravity * (
+            1.0 + TOLERANCES.at
+        )
+        return "limit" if at_end else self._least_set_by
 
     @abstractmethod
     def first_cap(self) -> str:

@@ -114,6 +114,20 @@ class Landings(NamedTuple):
         """Return the limits multiplied by a factor."""
         return Landings(self.impact_speed * factor, self.flight_fraction * factor)
 
+    @property
+    def limited(self) -> bool:
+        """Whether there is a limit."""
+        return math.isfinite(self.impact_speed) or math.isfinite(self.flight_fraction)
+
+    def broken(self, box: Box, points: Points) -> NDArray[np.bool_]:
+        """Return which points of boxes land too hard, or fly too long.
+
+        At one load landings are hardest at the lowest frequency, where bodies are also the fastest.
+        """
+        if not self.limited:
+            return np.zeros(points.load.shape, np.bool_)
+        return self.exceeded(solve(box.scene(points, fast=True)))
+
     def exceeded(self, cycle: SteadyCycle) -> NDArray[np.bool_]:
         """Return which bodies land too hard or fly too long."""
         too_hard = np.asarray(cycle.impact_velocity > self.impact_speed)
@@ -121,8 +135,7 @@ class Landings(NamedTuple):
 
     def worst(self, box: Box) -> Floats:
         """Return the unit-cube coordinates, (axes, n), of the sampled bodies that exceed the limits most."""
-        limited = math.isfinite(self.impact_speed) or math.isfinite(self.flight_fraction)
-        if not limited or not box.may_hop:
+        if not self.limited or not box.may_hop:
             return np.empty((len(box.axes), 0))
         shares = corners(box.varies)
         if box.varies.any():

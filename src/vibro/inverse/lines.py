@@ -112,7 +112,7 @@ class LineOptimiser(Exchange):
     """
 
     surpluses = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
-    least_set_by = "onset"
+    _least_set_by = "onset"
 
     def __init__(self, question: Question) -> None:
         choices = question.drive.choices

@@ -123,9 +123,10 @@ class Question:
         """
         columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
         boxes = self.box(columns, np.reshape(scale, (-1, 1)))
-        scene = boxes.scene(boxes.points(scenarios.at(boxes)), fast=False)
+        points = boxes.points(scenarios.at(boxes))
+        scene = boxes.scene(points, fast=False)
         cycle = solve(scene, flight=self.flies)
-        bad = self.landings.exceeded(cycle)
+        bad = self.landings.broken(boxes, points)
         if not self.space.proves:  # where corners prove what keeps to the regime, its loads are limited
             bad |= np.asarray(cycle.regime) > self.highest
             if math.isfinite(self.spec.stand_ratio):

@@ -28,6 +28,8 @@ __all__ = ["read_spec"]
 
 # [rad] More than is lost where four angles near 90 deg are converted and added.
 _ROUNDED: Final = 1e-15
+# [1] No machine gets near it; beyond, loads and their bounds leave the range in which searches end.
+_MOST_LOAD: Final = 1e9
 _LINE: Final = (*LINEAR, "stroke")
 _SEVERAL: Final = ("frequency", "drive_angle")  # there may be several ranges to choose from
 _PAIRS: Final = "either amplitude_mm and drive_angle_deg, or along_amplitude_mm and normal_amplitude_mm"
@@ -224,6 +226,12 @@ def _check_accelerations(spec: Spec, drives: Sequence[Table]) -> None:
             table.refuse(
                 "acceleration_g", f"amplitude and frequency are such that it is at least {least:.6g}"
             )
+        most = drive.most_acceleration / spec.gravity
+        if drive.frequency and not most <= _MOST_LOAD:
+            why = (
+                f"with the amplitude the acceleration is up to {most:.6g} g; must be at most {_MOST_LOAD:g} g"
+            )
+            table.refuse("frequency_hz", why)
 
 
 def _degrees(angle: float) -> str:

@@ -56,7 +56,7 @@ class Finder:
             return optimiser.first_cap() if kind == "fastest" else None
         if kind == "gentlest":
             enough = self.question.spec.goal.speed * (1.0 + TOLERANCES.at)
-            return optimiser.least_set_by if found.guarantee.speed_min > enough else "speed"
+            return optimiser.least_set_by(found) if found.guarantee.speed_min > enough else "speed"
         return optimiser.limit(found, found.margin or 1.0 if kind == "safest" else 1.0)
 
     def row(self, kind: str) -> Design:

@@ -60,6 +60,13 @@ class Drive:
         return span
 
     @property
+    def most_acceleration(self) -> float:
+        """Largest acceleration that its ranges allow [m/s^2]; of an ellipse at least that."""
+        amplitudes = [self.choices[knob][0][1] for knob in self.choices if knob.endswith("amplitude")]
+        w = 2.0 * math.pi * max((high for _, high in self.frequency), default=0.0)
+        return max(amplitudes) * w * w
+
+    @property
     def least_acceleration(self) -> float:
         """Largest acceleration of its gentlest setting [m/s^2]; of an ellipse of any phase at least that."""
         amplitudes = [self.choices[knob][0][0] for knob in self.choices if knob.endswith("amplitude")]

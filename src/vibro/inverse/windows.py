@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from vibro.inverse.exchange import Found
     from vibro.inverse.questions import Question
-    from vibro.inverse.spaces import Box, Setting
+    from vibro.inverse.spaces import Box, Points, Setting
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -195,14 +195,18 @@ def window_of(question: Question, found: Found) -> Interval | None:
     box = question.box(setting)
     unit = amplitude / (sum(box.factor) / 2.0)  # amplitude where the factor is 1
     family = Family(replace(box, factor=(1.0, 1.0)), question.spec.drift.amplitude, question.landings)
-    tips = tip_ratio(family.across(1.0, 1.0), question.spec.stand_ratio)
-    if tips and question.flies:  # nothing is known of landings
-        tips = max(tips, first_ratio(family.across(1.0, 1.0), Regime.HOPPING))
+    one = family.across(1.0, 1.0)
+    tips = tip_ratio(one, question.spec.stand_ratio)
+    if question.flies and math.isfinite(question.spec.stand_ratio):  # nothing is known of landings
+        tips = max(tips, first_ratio(one, Regime.HOPPING))
     at, others = amplitude / unit, {"tip": 1.0 / tips} if tips else {}
     for i in family.intervals(target, question.highest, most / unit, others, near=at):
         if i.low * (1.0 - TOLERANCES.at) <= at <= i.high * (1.0 + TOLERANCES.at):
-            low, by = (i.low * unit, i.low_set_by) if i.low * unit >= least else (least, "limit")
-            return Interval(min(low, amplitude), max(i.high * unit, amplitude), by, i.high_set_by)
+            # where speeds jump at an end: inwards by more than conversions of units and drifts round
+            inwards = [TOLERANCES.beside * (by != "limit") for by in i[2:]]
+            low, high = i.low * unit * (1.0 + inwards[0]), i.high * unit * (1.0 - inwards[1])
+            low, by = (low, i.low_set_by) if low >= least else (least, "limit")
+            return Interval(min(low, amplitude), max(high, amplitude), by, i.high_set_by)
     # the design holds by itself, and no interval around it was confirmed
     below, above = (family.ends_at(at, at * (1.0 + side * TOLERANCES.at), target) for side in (-1.0, 1.0))
     return Interval(amplitude, amplitude, below, above)
@@ -294,16 +298,29 @@ class Family:
         return [i._replace(high=math.inf) if endless and i.high == top else i for i in found]
 
     def _with_worse(self, scenarios: Scenarios, interval: Interval, target: float) -> Scenarios | None:
-        """Add bodies that miss the target in an interval; None where none does."""
-        slowest, landing = self._slowest(interval.low, interval.high)
+        """Add bodies that miss the target in an interval; None if none does.
+
+        Both ends are searched by themselves too: a body that misses the target just before an end, past a
+        drop of the speed, does so within a sliver of the whole interval.
+        """
+        found = scenarios
+        for low, high in dict.fromkeys([interval[:2], (interval.low,) * 2, (interval.high,) * 2]):
+            found = self._with_slowest(found, low, high, target) or found
+        return None if found is scenarios else found
+
+    def _with_slowest(
+        self, scenarios: Scenarios, least: float, most: float, target: float
+    ) -> Scenarios | None:
+        """Add the slowest body between two factors, and the hardest landings, if they miss the target."""
+        slowest, landing = self._slowest(least, most)
         is_slow = slowest.speed < target * (1.0 - TOLERANCES.searched)
         if not is_slow and not landing.size:
             return None
         shares = np.hstack([landing, slowest.shares]) if is_slow else landing
         # the factor at which it was found, and how far it drifts there
-        load = float(inside(self.across(interval.low, interval.high).load, slowest.shares[0])[0])
+        load = float(inside(self.across(least, most).load, slowest.shares[0])[0])
         middle = 2.0 / sum(float(end) for end in self.across(1.0, 1.0).load)
-        factor = min(max(load * middle, interval.low), interval.high)
+        factor = min(max(load * middle, least), most)
         box = self.across(factor, factor)
         low, high = (float(end) for end in box.load)
         if low < high:
@@ -476,15 +493,22 @@ class _Scan:
             for (low, low_by), (high, high_by) in zip(ends[::2], ends[1::2], strict=True)
         ]
 
-    def _scene(self, amplitudes: Floats) -> Scene:
+    def _points(self, amplitudes: Floats) -> tuple[Box, Points]:
         boxes = self._boxes(amplitudes[:, None])
-        return boxes.scene(boxes.points(self._scenarios.at(boxes)), fast=False)
+        return boxes, boxes.points(self._scenarios.at(boxes))
+
+    def _scene(self, amplitudes: Floats) -> Scene:
+        boxes, points = self._points(amplitudes)
+        return boxes.scene(points, fast=False)
 
     def _speeds(self, amplitudes: Floats) -> Floats:
         """Speeds of all bodies at some amplitudes, of shape (m, n); NaN where one is left out."""
-        cycle = solve(self._scene(amplitudes), flight=self._landings is not None)
+        boxes, points = self._points(amplitudes)
+        cycle = solve(boxes.scene(points, fast=False), flight=self._landings is not None)
         speed = counted(cycle, fast=False)
-        return speed if self._landings is None else np.where(self._landings.exceeded(cycle), -np.inf, speed)
+        if self._landings is None:
+            return speed
+        return np.where(self._landings.broken(boxes, points), -np.inf, speed)
 
     def _least(self, amplitudes: Floats) -> Floats:
         return least_of(self._speeds(amplitudes))
