@@ -370,3 +370,22 @@ def test_drives_beyond_every_machine_are_refused(drive: dict[str, Any]) -> None:
     said = str(refusal(changed(**{f"drive__{key}": value for key, value in drive.items()})))
     assert "frequency_hz = " in said
     assert "must be at most 1e+09 g" in said
+
+
+def test_the_larger_amplitude_of_an_ellipse_makes_its_least_acceleration() -> None:
+    drive = {"along_amplitude_mm": "0.2:3", "normal_amplitude_mm": 1, "frequency_hz": 25, "acceleration_g": 2}
+    said = str(refusal({**GOOD, "drive": [drive]}))
+    assert "amplitude and frequency are such that it is at least 2.515" in said
+    assert read_spec({**GOOD, "drive": [{**drive, "acceleration_g": 2.52}]}).drives[0].acceleration == 2.52
+
+
+@pytest.mark.parametrize(("drift", "is_refused"), [(5.9, False), (6.1, True)])
+def test_the_drift_of_the_trough_counts_before_the_right_angle(drift: float, is_refused: bool) -> None:
+    content = changed(
+        scene__static_friction=2.0, scene__trough_angle_deg=4.0, drive__drive_angle_deg=80.0,
+        drift={"trough_angle_deg": drift},
+    )  # fmt: skip
+    if is_refused:
+        assert "with the trough and the drifts it is up to 90.1 deg" in str(refusal(content))
+    else:
+        assert read_spec(content).drift.trough_angle == deg(drift)

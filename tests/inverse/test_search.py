@@ -79,6 +79,17 @@ def test_every_function_has_its_own_first_crossing() -> None:
     assert at_once[0] == grid[0, 8]  # it holds at the first point already
 
 
+def test_a_peak_counts_before_a_point_that_holds_and_before_a_later_peak() -> None:
+    early, late = bump(0.345, 0.03), bump(0.465, 0.03)
+
+    def value(_: NDArray[np.intp], x: Floats) -> Floats:
+        return np.asarray(np.maximum(np.maximum(early(x), late(x)), (x > 0.6).astype(float)))
+
+    grid = np.array([[0.18, 0.24, 0.3, 0.36, 0.42, 0.48, 0.54, 0.66, 0.72]])
+    found = first_crossing(value, grid, 0.95, climbs=5, relative=0.0)
+    assert found == pytest.approx(0.345 - 0.03 * 0.05, rel=1e-9)
+
+
 def test_free_axes_are_placed() -> None:
     free = np.array([False, True, False, True])
     np.testing.assert_array_equal(placed(free, np.array([[0.2, 0.4], [1.0, 0.0]])),

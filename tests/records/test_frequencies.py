@@ -176,3 +176,14 @@ def test_the_warning_names_the_option(true: float, stated: float, remedy: str) -
     (warning,) = (text for text in compare(nut(frequency=stated), other).warnings if "repeat" in text)
     assert warning.startswith(f"the data repeat at {true:.3g}")
     assert warning.endswith(f" Hz, the scene says {stated:g} Hz: {remedy}")
+
+
+@pytest.mark.parametrize(("share", "cycles"), [(0.6, 3), (2.4, 3), (3.6, 0)])
+def test_a_motion_of_several_cycles_may_be_off_by_as_many_of_its_errors(share: float, cycles: int) -> None:
+    """Three cycles of data at a third of the drive's frequency drift three times as far as one."""
+    time = np.linspace(0.0, 8.0, 4001)
+    data = Observation(time, {"acceleration": np.sin(2.0 * np.pi * 5.0 * time)}, 15.0)
+    apart = 0.05 / Repetition(data.middle.time, data.middle.signals, {"acceleration": -1}).span
+    claim = foreign_frequency(Observation(time, data.signals, 15.0 + share * apart))
+    assert claim is not None
+    assert claim.cycles == cycles

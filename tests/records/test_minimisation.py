@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, cast
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from vibro.records.cycles import HOPS
-from vibro.records.fitting import _merged, _profile
+from vibro.records.fitting import _bounded, _half_width, _merged, _profile
 from vibro.records.minimisation import (
     Minimum,
     best_of,
@@ -167,6 +168,15 @@ def test_a_quantity_without_an_effect_has_an_interval_without_ends() -> None:
 def test_intervals_that_overlap_are_one() -> None:
     """One that lies inside another does not end it."""
     assert _merged([(20.0, 21.0), (0.0, 10.0), (1.0, 2.0)]) == ((0.0, 10.0), (20.0, 21.0))
+
+
+def test_what_reaches_the_end_of_what_is_tried_has_no_interval() -> None:
+    inside = ((0.2, 0.3), (0.6, 0.8))
+    assert _bounded(inside, 0.0, 1.0) == inside
+    assert _bounded(((0.0, 0.3),), 0.0, 1.0) == ()
+    assert _bounded(((0.2, 1.0),), 0.0, 1.0) == ()
+    assert _half_width(inside) == pytest.approx(0.3)
+    assert _half_width(()) == math.inf
 
 
 def test_a_coordinate_whose_effect_is_rounding_has_none() -> None:

@@ -173,8 +173,7 @@ def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]
     parameters = []
     for column, (name, found) in enumerate(zip(problem.names, intervals, strict=True)):
         bounded = () if name in mixed else _bounded(found, *problem.bounds[:, column])
-        half = 0.5 * (bounded[-1][1] - bounded[0][0]) if bounded else math.inf
-        identified = bool(acts[column] and half <= TOL.wide * sizes[column])
+        identified = bool(acts[column] and _half_width(bounded) <= TOL.wide * sizes[column])
         parameters.append(Parameter(name, float(best.point[column]), bounded, identified))
     values = problem.fixed | {p.name: p.value for p in parameters}
     said = _statements(problem, fitting, parameters, values, groups)
@@ -185,6 +184,11 @@ def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
     """Drop intervals that reach what is tried: they have no end."""
     low, high = (bound + way * TOL.at_bound * abs(bound) for bound, way in ((least, 1.0), (most, -1.0)))
     return intervals if intervals and intervals[0][0] > low and intervals[-1][1] < high else ()
+
+
+def _half_width(intervals: Intervals) -> float:
+    """Half of what intervals span; inf without any."""
+    return 0.5 * (intervals[-1][1] - intervals[0][0]) if intervals else math.inf
 
 
 # --- the search -----------------------------------------------------------------------------------------
