@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vibro.core.compiled import doors
-from vibro.drives import Ability
 from vibro.solver import Grid
 
 if TYPE_CHECKING:
@@ -118,16 +117,14 @@ def displacement_gradient(scene: Scene, pattern: ArrayLike) -> Gradient:
     Raises
     ------
     InputError
-        If the drive is not along a line.
+        If the drive has harmonics.
 
     Notes
     -----
     Eqs. (45)-(50). Within 16 eps (1 + 1 / d) of its largest member of differences with 60 digits, where d is
     1 - s of the onsets in the cycle, and 1 - abs(t) / (mu_d n) in FB (tests/core/test_derivatives.py).
     """
-    fields = scene.arrays()
-    fields.require(Ability.PROOF)
-    grid, patterns = Grid(fields), np.ascontiguousarray(pattern, np.int64)
+    grid, patterns = Grid(scene.arrays()), np.ascontiguousarray(pattern, np.int64)
     found = np.empty((len(Gradient._fields), grid.size))
     buffers = doors().row(patterns), doors().rows(found)
     doors().displacement_gradients(grid.scenes, grid.place(), *buffers, 0, grid.size)

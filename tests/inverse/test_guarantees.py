@@ -13,12 +13,14 @@ from helpers.boxed import Boxed, boxes, tolerance
 from helpers.scenes import replaced, scene_with
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import qmc
 
 import vibro
 from vibro import InputError, Regime, SceneError, Status
 from vibro.inverse import guarantees, yields
 from vibro.inverse.bands import box_of
 from vibro.inverse.extremes import Landings
+from vibro.inverse.yields import _cut
 from vibro.results.designs import Guarantee
 
 BANDED = (
@@ -395,3 +397,16 @@ def test_nothing_is_guaranteed_where_some_part_runs_away(amplitude: float) -> No
     assert (found.proof_min, found.proof_max) == ("searched", "searched")
     held = vibro.guarantee(scene, kinetic_friction=(0.26, 0.3))
     assert 0.0 < held.speed_min < held.speed_max < math.inf
+
+
+@pytest.mark.parametrize(("static", "kinetic"), [((0.2, 0.8), (0.3, 0.5)), ((0.4, 0.6), (0.1, 0.9))])
+def test_parts_of_a_yield_are_uniform_where_friction_can_be(static: Any, kinetic: Any) -> None:
+    """Beside samples of the whole rectangle, of which those with mu_d > mu_s are thrown away."""
+    scene = scene_with(static_friction=static[1], kinetic_friction=kinetic[0])
+    box = box_of(scene, {"static_friction": static, "kinetic_friction": kinetic})
+    mu_s, mu_d = _cut(box, *qmc.Sobol(2, rng=np.random.default_rng(0)).random_base2(16).T)
+    x, y = qmc.Sobol(2, rng=np.random.default_rng(1)).random_base2(17).T
+    x, y = static[0] + x * (static[1] - static[0]), kinetic[0] + y * (kinetic[1] - kinetic[0])
+    shares = np.linspace(0.05, 0.95, 19)
+    for drawn, truth in ((mu_s, x[y <= x]), (mu_d, y[y <= x]), (mu_s - mu_d, (x - y)[y <= x])):
+        np.testing.assert_allclose(np.quantile(drawn, shares), np.quantile(truth, shares), atol=1e-3)
