@@ -410,3 +410,17 @@ def test_parts_of_a_yield_are_uniform_where_friction_can_be(static: Any, kinetic
     shares = np.linspace(0.05, 0.95, 19)
     for drawn, truth in ((mu_s, x[y <= x]), (mu_d, y[y <= x]), (mu_s - mu_d, (x - y)[y <= x])):
         np.testing.assert_allclose(np.quantile(drawn, shares), np.quantile(truth, shares), atol=1e-3)
+
+
+@pytest.mark.parametrize(("angles", "slowest"), [((40.0, 60.0), 60.0), ((8.0, 20.0), 8.0)])
+def test_either_end_of_the_drive_angles_may_be_the_slowest(
+    angles: tuple[float, float], slowest: float
+) -> None:
+    """The speed rises with the drive angle, then falls."""
+    scene = scene_with(amplitude=0.8e-3, drive_angle=math.radians(angles[0]))
+    found = vibro.guarantee(scene, drive_angle=deg(*angles), static_friction=(0.7, 0.74))
+    assert found.proof_min == "corners"
+    assert math.degrees(found.min_at["drive_angle"]) == pytest.approx(slowest)
+    steps = np.radians(np.linspace(*angles, 21))
+    speeds = vibro.solve(replaced(scene, drive_angle=steps)).mean_velocity
+    assert found.speed_min == pytest.approx(np.min(speeds), rel=1e-12)
