@@ -53,7 +53,7 @@ class Drive:
     Attributes
     ----------
     kind : str
-        How it moves, as messages say it.
+        Its motion, in the words of messages.
     told_by : tuple of str
         Fields of a scene that distinguish this kind from the others.
     abilities : frozenset of Ability
@@ -108,6 +108,16 @@ class Drive:
     def stroke(self) -> Floats:
         """Largest distance between two points of the path [m]."""
         return 2.0 * self.reach
+
+    @property
+    def along(self) -> Floats:
+        """Amplitude of the motion along the trough [m]; InputError without FLIGHT."""
+        raise self._refusal(Ability.FLIGHT)
+
+    @property
+    def phase(self) -> Floats:
+        """Phase by which the normal motion leads that along the trough [rad]; InputError without FLIGHT."""
+        raise self._refusal(Ability.FLIGHT)
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads; raise InputError without ``Ability.FLIGHT``."""
@@ -281,16 +291,6 @@ class Harmonics(_HarmonicFields, Drive):
     def acceleration_reach(self) -> Floats:
         """Amplitude of a motion along a line with the same largest acceleration [m]."""
         return _farthest(self, 2)
-
-    @property
-    def along(self) -> Floats:
-        """Amplitude of the first harmonic along the trough [m]."""
-        return self.along_amplitudes[0]
-
-    @property
-    def phase(self) -> Floats:
-        """Phase by which the first harmonic normal to the trough leads that along it [rad]."""
-        return np.asarray(self.normal_phases[0] - self.along_phases[0])
 
     @property
     def stroke(self) -> Floats:

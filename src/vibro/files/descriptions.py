@@ -1,6 +1,6 @@
-"""Tables and keys of scene files and questions of design, and the form of each key.
+"""Describe the tables and keys of scene files and design questions, and the form of each value.
 
-The readers, the tables of keys in docs/ and the JSON Schema are all derived from this description.
+The readers, the tables of keys in docs/ and the JSON Schema are derived from this description.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ class TableKind(NamedTuple):
     Attributes
     ----------
     heading : str
-        How it begins: ``[scene]``, or ``[[drive]]`` where there may be several.
+        Its heading in the file: ``[scene]``, or ``[[drive]]`` for a table that may be repeated.
     meaning : str
-        What it says, for people.
+        Description for docs and the schema.
     entries : mapping of str to Entry
-        What it may hold, by key.
+        Allowed entries, by key.
     required : bool
-        Whether every such file has it.
+        Whether every file must have it.
     needs : tuple of tuple of str
-        Groups of keys of each of which exactly one is given, wherever the table is.
+        Groups of keys; the table must have exactly one key of each.
     """
 
     heading: str
@@ -44,14 +44,14 @@ class TableKind(NamedTuple):
 
 
 class FileKind(NamedTuple):
-    """A kind of file: its name, what it is, and its tables by their names."""
+    """A kind of file: its name, its description, and its tables by name."""
 
     name: str
     meaning: str
     tables: dict[str, TableKind]
 
 
-#: The nut of examples/safety_nut.toml, and drives of other kinds with about its load, by quantity.
+#: Example values by quantity: the nut of examples/safety_nut.toml, and other drives of about its load.
 EXAMPLES: Final = {
     "amplitude": 1, "along_amplitude": 1, "normal_amplitude": 0.3, "frequency": 15, "drive_angle": 20,
     "normal_phase": -60, "along_amplitude_2": 0.2, "along_phase_2": 90, "normal_amplitude_2": 0.1,
@@ -79,7 +79,7 @@ def _entry(
     kind: Kind | None = None,
     allowed: Range | None = None,
 ) -> Entry:
-    """Describe a key by a quantity of a scene, or by one of its own kind, positive unless told."""
+    """Describe a key by a quantity of a scene, or by a quantity of its own, which is positive by default."""
     quantity = Quantity(name, kind, allowed=_POSITIVE) if kind else QUANTITIES[name]
     told = replace(quantity, meaning=meaning or quantity.meaning, allowed=allowed or quantity.allowed)
     return form.Entry(of, told, usual, example)
@@ -100,7 +100,7 @@ def _axis(quantity: Quantity) -> Entry:
 
 
 # fmt: off
-#: Of the commands that take a scene.
+#: Input of the commands that take a scene.
 SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", {
     "scene": TableKind("[scene]", "the operating point: one value each", _by_key(
         *map(_value, BY_COLUMN.values()),
@@ -113,7 +113,7 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
                      _by_key(*map(_axis, BY_COLUMN.values()))),
 })
 
-#: Of ``vibro design``. Without static friction a body rests on no trough, not even on a level one.
+#: Input of ``vibro design``; static friction must be positive, since without it no body rests.
 DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, drives and a goal", {
     "scene": TableKind("[scene]", "what is known of the parts and the trough", _by_key(
         _entry(form.FRICTION, "static_friction", "static friction of the parts", "needed", "0.3:0.5",
@@ -167,5 +167,5 @@ DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, driv
 })
 # fmt: on
 
-#: By name.
+#: All kinds of file, by name.
 FILES: Final = {kind.name: kind for kind in (SCENE_FILE, DESIGN_FILE)}

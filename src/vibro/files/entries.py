@@ -1,4 +1,4 @@
-"""Forms of values in files: numbers, bands, choices, axes, texts; how each is read and written."""
+"""Read the values of files: numbers, bands, choices, axes, texts."""
 
 from __future__ import annotations
 
@@ -35,26 +35,26 @@ _BAND: Final = 'a finite number or a band "lo:hi"'
 _LIMITS: Final = 'a finite number, the largest, or a range "lo:hi"'
 _CHOICES: Final = 'a finite number, a list, or a range "lo:hi"'
 _NO_MORE: Final = 'it takes no such list or count: "lo:hi" is all between two ends; decimals have a point'
-# How a text that names a row of the catalogue of friction begins, unlike any number.
+# Matches the beginning of a name in the friction catalogue, and of no number.
 _NAME: Final = re.compile(r"\s*(?!(nan|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
 
 
 class Form(NamedTuple):
-    """A form of what a key may hold.
+    """A form of values.
 
     Attributes
     ----------
     says : str
         Its name, for tables of keys.
     read : callable
-        ``read(quantity, value)`` returns what is meant: of scene files an axis as it is given, of designs
-        numbers in SI units and radians. It raises InputError, which names the key or the quantity.
+        ``read(quantity, value)`` returns an axis as given for scene files, SI units for designs. It
+        raises InputError, which names the key or the quantity.
     spellings : tuple of str
-        The ways to write it: ``number``; as a text a number with a unit (``text``), ``lo:hi`` (``ends``),
+        How it may be written: ``number``; as a text a number with a unit (``text``), ``lo:hi`` (``ends``),
         ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the catalogue or any ``line``; a
-        ``list`` of such numbers and texts or of a ``single`` one, or of ``numbers`` alone.
+        ``list`` of these, a list of a ``single`` one, or a list of ``numbers`` alone.
     words : tuple of str
-        All that it may be, where it is a word of a list.
+        Allowed words, where it is one of a few.
     """
 
     says: str
@@ -64,18 +64,18 @@ class Form(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """A key of a table: what form of which quantity it holds.
+    """A key of a table, with the quantity and the form of its value.
 
     Attributes
     ----------
     form : Form
-        What it may hold.
+        Form of the value.
     quantity : Quantity
-        What that is: its column is the key; units, range and meaning.
+        Unit, range and meaning; its column is the key.
     usual : str
-        What holds where it is left out, for tables of keys.
+        Default, for tables of keys.
     example : object
-        What it may hold, for hints; None where no hint shows it.
+        Example for hints; None where no hint shows it.
     """
 
     form: Form
@@ -85,16 +85,16 @@ class Entry(NamedTuple):
 
     @property
     def key(self) -> str:
-        """The key, with its unit."""
+        """Key in the file, with its unit."""
         return self.quantity.column
 
     @property
     def shown(self) -> str:
-        """An example, as a line of the file."""
+        """Line of the file with the example."""
         return f"{self.key} = {json.dumps(self.example)}"
 
     def read(self, value: Any) -> Any:
-        """Read what the key holds; an InputError says what is wrong."""
+        """Read a value of the key; raise InputError if it is not allowed."""
         return self.form.read(self.quantity, value)
 
 
@@ -111,7 +111,7 @@ def _band(quantity: Quantity, value: Any) -> Span:
 
 
 def _friction(quantity: Quantity, value: Any) -> Span | str:
-    """Read a band; the name of a row of the catalogue stays as it is."""
+    """Read a band; return the name of a catalogue row unchanged."""
     return value if isinstance(value, str) and _NAME.match(value) else _band(quantity, value)
 
 
@@ -146,7 +146,7 @@ def _choices(quantity: Quantity, value: Any) -> tuple[Span, ...]:
 
 
 def _text(quantity: Quantity, value: Any) -> str:
-    """Read a text on one line that says something."""
+    """Read a text of one line that is not empty."""
     if not isinstance(value, str) or not value.strip() or not value.isprintable():
         raise _refusal(quantity, value, "must be a text on one line")
     return value.strip()
@@ -176,7 +176,7 @@ def _value(quantity: Quantity, value: Any) -> AxisSpec:
 
 
 def _as_number(text: str, quantity: Quantity) -> str:
-    """Return how to write a text, with a unit or a decimal comma, as a number; empty if it is none."""
+    """Return a text with a unit or a decimal comma rewritten as a number; empty if it is none."""
     for reading in (text, text.replace(",", ".")):
         with suppress(InputError):
             return f"write {quantity.column} = {float(exact_number(reading, quantity)):.15g}"
@@ -193,7 +193,7 @@ def _list(quantity: Quantity, value: Any) -> list[float]:
 
 
 def one_of(values: Mapping[str, Any]) -> Form:
-    """Make the form of one of some words, each of which stands for a value."""
+    """Make the form of words, each of which stands for a value."""
 
     def read(quantity: Quantity, value: Any) -> Any:
         if not isinstance(value, str) or value not in values:
@@ -213,7 +213,7 @@ def _range(quantity: Quantity, value: str, wanted: str) -> Span:
 
 
 def _ends(quantity: Quantity, value: str, wanted: str) -> Span:
-    """Read both ends of a range, in the unit outside."""
+    """Read both ends of a range, in users' units."""
     ends = value.split(":")
     if len(ends) != 2 or not all(map(str.strip, ends)):
         raise _wrong(quantity, value, wanted)
@@ -226,7 +226,7 @@ def _ends(quantity: Quantity, value: str, wanted: str) -> Span:
 
 
 def _double(quantity: Quantity, value: Any, wanted: str) -> float:
-    """Read a number in the unit outside."""
+    """Read a number, in users' units."""
     if isinstance(value, str):
         if "," in value:
             raise _wrong(quantity, value, wanted)
@@ -244,7 +244,7 @@ def _double(quantity: Quantity, value: Any, wanted: str) -> float:
 
 
 def _checked(quantity: Quantity, value: Any, numbers: Sequence[float]) -> list[float]:
-    """Convert to SI units, and refuse what the quantity may not be."""
+    """Convert to SI units; raise InputError outside the quantity's range."""
     converted = [float(quantity.to_si(double)) for double in numbers]
     if not all(map(quantity.allows, converted)):
         raise _refusal(quantity, value, f"must be {quantity.allowed.text(quantity.unit)}")
@@ -262,18 +262,18 @@ def _refusal(quantity: Quantity, value: Any, rule: str, hint: str = "") -> Input
 
 
 def _by_column(exc: InputError, quantity: Quantity) -> InputError:
-    """Name a quantity as the file does, with its unit."""
+    """Return the quantity's key, for messages."""
     (problem,) = exc.problems
     hint = f"{quantity.column}: {exc.hint}" if exc.hint else ""
     return InputError(quantity.column + problem.removeprefix(quantity.label), hint=hint)
 
 
-# Of scene files.
+# Forms of scene files.
 VALUE: Final = Form("number", _value, ("number",))
 LIST: Final = Form(f"list of up to {MOST_HARMONICS} numbers", _list, ("numbers",))
 AXIS: Final = Form("number, list or axis", _axis, ("number", "text", "listed", "axis", "list"))
 POINT: Final = Form("number", _point, ("number", "text", "single"))
-# Of designs.
+# Forms of design questions.
 NUMBER: Final = Form("number", _number, ("number", "text"))
 BAND: Final = Form("number or band", _band, ("number", "text", "ends"))
 FRICTION: Final = Form("number, band or row of the catalogue", _friction, (*BAND.spellings, "name"))

@@ -1,4 +1,4 @@
-"""The JSON Schema of scene files and designs, made from the description of what they may hold.
+"""Build the JSON Schema of scene files and design questions from their description.
 
 Every file that the readers accept is valid. Readers refuse some valid files: the schema checks the form and
 unit of a text, but neither the size of its numbers nor one key against another.
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["VERSION", "schema_of"]
 
-#: Of the schemas; it grows when files that were valid are valid no longer.
+#: Version of the schemas; it rises when files that were valid become invalid.
 VERSION: Final = 1
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
@@ -76,7 +76,7 @@ def _entry(entry: Entry) -> Schema:
 
 
 def _ways(entry: Entry) -> list[Schema]:
-    """Return what an entry may be, a schema for each type of TOML."""
+    """Return the schemas of an entry's values, one for each TOML type."""
     form, quantity = entry.form, entry.quantity
     number, text = _bounded(quantity), _number_text(quantity)
     texts = {
@@ -106,7 +106,7 @@ def _matching(texts: list[str]) -> Schema:
 
 
 def _bounded(quantity: Quantity) -> Schema:
-    """Return the schema of a number within the quantity's range, in the unit outside."""
+    """Return the schema of a number within the quantity's range, in users' units."""
     allowed = quantity.allowed
     schema: Schema = {"type": "number"}
     if math.isfinite(allowed.low):

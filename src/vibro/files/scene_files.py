@@ -1,4 +1,4 @@
-"""Scene files: TOML with the table [scene] and, optionally, [map]."""
+"""Read scene files: TOML with the table [scene] and, optionally, [map]."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["SceneFile", "read_scene_file"]
 
 @dataclass(frozen=True)
 class SceneFile:
-    """What a scene file says.
+    """Content of a scene file.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ def read_scene_file(path: Path) -> SceneFile:
     FileError
         If the file cannot be read.
     InputError
-        If it is no TOML, or has keys or values that it may not have; all of them are named.
+        If it is not TOML, or has invalid keys or values; the message names all of them.
     """
     content = read_toml(path)
     problems = Problems(f"{path}: ")
@@ -77,7 +77,7 @@ def read_scene_file(path: Path) -> SceneFile:
 
 
 def _harmonics(lists: Mapping[str, list[float]], others: Mapping[str, AxisSpec]) -> dict[str, AxisSpec]:
-    """Read the lists of a drive with harmonics: a motion of which there is none stands still."""
+    """Read the lists of a drive with harmonics; a direction without lists does not move."""
     if not lists:
         return {}
     if len({len(values) for values in lists.values()}) > 1:

@@ -1,4 +1,4 @@
-"""TOML files: read, and each table and key that its description knows taken to what it means."""
+"""Read TOML files, and check their tables and keys against a description."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 __all__ = ["ABSENT", "Table", "read_toml", "refuse_unknown_tables"]
 
-#: What a file says of a table that it does not have.
+#: Stands for a table that a file does not have.
 ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
 
 _DECIMAL_COMMA: Final = re.compile(
     r"^[ \t]*(\w{1,40})[ \t]*=[ \t]*([+-]?\d{1,20}),(\d{1,20})[ \t]*(#.*)?$", re.MULTILINE
 )
-_REASON: Final = 200  # characters of what is wrong with the TOML
-# What may be a whole number too long for Python (4300 digits), and how much of it is left: more than the 309
-# digits of the largest double, even if every other character were an underscore.
+_REASON: Final = 200  # characters of the parser's message
+# Matches whole numbers that may be too long for Python (4300 digits), and the digits that are kept: more than
+# the 309 of the largest double, even if every other character were an underscore.
 _LONG_NUMBER: Final = re.compile(r"\d[\d_]{4000,}")
 _KEPT: Final = 1000
 
@@ -45,14 +45,14 @@ def read_toml(path: Path) -> dict[str, Any]:
     Returns
     -------
     dict
-        What it says.
+        Its content.
 
     Raises
     ------
     FileError
         If the file cannot be read.
     InputError
-        If it is no TOML.
+        If it is not TOML.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
@@ -62,7 +62,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         ) from exc
     except UnicodeDecodeError as exc:
         raise InputError(f"{path}: not a text file in UTF-8", hint="save it as UTF-8") from exc
-    except ValueError as exc:  # a path that no system has, with a zero character
+    except ValueError as exc:  # the path has a zero character
         raise FileError(f"cannot read {path}: {exc}") from exc
     try:
         return _parsed(text)
@@ -78,31 +78,31 @@ def _parsed(text: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError:
         raise
     except ValueError:
-        # Python refuses to read whole numbers of thousands of digits, and does not say which. Cut to so many
-        # that they are still beyond every double, they are refused by name like any other number.
+        # Python refuses whole numbers of thousands of digits without naming them. So they are shortened, but
+        # stay beyond every double, and are refused by name like any other number.
         return tomllib.loads(_LONG_NUMBER.sub(lambda digits: digits[0][:_KEPT].rstrip("_"), text))
 
 
 class Table:
-    """One table of a file, of which every key is read, or refused.
+    """One table of a file; every key is read or refused.
 
     Parameters
     ----------
     file : FileKind
-        What the file may hold.
+        Description of the file.
     name : str
-        A key of the file's tables.
+        Name of the table in it.
     given : object
-        What the file says of it; ``ABSENT`` where it has no such table.
+        Content in the file; ``ABSENT`` without such a table.
     problems : Problems
-        Where to tell what is wrong.
+        Collects what is wrong.
     place : int, optional
-        Which of several of its kind it is.
+        Its number, if the table is repeated.
 
     Attributes
     ----------
     values : dict
-        What was read, by the names of the quantities; what is missing or wrong is not among it.
+        Valid values by the names of their quantities.
     """
 
     def __init__(self, file: FileKind, name: str, given: Any, problems: Problems, place: int = 0) -> None:
@@ -124,7 +124,7 @@ class Table:
             self.needs(*keys)
 
     def refuse(self, key: str, why: str, hint: str = "") -> None:
-        """Tell what is wrong with an entry."""
+        """Add a problem with an entry."""
         self._problems.add(f"{self.heading} {key} = {shown(self.given[key])}: {why}", hint)
 
     def needs(self, *keys: str) -> None:
@@ -138,12 +138,12 @@ class Table:
             self._problems.add(both, f"give {' or '.join(found)}")
 
     def example(self, *keys: str) -> str:
-        """Show a line of the table, of the first of some keys that has an example."""
+        """Return an example line for the first of some keys that has one."""
         return next(entry.shown for key in keys if (entry := self._entries[key]).example is not None)
 
 
 def refuse_unknown_tables(content: Mapping[Any, Any], file: FileKind, problems: Problems) -> None:
-    """Refuse every table that a file may not have, and keys outside its tables."""
+    """Refuse unknown tables, and keys outside of tables."""
     for name, table in content.items():
         if name in file.tables:
             continue
@@ -159,12 +159,12 @@ def refuse_unknown_tables(content: Mapping[Any, Any], file: FileKind, problems: 
 def _refuse_unknown(
     what: str, word: object, known: Collection[str], file: FileKind, problems: Problems, hint: str = ""
 ) -> None:
-    """Refuse a key or table, and say where it belongs or what it may stand for."""
+    """Refuse a key or table, and suggest its place or a similar name."""
     homes = [kind.heading for kind in file.tables.values() if word in kind.entries]
     if homes:
         meant = f"; it belongs in {' or '.join(homes)}"
     elif len(problems.found) >= MOST_TOLD:
-        meant = ""  # it is not told, and looking words up takes a tenth of a ms each
+        meant = ""  # the message leaves it out, and each lookup takes 0.1 ms
     else:
         text = word.casefold() if isinstance(word, str) else ""
         close = difflib.get_close_matches(text, known, n=1, cutoff=0.5)
