@@ -26,13 +26,13 @@ import numpy as np
 import vibro
 from vibro import Regime, Scene
 from vibro.inverse import extremes
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.extremes import Seen, searched
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from vibro.inverse.spaces import Box
+    from vibro.inverse.spaces import UncertaintySet
 
     Row = dict[str, Any]
 
@@ -66,7 +66,7 @@ def million() -> Scene:
     )
 
 
-def random_box(rng: np.random.Generator) -> Box:
+def random_box(rng: np.random.Generator) -> UncertaintySet:
     """Draw a box whose bodies stay in contact, a third each level, climbing and declining."""
     low = rng.uniform(0.15, 0.9)
     ratio = np.sort(rng.uniform(0.35, 1.0, 2))
@@ -89,7 +89,7 @@ def random_box(rng: np.random.Generator) -> Box:
         "frequency": (15.0 * (1.0 - 0.2 * drift), 15.0 * (1.0 + 0.2 * drift)),
         **({"friction_ratio": tuple(ratio)} if rng.random() < 0.5 else kinetic),
     }
-    box = box_of(scene, bands)
+    box = uncertainty_set(scene, bands)
     load = float(box.hop_load) * rng.uniform(0.3, 0.98)
     amplitude = load * box.gravity / (2.0 * math.pi * box.frequency[1]) ** 2
     return replace(box, amplitude=(amplitude * (1.0 - drift), amplitude))

@@ -13,7 +13,7 @@ from scipy.stats import qmc
 
 from vibro import Regime, Scene, SteadyCycle, solve
 from vibro.drives import Line
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.proofs import back_slip_load
 from vibro.inverse.questions import Question
 from vibro.inverse.specs import Drive, Goal, Spec
@@ -108,7 +108,7 @@ def boxes(
         kinetic_friction=low * ratio[0],
         trough_angle=trough,
     )
-    box = box_of(scene, bands)
+    box = uncertainty_set(scene, bands)
     most = float(box.hop_load)
     if forward:
         most = min(most, float(back_slip_load(box)))

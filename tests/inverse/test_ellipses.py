@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import vibro
 from vibro import InputError, Regime, SceneError
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.costs import speed_costs
 from vibro.inverse.proofs import extreme_ratio
 
@@ -135,7 +135,7 @@ def test_hopping_boxes_are_sampled() -> None:
 
 
 def test_extreme_ratios_are_those_of_a_fine_grid() -> None:
-    box = box_of(scene(), {"static_friction": (0.3, 0.5), "normal_phase": (-1.2, -0.8)})
+    box = uncertainty_set(scene(), {"static_friction": (0.3, 0.5), "normal_phase": (-1.2, -0.8)})
     static, phase = np.meshgrid(np.linspace(0.3, 0.5, 101), np.linspace(-1.2, -0.8, 101))
     grid = scene(static_friction=static, normal_phase=phase, kinetic_friction=0.3)
     for name in ("forward_onset", "back_slip", "hop"):

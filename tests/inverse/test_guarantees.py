@@ -18,7 +18,7 @@ from scipy.stats import qmc
 import vibro
 from vibro import InputError, Regime, SceneError, Status
 from vibro.inverse import guarantees, yields
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.extremes import Landings
 from vibro.inverse.yields import _cut
 from vibro.results.designs import Guarantee
@@ -300,7 +300,7 @@ def test_landings_are_hardest_at_the_lowest_frequency_of_a_load() -> None:
     scene = scene_with()
     amplitude, frequency = np.meshgrid(*(np.linspace(*bands[name], 41) for name in bands))
     cycle = vibro.solve(replaced(scene, amplitude=amplitude, frequency=frequency))
-    hardest, box = float(np.nanmax(cycle.impact_velocity)), box_of(scene, bands)
+    hardest, box = float(np.nanmax(cycle.impact_velocity)), uncertainty_set(scene, bands)
     assert Landings(impact_speed=0.98 * hardest).worst(box).size
     assert not Landings(impact_speed=1.01 * hardest).worst(box).size
 
@@ -403,7 +403,7 @@ def test_nothing_is_guaranteed_where_some_part_runs_away(amplitude: float) -> No
 def test_parts_of_a_yield_are_uniform_where_friction_can_be(static: Any, kinetic: Any) -> None:
     """Beside samples of the whole rectangle, of which those with mu_d > mu_s are thrown away."""
     scene = scene_with(static_friction=static[1], kinetic_friction=kinetic[0])
-    box = box_of(scene, {"static_friction": static, "kinetic_friction": kinetic})
+    box = uncertainty_set(scene, {"static_friction": static, "kinetic_friction": kinetic})
     mu_s, mu_d = _cut(box, *qmc.Sobol(2, rng=np.random.default_rng(0)).random_base2(16).T)
     x, y = qmc.Sobol(2, rng=np.random.default_rng(1)).random_base2(17).T
     x, y = static[0] + x * (static[1] - static[0]), kinetic[0] + y * (kinetic[1] - kinetic[0])

@@ -1,4 +1,4 @@
-"""Bands that a caller passes with a scene: checked, and turned into a box."""
+"""Check the bands that a caller passes with a scene, and build the uncertainty set that they span."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from vibro.drives import Ability
 from vibro.errors import Problem, SceneError, shown
-from vibro.inverse.spaces import SPACES, Box
+from vibro.inverse.spaces import SPACES, UncertaintySet
 from vibro.quantities import QUANTITIES
 from vibro.reals import NotRealError, real_array
 from vibro.scene import Scene, field_range, field_text
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from vibro.inverse.specs import Span
 
-__all__ = ["box_of", "one_point"]
+__all__ = ["one_point", "uncertainty_set"]
 
 _PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "trough_angle")
 _RIGHT_ANGLE: Final = 0.5 * math.pi
@@ -34,9 +34,9 @@ def one_point(scene: object, needs: Ability = Ability.FLIGHT) -> None:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
 
 
-def box_of(
+def uncertainty_set(
     scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "", needs: Ability = Ability.FLIGHT
-) -> Box:
+) -> UncertaintySet:
     """Return the uncertainty set (box) that bands span around a scene.
 
     Parameters
@@ -84,7 +84,7 @@ def box_of(
     spans = {name: given.get(name, (fields.get(name, math.nan),) * 2) for name in banded}
     is_ratio = "friction_ratio" in given
     shape = {name: spans[name] for name in space.shape}
-    box = Box(
+    box = UncertaintySet(
         space=space,
         factor=spans.get("amplitude", (1.0, 1.0)),
         frequency=spans["frequency"],
@@ -106,7 +106,7 @@ def box_of(
     return box
 
 
-def _line_problems(box: Box) -> list[Problem]:
+def _line_problems(box: UncertaintySet) -> list[Problem]:
     """Return the problems of a drive along a line: too steep an angle, or too large or small a load."""
     problems = []
     drive, trough = box.shape["drive_angle"][1], box.trough_angle[1]

@@ -8,7 +8,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.drives import Ability, Line
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import back_slip_of
 from vibro.scene import Scene
@@ -17,7 +17,7 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.spaces import Box
+    from vibro.inverse.spaces import UncertaintySet
     from vibro.inverse.specs import Span
 
     Bools = NDArray[np.bool_]
@@ -29,7 +29,7 @@ __all__ = ["Certain", "certain"]
 # Bisections of a band of static friction on declines; each halves the interval that stays undecided.
 _HALVINGS: Final = 12
 
-# Any operating point will do: ``box_of`` needs a scene to check the bands of friction.
+# Any operating point will do: ``uncertainty_set`` needs a scene to check the bands of friction.
 _ANY: Final = {"amplitude": 1e-3, "frequency": 50.0, "drive_angle": 0.3}
 
 
@@ -114,7 +114,7 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
     scene.arrays().require(Ability.PROOF)
     second = "friction_ratio" if is_ratio else "kinetic_friction"
     bands = {"static_friction": static_friction, second: second_friction}
-    box = box_of(Scene(**_ANY, static_friction=1.0, kinetic_friction=0.0), bands)
+    box = uncertainty_set(Scene(**_ANY, static_friction=1.0, kinetic_friction=0.0), bands)
     low, high = (np.asarray(end) for end in box.static_span)
     least, most = box.kinetic_span(low), box.kinetic_span(high)
 
@@ -150,7 +150,7 @@ def _regimes(scene: Scene, static_friction: Floats, kinetic_friction: Floats) ->
     return np.asarray(solve(_bodies(scene, static_friction, kinetic_friction), accuracy="regimes").regime)
 
 
-def _settle(scene: Scene, codes: Codes, box: Box, *, was: Regime, otherwise: Regime) -> None:
+def _settle(scene: Scene, codes: Codes, box: UncertaintySet, *, was: Regime, otherwise: Regime) -> None:
     """Change a bound in place on declines where it is not proved for all bodies.
 
     A body slips back at a lower load the lower its static and the higher its kinetic friction. So each part

@@ -1,4 +1,4 @@
-"""From a question to its designs: ``vibro.design``."""
+"""Answer a question of inverse design: ``vibro.design``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from vibro.inverse.exchange import Found
-    from vibro.inverse.spaces import Box
+    from vibro.inverse.spaces import UncertaintySet
     from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Design
 
@@ -66,7 +66,7 @@ def design(spec: str | os.PathLike[str] | Mapping[str, Any]) -> DesignResult:
 
 
 def find_designs(spec: Spec, tell: Callable[[int, int], None] | None = None) -> DesignResult:
-    """Find the designs of a checked question; call ``tell`` with the numbers found and wanted."""
+    """Find the designs of a checked question; ``tell(done, total)`` reports the progress."""
     designs: list[Design] = []
     settings: list[tuple[float, ...] | None] = []
     total = len(spec.drives) * len(_REGIMES) * len(KINDS)
@@ -129,7 +129,7 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     return Chosen(drive, best, setting, _loads(question.box(setting)), costs)
 
 
-def _loads(box: Box) -> dict[str, float]:
+def _loads(box: UncertaintySet) -> dict[str, float]:
     """Return the load over the critical loads of the first body to slip back or hop and the last to start."""
     return {
         "the first part slips back": first_ratio(box, Regime.BACK_SLIP),

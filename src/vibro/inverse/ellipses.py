@@ -1,10 +1,9 @@
-"""Settings of an elliptical drive of least acceleration, top speed or largest margin, by evolution."""
+"""Find settings of an elliptical drive, by evolution: of least acceleration, top speed or largest margin."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import product
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -14,16 +13,14 @@ from vibro.inverse.exchange import MOST_MARGIN, SEED, Effort, Exchange, Optimum
 from vibro.inverse.extremes import least_of
 from vibro.inverse.proofs import corners, extreme_ratio, first_ratio
 from vibro.inverse.questions import MOST_THROW
-from vibro.inverse.rounding import moved, within
 from vibro.inverse.search import placed, sobol
 from vibro.inverse.spaces import Setting, inside
 from vibro.inverse.specs import Goal
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
-from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
@@ -37,11 +34,9 @@ __all__ = ["EllipseOptimiser"]
 
 _IN_CONTACT: Final = Effort(population=5, generations=100, margins=33, margin=1e-4, scale=3e-2, exchanges=6)
 _FLYING: Final = Effort(population=7, generations=3, margins=17, margin=1e-2, scale=0.1, exchanges=1)
-_BOUNCING: Final = Effort(
-    population=5, generations=1, margins=5, margin=0.1, scale=0.3, exchanges=1
-)  # solving bouncing bodies takes long
-_NUDGES: Final = 3  # steps of the last digit that amplitudes may be moved inwards
-# Costs of settings that fail: too slow, at rest, forbidden. [1] Far above any load or speed, in rising order.
+# bounces are slow to solve
+_BOUNCING: Final = Effort(population=5, generations=1, margins=5, margin=0.1, scale=0.3, exchanges=1)
+# [1] Costs of settings that are too slow, at rest, forbidden: in rising order, far above any load or speed.
 _SLOW: Final = 1e6
 _RESTS: Final = 2e6
 _FORBIDDEN: Final = 3e6
@@ -76,10 +71,10 @@ class EllipseOptimiser(Exchange):
         if self._checked is not Regime.FORWARD_SLIP:
             return slower
         box = self._question.box(optimum.setting, scale)
-        ratio, shares = extreme_ratio(box, lambda scene: critical_loads(scene).back_slip, largest=True)
+        ratio, coordinates = extreme_ratio(box, lambda scene: critical_loads(scene).back_slip, largest=True)
         known = self.scenarios.size
         if ratio > 1.0:
-            self.scenarios = self.scenarios.joined(box, shares)
+            self.scenarios = self.scenarios.joined(box, coordinates)
         return slower or self.scenarios.size > known
 
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
@@ -128,13 +123,13 @@ class EllipseOptimiser(Exchange):
         count = int(free.sum())
 
         def settings(x: Floats) -> tuple[Setting, Floats, NDArray[np.bool_]]:
-            shares = placed(free, x)
-            f, phase = inside(frequency, shares[3]), inside(phases, shares[2])
+            coordinates = placed(free, x)
+            f, phase = inside(frequency, coordinates[3]), inside(phases, coordinates[2])
             most = self._most_normal(f, scale)
-            y, possible = _below(most, normal, shares[1])
+            y, possible = _below(most, normal, coordinates[1])
             most = self._most_along(f, y, phase)
-            x_, fits = _below(most, along, shares[0])
-            return Setting(x_, y, phase, f), shares[0] + shares[1], possible & fits
+            x_, fits = _below(most, along, coordinates[0])
+            return Setting(x_, y, phase, f), coordinates[0] + coordinates[1], possible & fits
 
         def whole(x: Floats) -> Floats:
             setting, shares, possible = settings(x)
@@ -176,7 +171,7 @@ class EllipseOptimiser(Exchange):
         sine = share * np.sin(phase)
         with np.errstate(divide="ignore", invalid="ignore"):
             rest = (1.0 - share) * (1.0 + share) / ((1.0 - sine) * (1.0 + sine))
-        # the motion is purely normal where the normal amplitude uses up the acceleration
+        # where the normal amplitude alone reaches the largest acceleration, none is left along the trough
         most = reach * np.sqrt(np.nan_to_num(rest, nan=0.0)) * (1.0 - TOLERANCES.beside)
         return np.where(normal_amplitude <= reach, most, 0.0)
 
@@ -186,26 +181,6 @@ class EllipseOptimiser(Exchange):
         fastest = max(high for _, high in drive.frequency)
         widest = question.box(Setting(1.0, drive.span("normal_amplitude")[1], 0.0, fastest), MOST_MARGIN)
         return not question.flies or widest.throw_number > 1.0 - TOLERANCES.beside
-
-    def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
-        """Return settings in users' units rounded to some digits, from the nearest one inwards."""
-        f, ranges = setting.frequency, self._question.drive.frequency
-        spans = self._spans(min(ranges, key=lambda span: max(span[0] - f, f - span[1])))
-        values = [float(QUANTITIES[name].from_si(x)) for name, x in setting._asdict().items()]
-        step = 1 if up else -1
-        for steps in product(range(-step, step * _NUDGES, step), repeat=2):
-            sizes = [moved(x, digits, n, up=up) for x, n in zip(values, steps, strict=False)]
-            # a phase is rounded to decimals, not to significant digits, since it may be 0
-            rounded = [*sizes, round(values[2], digits - 3), values[3]]
-            yield tuple(
-                within(x, name, span, digits)
-                for x, name, span in zip(rounded, Setting._fields, spans, strict=True)
-            )
-
-    def is_allowed(self, setting: Setting) -> bool:
-        """Return whether the drive's acceleration allows a setting."""
-        load = float(self._question.load(setting))
-        return load <= self._question.drive.acceleration * (1.0 + TOLERANCES.converted)
 
     def keeps_to_regime(self, found: Found) -> bool:
         """Return whether every body found by the searches keeps to the regime."""
@@ -263,7 +238,7 @@ class EllipseOptimiser(Exchange):
 
 
 def _below(most: Floats, span: Span, share: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return the value at a share of the allowed part of a range, and whether there is such a part."""
+    """Return the value at a share of a range below a limit, and whether the limit leaves any of the range."""
     low, high = span
     top = np.clip(most, low, high)
     return np.where(share == 1.0, top, low + share * (top - low)), most >= low * (1.0 - math.ulp(1.0))

@@ -1,13 +1,14 @@
-"""Optimal settings of a drive by an exchange of scenarios, for every kind of drive.
+"""Find optimal settings of any kind of drive by exchange of scenarios.
 
-A setting is optimised for a few scenarios of its uncertainty set. If a search of the whole set finds a body
-that is slower than all of them, that body joins the scenarios, and the setting is optimised again.
+A setting is optimised for a few scenarios of its uncertainty set. If a search of the whole set finds a slower
+body, that body joins the scenarios, and the setting is optimised again.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -15,14 +16,16 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.inverse.extremes import Seen, least_of
 from vibro.inverse.guarantees import bound
-from vibro.inverse.scenarios import Scenarios
+from vibro.inverse.rounding import moved, within
+from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.search import evolve, scatter
 from vibro.inverse.spaces import Setting
 from vibro.inverse.tolerances import TOLERANCES
+from vibro.quantities import QUANTITIES
 from vibro.roots import close_in
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
@@ -37,9 +40,9 @@ __all__ = ["MOST_MARGIN", "SCATTERED", "SEED", "Effort", "Exchange", "Found", "O
 MOST_MARGIN: Final = 10.0
 
 SEED: Final = 1
-SCATTERED: Final = 4  # settings of the first round of sampling over those of each later round
+SCATTERED: Final = 4  # ratio of the sampled settings in the first round to those in each later round
 _STEPS: Final = 60  # iterations at most of the root search
-_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's band, added for each slowest body
+_NUDGES: Final = 4  # steps of the last digit that amplitudes may be moved inwards
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +79,7 @@ class Optimum(NamedTuple):
 
 @dataclass(frozen=True)
 class Found:
-    """A setting, its knobs as they are printed, what it guarantees, and its margin by which optimiser."""
+    """A setting, its printed knobs, its guarantee, and its margin with the optimiser that computed it."""
 
     setting: Setting
     printed: tuple[float, ...]
@@ -94,7 +97,7 @@ class Exchange(ABC):
         Drive, goal and bands.
     effort : Effort
         Sizes of the searches.
-    shares : (axes, n) array
+    coordinates : (axes, n) array
         Unit-cube coordinates of the first scenarios.
     """
 
@@ -106,10 +109,10 @@ class Exchange(ABC):
     #: The active constraint of a least-acceleration design that exceeds its target.
     _least_set_by: str
 
-    def __init__(self, question: Question, effort: Effort, shares: Floats) -> None:
+    def __init__(self, question: Question, effort: Effort, coordinates: Floats) -> None:
         self._question, self._effort = question, effort
         #: The bodies for which settings are optimised.
-        self.scenarios = Scenarios.fixed(shares)
+        self.scenarios = Scenarios.fixed(coordinates)
 
     @abstractmethod
     def _fastest(self, scale: float, generations: int) -> Optimum | None:
@@ -120,24 +123,36 @@ class Exchange(ABC):
         """Return the setting of least load that reaches a speed, for the current scenarios."""
 
     @abstractmethod
-    def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterable[tuple[float, ...]]:
-        """Return settings in users' units rounded to some digits, from the nearest one inwards."""
-
-    @abstractmethod
-    def is_allowed(self, setting: Setting) -> bool:
-        """Return whether the drive allows a setting."""
-
-    @abstractmethod
     def limit(self, found: Found, scale: float) -> str:
         """Return the name of a setting's active constraint, with bands scaled by a factor."""
 
+    def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
+        """Return settings rounded to some digits in users' units, from the nearest one inwards.
+
+        Every knob stays within its nearest range. Amplitudes keep the load at the rounded frequency.
+        """
+        turned = {knob: float(x) for knob, x in self._question.space.turned(setting).items()}
+        spans = {knob: self._question.drive.nearest(knob, x) for knob, x in turned.items()}
+        values = {knob: float(QUANTITIES[knob].from_si(x)) for knob, x in turned.items()}
+        printed = {knob: within(x, knob, spans[knob], digits) for knob, x in values.items()}
+        growth = (values["frequency"] / printed["frequency"]) ** 2
+        sizes, step = [knob for knob in turned if knob.endswith("amplitude")], 1 if up else -1
+        for steps in product(range(-step, step * _NUDGES, step), repeat=len(sizes)):
+            for knob, n in zip(sizes, steps, strict=True):
+                size = moved(values[knob] * growth, digits, n, up=up)
+                printed[knob] = within(size, knob, spans[knob], digits)
+            yield tuple(printed.values())
+
+    def is_allowed(self, setting: Setting) -> bool:
+        """Return whether the drive's acceleration allows a setting."""
+        load = float(self._question.load(setting))
+        return load <= self._question.drive.acceleration * (1.0 + TOLERANCES.converted)
+
     def least_set_by(self, found: Found) -> str:
         """Return the active constraint of a least-acceleration setting that exceeds its target."""
-        load = float(self._question.load(found.setting))
-        at_end = load <= self._question.drive.least_acceleration / self._question.spec.gravity * (
-            1.0 + TOLERANCES.at
-        )
-        return "limit" if at_end else self._least_set_by
+        question = self._question
+        least = question.drive.accelerations[0] / question.spec.gravity * (1.0 + TOLERANCES.at)
+        return "limit" if question.load(found.setting) <= least else self._least_set_by
 
     @abstractmethod
     def first_cap(self) -> str:
@@ -152,7 +167,7 @@ class Exchange(ABC):
         return True
 
     def _minimised(self, cost: Callable[[Floats], Floats], first: Floats, generations: int) -> Floats:
-        """Return the point of least cost, of shape (d, 1); hopping speeds are not smooth, and are sampled."""
+        """Return the point of least cost, of shape (d, 1); costs of hopping bodies are sampled."""
         if self._question.flies:  # one call for many settings is cheaper than many calls for a few
             more = first.shape[1] // SCATTERED
             return scatter(cost, first, more=more, rounds=self._effort.generations, seed=SEED)[0]
@@ -235,7 +250,7 @@ class Exchange(ABC):
         return bool(self._holds(one, 1.0)[0] and self.least(one, 1.0)[0] >= target)
 
     def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
-        """Return whether settings keep to the regime, as far as that is known before bodies are solved."""
+        """Return whether critical loads allow settings; bodies are not solved here."""
         return np.ones(np.broadcast_shapes(np.shape(setting[0]), np.shape(scale)), np.bool_)
 
     def least(self, setting: Setting, scale: Floats | float) -> Floats:
@@ -257,9 +272,7 @@ class Exchange(ABC):
         slowest = bound(box, fast=False, seen=Seen(), seeds=1, highest=self._checked).extreme
         new = self._question.landings.worst(box)
         if slowest.speed < optimum.speed - TOLERANCES.searched * abs(optimum.speed):
-            shares = np.repeat(slowest.shares, _DRIFTS.size if box.varies[0] else 1, axis=1)
-            shares[0, 1:] = _DRIFTS[1:] if box.varies[0] else 0.0
-            new = np.hstack([new, slowest.shares, shares])
+            new = np.hstack([new, at_loads(box, slowest.coordinates, slowest.coordinates[0, 0])])
         known = self.scenarios.size
         self.scenarios = self.scenarios.joined(box, new)
         return self.scenarios.size > known

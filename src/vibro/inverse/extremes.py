@@ -1,7 +1,7 @@
-"""Slowest and fastest bodies of a box: an optimiser for those in contact, samples for those that hop.
+"""Find the slowest and the fastest body of an uncertainty set: optimise in contact, sample hops.
 
-Both use theory.md, section 14: in every pattern a body is slower on a steeper trough, and among settings with
-the same load the one of the highest frequency is the slowest.
+In every pattern a body is slower on a steeper trough, and of the settings with one load that of the highest
+frequency is the slowest (theory.md, section 14).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.spaces import Box, Points
+    from vibro.inverse.spaces import Points, UncertaintySet
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -33,10 +33,10 @@ __all__ = [
     "searched", "speeds_of", "taken",
 ]  # fmt: skip
 
-# Standard errors that are subtracted from a speed that is a statistical mean.
+# Standard errors by which a statistical mean is reduced, or increased, before it counts.
 _ERRORS: Final = 3.0
 
-#: Searches with different seeds; the best result counts.
+#: Number of searches with different seeds; the best result counts.
 SEEDS: Final = 3
 _SEED: Final = 1  # of samples
 _POPULATION: Final = 24  # points per coordinate
@@ -74,14 +74,14 @@ class Extreme:
     ----------
     speed : float
         Its mean speed [m/s]; infinite if some body has none; NaN if there is no body.
-    shares : array
+    coordinates : array
         Its unit-cube coordinates, of shape (axes, 1).
     scene : Scene
         The scene of that body.
     """
 
     speed: float
-    shares: Floats
+    coordinates: Floats
     scene: Scene
 
 
@@ -105,7 +105,7 @@ def speeds_of(
 
 
 class Landings(NamedTuple):
-    """Limits on landings: largest speed normal to the trough [m/s], largest share of the time in flight."""
+    """Limits on landings: largest impact speed normal to the trough [m/s], largest flight fraction [1]."""
 
     impact_speed: float = math.inf
     flight_fraction: float = math.inf
@@ -119,33 +119,32 @@ class Landings(NamedTuple):
         """Whether there is a limit."""
         return math.isfinite(self.impact_speed) or math.isfinite(self.flight_fraction)
 
-    def broken(self, box: Box, points: Points) -> NDArray[np.bool_]:
-        """Return which points of boxes land too hard, or fly too long.
+    def broken(self, box: UncertaintySet, points: Points, slow: SteadyCycle) -> NDArray[np.bool_]:
+        """Return which points of boxes land too hard, or fly too long; ``slow`` has their slowest bodies.
 
         At one load landings are hardest at the lowest frequency, where bodies are also the fastest.
         """
-        if not self.limited:
-            return np.zeros(points.load.shape, np.bool_)
-        return self.exceeded(solve(box.scene(points, fast=True)))
+        differs = all(np.any(np.not_equal(*span)) for span in (box.factor, box.frequency))
+        return self.exceeded(solve(box.scene(points, fast=True)) if self.limited and differs else slow)
 
     def exceeded(self, cycle: SteadyCycle) -> NDArray[np.bool_]:
         """Return which bodies land too hard or fly too long."""
         too_hard = np.asarray(cycle.impact_velocity > self.impact_speed)
         return too_hard | (cycle.flight_fraction > self.flight_fraction)
 
-    def worst(self, box: Box) -> Floats:
+    def worst(self, box: UncertaintySet) -> Floats:
         """Return the unit-cube coordinates, (axes, n), of the sampled bodies that exceed the limits most."""
         if not self.limited or not box.may_hop:
             return np.empty((len(box.axes), 0))
-        shares = corners(box.varies)
+        coordinates = corners(box.varies)
         if box.varies.any():
             samples = sobol(int(box.varies.sum()), _LANDINGS, _SEED)
-            shares = np.hstack([shares, placed(box.varies, samples)])
+            coordinates = np.hstack([coordinates, placed(box.varies, samples)])
         # at one load landings are hardest at the lowest frequency
-        cycle = solve(box.scene(box.points(shares), fast=True))
+        cycle = solve(box.scene(box.points(coordinates), fast=True))
         found = ((cycle.impact_velocity, self.impact_speed), (cycle.flight_fraction, self.flight_fraction))
         worst = [int(np.nanargmax(x)) for x, limit in found if np.nanmax(x, initial=0.0) > limit]
-        return shares[:, worst]
+        return coordinates[:, worst]
 
 
 #: No limit.
@@ -172,19 +171,20 @@ def least_of(speed: Floats) -> Floats:
     return np.where(known.any(axis=1), np.where(known, speed, np.inf).min(axis=1), -np.inf)
 
 
-def look_around(box: Box, seen: Seen) -> None:
-    """Record which regimes occur in a box: at samples, at corners, and where corners change their regime."""
+def look_around(box: UncertaintySet, seen: Seen) -> None:
+    """Record the regimes in a box: at samples, at corners, and beside the corners' critical loads."""
     free, middle = box.varies, np.full((len(box.axes), 1), 0.5)
     samples = [placed(free, sobol(int(free.sum()), _LOOKS, _SEED))] if free.any() else []
-    shares = np.hstack([corners(free), *samples, middle])
-    points = _with_changes(box, box.points(shares))
+    coordinates = np.hstack([corners(free), *samples, middle])
+    points = _with_changes(box, box.points(coordinates))
     speeds_of(box.scene(points, fast=False), fast=False, flight=False, seen=seen)
 
 
-def _with_changes(box: Box, points: Points) -> Points:
+def _with_changes(box: UncertaintySet, points: Points) -> Points:
     """Add points on both sides of every critical load of the corners."""
     ends = box.points(corners(box.varies))
-    if "drive_angle" in box.shape:  # the onset load is least where the drive angle is the angle of friction
+    # the onset load is least where the drive angle equals the angle of friction
+    if "drive_angle" in box.shape:
         angle = np.clip(np.arctan(ends.static_friction), *box.shape["drive_angle"])
         ends = ends.joined(ends._replace(shape=(angle,)))
     scene = box.scene(ends, fast=False)
@@ -196,7 +196,13 @@ def _with_changes(box: Box, points: Points) -> Points:
 
 
 def searched(
-    box: Box, *, fast: bool, hops: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING
+    box: UncertaintySet,
+    *,
+    fast: bool,
+    hops: bool,
+    seen: Seen,
+    seeds: int = SEEDS,
+    highest: Regime = Regime.HOPPING,
 ) -> Extreme:
     """Return the slowest or the fastest of the bodies in contact, by differential evolution.
 
@@ -205,7 +211,7 @@ def searched(
 
     Parameters
     ----------
-    box : Box
+    box : UncertaintySet
         A single box.
     fast : bool
         Whether to find the fastest body instead of the slowest.
@@ -228,9 +234,9 @@ def searched(
     side = -1.0 if fast else 1.0
 
     def shares_of(x: Floats) -> Floats:
-        shares = np.broadcast_to(fixed, (len(box.axes), x.shape[1])).copy()
-        shares[axes] = x
-        return shares
+        coordinates = np.broadcast_to(fixed, (len(box.axes), x.shape[1])).copy()
+        coordinates[axes] = x
+        return coordinates
 
     def cost(x: Floats) -> Floats:
         points = box.points(shares_of(x))
@@ -242,7 +248,7 @@ def searched(
     if not axes.size:
         return taken(box, fixed, fast=fast, flight=False, seen=seen, highest=highest)
     ends = corners(free)[axes]
-    if free[0]:  # just past a drop the speed may go on falling, within a narrow interval of the load
+    if free[0]:  # just past the entry of back slip the speed may fall on within a narrow interval of loads
         along = np.repeat(ends[:, ends[0] == 0.0], _DIPS.size, axis=1)
         along[0] = np.tile(_DIPS, along.shape[1] // _DIPS.size)
         ends = np.hstack([ends, along[:, np.argsort(cost(along))[:_SEEDED]]])
@@ -256,7 +262,7 @@ def searched(
     return taken(box, shares_of(x), fast=fast, flight=False, seen=seen, highest=highest)
 
 
-def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
+def sampled(box: UncertaintySet, *, fast: bool, seen: Seen) -> Extreme:
     """Return the slowest or the fastest of the hopping bodies among samples; NaN if none was found.
 
     Speeds of hopping bodies are not smooth in any coordinate, which defeats a search. So a few thousand
@@ -276,8 +282,8 @@ def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
             seen.excluded += int(np.count_nonzero(np.isnan(costs[hops])))
         return costs
 
-    shares = np.hstack([corners(free)[free], sobol(int(free.sum()), first, _SEED)])
-    x, best = scatter(cost, shares, more=2**more, rounds=_ROUNDS, seed=_SEED)
+    coordinates = np.hstack([corners(free)[free], sobol(int(free.sum()), first, _SEED)])
+    x, best = scatter(cost, coordinates, more=2**more, rounds=_ROUNDS, seed=_SEED)
     at = placed(free, x)
     if math.isnan(best):
         return Extreme(math.nan, at, box.scene(box.points(at), fast=fast))
@@ -285,25 +291,25 @@ def sampled(box: Box, *, fast: bool, seen: Seen) -> Extreme:
 
 
 def taken(
-    box: Box,
-    shares: Floats,
+    box: UncertaintySet,
+    coordinates: Floats,
     *,
     fast: bool,
     flight: bool,
     seen: Seen,
     highest: Regime = Regime.HOPPING,
 ) -> Extreme:
-    """Return the slower, or the faster, result of the amplitudes and frequencies that share a load."""
-    scenes = [box.scene(box.points(shares), fast=which) for which in (fast, not fast)]
+    """Return the slower, or the faster, of the two ends of the frequencies that have one load."""
+    scenes = [box.scene(box.points(coordinates), fast=which) for which in (fast, not fast)]
     found = [
         float(speeds_of(scene, fast=fast, flight=flight, seen=seen, highest=highest)[0]) for scene in scenes
     ]
     keys = [-s if fast else s for s in found]
     which = 1 if keys[1] < keys[0] else 0
-    return Extreme(found[which], shares, scenes[which])
+    return Extreme(found[which], coordinates, scenes[which])
 
 
-def _may_run_away(box: Box) -> bool:
+def _may_run_away(box: UncertaintySet) -> bool:
     """Whether the weight component along the trough exceeds kinetic friction for some body, up or down."""
     least, _ = box.kinetic_span(np.asarray(box.static_span[0]))
     return bool(least <= math.tan(max(abs(angle) for angle in box.trough_angle)))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.extremes import SEEDS, Extreme, Seen, look_around, sampled, searched, speeds_of, taken
 from vibro.inverse.proofs import back_slip_load, is_braked, steeper_is_slower
 from vibro.inverse.tolerances import TOLERANCES
@@ -20,14 +20,14 @@ from vibro.scene import Scene
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from vibro.inverse.spaces import Box
+    from vibro.inverse.spaces import UncertaintySet
 
     Floats = NDArray[np.float64]
 
 __all__ = ["Bound", "bound", "guarantee", "guarantee_of"]
 
 _AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude")
-# Loads at which the speed may jump; where back slip begins with its load, that is told.
+# Loads at which the speed may jump, and how the report names them.
 _JUMPS: Final = {
     "back_slip": "back slip begins",
     "back_onset": "the load for back slip is reached",
@@ -77,10 +77,10 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     >>> print(f"{1e3 * g.speed_min:.4f} to {1e3 * g.speed_max:.4f} mm/s, {g.proof_min}; {g.max_limit}")
     27.0464 to 29.0414 mm/s, searched; from below the load at which back slip begins
     """
-    return guarantee_of(box_of(scene, bands))
+    return guarantee_of(uncertainty_set(scene, bands))
 
 
-def guarantee_of(box: Box) -> Guarantee:
+def guarantee_of(box: UncertaintySet) -> Guarantee:
     """Return the guarantee over a single box."""
     seen = Seen()
     look_around(box, seen)
@@ -101,14 +101,16 @@ def guarantee_of(box: Box) -> Guarantee:
 
 
 class Bound(NamedTuple):
-    """The slowest or the fastest body of a box, and how that is known: a label of ``Guarantee``."""
+    """The slowest or the fastest body of a box, and its proof: a label of ``Guarantee``."""
 
     extreme: Extreme
     proof: str
 
 
-def bound(box: Box, *, fast: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING) -> Bound:
-    """Find the slowest or the fastest body of a single box, by so many searches.
+def bound(
+    box: UncertaintySet, *, fast: bool, seen: Seen, seeds: int = SEEDS, highest: Regime = Regime.HOPPING
+) -> Bound:
+    """Find the slowest or the fastest body of a single box.
 
     A body in a higher regime than ``highest`` is slower, or faster, than all others.
     """
@@ -123,32 +125,32 @@ def bound(box: Box, *, fast: bool, seen: Seen, seeds: int = SEEDS, highest: Regi
         return Bound(extreme, "searched")
     hopping = sampled(box, fast=fast, seen=seen)
     key = (lambda e: -e.speed) if fast else (lambda e: e.speed)
-    if math.isnan(hopping.speed):  # of no sample a speed could be found: nothing is known of any
+    if math.isnan(hopping.speed):  # no sample has a known speed, so none is guaranteed
         return Bound(replace(hopping, speed=math.inf if fast else -math.inf), "sampled")
     return Bound(hopping if math.isnan(extreme.speed) else min(extreme, hopping, key=key), "sampled")
 
 
-def _is_monotone(box: Box) -> bool:
-    """Whether the speed is known to rise or fall along every band: all bodies slip forward at most."""
+def _is_monotone(box: UncertaintySet) -> bool:
+    """Whether the speed is proved monotone along every band: no body slips back or runs away."""
     slips_forward = float(box.load[1]) <= float(back_slip_load(box))
     return slips_forward and is_braked(box) and steeper_is_slower(box)
 
 
-def _slowest_forward(box: Box, seen: Seen) -> Extreme:
-    """Slowest of bodies that slip forward at most: the roughest, weakly driven, on the steepest trough.
+def _slowest_forward(box: UncertaintySet, seen: Seen) -> Extreme:
+    """Return the slowest body where none slips back: the roughest and least driven, on the steepest trough.
 
     The speed rises, then falls, with the drive angle: one of its two ends.
     """
-    shares = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 1.0], [1.0, 1.0]])
-    found = [taken(box, shares[:, [i]], fast=False, flight=False, seen=seen) for i in range(2)]
+    coordinates = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 1.0], [1.0, 1.0]])
+    found = [taken(box, coordinates[:, [i]], fast=False, flight=False, seen=seen) for i in range(2)]
     return min(found, key=lambda extreme: extreme.speed)
 
 
-def _fastest_forward(box: Box, seen: Seen) -> Bound:
-    """Fastest of bodies that slip forward at most: where no end is it, the top between is searched."""
-    shares = np.array([[1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
-    found = [taken(box, shares[:, [i]], fast=True, flight=False, seen=seen) for i in range(2)]
-    (low, high), point = box.shape["drive_angle"], box.points(shares[:, :1])
+def _fastest_forward(box: UncertaintySet, seen: Seen) -> Bound:
+    """Return the fastest body where none slips back; between two drive angles its maximum is searched."""
+    coordinates = np.array([[1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    found = [taken(box, coordinates[:, [i]], fast=True, flight=False, seen=seen) for i in range(2)]
+    (low, high), point = box.shape["drive_angle"], box.points(coordinates[:, :1])
     tops = (math.atan(float(mu[0])) for mu in (point.kinetic_friction, point.static_friction))
     first, last = ((min(max(top, low), high) - low) / ((high - low) or 1.0) for top in tops)
 

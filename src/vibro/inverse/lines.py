@@ -1,4 +1,4 @@
-"""Settings of a drive along a line: of least acceleration, top speed or largest margin.
+"""Find settings of a drive along a line: of least acceleration, top speed or largest margin.
 
 Amplitude and frequency enter through the load G = A w^2 / g and a factor 1/f on all speeds, so that of all
 settings with one load the lowest frequency is the best: what is left to choose is a drive angle and a load.
@@ -18,21 +18,19 @@ from vibro.inverse.exchange import SCATTERED, SEED, Effort, Exchange, Optimum
 from vibro.inverse.extremes import ANY_LANDING
 from vibro.inverse.proofs import corners, is_braked, onset_load, regime_loads, steeper_is_slower, tip_load
 from vibro.inverse.questions import MOST_THROW
-from vibro.inverse.rounding import moved, within
 from vibro.inverse.scenarios import entry_loads
 from vibro.inverse.search import first_crossing, placed, sobol
 from vibro.inverse.spaces import SPACES, Setting, inside
 from vibro.inverse.tolerances import TOLERANCES
-from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
     from vibro.inverse.exchange import Found
     from vibro.inverse.questions import Question
-    from vibro.inverse.spaces import Box
+    from vibro.inverse.spaces import UncertaintySet
     from vibro.inverse.specs import Span
 
     Floats = NDArray[np.float64]
@@ -40,8 +38,7 @@ if TYPE_CHECKING:
 __all__ = ["LineOptimiser"]
 
 _LINES: Final = SPACES[Line]
-_SLOWEST_LOAD: Final = 1e-2  # of the largest load, from which on settings are looked for
-_NUDGES: Final = 4  # steps of the last digit that an amplitude may be moved inwards
+_SLOWEST_LOAD: Final = 1e-2  # share of the largest load at which the search for settings begins
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +72,7 @@ _FLYING: Final = _Effort(
     angles=33, rounds=3, loads=65, population=8, generations=3, climbs=1, width=5e-11, margins=33,
     margin=1e-3, scale=1e-3, exchanges=2,
 )  # fmt: skip
-# impacts that are not plastic take long
+# bounces are slow to solve
 _BOUNCING: Final = _Effort(
     angles=9, rounds=1, loads=17, population=7, generations=2, climbs=0, width=6e-5, margins=9,
     margin=3e-2, scale=3e-2, exchanges=1,
@@ -92,14 +89,6 @@ class Range(NamedTuple):
 
     frequency: Span
     drive_angle: Span
-
-    def distance(self, turned: Mapping[str, Any]) -> float:
-        """How far a setting lies outside, relative to its values."""
-        beyond = (
-            max(low - x, x - high, 0.0) / (abs(x) or 1.0)
-            for (low, high), x in ((self[i], turned[name]) for i, name in enumerate(self._fields))
-        )
-        return float(max(beyond))
 
 
 class LineOptimiser(Exchange):
@@ -123,26 +112,27 @@ class LineOptimiser(Exchange):
             effort = _BOUNCING if question.spec.restitution else _FLYING
         self._closely = effort
         self._monotone = question.highest is Regime.FORWARD_SLIP and is_braked(one) and steeper_is_slower(one)
-        if self._monotone:  # the slowest bodies, and those that may run away where bands are scaled
-            shares = np.array(
+        # corners of the slowest bodies, and of those that may run away where bands are scaled
+        if self._monotone:
+            coordinates = np.array(
                 [[0, 0, 1, 1], [0, 1, 0, 1], [1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0]], np.float64
             )
         else:
-            shares = corners(one.varies)
-        super().__init__(question, effort, shares)
+            coordinates = corners(one.varies)
+        super().__init__(question, effort, coordinates)
 
     def _caps(self, drive_angle: Floats, scale: Floats | float = 1.0) -> dict[str, Floats]:
-        """Nominal loads up to which a drive angle may be driven, by what ends there, of its shape.
+        """Return the largest nominal load of each drive angle, by the constraint that sets it.
 
-        The largest acceleration is for nominal values, and no matter of the scale. Settings that hop are not
-        sought beyond a throw number of 10.
+        The drive's own limit is on nominal values, at any scale. Settings that hop are searched up to a throw
+        number of 10.
         """
         question = self._question
         box = question.box(_unit(drive_angle), scale)
         loads = self._tip_loads(box) | regime_loads(box, question.highest)
         most = question.growth(scale)
         shape = np.broadcast_shapes(np.shape(drive_angle), np.shape(scale))
-        # a load that is NaN is of bodies without static friction, of which nothing is known
+        # without static friction the load is NaN, and no load is allowed
         loads = {name: np.nan_to_num(load, nan=0.0, posinf=math.inf) for name, load in loads.items()}
         least = 1.0 - TOLERANCES.beside
         caps = {name: np.broadcast_to(load / most * least, shape) for name, load in loads.items()}
@@ -151,8 +141,8 @@ class LineOptimiser(Exchange):
             limit = np.minimum(limit, MOST_THROW * box.hop_load / most)
         return {**caps, "limit": limit}
 
-    def _tip_loads(self, box: Box) -> dict[str, Floats]:
-        """Load up to which every part stays upright, where it must: nothing is known of landings."""
+    def _tip_loads(self, box: UncertaintySet) -> dict[str, Floats]:
+        """Return the load up to which every part stays upright, if it must; landings are not modelled."""
         ratio = self._question.spec.stand_ratio
         if math.isinf(ratio):
             return {}
@@ -160,7 +150,7 @@ class LineOptimiser(Exchange):
         return {"tip": np.minimum(load, box.hop_load) if self._question.flies else load}
 
     def _setting(self, load: Floats, frequency: tuple[Any, Any], drive_angle: Floats) -> Setting:
-        """Return the fastest setting of a load: that of the lowest frequency which the stroke allows.
+        """Return the fastest setting of a load: the lowest frequency that the amplitudes allow.
 
         At one load the speed of every body goes with 1/f.
         """
@@ -210,7 +200,7 @@ class LineOptimiser(Exchange):
         return np.where(possible, self.least(setting, scale), -np.inf)
 
     def _fastest_at_the_top(self, choice: Range, scale: float, generations: int) -> Optimum:
-        """Search the drive angle alone: the speed rises with the load up to where it must end."""
+        """Search the drive angle alone: the speed rises with the load up to the first constraint."""
 
         def value(angles: Floats) -> Floats:
             return self._value(angles, self._tops(angles, choice, scale), choice, scale)
@@ -226,12 +216,12 @@ class LineOptimiser(Exchange):
         frees = np.array([turns, True, self._question.landings != ANY_LANDING])
 
         def settings(x: Floats) -> tuple[Floats, Floats, Setting]:
-            shares = placed(frees, x)
-            angles = inside(choice.drive_angle, shares[0])
+            coordinates = placed(frees, x)
+            angles = inside(choice.drive_angle, coordinates[0])
             tops = self._tops(angles, choice, scale)
-            loads = tops * np.minimum(np.maximum(least / tops, _SLOWEST_LOAD), 1.0) ** shares[1]
+            loads = tops * np.minimum(np.maximum(least / tops, _SLOWEST_LOAD), 1.0) ** coordinates[1]
             lowest = self._setting(loads, choice.frequency, angles).frequency
-            setting = self._setting(loads, (lowest * (fastest / lowest) ** shares[2], fastest), angles)
+            setting = self._setting(loads, (lowest * (fastest / lowest) ** coordinates[2], fastest), angles)
             return loads, tops, setting
 
         def speed(x: Floats) -> Floats:
@@ -241,8 +231,8 @@ class LineOptimiser(Exchange):
 
         def cost(x: Floats) -> Floats:
             speeds = speed(x)
-            # All parts at rest are worse than some that move backwards: the more, the less they are loaded.
-            # Otherwise rest, from where no speed leads anywhere, attracts whole populations.
+            # Where all bodies rest the speed is flat and would trap the population, so rest costs more than
+            # any speed, and the more the lower the load.
             return np.where(speeds == 0.0, _AT_REST + x[-1 - int(frees[2])], -speeds)
 
         first = sobol(int(frees.sum()), self._effort.population, SEED)
@@ -261,8 +251,8 @@ class LineOptimiser(Exchange):
                 loads = self._first_load(angles, target, choice)
                 if np.isfinite(loads).all():
                     return -loads
-                # Angles that do it may lie close together, between two that are looked at first: those that
-                # miss the speed by the least at the largest load lead there.
+                # The angles that reach the speed may all lie between two of the grid. The speed at the
+                # largest load leads the search there.
                 top = self._value(angles, self._tops(angles, choice, 1.0), choice, 1.0)
                 return np.where(np.isfinite(loads), -loads, -_MISSED * (2.0 - top / target))
 
@@ -278,7 +268,7 @@ class LineOptimiser(Exchange):
         """Least loads that reach a speed at drive angles; inf where none does."""
         tops = self._tops(angles, choice, 1.0)
         boxes = self._question.box(_unit(angles[:, None]))
-        # every body must have started forward
+        # below the onset of the last body no speed is guaranteed
         onset = onset_load(boxes) / boxes.load[0] * self._question.load(_unit(0.0))
         bottom = np.maximum(onset[:, 0], self._reach(choice)[0])
         if not self._monotone:
@@ -287,8 +277,8 @@ class LineOptimiser(Exchange):
         if self._monotone:
             grid = np.column_stack([bottom, tops])
         else:
-            shares = np.linspace(0.0, 1.0, self._closely.loads)
-            grid = bottom[:, None] * (tops / bottom)[:, None] ** shares
+            coordinates = np.linspace(0.0, 1.0, self._closely.loads)
+            grid = bottom[:, None] * (tops / bottom)[:, None] ** coordinates
             entries = self._entries(angles)
             beside = np.hstack([entries * (1.0 - TOLERANCES.beside), entries * (1.0 + TOLERANCES.beside)])
             grid = np.sort(np.hstack([grid, np.clip(beside, bottom[:, None], tops[:, None])]), axis=1)
@@ -305,34 +295,8 @@ class LineOptimiser(Exchange):
         entries = entry_loads(boxes, points) / points.load * self._question.load(_unit(0.0))
         return np.where(np.isfinite(entries), entries, 0.0)
 
-    def roundings(self, setting: Setting, digits: int, *, up: bool) -> list[tuple[float, ...]]:
-        """Return amplitude, frequency and drive angle in the units outside, from the nearest inwards."""
-        turned = self._question.space.turned(setting)
-        amplitude, frequency, angle = (float(QUANTITIES[k].from_si(float(x))) for k, x in turned.items())
-        nearest = min(self._ranges, key=lambda ends: ends.distance(turned))
-        near = (
-            within(frequency, "frequency", nearest.frequency, digits),
-            within(angle, "drive_angle", nearest.drive_angle, digits),
-        )
-        # the load that the setting has, with the rounded frequency
-        amplitude *= (frequency / near[0]) ** 2
-        ends, step = self._question.drive.span("amplitude"), 1 if up else -1
-        tried = (moved(amplitude, digits, n, up=up) for n in range(-step, step * _NUDGES, step))
-        return [(within(x, "amplitude", ends, digits), *near) for x in tried]
-
-    def is_allowed(self, setting: Setting) -> bool:
-        """Return whether the drive allows a setting."""
-        question, drive, slack = self._question, self._question.drive, TOLERANCES.converted
-        turned = question.space.turned(setting)
-        beyond = min(ends.distance(turned) for ends in self._ranges)
-        least, most = drive.span("amplitude")
-        stroke = least * (1.0 - slack) <= turned["amplitude"] <= most * (1.0 + slack)
-        return bool(
-            beyond <= slack and stroke and question.load(setting) <= drive.acceleration * (1.0 + slack)
-        )
-
     def limit(self, found: Found, scale: float) -> str:
-        """Name the active constraint of a setting with bands of a scale."""
+        """Return the name of a setting's active constraint, with bands scaled by a factor."""
         question = self._question
         load = float(question.load(found.setting))
         landings = question.landings.scaled(TOLERANCES.nearly)
@@ -347,7 +311,7 @@ class LineOptimiser(Exchange):
         return "limit" if turned["amplitude"] >= most * (1.0 - TOLERANCES.at) else "speed"
 
     def first_cap(self) -> str:
-        """Name what ends the load before any speed is guaranteed, in the middle of the drive angles."""
+        """Return the constraint that bounds the load before any speed is guaranteed, at the middle angle."""
         middle = np.array([[float(np.mean(self._ranges[0].drive_angle))]])
         caps = {name: float(cap[0, 0]) for name, cap in self._caps(middle).items()}
         reach = max(self._reach(choice)[1] for choice in self._ranges)
@@ -361,12 +325,12 @@ def _unit(drive_angle: Any) -> Setting:
 
 
 def _optimum(setting: Setting, speed: float) -> Optimum:
-    """Return the only one of settings."""
+    """Return a setting of shape (1,) as an optimum."""
     return Optimum(Setting(*(float(np.ravel(x)[0]) for x in setting)), speed)
 
 
 def _best(value: Callable[[Floats], Floats], span: tuple[float, float], effort: _Effort) -> float:
-    """Drive angle of the largest value: among many, then closer and closer around the best of them."""
+    """Return the drive angle of the largest value: on a grid, refined around its best peaks."""
     low, high = span
     if low == high:
         return low

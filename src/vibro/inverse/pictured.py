@@ -1,4 +1,4 @@
-"""What pictures of a design show: what the settings around it guarantee."""
+"""Compute the data of the design pictures: what the settings around a design guarantee."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.designs import Chosen
-    from vibro.inverse.spaces import Box
+    from vibro.inverse.spaces import UncertaintySet
     from vibro.inverse.specs import Spec
 
     Floats = NDArray[np.float64]
@@ -30,19 +30,19 @@ if TYPE_CHECKING:
 
 __all__ = ["setting_fields", "speed_band"]
 
-_POINTS: Final = {False: 801, True: 81}  # of a curve; the second where impacts are not plastic: it takes long
-_BEYOND: Final = 1.25  # times a limit of the drive, as far as pictures go
-_LEAST: Final = 0.05  # of the largest amplitude, where pictures begin
-_BELOW: Final = 0.5  # of the chosen amplitude, where they begin at the latest
-_LEVELS: Final = (0.0, 0.5, 1.0)  # shares of every band, of the bodies that pictures look at
-_MOST: Final = 4  # bands; of more the corners alone are looked at
+# points of a curve; fewer with restitution, since bounces are slow to solve
+_POINTS: Final = {False: 801, True: 81}
+_BEYOND: Final = 1.25  # factor on the drive's limits up to which pictures reach
+_LEAST: Final = 0.05  # share of the largest amplitude at which pictures begin
+_BELOW: Final = 0.5  # share of the chosen amplitude at which they begin at the latest
+_LEVELS: Final = (0.0, 0.5, 1.0)  # shares of every band at which bodies are drawn
+_MOST: Final = 4  # bands; with more of them the corners alone are drawn
 
 
 def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
     """Return what settings guarantee at the drive angle of the chosen one, over the load.
 
-    The slowest of some bodies of the box stands for the slowest: pictures show lines, and tables what was
-    searched.
+    Pictures take the slowest of some bodies of the box; tables have the slowest that a search found.
     """
     question, setting = Question(spec, chosen.drive, Regime.HOPPING), chosen.setting
     limits, amplitude = span_of(question, setting), float(question.space.amplitude(setting))
@@ -59,7 +59,7 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (solve(boxes.scene(points, fast=which)) for which in (False, True))
     goal = spec.goal
-    # the load of an ellipse is more than that of its motion along the trough
+    # an ellipse's load exceeds that of its motion along the trough
     share = amplitude * float(setting.frequency) ** 2 / unit / float(question.load(setting))
     return SettingFields(
         amplitude=question.space.leading(setting),
@@ -79,7 +79,7 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
 def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     """Return the speeds of the slowest, the middle and the fastest part over the amplitude.
 
-    Of the bodies that ``setting_fields`` looks at too.
+    They are the bodies of ``setting_fields``.
     """
     question, setting = Question(spec, chosen.drive, Regime.HOPPING), chosen.setting
     amplitude = float(question.space.amplitude(setting))
@@ -106,8 +106,8 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     )
 
 
-def _tips(question: Question, box: Box) -> float:
-    """Nominal load over the present one from which the first part lifts an edge, or hops."""
+def _tips(question: Question, box: UncertaintySet) -> float:
+    """Return the ratio of the load at which the first part tips, or hops, to the present one."""
     ratio = question.spec.stand_ratio
     if math.isinf(ratio):
         return math.inf
@@ -116,40 +116,41 @@ def _tips(question: Question, box: Box) -> float:
 
 
 def _with_jumps(low: float, high: float, begins: Begins, spec: Spec) -> Floats:
-    """Return values between two ends, with both sides of those at which something begins."""
+    """Return values between two ends, with both sides of every load at which a regime begins."""
     jumps = [value for pair in begins.values() for value in pair if low < value < high]
     beside = np.outer(jumps, (1.0 - TOLERANCES.either_side, 1.0 + TOLERANCES.either_side)).ravel()
     return np.union1d(np.geomspace(low, high, _POINTS[spec.restitution > 0.0]), beside)
 
 
 def _most(values: Floats) -> Floats:
-    """Largest value of each row; NaN does not count, unless nothing else is there."""
+    """Return the largest value of each row, without NaN; NaN where a row has nothing else."""
     return -_least(-values)
 
 
 def _least(speed: Floats) -> Floats:
-    """Least speed of each row; what is left out is NaN and does not count, unless nothing else is there."""
+    """Return the least speed of each row, without NaN; NaN where a row has nothing else."""
     least = np.where(np.isnan(speed), np.inf, speed).min(axis=1)
     return np.where(np.isinf(least) & (least > 0.0), np.nan, least)
 
 
-def _bodies(box: Box) -> Floats:
-    """Bodies of a box, as shares, of shape (axes, n): its corners and, of few bands, points between them."""
+def _bodies(box: UncertaintySet) -> Floats:
+    """Return bodies of a box in the unit cube, of shape (axes, n): corners and, of few bands, middles."""
     if box.varies.sum() > _MOST:
         return corners(box.varies)
     levels = [_LEVELS if varies else (0.0,) for varies in box.varies]
     return np.array(list(product(*levels))).T
 
 
-def _begins(box: Box) -> Begins:
-    """Nominal loads over the present one from which the first, and the last, part is in a regime or beyond.
+def _begins(box: UncertaintySet) -> Begins:
+    """Return the ratios of the loads at which the first and the last part reach each regime to the present.
 
-    Forward slip, back slip and hopping. Of a drive along a line their loads have their extremes at corners of
-    the box, or at the angle of friction (theory.md, sections 6 and 14); of an ellipse they are searched.
+    For a line the extreme loads are at corners of the box, or at the angle of friction (theory.md, sections 6
+    and 14); for an ellipse they are searched.
     """
     begins: Begins = {}
     beyond = (math.inf, math.inf)
-    for regime in (Regime.HOPPING, Regime.BACK_SLIP, Regime.FORWARD_SLIP):  # a higher one counts as this one
+    # a part in a higher regime has passed the lower ones
+    for regime in (Regime.HOPPING, Regime.BACK_SLIP, Regime.FORWARD_SLIP):
         ratios = first_ratio(box, regime), last_ratio(box, regime)
         first, last = (1.0 / ratio if ratio > 0.0 else math.inf for ratio in ratios)
         begins[regime] = beyond = min(first, beyond[0]), min(last, beyond[1])

@@ -1,7 +1,7 @@
-"""What corners of a box prove, and what is searched where they prove nothing: where bodies change regime.
+"""Bound the loads at which the bodies of an uncertainty set change their regime: by corners, else by search.
 
-Everything is a ratio: the load of a body over the load at which something begins. Where the largest ratio of
-a box is 1, the first body does it; where the smallest one is, all do. Ratios grow with the amplitude.
+Results are ratios of a body's load to its critical load. If the largest ratio of a box exceeds 1, some body
+is in the regime; if the smallest one does, all are. Ratios are proportional to the amplitude.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from vibro.inverse.spaces import Box
+    from vibro.inverse.spaces import UncertaintySet
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -30,9 +30,10 @@ __all__ = [
     "regime_loads", "steeper_is_slower", "tip_load", "tip_ratio",
 ]  # fmt: skip
 
-_EDGE: Final = 65  # static frictions at which an edge of the box is looked at
-_ROUNDS: Final = 5  # of looking closer, each by a factor of 32
-_FIRST: Final = 5  # base-2 logarithm of the scenarios first, beside corners, where none are proved
+_EDGE: Final = 65  # static frictions of each grid along an edge of the box
+_SLOPES: Final = 33  # trough angles of each grid, where the first body need not be at an end
+_ROUNDS: Final = 5  # refinements of these grids
+_FIRST: Final = 5  # base-2 logarithm of the first population, beside the corners
 _GENERATIONS: Final = 60
 _SEED: Final = 1
 
@@ -45,13 +46,13 @@ _BEGINS: Final = {
 
 
 def corners(varies: NDArray[np.bool_]) -> Floats:
-    """Return the corners of a box that differ, as shares, of shape (axes, n); axes without a width at 0."""
+    """Return distinct corners of a box in the unit cube, of shape (axes, n); 0 where a band has no width."""
     ends = np.meshgrid(*((0.0, 1.0) if free else (0.0,) for free in varies), indexing="ij")
     return np.array([end.ravel() for end in ends])
 
 
-def first_ratio(box: Box, regime: Regime) -> float:
-    """Largest load over that at which a regime begins, in a single box: above 1 some body is in it."""
+def first_ratio(box: UncertaintySet, regime: Regime) -> float:
+    """Return the largest ratio of a load to that at which a regime begins; above 1 some body is in it."""
     most = float(box.load[1])
     if regime is Regime.HOPPING:
         return box.throw_number
@@ -66,23 +67,21 @@ def first_ratio(box: Box, regime: Regime) -> float:
     return _ratio(most, np.min(onsets))
 
 
-def last_ratio(box: Box, regime: Regime) -> float:
-    """Smallest load over that at which a regime begins, in a single box: above 1 every body is in it."""
+def last_ratio(box: UncertaintySet, regime: Regime) -> float:
+    """Return the smallest ratio of a load to that at which a regime begins; above 1 every body is in it."""
     if not box.space.proves:
         return extreme_ratio(box, _critical(regime), largest=False)[0]
-    least, (a_low, a_high), (b_low, b_high) = float(box.load[0]), box.shape["drive_angle"], box.trough_angle
+    least, (b_low, b_high) = float(box.load[0]), box.trough_angle
     if regime is Regime.FORWARD_SLIP:
         return _ratio(least, onset_load(box))
     if regime is Regime.BACK_SLIP:
-        mu_s = box.static_span[1]
-        kinetic, _ = box.kinetic_span(mu_s)
-        return _ratio(least, critical_loads_of_lines(a_high, mu_s, kinetic, b_low).back_slip)
+        return _ratio(least, back_slip_load(box, last=True))
     flattest = max(math.cos(b_low), math.cos(b_high), 1.0 if b_low < 0.0 < b_high else 0.0)
-    return least * math.sin(a_low) / flattest
+    return least * math.sin(box.shape["drive_angle"][0]) / flattest
 
 
-def tip_ratio(box: Box, stand_ratio: float) -> float:
-    """Largest load over that at which an edge of a part lifts, in a single box; 0 where none can."""
+def tip_ratio(box: UncertaintySet, stand_ratio: float) -> float:
+    """Return the largest ratio of a load to that at which a part tips; 0 where none can."""
     if math.isinf(stand_ratio):
         return 0.0
     if box.space.proves:
@@ -91,7 +90,7 @@ def tip_ratio(box: Box, stand_ratio: float) -> float:
 
 
 def _ratio(load: Floats | float, critical: Floats | float) -> float:
-    """Divide a load by a critical one: 0 where something has always begun, inf where it never does."""
+    """Divide a load by a critical one, which may be 0 or inf."""
     with np.errstate(divide="ignore"):
         return float(np.divide(load, critical))
 
@@ -101,13 +100,13 @@ def _critical(regime: Regime) -> Callable[[Scene], Floats]:
 
 
 def extreme_ratio(
-    box: Box, critical_load: Callable[[Scene], Floats], *, largest: bool
+    box: UncertaintySet, critical_load: Callable[[Scene], Floats], *, largest: bool
 ) -> tuple[float, Floats]:
     """Search a single box for the largest, or the smallest, load over a critical load.
 
     Parameters
     ----------
-    box : Box
+    box : UncertaintySet
         A single box.
     critical_load : callable
         Returns that load of scenes.
@@ -116,14 +115,14 @@ def extreme_ratio(
 
     Returns
     -------
-    ratio, shares : float, (axes, 1) array
+    ratio, coordinates : float, (axes, 1) array
         The ratio, and where it is.
     """
     free = box.varies
     side = -1.0 if largest else 1.0
 
-    def ratios(shares: Floats) -> Floats:
-        scene = box.scene(box.points(shares), fast=True)
+    def ratios(coordinates: Floats) -> Floats:
+        scene = box.scene(box.points(coordinates), fast=True)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(scene.load / critical_load(scene))
 
@@ -136,8 +135,8 @@ def extreme_ratio(
     return float(ratios(placed(free, best))[0]), placed(free, best)
 
 
-def regime_loads(box: Box, highest: Regime) -> dict[str, Floats]:
-    """Return the loads up to which every body of drives along lines keeps to a regime, by what ends there."""
+def regime_loads(box: UncertaintySet, highest: Regime) -> dict[str, Floats]:
+    """Return the loads up to which every body on a line keeps to a regime, by the constraint that ends it."""
     loads = {}
     if highest is not Regime.HOPPING:
         loads["hop"] = box.hop_load
@@ -146,7 +145,7 @@ def regime_loads(box: Box, highest: Regime) -> dict[str, Floats]:
     return loads
 
 
-def onset_load(box: Box) -> Floats:
+def onset_load(box: UncertaintySet) -> Floats:
     """Load above which the last body starts forward, Eq. (5).
 
     Over the drive angle it has one minimum, over the trough angle one maximum.
@@ -156,29 +155,46 @@ def onset_load(box: Box) -> Floats:
     return np.maximum(*(critical_loads_of_lines(a, mu_s, mu_s, hardest).forward_onset for a in angles))
 
 
-def back_slip_load(box: Box) -> Floats:
-    """Load above which the first body slips back.
+def back_slip_load(box: UncertaintySet, *, last: bool = False) -> Floats:
+    """Load above which the first body, or the last, slips back.
 
     It rises with static friction and the drive angle and falls with kinetic friction and the trough angle
-    (theory.md, section 14): a corner of the box. Only on a decline, where kinetic friction goes along with
-    the static one, it may fall on the way: there the edge is searched.
+    (theory.md, section 14): a corner of the box. Two cases are searched: on a decline, where kinetic friction
+    goes along with the static one, the edge of static frictions; where mu_s tan |beta| >= 1, trough angles.
     """
-    least, most = box.trough_angle
-    load = _back_slip_load(box, most)
-    # where friction is so high that it holds better on a slope, either end may be the first
-    return load if np.all(least == most) else np.minimum(load, _back_slip_load(box, least))
+    sign = -1.0 if last else 1.0
+    low, high = (np.asarray(end, np.float64) for end in box.trough_angle)
+    load = _back_slip_load(box, low if last else high, sign)
+    if np.all(low == high):
+        return sign * load
+    load = np.minimum(load, _back_slip_load(box, high if last else low, sign))
+    if steeper_is_slower(box):
+        return sign * load
+    # So high a friction holds better on a steeper trough, and the extreme may lie between both ends. There
+    # it is the only one (measured), which refined grids find.
+    for _ in range(_ROUNDS):
+        angles = np.linspace(0.0, 1.0, _SLOPES)
+        betas = [low + share * (high - low) for share in angles]
+        loads = np.array(np.broadcast_arrays(*(_back_slip_load(box, beta, sign) for beta in betas)))
+        best = np.argmin(loads, axis=0)
+        load = np.minimum(load, loads.min(axis=0))
+        width = high - low
+        low, high = (low + width * angles[np.clip(best + side, 0, _SLOPES - 1)] for side in (-1, 1))
+    return sign * load
 
 
-def _back_slip_load(box: Box, beta: Floats | float) -> Floats:
-    """Return the same at one trough angle."""
-    alpha = box.shape["drive_angle"][0]
+def _back_slip_load(box: UncertaintySet, beta: Floats | float, sign: float) -> Floats:
+    """Return the least ``sign`` times load of back slip at one trough angle: sign -1 is of the last body."""
+    first = sign > 0.0
+    alpha = box.shape["drive_angle"][0 if first else 1]
     low, high = box.static_span
 
     def load(mu_s: Floats) -> Floats:
-        return np.asarray(critical_loads_of_lines(alpha, mu_s, box.kinetic_span(mu_s)[1], beta).back_slip)
+        mu_d = box.kinetic_span(mu_s)[1 if first else 0]
+        return sign * np.asarray(critical_loads_of_lines(alpha, mu_s, mu_d, beta).back_slip)
 
     if np.all(np.asarray(beta) >= 0.0) or np.all(low == high):
-        return load(np.asarray(low))
+        return load(np.asarray(low if first else high))
     start, end = (np.asarray(x, np.float64) for x in (low, high))
     for _ in range(_ROUNDS):
         mu_s = start + np.linspace(0.0, 1.0, _EDGE) * (end - start)
@@ -190,7 +206,7 @@ def _back_slip_load(box: Box, beta: Floats | float) -> Floats:
     return least if np.ndim(alpha) else least[..., 0]
 
 
-def tip_load(box: Box, stand_ratio: float) -> Floats:
+def tip_load(box: UncertaintySet, stand_ratio: float) -> Floats:
     """Load up to which no edge of any part lifts that starts from rest, Eq. (43); inf where none can.
 
     The onset that decides is least at an end of each band, or at the angle whose tangent is the stand ratio.
@@ -205,14 +221,14 @@ def tip_load(box: Box, stand_ratio: float) -> Floats:
     return np.asarray(np.min(np.broadcast_arrays(*loads), axis=0))
 
 
-def is_braked(box: Box) -> bool:
+def is_braked(box: UncertaintySet) -> bool:
     """Whether kinetic friction outweighs the weight down the trough for every body that slides forward."""
     steepest = box.trough_angle[0]
     kinetic, _ = box.kinetic_span(np.asarray(box.static_span[0]))
     return bool(kinetic * math.cos(steepest) + math.sin(steepest) >= 0.0)
 
 
-def steeper_is_slower(box: Box) -> bool:
-    """Whether a steeper trough is slower for every body, Eq. (53)."""
-    steepest = max(abs(angle) for angle in box.trough_angle)
-    return bool(box.static_friction[1] * math.tan(steepest) < 1.0)
+def steeper_is_slower(box: UncertaintySet) -> bool:
+    """Whether a steeper trough is slower for every body of all boxes, Eq. (53)."""
+    steepest = np.maximum(*np.abs(box.trough_angle))
+    return bool(np.all(box.static_friction[1] * np.tan(steepest) < 1.0))

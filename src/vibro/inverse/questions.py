@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.inverse.extremes import ANY_LANDING, Landings, counted
-from vibro.inverse.spaces import Box, Setting, cut, off
+from vibro.inverse.spaces import Setting, UncertaintySet, cut, off
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import stays_upright
 from vibro.scene import Scene
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["MOST_THROW", "Question"]
 
 _RIGHT_ANGLE: Final = 0.5 * math.pi
-#: Throw number up to which settings that hop are sought: beyond, flights last for many cycles, and landings
-#: shake parts and drive apart.
+#: [1] Throw number up to which hopping settings are searched: beyond, flights last many cycles, and landings
+#: damage parts and drive.
 MOST_THROW: Final = 10.0
 
 
@@ -53,7 +53,7 @@ class Question:
 
     @property
     def space(self) -> Space:
-        """What turns the drive."""
+        """Space of the drive's settings."""
         return self.drive.space
 
     @property
@@ -63,11 +63,11 @@ class Question:
 
     @property
     def landings(self) -> Landings:
-        """What landings may be at most."""
+        """Limits on landings."""
         goal = self.spec.goal
         return Landings(goal.impact_speed, goal.flight_fraction) if self.flies else ANY_LANDING
 
-    def box(self, setting: Setting, scale: Floats | float = 1.0) -> Box:
+    def box(self, setting: Setting, scale: Floats | float = 1.0) -> UncertaintySet:
         """Return the uncertainty set of a setting, or of several where these are arrays of shape (m, 1).
 
         Parameters
@@ -75,7 +75,7 @@ class Question:
         setting : Setting
             Nominal values.
         scale : float or array
-            Factor on all bands and drifts about their middles, cut at what can be.
+            Factor on all bands and drifts about their middles; bands are cut at impossible values.
         """
         bands, drift = self.spec.bands, self.spec.drift
         is_ratio = "friction_ratio" in bands
@@ -88,7 +88,7 @@ class Question:
         )
         second = _scaled(bands["friction_ratio" if is_ratio else "kinetic_friction"], scale)
         factor, shape = self.space.band(setting, drift, scale, _RIGHT_ANGLE - short - trough[1])
-        return Box(
+        return UncertaintySet(
             space=self.space,
             factor=factor,
             frequency=off(setting.frequency, drift.frequency * scale),
@@ -112,22 +112,22 @@ class Question:
         return box.scene(points, fast=False)
 
     def growth(self, scale: Floats | float) -> Floats | float:
-        """Largest load of a box over the nominal one, where amplitude and frequency drift."""
+        """Return the ratio of the largest load in a box to the nominal one."""
         drift = self.spec.drift
         return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** 2
 
     def speeds(self, setting: Setting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
         """Speeds of scenarios at settings, 1-D, of shape (settings, scenarios).
 
-        -inf where a body does what is not allowed; NaN where it is left out.
+        -inf where a body breaks a constraint; NaN where its speed is unknown and it is left out.
         """
         columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
         boxes = self.box(columns, np.reshape(scale, (-1, 1)))
         points = boxes.points(scenarios.at(boxes))
         scene = boxes.scene(points, fast=False)
         cycle = solve(scene, flight=self.flies)
-        bad = self.landings.broken(boxes, points)
-        if not self.space.proves:  # where corners prove what keeps to the regime, its loads are limited
+        bad = self.landings.broken(boxes, points, cycle)
+        if not self.space.proves:  # for lines the limits on the load have excluded these already
             bad |= np.asarray(cycle.regime) > self.highest
             if math.isfinite(self.spec.stand_ratio):
                 bad |= stays_upright(scene, self.spec.stand_ratio) != 1
@@ -135,7 +135,7 @@ class Question:
 
 
 def _scaled(band: Span, scale: Any) -> Ends:
-    """Scale a band about its middle; a scale of 1 changes nothing."""
+    """Scale a band about its middle; a scale of 1 keeps it to the last bit."""
     low, high = band
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     plain = np.equal(scale, 1.0)

@@ -1,4 +1,4 @@
-"""Questions of inverse design as files and mappings: read, and checked before anything is computed."""
+"""Read and check questions of inverse design, from files or mappings."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 __all__ = ["read_spec"]
 
-# [rad] More than is lost where four angles near 90 deg are converted and added.
+# [rad] Exceeds the rounding of four angles near 90 deg that are converted and added.
 _ROUNDED: Final = 1e-15
-# [1] No machine gets near it; beyond, loads and their bounds leave the range in which searches end.
+# [1] Far beyond any machine; above it, loads and their bounds leave the range in which searches converge.
 _MOST_LOAD: Final = 1e9
 _LINE: Final = (*LINEAR, "stroke")
-_SEVERAL: Final = ("frequency", "drive_angle")  # there may be several ranges to choose from
+_SEVERAL: Final = ("frequency", "drive_angle")  # knobs that may have several ranges
 _PAIRS: Final = "either amplitude_mm and drive_angle_deg, or along_amplitude_mm and normal_amplitude_mm"
 
 
@@ -47,8 +47,8 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
     Returns
     -------
     Spec
-        In SI units and radians. A band of kinetic friction is as given: where it exceeds static friction it
-        is cut by whoever makes the box.
+        In SI units and radians. A band of kinetic friction is as given; ``Question.box`` cuts it at static
+        friction.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def _check_names(drives: Sequence[Drive], problems: Problems) -> None:
 
 
 def _check_drift(spec: Spec, drift: Table) -> None:
-    """Refuse drifts of what no drive has."""
+    """Refuse drifts of quantities that no drive has."""
     knobs = {knob for drive in spec.drives for knob in drive.choices}
     for name in ("normal_phase", "drive_angle"):
         key = QUANTITIES[name].column
@@ -198,7 +198,7 @@ def _check_drift(spec: Spec, drift: Table) -> None:
 
 
 def _check_angles(spec: Spec, drives: Sequence[Table], problems: Problems) -> None:
-    """Refuse troughs that parts slide off by themselves, and drives that reach the trough's normal."""
+    """Refuse troughs so steep that parts slide by themselves, and drives that reach the trough's normal."""
     low, high = spec.bands["trough_angle"]
     highest = high + spec.drift.trough_angle
     steepest = max(-low, high) + spec.drift.trough_angle
@@ -219,14 +219,13 @@ def _check_angles(spec: Spec, drives: Sequence[Table], problems: Problems) -> No
 
 
 def _check_accelerations(spec: Spec, drives: Sequence[Table]) -> None:
-    """Refuse drives whose gentlest setting exceeds their own limit."""
+    """Refuse drives whose least acceleration exceeds their own limit."""
     for drive, table in zip(spec.drives, drives, strict=True):
-        least = drive.least_acceleration / spec.gravity
+        least, most = (a / spec.gravity for a in drive.accelerations)
         if least > drive.acceleration:
             table.refuse(
                 "acceleration_g", f"amplitude and frequency are such that it is at least {least:.6g}"
             )
-        most = drive.most_acceleration / spec.gravity
         if drive.frequency and not most <= _MOST_LOAD:
             why = (
                 f"with the amplitude the acceleration is up to {most:.6g} g; must be at most {_MOST_LOAD:g} g"

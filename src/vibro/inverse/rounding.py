@@ -1,4 +1,4 @@
-"""Settings in the units outside, with few digits."""
+"""Round settings to few digits in users' units."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from vibro.quantities import QUANTITIES
 if TYPE_CHECKING:
     from vibro.inverse.specs import Span
 
-__all__ = ["moved", "nearest", "rounded", "within"]
+__all__ = ["moved", "rounded", "within"]
 
-_SPELLED: Final = 15  # digits that tell every value that somebody gave
+_SPELLED: Final = 15  # digits that reproduce every value that a user gives
 
 
 def within(value: float, name: str, ends: Span, digits: int) -> float:
-    """Round a value in the unit outside, but not beyond its range: a single value is kept."""
+    """Round a value in users' units, but not beyond its range; one that may be 0 is rounded to decimals."""
     quantity = QUANTITIES[name]
     low, high = (nearest(float(quantity.from_si(end)), _SPELLED) for end in ends)
-    return min(max(nearest(value, digits), low), high)
+    value = round(value, digits - 3) if quantity.allowed.low < 0.0 else nearest(value, digits)
+    return min(max(value, low), high)
 
 
 def rounded(value: float, digits: int, *, down: bool) -> float:
@@ -35,7 +36,7 @@ def nearest(value: float, digits: int) -> float:
 
 
 def moved(value: float, digits: int, steps: int, *, up: bool) -> float:
-    """Move a value by some steps of its last digit from the next whole one in a direction."""
+    """Round a value up or down to some digits, then move it by some steps of the last one."""
     if value == 0.0:
         return value
     unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)

@@ -1,4 +1,4 @@
-"""The designs of one drive within one regime: found, rounded so that they hold as printed, as table rows."""
+"""Find the designs of one drive within one regime, rounded so that they hold as printed; make table rows."""
 
 from __future__ import annotations
 
@@ -27,40 +27,48 @@ if TYPE_CHECKING:
 __all__ = ["KINDS", "Finder", "find"]
 
 KINDS: Final = ("gentlest", "fastest", "safest")
-_DIGITS: Final = (9, 12, 15)  # of printed settings; more where fewer do not hold
-_OPTIMISERS: Final[Mapping[type, type[Exchange]]] = {Line: LineOptimiser, Ellipse: EllipseOptimiser}
+_DIGITS: Final = (9, 12, 15)  # of printed settings; more where a setting with fewer does not hold
+_OPTIMISERS: Final[Mapping[type, Callable[[Question], Exchange]]] = {
+    Line: LineOptimiser,
+    Ellipse: EllipseOptimiser,
+}
 
 
 @dataclass(frozen=True)
 class Finder:
-    """What looks for the designs of a question.
+    """Finds the designs of a question, and writes them as rows.
 
     Attributes
     ----------
     question : Question
         Drive, goal and bands.
     optimiser : Exchange
-        What looks for optimal settings; it keeps the scenarios that it met.
+        Finds optimal settings; it keeps the scenarios that it met.
     found : mapping of str to Found
-        The designs by their kind, without those that there are not.
+        The designs by their kind; those that do not exist are left out.
     """
 
     question: Question
     optimiser: Exchange
     found: Mapping[str, Found]
 
+    @property
+    def target(self) -> float:
+        """Target speed [m/s]."""
+        return self.question.spec.goal.speed
+
     def set_by(self, kind: str) -> str | None:
-        """Name the active constraint of a design; None where the goal is not met, except of the fastest."""
+        """Return the active constraint of a design; without a design only the fastest has one."""
         found, optimiser = self.found.get(kind), self.optimiser
         if found is None:
             return optimiser.first_cap() if kind == "fastest" else None
         if kind == "gentlest":
-            enough = self.question.spec.goal.speed * (1.0 + TOLERANCES.at)
+            enough = self.target * (1.0 + TOLERANCES.at)
             return optimiser.least_set_by(found) if found.guarantee.speed_min > enough else "speed"
         return optimiser.limit(found, found.margin or 1.0 if kind == "safest" else 1.0)
 
     def row(self, kind: str) -> Design:
-        """Return a design as a row of a table; with what ends it alone where there is none."""
+        """Return a design as a row of a table; without a design the row has only what prevents it."""
         found, question = self.found.get(kind), self.question
         row = Design(
             drive=question.drive.name,
@@ -96,29 +104,7 @@ class Finder:
             excluded=g.excluded,
         )
 
-
-def find(question: Question, calmer: Mapping[str, Found]) -> Finder:
-    """Find the gentlest, the fastest and the safest setting that hold as they are printed.
-
-    Parameters
-    ----------
-    question : Question
-        Drive, goal and bands.
-    calmer : mapping of str to Found
-        The designs within a lower regime, which are designs here too.
-    """
-    optimiser = _OPTIMISERS[question.drive.kind](question)  # type: ignore[call-arg]
-    finder = _Search(question, optimiser, question.spec.goal.speed)
-    return Finder(question, optimiser, finder.found(calmer))
-
-
-@dataclass(frozen=True)
-class _Search:
-    question: Question
-    optimiser: Exchange
-    target: float
-
-    def found(self, calmer: Mapping[str, Found]) -> dict[str, Found]:
+    def designs(self, calmer: Mapping[str, Found]) -> dict[str, Found]:
         """Find the designs, by their kind."""
         if not self.optimiser.has_more():
             return dict(calmer)
@@ -140,10 +126,10 @@ class _Search:
         return {**found, "safest": safest}
 
     def _least_acceleration(self) -> Found | None:
-        """Return the gentlest setting that holds as it is printed.
+        """Return the least-acceleration setting that holds as printed.
 
-        It may stand where the speed just reaches the goal and back slip just enters: no rounding holds there,
-        but one beside a setting for a little more speed does.
+        Where the speed just reaches the target and back slip just enters, no rounded setting holds. Then the
+        optimum for a slightly higher target is rounded.
         """
         for surplus in self.optimiser.surpluses:
             optimum = self.optimiser.least_acceleration(self.target * (1.0 + surplus))
@@ -170,12 +156,12 @@ class _Search:
         if found.optimiser is self.optimiser or not self.question.spec.has_bands:
             return found
         margin = self.optimiser.margin(found.setting, self.target)
-        if found.guarantee.speed_min >= self.target:  # what holds in a lower regime holds here
+        if found.guarantee.speed_min >= self.target:  # a margin within a lower regime holds here too
             margin = max(margin or 1.0, found.margin or 1.0, 1.0)
         return replace(found, margin=margin, optimiser=self.optimiser)
 
     def _held(self, optimum: Optimum | None, target: float | None, *, up: bool) -> Found | None:
-        """Round a setting inwards, so that it holds as it is printed."""
+        """Round a setting inwards, so that it holds as printed; None if no rounding holds."""
         if optimum is None:
             return None
         least, space = target or 0.0, self.question.space
@@ -191,13 +177,26 @@ class _Search:
         return None
 
 
+def find(question: Question, calmer: Mapping[str, Found]) -> Finder:
+    """Find the gentlest, the fastest and the safest setting that hold as they are printed.
+
+    Parameters
+    ----------
+    question : Question
+        Drive, goal and bands.
+    calmer : mapping of str to Found
+        The designs within a lower regime, which are candidates here too.
+    """
+    finder = Finder(question, _OPTIMISERS[question.drive.kind](question), {})
+    return replace(finder, found=finder.designs(calmer))
+
+
 def _nearest_drive(
     amplitude: float, frequency: float, speed: float, goal: float
 ) -> tuple[float | None, float | None]:
-    """Return frequency and amplitude of the nearest drive that meets the goal, so rounded [Hz, mm].
+    """Return frequency and amplitude of the nearest drive that meets the goal, as rounded [Hz, mm].
 
-    At one load the speed goes with 1/f. Nothing is needed where the goal is met, and a drive that conveys
-    nothing has none at its load.
+    At one load the speed is proportional to 1/f. None if the goal is met, and if the drive conveys nothing.
     """
     if speed >= goal or not speed > 0.0:
         return None, None
@@ -207,5 +206,5 @@ def _nearest_drive(
 
 
 def _mm(value: float) -> float | None:
-    """Convert a length or a speed to the unit outside; None where there is no number."""
+    """Convert a length or a speed to users' units; None if it is not finite."""
     return float(SPEED.from_si(value)) if math.isfinite(value) else None

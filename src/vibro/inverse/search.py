@@ -1,4 +1,4 @@
-"""Numerical searches that know nothing of bodies: first crossings, and minima in a unit cube."""
+"""Search numerically for first crossings, and for minima in a unit cube."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 __all__ = ["evolve", "first_crossing", "placed", "scatter", "sobol"]
 
-_OVERHANG: Final = 0.1  # beyond each end, searched for the end itself: optima lie on faces
+_OVERHANG: Final = 0.1  # trial points this far outside are moved to the face, where optima often are
 _SETTLED: Final = 1e-12  # relative spread of the population at which the search ends
-_WORST: Final = 1e30  # in place of larger costs, so that populations have a spread
+_WORST: Final = 1e30  # largest cost: the spread of a population must be finite
 
-_KEPT: Final = 8  # points around which more are scattered
-_AROUND: Final = 0.1  # first standard deviation of these
-_CLOSER: Final = 0.4  # factor from round to round
+_KEPT: Final = 8  # best points, around which more are sampled
+_AROUND: Final = 0.1  # standard deviation of these in the first round
+_CLOSER: Final = 0.4  # factor on it from round to round
 
 _PEAK: Final = 17  # points around a peak between two points of the grid
 
@@ -106,9 +106,9 @@ def sobol(dimensions: int, logarithm: int, seed: int) -> Floats:
 
 def placed(free: NDArray[np.bool_], x: Floats) -> Floats:
     """Return points of the whole cube, of shape (axes, n), from those of its free axes; 0 elsewhere."""
-    shares = np.zeros((len(free), x.shape[1]))
-    shares[free] = x
-    return shares
+    coordinates = np.zeros((len(free), x.shape[1]))
+    coordinates[free] = x
+    return coordinates
 
 
 def evolve(
@@ -142,7 +142,7 @@ def evolve(
         return np.where(np.isnan(costs), _WORST, costs)
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of spreads that overflow
+        warnings.simplefilter("ignore", RuntimeWarning)  # the spread of the population may overflow
         found = differential_evolution(
             bounded,  # type: ignore[arg-type]  # vectorised
             Bounds(np.full(len(first), -_OVERHANG), np.full(len(first), 1.0 + _OVERHANG)),
@@ -160,7 +160,7 @@ def evolve(
 def scatter(
     cost: Callable[[Floats], Floats], first: Floats, *, more: int, rounds: int, seed: int
 ) -> tuple[Floats, float]:
-    """Minimise a function over the unit cube that is not smooth in anything: by samples.
+    """Minimise a discontinuous function over the unit cube, by samples.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""Settings of a drive, and the uncertainty set around one: every operating point that parts and drifts bring.
+"""Settings of a drive, and the uncertainty set of a setting: all operating points within bands and drifts.
 
-A setting is a motion of the trough: its amplitudes along and normal to it, the phase between them, and the
-frequency. What differs between drives along a line and along an ellipse is which quantities turn it, and that
-is all that the two spaces below say.
+A setting is a motion of the trough: amplitudes along and normal to it, the phase between them, and the
+frequency. Drives along a line and along an ellipse differ in the quantities that set it (knobs), which the
+two spaces below describe.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Ends = tuple[Any, Any]  # numbers, or arrays of shape (m, 1)
 
-__all__ = ["SPACES", "Box", "EllipseSpace", "LineSpace", "Points", "Setting", "Space", "inside", "off"]
+__all__ = [
+    "SPACES", "EllipseSpace", "LineSpace", "Points", "Setting", "Space", "UncertaintySet", "inside", "off",
+]  # fmt: skip
 
 _RIGHT_ANGLE: Final = 0.5 * math.pi
 
@@ -51,7 +53,7 @@ class Setting(NamedTuple):
 
 
 class Space:
-    """Quantities that turn a kind of drive: its knobs.
+    """Quantities that set a kind of drive: its knobs.
 
     Attributes
     ----------
@@ -60,7 +62,7 @@ class Space:
     knobs : tuple of str
         Every quantity that may be chosen, in the order of printed settings.
     shape : tuple of str
-        Those which neither the amplitude nor the frequency is: coordinates of a box.
+        Knobs beside amplitude and frequency: coordinates of a box.
     """
 
     drive: ClassVar[type[Line] | type[Ellipse]]
@@ -81,7 +83,7 @@ class Space:
         raise NotImplementedError
 
     def amplitude(self, setting: Setting) -> Any:
-        """Amplitude that windows and pictures are of [m]."""
+        """Amplitude that windows and pictures vary [m]."""
         raise NotImplementedError
 
     def leading(self, setting: Setting) -> str:
@@ -89,14 +91,14 @@ class Space:
         raise NotImplementedError
 
     def band(self, setting: Setting, drift: Any, scale: Any, steepest: Any) -> tuple[Ends, dict[str, Ends]]:
-        """Return the bands of the factor and of the shape that drifts bring to a setting.
+        """Return the bands of the factor and of the shape around a setting.
 
         Parameters
         ----------
         setting : Setting
             Nominal values.
         drift : Drift
-            By how much they may be off.
+            Largest deviations from them.
         scale : float or array
             Factor on all drifts.
         steepest : float or array
@@ -200,7 +202,7 @@ SPACES: Final[Mapping[type, Space]] = {Line: LineSpace(), Ellipse: EllipseSpace(
 
 
 class Points(NamedTuple):
-    """Points of a box, arrays of one shape: what decides a body's motion up to the scales of length and time.
+    """Points of a box, arrays of one shape: they fix a body's motion up to the scales of length and time.
 
     Attributes
     ----------
@@ -242,19 +244,19 @@ class Points(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Box:
-    """A closed box of bands, cut at mu_d <= mu_s: an uncertainty set.
+class UncertaintySet:
+    """Operating points within closed bands, a box, cut at mu_d <= mu_s.
 
-    Both ends of a band are equal where a value is known. Ends may be arrays of shape (m, 1): m boxes at once,
-    of which every method serves one a row. Amplitude and frequency are one coordinate, the load: at one load
-    the speed goes with 1/f.
+    Both ends of a band are equal where a value is known. Ends may be arrays of shape (m, 1) for m boxes at
+    once; then every result has a row for each. Amplitude and frequency are one coordinate, the load: at one
+    load the speed is proportional to 1/f.
 
     Attributes
     ----------
     space : Space
         Of the drive.
     factor : pair
-        Band of what the motion is multiplied with: A of a line [m], a number of an ellipse [1].
+        Band of the factor on the motion: the amplitude of a line [m], a number of an ellipse [1].
     frequency : pair
         Band [Hz].
     shape : mapping of str to pair
@@ -282,7 +284,7 @@ class Box:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """The coordinates of the box, in order; frictions are last."""
+        """Names of the coordinates, in order; frictions are last."""
         return ("load", *self.shape, "trough_angle", "static_friction", "second_friction")
 
     @property
@@ -314,7 +316,7 @@ class Box:
 
     @property
     def spans(self) -> tuple[Ends, ...]:
-        """Bands of ``axes``, the last one as it is given."""
+        """Bands of ``axes``; that of the second friction is not cut at static friction."""
         return (
             self.load, *self.shape.values(), self.trough_angle, self.static_span, self.second_friction,
         )  # fmt: skip
@@ -326,12 +328,12 @@ class Box:
 
     @property
     def constants(self) -> dict[str, float]:
-        """What has no band, by the fields of ``Scene``."""
+        """Quantities without a band, by the fields of ``Scene``."""
         return {"gravity": self.gravity, "restitution": self.restitution}
 
     @property
     def static_span(self) -> Ends:
-        """Smallest and largest static friction: not below what kinetic friction there is."""
+        """Smallest and largest static friction, cut at the smallest kinetic friction."""
         low, high = self.static_friction
         return (low, high) if self.is_ratio else (np.maximum(low, self.second_friction[0]), high)
 
@@ -347,24 +349,23 @@ class Box:
         """Return which points make their bodies hop."""
         return np.asarray(points.load * self.space.normal(points.shape) > np.cos(points.trough_angle))
 
-    def points(self, shares: Floats) -> Points:
+    def points(self, coordinates: Floats) -> Points:
         """Return the points at unit-cube coordinates, an array of shape (axes, ...).
 
-        That of kinetic friction counts from its lower end to its upper one or to static friction, whichever
-        is less.
+        The coordinate of kinetic friction spans its band up to static friction.
         """
         *spans, static, _ = self.spans
-        load, *shape, beta = (inside(span, share) for span, share in zip(spans, shares, strict=False))
-        mu_s = inside(static, shares[-2])
-        return Points(load, tuple(shape), beta, mu_s, inside(self.kinetic_span(mu_s), shares[-1]))
+        load, *shape, beta = (inside(span, share) for span, share in zip(spans, coordinates, strict=False))
+        mu_s = inside(static, coordinates[-2])
+        return Points(load, tuple(shape), beta, mu_s, inside(self.kinetic_span(mu_s), coordinates[-1]))
 
     def scene(self, points: Points, *, fast: bool) -> Scene:
-        """Return scenes at the points, in SI units: of several at a point the fastest, or the slowest."""
+        """Return scenes at the points: of the frequencies that a load allows the fastest, or the slowest."""
         # Of all factors and frequencies with the same load the lowest frequency is the fastest, and the
         # highest the slowest, Eq. (52).
         weight = points.load * self.gravity / (4.0 * math.pi**2)  # factor f^2
         (a_low, a_high), (f_low, f_high) = self.factor, self.frequency
-        with np.errstate(over="ignore"):  # beyond the range of doubles, and so beyond the band
+        with np.errstate(over="ignore"):  # an overflow lies beyond the band
             frequency = np.clip(np.sqrt(weight / (a_high if fast else a_low)), f_low, f_high)
         factor = np.clip(weight / (frequency * frequency), a_low, a_high)
         return Scene.allowing_infeasible(
@@ -385,10 +386,10 @@ def inside(ends: Ends, share: Floats) -> Floats:
 
 
 def cut(ends: Ends, low: float, high: Any) -> Ends:
-    """Cut a band at what can be."""
+    """Cut a band to a range."""
     return np.clip(ends[0], low, high), np.clip(ends[1], low, high)
 
 
 def off(value: Any, share: Any) -> Ends:
-    """Return what a drift of a share of a nominal value brings, positive."""
+    """Return the band of a nominal value with a relative drift, kept positive."""
     return value * np.maximum(1.0 - share, TOLERANCES.short), value * (1.0 + share)

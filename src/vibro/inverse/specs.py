@@ -1,4 +1,4 @@
-"""Questions of inverse design: what is known of parts and trough, what may be chosen, and what is wanted."""
+"""Questions of inverse design: bands of parts and trough, the choices of the drives, the goal."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Drive:
 
     @property
     def space(self) -> Space:
-        """What turns it."""
+        """Space of its settings."""
         return SPACES[self.kind]
 
     @property
@@ -59,24 +59,26 @@ class Drive:
         (span,) = self.choices[knob]
         return span
 
-    @property
-    def most_acceleration(self) -> float:
-        """Largest acceleration that its ranges allow [m/s^2]; of an ellipse at least that."""
-        amplitudes = [self.choices[knob][0][1] for knob in self.choices if knob.endswith("amplitude")]
-        w = 2.0 * math.pi * max((high for _, high in self.frequency), default=0.0)
-        return max(amplitudes) * w * w
+    def nearest(self, knob: str, value: float) -> Span:
+        """Return the range of a knob that holds a value, or is the nearest to it [SI]."""
+        return min(self.choices[knob], key=lambda span: max(span[0] - value, value - span[1]))
 
     @property
-    def least_acceleration(self) -> float:
-        """Largest acceleration of its gentlest setting [m/s^2]; of an ellipse of any phase at least that."""
-        amplitudes = [self.choices[knob][0][0] for knob in self.choices if knob.endswith("amplitude")]
-        w = 2.0 * math.pi * min((low for low, _ in self.frequency), default=0.0)
-        return max(amplitudes) * w * w
+    def accelerations(self) -> Span:
+        """Largest acceleration of its gentlest and of its hardest setting, its limit aside [m/s^2].
+
+        That of an ellipse is at least this, whatever the phase: its larger amplitude's.
+        """
+        sizes = [self.span(knob) for knob in self.choices if knob.endswith("amplitude")]
+        slow = math.tau * min((low for low, _ in self.frequency), default=0.0)
+        quick = math.tau * max((high for _, high in self.frequency), default=0.0)
+        least, most = max(low for low, _ in sizes), max(high for _, high in sizes)
+        return least * slow * slow, most * quick * quick
 
 
 @dataclass(frozen=True)
 class Drift:
-    """By how much the drive and the trough may be off their nominal values, either way.
+    """Largest deviations of the drive and the trough from their nominal values, either way.
 
     Attributes
     ----------
@@ -95,7 +97,7 @@ class Drift:
 
 @dataclass(frozen=True)
 class Goal:
-    """What a design must guarantee.
+    """Goal that a design must guarantee.
 
     Attributes
     ----------
@@ -122,14 +124,14 @@ class Spec:
     Attributes
     ----------
     bands : mapping of str to pair of float
-        What is known of parts and trough, by field: static_friction, kinetic_friction or friction_ratio,
-        trough_angle, without drift; both ends are equal where it is known [1, rad].
+        Bands of parts and trough, by field: static_friction, kinetic_friction or friction_ratio, and
+        trough_angle, without drift; both ends are equal where a value is known [1, rad].
     drives : tuple of Drive
-        What may be chosen.
+        Drives to choose from.
     goal : Goal
-        What is wanted.
+        Goal of the design.
     drift : Drift
-        What the drive may do by itself.
+        Deviations of drive and trough.
     length : float or None
         Of the trough [m].
     gravity, restitution : float
@@ -152,5 +154,5 @@ class Spec:
 
     @property
     def has_bands(self) -> bool:
-        """Whether anything is unknown or drifts."""
+        """Whether any band has a width or any quantity drifts."""
         return self.drift != Drift() or any(low < high for low, high in self.bands.values())

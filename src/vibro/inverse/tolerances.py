@@ -20,10 +20,9 @@ class Tolerances(NamedTuple):
     converted : float
         Of a printed setting against the limits of its drive, after two conversions of units.
     short : float
-        Angle [rad] and share [1] by which scaled bands keep away from what cannot be: a right angle, a
-        frequency of 0.
+        Distance of scaled bands from impossible values: from a right angle [rad], from a load of 0 [1].
     searched : float
-        Of a speed, by which a search may miss what the scenarios at hand have already
+        Of a speed, by which the slowest body of a search may exceed the slowest of the scenarios
         (tests/inverse/test_guarantees.py: searches agree to 1e-9 with ten times their effort).
     near : float
         From a critical load, at which a limit at that load is looked for: searches end within 1e-7 of it.
@@ -38,7 +37,7 @@ class Tolerances(NamedTuple):
     spare : float
         Of the frequency of the nearest drive that would do, for the rounding of its printed amplitude.
     nearly : float
-        Share of a limit on landings at which a setting is at it: they are sampled, not solved.
+        Share of a limit on landings that counts as reached: landings are sampled.
     drop : float
         [share of a band] Beside a scenario, within which a drop of the speed is looked for.
     past_drop : float
@@ -46,9 +45,9 @@ class Tolerances(NamedTuple):
     top : float
         [share of a band] To which the fastest drive angle is found; the speed there is flat.
     digits : int
-        [decimals of shares] In which scenarios differ.
+        [decimals of coordinates] In which scenarios differ.
     braked : float
-        Share of the weight down the trough by which friction must outweigh it, where rounding alone makes
+        Share of the weight down the trough by which friction must exceed it: below, rounding decides whether
         bodies run away.
     """
 

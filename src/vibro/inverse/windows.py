@@ -1,4 +1,4 @@
-"""Which amplitudes guarantee a speed: ``vibro.feasible_amplitudes``, and the windows of designs.
+"""Find the amplitudes that guarantee a speed: ``vibro.feasible_amplitudes``, and the windows of designs.
 
 ``_Scan`` computes the least speed of some scenarios over the amplitude. Where it reaches the target,
 ``Family`` searches whole intervals for slower bodies, which join the scenarios.
@@ -15,11 +15,11 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.drives import Ability
 from vibro.errors import InputError, shown
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, counted, least_of
 from vibro.inverse.guarantees import bound
 from vibro.inverse.proofs import corners, first_ratio, last_ratio, tip_ratio
-from vibro.inverse.scenarios import Scenarios
+from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.spaces import inside
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
@@ -29,24 +29,23 @@ from vibro.roots import close_in
 from vibro.steady import solve
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
     from vibro.inverse.exchange import Found
     from vibro.inverse.questions import Question
-    from vibro.inverse.spaces import Box, Points, Setting
+    from vibro.inverse.spaces import Points, Setting, UncertaintySet
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
 __all__ = ["Family", "feasible_amplitudes", "number", "positive", "regime_of", "span_of", "window_of"]
 
-# Times the largest critical load, as far as a body that never hops is followed.
+# Factor on the largest critical load up to which bodies that never hop are scanned.
 _BEYOND: Final = 1e3
-_CLOSER: Final = 33  # amplitudes around each extremum of the speed between two of the grid
-_PAST_EDGE: Final = 1e-8  # relative distance from an end at which a jump of the speed has happened
-_DRIFTS: Final = np.linspace(0.0, 1.0, 5)  # shares of the drift in load, for every body that was found worst
+_CLOSER: Final = 33  # amplitudes of each refinement around an extremum of the speed
+_PAST_EDGE: Final = 1e-8  # relative distance beyond an end at which the speed has jumped
 
 
 class _Detail(NamedTuple):
@@ -72,7 +71,7 @@ class _Detail(NamedTuple):
     edge: float
 
 
-# Of one body, of a box of them, and where they hop, with plastic impacts and others, which take long.
+# For one body, for a box in contact, for plastic hops, and for bounces, which are slow to solve.
 _ONE: Final = _Detail(4097, 3, 0.0, 0, 0, 0.0)
 _BOX: Final = _Detail(257, 3, 0.0, 6, 5, 1e-10)
 _FLYING: Final = _Detail(129, 1, 1e-9, 2, 2, 1e-4)
@@ -167,13 +166,13 @@ def feasible_amplitudes(
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
     if highest is Regime.HOPPING and math.isinf(largest):
         raise InputError("limit = inf: must be finite where bodies may hop", hint="give limit=")
-    box = box_of(scene, bands, leaves_out="amplitude", needs=Ability.PROOF)
+    box = uncertainty_set(scene, bands, leaves_out="amplitude", needs=Ability.PROOF)
     family = Family(replace(box, factor=(1.0, 1.0)), percent / 100.0)
     return family.intervals(target, highest, largest)
 
 
 def span_of(question: Question, setting: Setting) -> tuple[float, float]:
-    """Smallest and largest amplitude that the drive is capable of, in the proportions of a setting [m]."""
+    """Return the smallest and largest amplitude of the drive in the proportions of a setting [m]."""
     space, turned = question.space, question.space.turned(setting)
     amplitude = float(space.amplitude(setting))
     shares = [
@@ -185,7 +184,7 @@ def span_of(question: Question, setting: Setting) -> tuple[float, float]:
 
 
 def window_of(question: Question, found: Found) -> Interval | None:
-    """Return the amplitudes that keep the guarantee and hold the design, in the setting's proportions."""
+    """Return the interval of amplitudes around a design that guarantee the target, in its proportions."""
     setting, space, target = found.setting, question.space, question.spec.goal.speed
     if found.guarantee.speed_min < target:
         return None
@@ -197,49 +196,49 @@ def window_of(question: Question, found: Found) -> Interval | None:
     family = Family(replace(box, factor=(1.0, 1.0)), question.spec.drift.amplitude, question.landings)
     one = family.across(1.0, 1.0)
     tips = tip_ratio(one, question.spec.stand_ratio)
-    if question.flies and math.isfinite(question.spec.stand_ratio):  # nothing is known of landings
+    if question.flies and math.isfinite(question.spec.stand_ratio):  # tipping at landings is not modelled
         tips = max(tips, first_ratio(one, Regime.HOPPING))
     at, others = amplitude / unit, {"tip": 1.0 / tips} if tips else {}
     for i in family.intervals(target, question.highest, most / unit, others, near=at):
         if i.low * (1.0 - TOLERANCES.at) <= at <= i.high * (1.0 + TOLERANCES.at):
-            # where speeds jump at an end: inwards by more than conversions of units and drifts round
+            # Where the speed jumps at an end, rounding of units and drifts must not cross it: move inwards.
             inwards = [TOLERANCES.beside * (by != "limit") for by in i[2:]]
             low, high = i.low * unit * (1.0 + inwards[0]), i.high * unit * (1.0 - inwards[1])
             low, by = (low, i.low_set_by) if low >= least else (least, "limit")
             return Interval(min(low, amplitude), max(high, amplitude), by, i.high_set_by)
-    # the design holds by itself, and no interval around it was confirmed
+    # no interval around the design was confirmed: a window of the design alone
     below, above = (family.ends_at(at, at * (1.0 + side * TOLERANCES.at), target) for side in (-1.0, 1.0))
     return Interval(amplitude, amplitude, below, above)
 
 
 @dataclass(frozen=True)
 class Family:
-    """Boxes that differ by their nominal factor alone: the amplitude of a line, a number of an ellipse.
+    """Boxes that differ only in their nominal factor: the amplitude of a line, a number of an ellipse.
 
     Attributes
     ----------
-    template : Box
+    template : UncertaintySet
         With any factor.
     drift : float
-        By how much the factor may be off, relative to the nominal one.
+        Largest relative deviation of the factor.
     landings : Landings
-        What landings may be at most.
+        Limits on landings.
     """
 
-    template: Box
+    template: UncertaintySet
     drift: float
     landings: Landings = ANY_LANDING
 
-    def boxes(self, factors: Floats) -> Box:
-        """Return the boxes of nominal factors, which have the shape (m, 1)."""
+    def boxes(self, factors: Floats) -> UncertaintySet:
+        """Return the boxes of nominal factors of shape (m, 1)."""
         return self.across(factors, factors)
 
-    def across(self, low: Any, high: Any) -> Box:
-        """Return the box of all that these nominal factors bring."""
+    def across(self, low: Any, high: Any) -> UncertaintySet:
+        """Return the box of all factors between two nominal ones, with their deviations."""
         return replace(self.template, factor=(low * (1.0 - self.drift), high * (1.0 + self.drift)))
 
     def caps(self, highest: Regime, largest: float, others: Mapping[str, float]) -> dict[str, float]:
-        """Nominal factors up to which a box keeps to a regime, by what ends there; or to other factors."""
+        """Return the largest nominal factor by constraint: regime, limit, and others."""
         one = self.across(1.0, 1.0)
         ratios = {}
         if highest is not Regime.HOPPING:
@@ -247,7 +246,7 @@ class Family:
         if highest is Regime.FORWARD_SLIP:
             ratios["back slip"] = first_ratio(one, Regime.BACK_SLIP)
         ends = dict(others) | {name: 1.0 / ratio if ratio else math.inf for name, ratio in ratios.items()}
-        # so that its rounding brings no body over it
+        # rounding must bring no body beyond
         caps = {name: end * (1.0 - TOLERANCES.beside) for name, end in ends.items()}
         return {**caps, "limit": largest}
 
@@ -259,7 +258,7 @@ class Family:
         others: Mapping[str, float] | None = None,
         near: float | None = None,
     ) -> list[Interval]:
-        """Return the nominal amplitudes that guarantee a speed; arguments as for ``caps`` and ``Scan``."""
+        """Return the nominal amplitudes that guarantee a speed; arguments as for ``caps`` and ``_Scan``."""
         caps = self.caps(highest, largest, others or {})
         top_by = min(caps, key=lambda name: caps[name])
         top = caps[top_by]
@@ -274,15 +273,14 @@ class Family:
         else:
             detail = _FLYING if bounces else _ONE
         scenarios = Scenarios.fixed(corners(one.varies))
-        endless = math.isinf(top)  # bodies that never hop are followed to where all has begun
+        # without hops there is no largest amplitude: scan beyond every critical load
+        endless = math.isinf(top)
         if endless:
-            criticals = _Scan(self.boxes, scenarios, target, None).criticals()
-            top, top_by = _BEYOND * max([start, *criticals]), "limit"
+            top, top_by = _BEYOND * max([start, *_Scan(self, scenarios, target, flies).criticals()]), "limit"
         found: list[Interval] = []
         missing: list[bool] = []
         for _ in range(max(detail.exchanges, 1)):
-            scan = _Scan(self.boxes, scenarios, target, self.landings if flies else None)
-            found = scan.intervals(start, top, top_by, detail, near)
+            found = _Scan(self, scenarios, target, flies).intervals(start, top, top_by, detail, near)
             missing = []
             for interval in found:
                 worse = self._with_worse(scenarios, interval, target) if wide else None
@@ -316,26 +314,20 @@ class Family:
         is_slow = slowest.speed < target * (1.0 - TOLERANCES.searched)
         if not is_slow and not landing.size:
             return None
-        shares = np.hstack([landing, slowest.shares]) if is_slow else landing
-        # the factor at which it was found, and how far it drifts there
-        load = float(inside(self.across(least, most).load, slowest.shares[0])[0])
+        coordinates = np.hstack([landing, slowest.coordinates]) if is_slow else landing
+        # factor at which it was found, and its deviation there
+        load = float(inside(self.across(least, most).load, slowest.coordinates[0])[0])
         middle = 2.0 / sum(float(end) for end in self.across(1.0, 1.0).load)
         factor = min(max(load * middle, least), most)
         box = self.across(factor, factor)
         low, high = (float(end) for end in box.load)
-        if low < high:
-            drifts = np.append(_DRIFTS, min(max((load - low) / (high - low), 0.0), 1.0))
-            count = shares.shape[1]
-            shares = np.repeat(shares, drifts.size, axis=1)
-            shares[0] = np.tile(drifts, count)
-        else:
-            shares[0] = 0.0
-        return scenarios.joined(box, shares)
+        own = min(max((load - low) / (high - low), 0.0), 1.0) if low < high else 0.0
+        return scenarios.joined(box, at_loads(box, coordinates, own))
 
     def _slowest(self, low: float, high: float, seeds: int = SEEDS) -> tuple[Extreme, Floats]:
         """Return the slowest body between two amplitudes, and those that land too hard or fly too long."""
         box = self.across(low, high)
-        seeds = seeds if box.space.proves else 1  # every search of a box that nothing bounds takes a second
+        seeds = seeds if box.space.proves else 1  # without proved corners every search takes a second
         return bound(box, fast=False, seen=Seen(), seeds=seeds).extreme, self.landings.worst(box)
 
     def _holds(self, low: float, high: float, target: float, seeds: int = SEEDS) -> bool:
@@ -346,13 +338,13 @@ class Family:
     def _confirmed(self, interval: Interval, target: float, detail: _Detail) -> list[Interval]:
         """Return the parts of an interval that guarantee a speed, where the slowest bodies differ everywhere.
 
-        Every amplitude is asked for its own slowest body; parts that are not confirmed as a whole are halved,
-        and given up when they are short.
+        The slowest body is searched for each amplitude by itself. Parts that are not confirmed as a whole are
+        halved, and dropped when they are short.
         """
         low, high = interval.low, interval.high
         parts: list[tuple[float, float]] = []
         for part in self._parts(low, high, self._at(low, target), self._at(high, target), target, detail):
-            if parts and parts[-1][1] == part[0]:  # halves of one
+            if parts and parts[-1][1] == part[0]:  # adjacent halves
                 part = parts.pop()[0], part[1]
             parts.append(part)
         return [
@@ -368,7 +360,7 @@ class Family:
     def _parts(
         self, low: float, high: float, holds_low: bool, holds_high: bool, target: float, detail: _Detail
     ) -> list[tuple[float, float]]:
-        """Return confirmed parts between two amplitudes of which it is known whether they hold."""
+        """Return the confirmed parts between two amplitudes, given whether these hold."""
         if holds_low and holds_high and self._holds(low, high, target):
             return [(low, high)]
         if holds_low != holds_high:
@@ -399,7 +391,7 @@ class Family:
         return float(close_in(holds, holding, failing, relative=width)[0])
 
     def ends_at(self, here: float, beyond: float, target: float) -> str:
-        """Return the constraint that ends a window; "unconfirmed" if the goal is met just beyond it."""
+        """Return the constraint that ends a window; "unconfirmed" if the goal is also met just beyond it."""
         slowest, landing = self._slowest(beyond, beyond)
         if landing.size:
             return "limit"
@@ -414,7 +406,7 @@ class Family:
 
 
 def _run(holds: NDArray[np.bool_], at: int) -> NDArray[np.bool_]:
-    """Return the neighbours of a place that hold without a gap."""
+    """Return which places hold without a gap around one of them."""
     gaps = np.flatnonzero(~holds)
     before, after = gaps[gaps < at], gaps[gaps > at]
     places = np.arange(holds.size)
@@ -423,29 +415,26 @@ def _run(holds: NDArray[np.bool_], at: int) -> NDArray[np.bool_]:
     return np.asarray((places > low) & (places < high))
 
 
+@dataclass(frozen=True)
 class _Scan:
-    """The least speed of chosen bodies of a box, over the nominal amplitude.
+    """The least speed of scenarios over the nominal amplitude.
 
-    Parameters
+    Attributes
     ----------
-    boxes : callable
-        Returns the boxes of nominal amplitudes of shape (m, 1).
+    family : Family
+        Boxes of the amplitudes.
     scenarios : Scenarios
         Of each box.
     target : float
-        Speed that is wanted [m/s].
-    landings : Landings or None
-        What landings may be at most; None where no body hops.
+        Target speed [m/s].
+    flies : bool
+        Whether bodies may hop.
     """
 
-    def __init__(
-        self,
-        boxes: Callable[[Floats], Box],
-        scenarios: Scenarios,
-        target: float,
-        landings: Landings | None,
-    ) -> None:
-        self._boxes, self._scenarios, self._target, self._landings = boxes, scenarios, target, landings
+    family: Family
+    scenarios: Scenarios
+    target: float
+    flies: bool
 
     def intervals(
         self, start: float, top: float, top_by: str, detail: _Detail, near: float | None = None
@@ -457,11 +446,11 @@ class _Scan:
         start, top : float
             The amplitudes [m].
         top_by : str
-            What sets the second.
+            Constraint that sets ``top``.
         detail : Detail
             Resolution of the scan.
         near : float, optional
-            An amplitude: of the intervals that alone is wanted which holds it.
+            An amplitude: only the interval that contains it is returned.
         """
         criticals = self.criticals()
         if start == 0.0:
@@ -474,7 +463,7 @@ class _Scan:
         least = self._least(grid)
         for _ in range(detail.rounds):
             grid, least = self._closer(grid, least)
-        holds = least >= self._target
+        holds = least >= self.target
         if near is not None:
             holds &= _run(holds, int(np.argmin(np.abs(grid - near))))
         edges = np.flatnonzero(holds[1:] != holds[:-1])
@@ -493,9 +482,9 @@ class _Scan:
             for (low, low_by), (high, high_by) in zip(ends[::2], ends[1::2], strict=True)
         ]
 
-    def _points(self, amplitudes: Floats) -> tuple[Box, Points]:
-        boxes = self._boxes(amplitudes[:, None])
-        return boxes, boxes.points(self._scenarios.at(boxes))
+    def _points(self, amplitudes: Floats) -> tuple[UncertaintySet, Points]:
+        boxes = self.family.boxes(amplitudes[:, None])
+        return boxes, boxes.points(self.scenarios.at(boxes))
 
     def _scene(self, amplitudes: Floats) -> Scene:
         boxes, points = self._points(amplitudes)
@@ -504,11 +493,9 @@ class _Scan:
     def _speeds(self, amplitudes: Floats) -> Floats:
         """Speeds of all bodies at some amplitudes, of shape (m, n); NaN where one is left out."""
         boxes, points = self._points(amplitudes)
-        cycle = solve(boxes.scene(points, fast=False), flight=self._landings is not None)
-        speed = counted(cycle, fast=False)
-        if self._landings is None:
-            return speed
-        return np.where(self._landings.broken(boxes, points), -np.inf, speed)
+        cycle = solve(boxes.scene(points, fast=False), flight=self.flies)
+        bad = self.family.landings.broken(boxes, points, cycle)
+        return np.where(bad, -np.inf, counted(cycle, fast=False))
 
     def _least(self, amplitudes: Floats) -> Floats:
         return least_of(self._speeds(amplitudes))
@@ -522,8 +509,8 @@ class _Scan:
     def _closer(self, grid: Floats, least: Floats) -> tuple[Floats, Floats]:
         """Add amplitudes around every extremum that may cross the target between two of them."""
         middle, before, after = least[1:-1], least[:-2], least[2:]
-        dips = (middle <= before) & (middle <= after) & (middle >= self._target)
-        tops = (middle >= before) & (middle >= after) & (middle < self._target) & (middle > 0.0)
+        dips = (middle <= before) & (middle <= after) & (middle >= self.target)
+        tops = (middle >= before) & (middle >= after) & (middle < self.target) & (middle > 0.0)
         cells = np.flatnonzero(dips | tops) + 1
         if not cells.size:
             return grid, least
@@ -535,7 +522,7 @@ class _Scan:
         """Close in on amplitudes beyond which the target is missed, to a relative width or to two doubles."""
 
         def surplus(amplitudes: Floats) -> Floats:
-            return (self._least(amplitudes[:, 0]) - self._target)[:, None]
+            return (self._least(amplitudes[:, 0]) - self.target)[:, None]
 
         return close_in(surplus, holding, failing, relative=width)
 

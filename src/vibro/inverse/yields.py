@@ -1,4 +1,4 @@
-"""Share of the parts that reach a speed: ``vibro.yield_share``."""
+"""Compute the share of parts that reach a speed: ``vibro.yield_share``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.inverse.bands import box_of
+from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.windows import positive, regime_of
 from vibro.scene import Scene
 from vibro.steady import solve
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.core.codes import Regime
-    from vibro.inverse.spaces import Box
+    from vibro.inverse.spaces import UncertaintySet
 
     Floats = NDArray[np.float64]
 
@@ -67,12 +67,12 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     """
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
-    box = box_of(scene, bands)
+    box = uncertainty_set(scene, bands)
     shares: list[float] = []
     error = math.inf
     for logarithm in range(_FIRST, _LAST + 1):
         shares = [_share(box, target, highest, logarithm, seed) for seed in range(_SCRAMBLES)]
-        # where all scrambles agree, a share of less than one point may have been missed
+        # if all scrambles agree, a share below one point may have been missed
         least = 1.0 / (_SCRAMBLES * 2**logarithm)
         error = max(float(np.std(shares, ddof=1)) / math.sqrt(_SCRAMBLES), least)
         if error <= _ERROR:
@@ -80,8 +80,8 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     return float(np.mean(shares)), error
 
 
-def _share(box: Box, target: float, highest: Regime, logarithm: int, seed: int) -> float:
-    """Share of one scramble."""
+def _share(box: UncertaintySet, target: float, highest: Regime, logarithm: int, seed: int) -> float:
+    """Return the share of one scramble."""
     from scipy.stats import qmc  # late: it takes a fifth of a second to load
 
     spans = (
@@ -106,7 +106,7 @@ def _share(box: Box, target: float, highest: Regime, logarithm: int, seed: int) 
     return float(np.mean(reaches))
 
 
-def _cut(box: Box, u: Floats, v: Floats) -> tuple[Floats, Floats]:
+def _cut(box: UncertaintySet, u: Floats, v: Floats) -> tuple[Floats, Floats]:
     """Return frictions that are uniform where mu_d <= mu_s, for uniform numbers.
 
     Beside a static friction the kinetic one has the width min(mu_s, k_high) - k_low, which is the density of
