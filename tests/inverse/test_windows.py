@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vibro
-from vibro import InputError, Regime, SceneError
+from vibro import InputError, Regime, SceneError, feasible_amplitudes, solve
 from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.questions import Question
@@ -172,6 +172,19 @@ def test_horizontal_drives_convey_down_a_decline(drive_angle: float, bands: dict
     assert interval.low == pytest.approx(1.31104e-3, rel=1e-5)
     assert interval.low_set_by == "speed"
     assert interval.high > 1e3
+
+
+@pytest.mark.parametrize("speed", [0.02, 20.0, 50.0, 5e5])
+def test_horizontal_drives_reach_any_speed_down_a_decline(speed: float) -> None:
+    """At large amplitudes friction balances weight where v = A w sin(pi/2 tan(decline)/mu_d)."""
+    decline, mu_d = math.radians(5.0), 0.4
+    scene = scene_with(drive_angle=0.0, static_friction=0.5, kinetic_friction=mu_d, trough_angle=-decline)
+    (found,) = feasible_amplitudes(scene, speed)
+    assert math.isinf(found.high)
+    assert float(solve(replaced(scene, amplitude=found.low)).mean_velocity) == pytest.approx(speed, rel=1e-9)
+    if speed > 1.0:
+        share = math.sin(0.5 * math.pi * math.tan(decline) / mu_d)
+        assert found.low == pytest.approx(speed / (2.0 * math.pi * 15.0 * share), rel=1e-6)
 
 
 @pytest.mark.parametrize("percent", [0.0, 3.0, 8.0])

@@ -42,7 +42,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Family", "feasible_amplitudes", "number", "positive", "regime_of", "span_of", "window_of"]
 
-# Factor on the largest critical load up to which bodies that never hop are scanned.
+# Bodies that never hop are scanned up to this factor on the amplitudes of the largest critical load and of a
+# trough that moves at the target speed.
 _BEYOND: Final = 1e3
 _CLOSER: Final = 33  # amplitudes of each refinement around an extremum of the speed
 _PAST_EDGE: Final = 1e-8  # relative distance beyond an end at which the speed has jumped
@@ -273,10 +274,13 @@ class Family:
         else:
             detail = _FLYING if bounces else _ONE
         scenarios = Scenarios.fixed(corners(one.varies))
-        # without hops there is no largest amplitude: scan beyond every critical load
+        # without hops there is no largest amplitude, and far beyond the critical loads the speed is
+        # proportional to the amplitude
         endless = math.isinf(top)
         if endless:
-            top, top_by = _BEYOND * max([start, *_Scan(self, scenarios, target, flies).criticals()]), "limit"
+            moves = target / (2.0 * math.pi * self.template.frequency[0])
+            criticals = _Scan(self, scenarios, target, flies).criticals()
+            top, top_by = _BEYOND * max(start, moves, *criticals), "limit"
         found: list[Interval] = []
         missing: list[bool] = []
         for _ in range(max(detail.exchanges, 1)):
