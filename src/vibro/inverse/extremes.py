@@ -46,7 +46,7 @@ _SEEDED: Final = 8  # of these in every first population
 
 # Samples of hopping bodies: base-2 logarithms of those of the first round, and of each round around the
 # extreme ones; the second pair for impacts that are not plastic, which take a hundred times as long.
-_SAMPLES: Final = {False: (11, 7), True: (6, 5)}
+_SAMPLES: Final = {False: (11, 7), True: (9, 7)}
 _LOOKS: Final = 12  # base-2 logarithm of the samples whose regimes are solved
 _LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
 _ROUNDS: Final = 3  # of samples closer to the extreme ones
