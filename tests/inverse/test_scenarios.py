@@ -75,6 +75,8 @@ def test_loads_at_which_back_slip_enters() -> None:
     found = entry_loads(box, box.points(bodies))
     assert found[:2] == pytest.approx(entry(np.array([0.7, 0.8])), rel=1e-12)
     assert found[2] == math.inf  # so steep a drive never slips parts back
+    bare = box_of((1e-3, 2e-3), static_friction=(0.0, 0.8), friction_ratio=(0.5, 0.9))
+    assert entry_loads(bare, bare.points(body())).tolist() == [math.inf]  # nor without friction
 
 
 def test_a_body_past_its_entry_within_the_band_keeps_to_that_load() -> None:
@@ -197,21 +199,23 @@ def test_bodies_that_hop_have_passed_the_entry_of_back_slip() -> None:
     assert _slips_back(box, box.points(bodies)).tolist() == [False, True, True]
 
 
-def test_the_drop_is_looked_for_along_static_friction_first() -> None:
-    """Static friction and the drive angle both cross it here; a band without a width is passed over."""
-    bands = {name: band for name, band, *_ in DROPS if name != "kinetic_friction"}
-    box, at = box_of(ENTRY, **bands), np.zeros((5, 1))
-    at[1] = 0.4
-    low, high = 0.0, 1.0
-    for _ in range(45):
-        at[3] = 0.5 * (low + high)
-        low, high = (at[3, 0], high) if _slips_back(box, box.points(at))[0] else (low, at[3, 0])
-    assert _drop_axis(box, at) == 3
-    angle, friction = (box.shape["drive_angle"], box.static_friction)
-    alpha = angle[0] + 0.4 * (angle[1] - angle[0])
-    mu_s = friction[0] + at[3, 0] * (friction[1] - friction[0])
-    for changes, axis in (
-        ({"static_friction": (mu_s, mu_s)}, 1),
-        ({"shape": {"drive_angle": (alpha, alpha)}}, 3),
-    ):
-        assert _drop_axis(replace(box, **changes), at) == axis
+@pytest.mark.parametrize(
+    ("names", "axis"),
+    [
+        (("static_friction", "kinetic_friction", "drive_angle"), 3),
+        (("static_friction", "drive_angle"), 3),
+        (("kinetic_friction", "drive_angle"), 4),
+        (("drive_angle", "trough_angle"), 1),
+        (("trough_angle",), -1),  # along it back slip enters twice, or not at all
+    ],
+)
+def test_the_drop_is_looked_for_along_frictions_first(names: tuple[str, ...], axis: int) -> None:
+    """At a point of the drop that all bands cross; bands without a width are passed over."""
+    values = {"static_friction": 0.74, "kinetic_friction": 0.11, "drive_angle": DRIVE, "trough_angle": 0.0}
+    amplitude = float(entry(mu_d=0.11)) / load_of(1.0)
+    bands = {name: (values[name] - 0.02, values[name] + 0.02) for name in names}
+    box = uncertainty_set(scene_with(amplitude=amplitude, **values), bands)
+    at = np.where(box.varies, 0.5, 0.0)[:, None]
+    assert box.varies.sum() == len(names)
+    for step in (-1e-7, 1e-7):  # within reach of every band
+        assert _drop_axis(box, at + step * box.varies[:, None]) == axis

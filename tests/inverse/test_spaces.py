@@ -115,10 +115,11 @@ def test_motions_and_their_normal_parts() -> None:
 
 
 def test_shares_of_a_band_are_exact_at_both_ends() -> None:
-    """0.1 + (0.3 - 0.1) is not 0.3 in doubles."""
-    found = inside((0.1, 0.3), np.array([0.0, 0.25, 1.0]))
-    assert found.tolist() == [0.1, pytest.approx(0.15), 0.3]
-    assert np.max(inside((0.1, 0.3), 1.0 - 2.0 ** -np.arange(40.0, 54.0))) <= 0.3
+    """0.3 + (0.9 - 0.3) is more than 0.9 in doubles."""
+    found = inside((0.3, 0.9), np.array([0.0, 0.25, 1.0]))
+    assert found.tolist() == [0.3, pytest.approx(0.45), 0.9]
+    below = np.nextafter(1.0, 0.0)
+    assert 0.3 + below * (0.9 - 0.3) <= float(inside((0.3, 0.9), np.array(below))) <= 0.9
 
 
 def test_bands_are_cut_at_both_ends() -> None:
