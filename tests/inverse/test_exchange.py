@@ -12,6 +12,7 @@ from helpers.questions import changed
 
 from vibro import Regime
 from vibro.inverse.exchange import MOST_MARGIN, Effort, Exchange, Found, Optimum
+from vibro.inverse.extremes import Landings
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.proofs import corners
 from vibro.inverse.questions import Question
@@ -194,7 +195,7 @@ def known_least(speed: Callable[[Floats], Floats], holds: Callable[[Floats], Any
 def test_a_margin_ends_where_speed_or_regime_fail(speed: float, most: float, margin: float) -> None:
     optimiser = known_least(lambda s: speed / np.maximum(s, 1e-9), lambda s: s <= most)
     found = optimiser._margin(SETTING, 0.01)
-    assert found == pytest.approx(margin, abs=1.1e-6)
+    assert found == (pytest.approx(margin, abs=1.1e-6) if margin < MOST_MARGIN else MOST_MARGIN)
     assert found is not None
     assert found <= margin
 
@@ -212,6 +213,14 @@ def test_a_setting_that_fails_without_any_band_has_no_margin() -> None:
 def test_a_setting_holds_at_its_goal_within_the_regime(speed: float, allowed: bool, holds: bool) -> None:
     optimiser = known_least(lambda s: speed + 0.0 * s, lambda s: np.full(s.shape, allowed))
     assert optimiser.holds(SETTING, 0.01) is holds
+
+
+def test_without_any_margin_no_slower_body_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    for margin in (None, 0.0):
+        optimiser = Known(asked(LINE))
+        monkeypatch.setattr(optimiser, "_margin", lambda *_, margin=margin: margin)
+        monkeypatch.setattr(optimiser, "finds_slower", lambda *_: pytest.fail("a box of no width"))
+        assert optimiser.margin(SETTING, 0.01) == margin
 
 
 @pytest.mark.parametrize(("slower", "calls"), [(0, 1), (1, 2), (2, 3), (3, 4), (9, 4)])
@@ -257,6 +266,12 @@ def test_bodies_that_land_too_hard_join() -> None:
     optimiser.scenarios = optimiser.scenarios.fixed(np.full((5, 1), 0.5))
     assert optimiser.finds_slower(Optimum(line(6e-3), -math.inf))
     assert optimiser.scenarios.size == 2
+    # beside the slowest body, if there is one
+    optimiser.scenarios = optimiser.scenarios.fixed(np.full((5, 1), 0.5))
+    assert optimiser.finds_slower(Optimum(line(6e-3), 9.0))
+    hardest = optimiser.scenarios.coordinates[:, 1]
+    assert optimiser.scenarios.size == 2 + 6
+    assert Landings(impact_speed=1e-3).worst(question.box(line(6e-3)))[:, 0].tolist() == hardest.tolist()
 
 
 def test_bodies_beyond_the_checked_regime_are_slowest() -> None:
