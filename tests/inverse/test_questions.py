@@ -233,7 +233,7 @@ def test_limits_on_landings_count_where_parts_may_hop(highest: Regime, limited: 
 @pytest.mark.parametrize(
     ("setting", "highest", "part", "allowed"),
     [
-        (Setting(2e-4, 1e-4, -0.5, 25.0), Regime.FORWARD_SLIP, None, True),
+        (Setting(2e-4, 2e-4, -0.5, 25.0), Regime.FORWARD_SLIP, None, True),
         (Setting(1.5e-3, 1e-4, -0.5, 25.0), Regime.FORWARD_SLIP, None, False),  # slips back
         (Setting(1.5e-3, 1e-4, -0.5, 25.0), Regime.BACK_SLIP, None, True),
         (Setting(6e-4, 4.5e-4, -0.5, 25.0), Regime.BACK_SLIP, None, False),  # hops
