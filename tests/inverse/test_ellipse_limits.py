@@ -56,7 +56,8 @@ def found_at(search: EllipseOptimiser, setting: Setting, **bounds: Any) -> Found
     [
         (9.0, 0.0, 2.0, True), (9.0, 0.5, 3.0, True), (9.0, 1.0, 4.0, True),
         (3.0, 0.0, 2.0, True), (3.0, 0.5, 2.5, True), (3.0, 1.0, 3.0, True),
-        (2.0, 1.0, 2.0, True), (2.0 * (1 - 1e-16), 0.3, 2.0, True), (1.9, 0.3, 2.0, False), (0.0, 1.0, 2.0, False),
+        (2.0, 1.0, 2.0, True), (2.0 * (1 - 1e-16), 0.3, 2.0, True), (1.9, 0.3, 2.0, False),
+        (0.0, 1.0, 2.0, False),
     ],
 )  # fmt: skip
 def test_a_value_of_a_range_below_a_limit(most: float, share: float, value: float, possible: bool) -> None:
@@ -189,6 +190,9 @@ def test_a_landing_near_its_limit_limits_a_setting(share: float, expected: str) 
     assert search.limit(found_at(search, setting), 1.0) == expected
 
 
+NARROW = {"half_base_mm": 1, "centre_height_mm": 10}
+
+
 def least_is(monkeypatch: pytest.MonkeyPatch, search: EllipseOptimiser, beyond: float) -> None:
     """Let the least speed be 1, and another one at a larger setting."""
     monkeypatch.setattr(search, "least", lambda setting, scale: np.array([1.0, beyond]))
@@ -204,7 +208,12 @@ def test_a_fall_of_the_speed_beyond_a_setting_is_back_slip(
     search, setting = optimiser(), Setting(5e-4, 2e-4, PHASE, 25.0)
     least_is(monkeypatch, search, beyond)
     asked_of: list[Any] = []
-    monkeypatch.setattr(search, "_forbids", lambda *args: (asked_of.append(args), "forbidden")[1])
+
+    def forbids(*args: Any) -> str:
+        asked_of.append(args)
+        return "forbidden"
+
+    monkeypatch.setattr(search, "_forbids", forbids)
     assert search.limit(found_at(search, setting), 1.5) == expected
     assert [(a[:2], scale) for a, scale in asked_of] == (
         [(pytest.approx((5e-4 * (1 + 1e-6), 2e-4 * (1 + 1e-6))), 1.5)] if expected == "forbidden" else []
@@ -215,7 +224,7 @@ def test_a_fall_of_the_speed_beyond_a_setting_is_back_slip(
     ("setting", "highest", "changes", "expected"),
     [
         # along a line of 18 deg the narrow part tips before it slips
-        (Setting(6e-4, 2e-4, 0.0, 25.0), Regime.BACK_SLIP, {"part": {"half_base_mm": 1, "centre_height_mm": 10}}, "tip"),
+        (Setting(6e-4, 2e-4, 0.0, 25.0), Regime.BACK_SLIP, {"part": NARROW}, "tip"),
         (Setting(9e-4, 2e-4, PHASE, 25.0), Regime.FORWARD_SLIP, {}, "back slip"),
         (Setting(5e-4, 4.2e-4, PHASE, 25.0), Regime.BACK_SLIP, {}, "hop"),
         (
@@ -253,9 +262,12 @@ def test_back_slip_bounds_the_load_where_it_would_convey(
     higher: Any, expected: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     highest: list[Regime] = []
-    monkeypatch.setattr(
-        EllipseOptimiser, "fastest", lambda self, *_: (highest.append(self._question.highest), higher)[1]
-    )
+
+    def fastest(self: EllipseOptimiser, *_: Any) -> Any:
+        highest.append(self._question.highest)
+        return higher
+
+    monkeypatch.setattr(EllipseOptimiser, "fastest", fastest)
     assert optimiser(Regime.FORWARD_SLIP).first_cap() == expected
     assert highest == [Regime.BACK_SLIP]
     assert optimiser(Regime.BACK_SLIP).first_cap() == "limit"
@@ -333,8 +345,9 @@ def test_a_search_stays_within_the_drive_and_its_limits(monkeypatch: pytest.Monk
 
     def cost(setting: Setting, shares: Floats) -> Floats:
         met.append(setting)
-        return np.asarray((setting.along_amplitude - 6e-4) ** 2 + (setting.normal_amplitude - 1e-4) ** 2
-                          + 1e-8 * (setting.normal_phase - 0.3) ** 2 + 1e-10 * (setting.frequency - 23.0) ** 2)  # fmt: skip
+        goals, weights = (6e-4, 1e-4, 0.3, 23.0), (1.0, 1.0, 1e-8, 1e-10)
+        terms = (w * (x - goal) ** 2 for x, goal, w in zip(setting, goals, weights, strict=True))
+        return np.asarray(sum(terms))
 
     best, least = search._best_of(cost, (20.0, 30.0), 1.0, 60)
     assert best == pytest.approx((6e-4, 1e-4, 0.3, 23.0), rel=2e-2)

@@ -183,8 +183,14 @@ def test_no_setting_is_safe_that_does_not_reach_the_goal() -> None:
 def known_least(speed: Callable[[Floats], Floats], holds: Callable[[Floats], Any]) -> Known:
     """Make an optimiser with a known least speed, and critical loads, at every scale."""
     optimiser = Known(asked(LINE))
-    optimiser.least = lambda _, scale: speed(np.atleast_1d(scale))  # type: ignore[method-assign]
-    optimiser._holds = lambda _, scale: holds(np.atleast_1d(scale))  # type: ignore[method-assign]
+
+    def least(setting: Setting, scale: Floats | float) -> Floats:
+        return speed(np.atleast_1d(scale))
+
+    def allowed(setting: Setting, scale: Floats | float) -> Any:
+        return holds(np.atleast_1d(scale))
+
+    optimiser.least, optimiser._holds = least, allowed  # type: ignore[method-assign]
     return optimiser
 
 

@@ -11,8 +11,8 @@ import pytest
 from helpers.questions import changed
 from helpers.scenes import scene_with
 
-from vibro import Regime
-from vibro.inverse import windows
+import vibro
+from vibro import InputError, Regime, solve
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.exchange import Found
 from vibro.inverse.extremes import Extreme, Landings
@@ -118,13 +118,7 @@ def test_ends_of_intervals_are_where_the_speed_crosses_the_target() -> None:
     assert found[:2] == pytest.approx((2.0, 4.0), rel=1e-12)
     assert found[2:] == ("speed", "speed")
     assert 4.0 - (found.low - 3.0) ** 2 >= 3.0 <= 4.0 - (found.high - 3.0) ** 2
-    coarse = (
-        replace(
-            FINE,
-        )
-        if False
-        else FINE._replace(end=0.1)
-    )
+    coarse = FINE._replace(end=0.1)
     (near,) = known.intervals(1.0, 6.0, "hop", coarse)
     assert 2.0 <= near.low <= 2.3
     assert 3.6 <= near.high <= 4.0
@@ -140,7 +134,8 @@ def test_intervals_may_begin_at_the_onset_and_end_at_the_cap() -> None:
 
 def test_a_scan_without_an_onset_begins_far_below_the_first_change() -> None:
     (found,) = scan(lambda a: a + 1.0, 1.0, 2.0, 3.0).intervals(0.0, 6.0, "limit", FINE)
-    assert found == (pytest.approx(2e-3), 6.0, "onset", "limit")
+    assert found.low == pytest.approx(2e-3)
+    assert found[1:] == (6.0, "onset", "limit")
     (found,) = scan(lambda a: a + 1.0, 1.0).intervals(0.0, 6.0, "limit", FINE)
     assert found.low == pytest.approx(6e-3)
 
@@ -172,6 +167,53 @@ def test_both_sides_of_a_change_are_looked_at() -> None:
     found = known.intervals(1.0, 6.0, "hop", FINE._replace(rounds=0))
     assert [i[:2] for i in found] == [(1.0, pytest.approx(3.0)), (pytest.approx(3.0001), 6.0)]
     assert found[-1].high == 6.0
+
+
+def test_what_lies_beyond_the_cap_does_not_count() -> None:
+    known = scan(lambda a: np.where(a > 6.5, 0.5, 1.5), 1.0, 7.0)
+    assert known.intervals(1.0, 6.0, "hop", FINE) == [(1.0, 6.0, "onset", "hop")]
+
+
+def test_bodies_that_land_too_hard_are_slowest() -> None:
+    """Of two parts of the published example, thrown at 6 mm."""
+    scenarios = Scenarios.fixed(np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]]))
+    hardest = float(solve(scene_with(amplitude=6e-3)).impact_velocity)
+    bands: dict[str, Any] = {"static_friction": (0.6, 0.74)}
+    for share, allowed in ((1.001, True), (0.999, False)):
+        made = family(landings=Landings(impact_speed=share * hardest), **bands)
+        speeds = _Scan(made, scenarios, 0.01, True)._speeds(np.array([1e-3, 6e-3]))
+        assert np.isfinite(speeds[0]).all()
+        assert np.isfinite(speeds[1]).tolist() == [allowed, allowed]
+    # parts in flight are not solved where none may hop
+    assert np.isnan(_Scan(family(**bands), scenarios, 0.01, False)._speeds(np.array([6e-3]))).all()
+
+
+@pytest.mark.parametrize(
+    ("speed", "percent", "limit"), [(1e-300, 0.0, 1e-3), (0.02, 0.0, math.inf), (0.02, 99.999, 2e-3)]
+)
+def test_arguments_at_their_edges_are_allowed(
+    speed: float, percent: float, limit: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[Any] = []
+
+    def intervals(self: Family, *args: Any) -> list[Interval]:
+        calls.append((self.drift, *args))
+        return []
+
+    monkeypatch.setattr(Family, "intervals", intervals)
+    assert vibro.feasible_amplitudes(scene_with(), speed, amplitude_percent=percent, limit=limit) == []
+    assert calls == [(pytest.approx(percent / 100), speed, Regime.BACK_SLIP, limit)]
+    refused: list[dict[str, Any]] = [
+        {"amplitude_percent": 100.0},
+        {"amplitude_percent": -1e-9},
+        {"limit": 0.0},
+    ]
+    for options in refused:
+        with pytest.raises(InputError, match=next(iter(options))):
+            vibro.feasible_amplitudes(scene_with(), speed, **options)
+    for bad in (0.0, -1.0, math.inf):
+        with pytest.raises(InputError, match=r"speed = .* m/s: must be finite and > 0 m/s"):
+            vibro.feasible_amplitudes(scene_with(), bad)
 
 
 @pytest.mark.parametrize(("near", "index"), [(1.2, 0), (1.9, 0), (3.5, 1), (5.9, 1)])
@@ -293,9 +335,12 @@ def test_a_slower_body_joins_at_its_own_amplitude_and_deviation(
     made = family(0.1, static_friction=(0.7, 0.8))
     boxes: list[UncertaintySet] = []
     monkeypatch.setattr(Family, "_slowest", lambda *_: (extreme(0.5, share), NONE))
-    monkeypatch.setattr(
-        Scenarios, "joined", lambda self, box, coordinates: (boxes.append(box), coordinates)[1]
-    )
+
+    def joined(self: Scenarios, box: UncertaintySet, coordinates: Any) -> Any:
+        boxes.append(box)
+        return coordinates
+
+    monkeypatch.setattr(Scenarios, "joined", joined)
     coordinates: Any = made._with_slowest(Scenarios.fixed(NONE), 1e-3, 2e-3, 1.0)
     load = 0.9e-3 + share * (2.2e-3 - 0.9e-3)  # as an amplitude
     nominal = min(max(load, 1e-3), 2e-3)
@@ -377,7 +422,8 @@ def test_an_interval_without_an_end_is_scanned_beyond_every_change() -> None:
 
 LINE = {"amplitude_mm": "0.9:1.4", "frequency_hz": 15, "drive_angle_deg": 20}
 OVAL = {
-    "along_amplitude_mm": "0.1:1", "normal_amplitude_mm": "0.05:0.25", "normal_phase_deg": -50, "frequency_hz": 25,
+    "along_amplitude_mm": "0.1:1", "normal_amplitude_mm": "0.05:0.25", "normal_phase_deg": -50,
+    "frequency_hz": 25,
 }  # fmt: skip
 
 
@@ -489,4 +535,3 @@ def test_a_design_has_a_window_from_its_target_on(monkeypatch: pytest.MonkeyPatc
     for factor, has in ((1.0, True), (1.0 - 1e-12, False)):
         speeds = replace(found.guarantee, speed_min=0.005 * factor)
         assert (window_of(question, replace(found, guarantee=speeds)) is not None) is has
-    assert windows.TOLERANCES.beside == 1e-12

@@ -329,6 +329,130 @@ def test_the_best_of_all_ranges_is_taken(monkeypatch: pytest.MonkeyPatch) -> Non
     assert search._fastest(1.0, 5) is None
 
 
+def test_without_a_load_there_is_no_speed() -> None:
+    """An amplitude may begin at 0, and a cap may be 0."""
+    question = asked()
+    drive = replace(question.drive, choices={**question.drive.choices, "amplitude": ((0.0, 2e-3),)})
+    search = LineOptimiser(replace(question, drive=drive))
+    value = search._value(np.array([ANGLE, ANGLE]), np.array([0.0, 1e-3]), WHOLE, 1.0)
+    assert value.tolist() == [-math.inf, 0.0]
+
+
+GOAL = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 900}
+
+
+@pytest.mark.parametrize(
+    ("drive", "goal", "dimensions"),
+    [
+        ({}, GOAL, 3),
+        ({}, {"speed_mm_s": 5}, 2),
+        ({"drive_angle_deg": 20}, GOAL, 2),
+        ({"drive_angle_deg": 20}, {"speed_mm_s": 5}, 1),
+    ],
+)
+def test_the_cube_of_the_fastest_setting(
+    drive: Any, goal: Any, dimensions: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Drive angle, load from the largest to a hundredth of it, and frequency where landings have a limit."""
+    search = optimiser(Regime.HOPPING, drive, goal=goal)
+    calls: list[Any] = []
+    met: list[Setting] = []
+
+    def minimised(cost: Any, first: Floats, generations: int) -> Floats:
+        calls.append((cost, first))
+        return first[:, :1]
+
+    def least(setting: Setting, scale: float) -> Floats:
+        met.append(setting)
+        return speeds[: np.size(setting.frequency)]
+
+    speeds = np.ones(1)
+    monkeypatch.setattr(search, "_minimised", minimised)
+    monkeypatch.setattr(search, "least", least)
+    choice = search._ranges[0]
+    search._fastest_below(choice, 1.0, 3)
+    ((cost, first),) = calls
+    assert first.shape == (dimensions, 2**8)
+    turns = "drive_angle_deg" not in drive
+    assert not first[int(turns), :64].any()  # a quarter of them at the largest load
+    if turns:
+        assert first[0, :64] == pytest.approx(np.linspace(0.0, 1.0, 64))
+    assert first[:, 64:].std(axis=1).min() > 0.2
+
+    def at(angle: float, load: float, frequency: float) -> Floats:
+        rows = [[angle]] * turns + [[load]] + [[frequency]] * (goal is GOAL)
+        return np.array(rows)
+
+    # faster settings are cheaper; at rest those of more load are, but dearer than any that moves
+    speeds = np.array([0.3])
+    assert cost(at(0.5, 0.2, 0.0)).tolist() == [-0.3]
+    speeds = np.array([0.0])
+    rests = [float(cost(at(0.5, load, 0.7))[0]) for load in (0.2, 0.4)]
+    assert 1e6 < rests[0] < rests[1]
+    assert rests[1] - rests[0] == pytest.approx(0.2)
+    met.clear()
+    speeds = np.array([0.3])
+    for frequency in (0.0, 1.0):
+        cost(at(0.5, 0.3, frequency))
+    low, high = met
+    load = [float(search._question.load(s)[0]) for s in met]
+    tops = search._tops(np.arctan2(low.normal_amplitude, low.along_amplitude), choice, 1.0)
+    assert load == pytest.approx(
+        [float(tops[0]) * max(1e-2, search._reach(choice)[0] / float(tops[0])) ** 0.3] * 2
+    )
+    assert float(high.frequency[0]) == pytest.approx(30.0 if goal is GOAL else float(low.frequency[0]))
+    assert float(low.frequency[0]) < 29.0
+
+
+def test_a_load_below_the_reach_of_the_amplitudes_is_not_possible(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the steepest angle the hop comes before the least amplitude at the lowest frequency."""
+    search = optimiser(drive={"amplitude_mm": "3:4", "frequency_hz": "16:20", "drive_angle_deg": "10:40"})
+    calls: list[Any] = []
+
+    def minimised(cost: Any, first: Floats, generations: int) -> Floats:
+        calls.append(cost)
+        return first[:, :1]
+
+    monkeypatch.setattr(search, "_minimised", minimised)
+    search._fastest_below(search._ranges[0], 1.0, 3)
+    least = 3e-3 * 16.0**2 / UNIT
+    assert 1.0 / math.sin(math.radians(40.0)) < least < 1.0 / math.sin(math.radians(10.0))
+    costs = calls[0](np.array([[0.0, 1.0], [0.0, 0.0]]))
+    assert np.isfinite(costs).tolist() == [True, False]
+
+
+def test_the_least_load_of_all_ranges_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Angles that miss the target are told apart by the speed at their largest load."""
+    search = optimiser(drive={"frequency_hz": [12, 15, 18]})
+    loads = {12.0: 1.3, 15.0: 0.9, 18.0: math.inf}
+    ranked: list[Any] = []
+
+    def first_load(angles: Floats, target: float, choice: Range) -> Floats:
+        return np.where(angles < 0.3, loads[choice.frequency[0]], math.inf)
+
+    def value(angles: Floats, loads: Floats, choice: Range, scale: float) -> Floats:
+        return np.where(angles < 0.5, 0.04, 0.02)
+
+    def best(value: Any, span: Any, effort: Any) -> float:
+        ranked.append(value(np.array([0.2, 0.4, 0.6])))
+        return 0.2
+
+    monkeypatch.setattr(search, "_first_load", first_load)
+    monkeypatch.setattr(search, "_value", value)
+    monkeypatch.setattr(lines, "_best", best)
+    found = search._least_acceleration(0.05)
+    assert found is not None
+    assert found.speed == 0.04
+    assert found.setting.frequency == 15.0
+    assert float(search._question.load(found.setting)) == pytest.approx(0.9)
+    for load, ranks in zip((1.3, 0.9, None), ranked, strict=True):
+        assert ranks[0] > ranks[1] > ranks[2] if load else ranks[0] == ranks[1] > ranks[2]
+        assert load is None or ranks[0] == -load
+        assert ranks[2] < -1e6
+    loads.update(dict.fromkeys(loads, math.inf))
+    assert search._least_acceleration(0.05) is None
+
+
 EFFORT = replace(lines._IN_CONTACT, angles=9, rounds=9)
 
 

@@ -48,8 +48,9 @@ def chosen(
     content = {"scene": SCENE, "drive": [DRIVE], "goal": {"speed_mm_s": 5}} | changes
     spec = read_spec(changed(**content))
     design = Design(
-        drive="drive 1", highest_regime=spec.goal.highest_regime.label, design="safest", amplitude_mm=amplitude,
-        frequency_hz=frequency, drive_angle_deg=25.0, amplitude_low_mm=window[0], amplitude_high_mm=window[1],
+        drive="drive 1", highest_regime=spec.goal.highest_regime.label, design="safest",
+        amplitude_mm=amplitude, frequency_hz=frequency, drive_angle_deg=25.0,
+        amplitude_low_mm=window[0], amplitude_high_mm=window[1],
     )  # fmt: skip
     found = chosen_of(spec, answered(True, design))
     assert found is not None
@@ -192,7 +193,8 @@ def test_bodies_are_corners_and_middles_of_few_bands(bands: int, count: int) -> 
     drift: dict[str, Any] = {}
     for (table, key), value in [
         ((scene, "static_friction"), "0.4:0.5"), ((scene, "friction_ratio"), "0.7:0.8"),
-        ((scene, "trough_angle_deg"), "1:2"), ((drift, "drive_angle_deg"), 1), ((drift, "amplitude_percent"), 3),
+        ((scene, "trough_angle_deg"), "1:2"), ((drift, "drive_angle_deg"), 1),
+        ((drift, "amplitude_percent"), 3),
     ][:bands]:  # fmt: skip
         table[key] = value
     box = box_of(scene, drift)
@@ -275,7 +277,8 @@ def test_speeds_of_the_slowest_the_middle_and_the_fastest_part() -> None:
     middle = 1e3 * cycle.mean_velocity[:, 4]
     assert (static[4], kinetic[4]) == (0.45, 0.325)
     for found, expected in (
-        (band.speed_min, np.nanmin(slow, axis=1)), (band.speed_nominal, middle), (band.speed_max, np.nanmax(fast, axis=1)),
+        (band.speed_min, np.nanmin(slow, axis=1)), (band.speed_nominal, middle),
+        (band.speed_max, np.nanmax(fast, axis=1)),
     ):  # fmt: skip
         np.testing.assert_allclose(found[indices], expected, rtol=1e-6, atol=1e-9)
 

@@ -26,13 +26,13 @@ from vibro.inverse.scenarios import Scenarios
 from vibro.inverse.spaces import SPACES, Setting
 from vibro.results.designs import Design
 
-LINE = {
+LINE: dict[str, Any] = {
     "scene": {"static_friction": "0.66:0.82", "friction_ratio": 0.77},
     "drive": [{"amplitude_mm": "0.5:3", "frequency_hz": 15, "drive_angle_deg": "10:40"}],
     "drift": {"amplitude_percent": 2, "frequency_percent": 1, "drive_angle_deg": 0.5},
     "goal": {"speed_mm_s": 5},
 }
-ELLIPSE = {
+ELLIPSE: dict[str, Any] = {
     **LINE,
     "drive": [
         {"along_amplitude_mm": "0.1:1", "normal_amplitude_mm": "0.05:0.2", "normal_phase_deg": "-90:0",
@@ -203,7 +203,7 @@ def test_the_largest_load_grows_with_both_drifts(scale: float, growth: float) ->
 def test_constants_of_a_question_are_those_of_its_scenes() -> None:
     moon = asked({**LINE, "scene": {**LINE["scene"], "gravity_m_s2": 1.62, "restitution": 0.3}})
     scene = moon.nominal_scene(line(1e-3))
-    assert (scene.gravity, scene.restitution) == (1.62, 0.3)
+    assert (float(scene.gravity), float(scene.restitution)) == (1.62, 0.3)
     assert float(moon.load(line(1e-3))) == pytest.approx(1e-3 * (2 * math.pi * 15.0) ** 2 / 1.62)
 
 
@@ -280,19 +280,17 @@ class Known:
         place = question.drive.name, question.highest
         self.asked.append((*place, dict(calmer)))
         speed = self.speeds.get(place)
-        found = (
-            {}
-            if speed is None
-            else {kind: Found(line(1e-3 * (1 + question.highest)), (), None) for kind in KINDS}
-        )  # type: ignore[arg-type]
+        bounds: Any = None
+        found = Found(line(1e-3 * (1 + question.highest)), (), bounds)
+        designs = {} if speed is None else dict.fromkeys(KINDS, found)
 
         def row(kind: str) -> Design:
             return Design(drive=place[0], highest_regime=place[1].label, design=kind, speed_min_mm_s=speed)
 
-        return SimpleNamespace(found=found, row=row)
+        return SimpleNamespace(found=designs, row=row)
 
 
-TWO = {**LINE, "drive": [{**LINE["drive"][0], "name": name} for name in "ab"]}  # type: ignore[dict-item]
+TWO = {**LINE, "drive": [{**LINE["drive"][0], "name": name} for name in "ab"]}
 
 
 def test_every_regime_takes_over_the_designs_of_the_lower_one(monkeypatch: pytest.MonkeyPatch) -> None:

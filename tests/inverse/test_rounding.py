@@ -1,4 +1,4 @@
-"""Rounding of settings: to digits or decimals, never beyond a range, up or down with steps of the last digit."""
+"""Rounding of settings: to digits or decimals, never beyond a range, up or down in steps of a digit."""
 
 from __future__ import annotations
 

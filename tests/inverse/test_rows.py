@@ -1,4 +1,4 @@
-"""Designs and their rows with an optimiser whose answers are known: which is best, and what is printed of it."""
+"""Designs and their rows with an optimiser of known answers: which is best, and what is printed of it."""
 
 from __future__ import annotations
 
@@ -107,7 +107,8 @@ class Optimiser:
 
 
 def finder(optimiser: Any = None, found: dict[str, Found] | None = None, **changes: Any) -> Finder:
-    return Finder(asked(**changes), optimiser or Optimiser(), found or {})
+    known: Any = optimiser or Optimiser()
+    return Finder(asked(**changes), known, found or {})
 
 
 @pytest.mark.parametrize(
@@ -154,7 +155,8 @@ def test_every_number_of_a_row_has_its_column(monkeypatch: pytest.MonkeyPatch) -
         "frequency_hz": 15.0, "drive_angle_deg": 20.0, "acceleration_g": load, "speed_min_mm_s": 20.0,
         "speed_nominal_mm_s": 1e3 * float(nominal), "speed_max_mm_s": 50.0, "traverse_time_max_s": 30.0,
         "amplitude_low_mm": 0.9, "amplitude_high_mm": 1.3, "low_set_by": "onset", "high_set_by": "hop",
-        "margin": 2.5, "throw_number_max": 1.1 * load * math.sin(math.radians(20.0)), "set_by": "limit at 2.5",
+        "margin": 2.5, "throw_number_max": 1.1 * load * math.sin(math.radians(20.0)),
+        "set_by": "limit at 2.5",
         "frequency_needed_hz": None, "amplitude_needed_mm": None, "proof": "searched", "coexists": True,
         "excluded": 7, "along_amplitude_mm": None,
     }  # fmt: skip
@@ -252,7 +254,8 @@ def test_margins_are_carried_over(
     optimiser = Optimiser(margin=margin)
     given = found_at(speed_min=speed, margin=known, by=Optimiser())
     found = finder(optimiser)._with_margin(given)
-    assert (found.margin, found.optimiser) == (expected, optimiser)
+    by: Any = found.optimiser
+    assert (found.margin, by) == (expected, optimiser)
     assert optimiser.asked == [(pytest.approx(1e-3), 0.01)]
     assert finder(optimiser)._with_margin(found) is found  # once is enough
     assert len(optimiser.asked) == 1

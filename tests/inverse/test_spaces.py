@@ -137,7 +137,7 @@ def test_relative_drifts_keep_values_positive(share: float, expected: tuple[floa
 
 
 def test_points_are_kept_and_joined_in_order() -> None:
-    first = Points(*(np.array([i, i + 0.5]) if i != 1 else (np.array([1.0, 1.5]),) for i in range(5)))
+    first = Points.of([np.array([i, i + 0.5]) for i in range(5)])
     one = Points(np.array([9.0]), (np.array([8.0]),), np.array([7.0]), np.array([6.0]), np.array([5.0]))
     both = first.joined(one)
     assert [x.tolist() for x in both.columns()] == [
@@ -160,7 +160,7 @@ def test_axes_of_a_box() -> None:
 
 
 def test_loads_of_a_box() -> None:
-    """From the smallest amplitude at the lowest frequency to the largest at the highest; an ellipse's w^2/g."""
+    """From the smallest amplitude at the lowest frequency to the largest at the highest."""
     low, high = (1e-3 * (TURN * 12) ** 2 / 9.81, 1.5e-3 * (TURN * 15) ** 2 / 9.81)
     assert [float(x) for x in line_box().load] == pytest.approx([low, high], rel=1e-12)
     low, high = (0.9 * (TURN * 12) ** 2 / 9.81, 1.1 * (TURN * 15) ** 2 / 9.81)
@@ -193,7 +193,7 @@ def test_a_body_hops_above_a_throw_number_of_one(factor: float, hops: bool) -> N
 
 
 def test_the_corner_of_no_kinetic_friction_is_cut() -> None:
-    """A point has mu_d <= mu_s: static friction begins at the least kinetic one, kinetic friction ends at it."""
+    """Static friction begins at the least kinetic one, and kinetic friction ends at the static one."""
     box = line_box(static_friction=(0.2, 0.8))
     assert box.static_span == (0.3, 0.8)
     assert [float(x) for x in box.kinetic_span(np.asarray(0.4))] == [0.3, 0.4]
@@ -237,7 +237,7 @@ def test_one_load_is_fast_at_its_lowest_frequency_and_slow_at_its_highest(share:
         assert float(fields.amplitude[0]) == pytest.approx(weight / frequency**2, rel=1e-12)
         assert 1e-3 <= fields.amplitude[0] <= 1.5e-3
         assert float(scene.load[0]) == pytest.approx(float(points.load[0]), rel=1e-12)
-        assert (scene.gravity, scene.restitution) == (9.81, 0.2)
+        assert (float(scene.gravity), float(scene.restitution)) == (9.81, 0.2)
     speeds = [float(solve(box.scene(points, fast=fast)).mean_velocity[0]) for fast in (True, False)]
     assert abs(speeds[0]) >= abs(speeds[1]) * (1 - 1e-12)
 

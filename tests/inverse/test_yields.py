@@ -39,7 +39,8 @@ def test_a_band_of_the_drive_is_uniform(name: str) -> None:
     speeds = vibro.solve(replaced(scene_with(), **{name: np.linspace(low, high, 101)})).mean_velocity
     assert np.all(np.diff(speeds) > 0.0)
     target = float(vibro.solve(replaced(scene_with(), **{name: crossing})).mean_velocity)
-    assert share(scene_with(), target, **{name: (low, high)}) == pytest.approx(0.7, abs=1e-3)
+    bands: dict[str, Any] = {name: (low, high)}
+    assert share(scene_with(), target, **bands) == pytest.approx(0.7, abs=1e-3)
 
 
 def test_a_steeper_trough_carries_fewer_parts() -> None:
