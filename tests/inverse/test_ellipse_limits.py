@@ -13,7 +13,7 @@ from helpers.questions import changed
 from vibro import Regime, solve
 from vibro.inverse import ellipses
 from vibro.inverse.ellipses import EllipseOptimiser, _below
-from vibro.inverse.exchange import Found, Optimum
+from vibro.inverse.exchange import Exchange, Found, Optimum
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.proofs import first_ratio
 from vibro.inverse.questions import Question
@@ -153,6 +153,32 @@ def test_the_first_body_to_slip_back_ends_forward_slip(factor: float, keeps: boo
     assert search.scenarios.size - before >= (not keeps)
     assert not search.finds_slower(optimum)
     assert not optimiser(Regime.BACK_SLIP).finds_slower(optimum)
+
+
+@pytest.mark.parametrize(
+    ("highest", "slips", "slower", "joins"),
+    [
+        (Regime.FORWARD_SLIP, True, False, True),
+        (Regime.FORWARD_SLIP, False, False, False),
+        (Regime.FORWARD_SLIP, False, True, True),
+        (Regime.BACK_SLIP, True, False, False),
+        (Regime.BACK_SLIP, True, True, True),
+    ],
+)
+def test_the_first_body_to_slip_back_joins_even_if_none_is_slower(
+    highest: Regime, slips: bool, slower: bool, joins: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search, setting = optimiser(highest), Setting(5e-4, 2e-4, 0.0, 25.0)
+    ratio = first_ratio(search._question.box(setting), Regime.BACK_SLIP)
+    optimum = Optimum(setting.scaled((1.001 if slips else 0.999) / ratio), 0.0)
+    search.scenarios = search.scenarios.fixed(np.full((len(search._question.box(setting).axes), 1), 0.5))
+    monkeypatch.setattr(Exchange, "finds_slower", lambda *_: slower)
+    assert search.finds_slower(optimum) is joins
+    assert search.scenarios.size == 1 + (slips and highest is Regime.FORWARD_SLIP)
+    if search.scenarios.size > 1:  # the smoothest, of the most kinetic friction
+        box = search._question.box(setting)
+        points = box.points(search.scenarios.coordinates[:, 1:])
+        assert float(points.static_friction[0]) == pytest.approx(0.35)
 
 
 HOP = 1.0 / GROWTH  # nominal throw number at which a part hops

@@ -236,6 +236,24 @@ def test_a_jump_is_named_by_the_regimes_beside_it(
     assert known._set_by(inside, outside) == expected
 
 
+@pytest.mark.parametrize(
+    ("beside", "expected"),
+    [((0.99e-3, 1.1e-3), "back slip"), ((1e-3 * (1 - 2e-6), 2e-3), "back slip"),
+     ((1e-3 * (1 - 0.9e-6), 2e-3), "speed"), ((1e-3 * (1 - 1e-9), 0.5e-3), "back slip"), ((1e-3 * (1 - 1e-9), math.nan), "speed")],
+)  # fmt: skip
+def test_the_body_that_is_slowest_outside_ends_an_interval(
+    beside: tuple[float, float], expected: str
+) -> None:
+    """Of two bodies at 1 and 1.2 mm/s inside; a change of a millionth of a speed is a jump."""
+
+    class Two(Known):
+        def _speeds(self, amplitudes: Floats) -> Floats:
+            return np.array([[1e-3, 1.2e-3], beside])
+
+    scenarios = Scenarios.fixed(np.zeros((5, 2)))
+    assert Two(family(), scenarios, 1e-3, False)._set_by(1.19e-3, 1.1905e-3) == expected
+
+
 def extreme(speed: float, load: float = 0.0) -> Extreme:
     return Extreme(speed, np.array([[load], [0.0], [0.0], [0.0], [0.0]]), scene_with())
 
