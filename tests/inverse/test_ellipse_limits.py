@@ -392,6 +392,20 @@ def test_a_search_stays_within_the_drive_and_its_limits(monkeypatch: pytest.Monk
 HEAVY = {"along_amplitude_mm": 0.4, "normal_amplitude_mm": 0.3, "normal_phase_deg": 0, "acceleration_g": 1.1}
 
 
+def test_the_phase_is_searched_at_a_fixed_frequency_and_the_frequency_at_a_fixed_phase() -> None:
+    for drive, frequency, expected in (
+        ({"normal_phase_deg": "-90:90"}, (25.0, 25.0), (0.3, 25.0)),
+        ({"normal_phase_deg": 10}, (20.0, 30.0), (math.radians(10.0), 23.0)),
+    ):
+        search = optimiser(drive=drive | {"along_amplitude_mm": 0.5, "normal_amplitude_mm": 0.1})
+
+        def cost(setting: Setting, shares: Floats) -> Floats:
+            return np.asarray((setting.normal_phase - 0.3) ** 2 + (setting.frequency - 23.0) ** 2)
+
+        best, _ = search._best_of(cost, frequency, 1.0, 30)
+        assert best == pytest.approx((5e-4, 1e-4, *expected), rel=1e-3)
+
+
 @pytest.mark.parametrize("drive", [{"normal_amplitude_mm": 0.45}, HEAVY])
 def test_a_setting_beyond_the_limits_is_dearer_than_all(drive: dict[str, Any]) -> None:
     search = optimiser(drive=drive)

@@ -239,7 +239,8 @@ def test_a_jump_is_named_by_the_regimes_beside_it(
 @pytest.mark.parametrize(
     ("beside", "expected"),
     [((0.99e-3, 1.1e-3), "back slip"), ((1e-3 * (1 - 2e-6), 2e-3), "back slip"),
-     ((1e-3 * (1 - 0.9e-6), 2e-3), "speed"), ((1e-3 * (1 - 1e-9), 0.5e-3), "back slip"), ((1e-3 * (1 - 1e-9), math.nan), "speed")],
+     ((1e-3 * (1 - 0.9e-6), 2e-3), "speed"), ((1e-3 * (1 - 1e-9), 0.5e-3), "back slip"),
+     ((1e-3 * (1 - 1e-9), math.nan), "speed")],
 )  # fmt: skip
 def test_the_body_that_is_slowest_outside_ends_an_interval(
     beside: tuple[float, float], expected: str
