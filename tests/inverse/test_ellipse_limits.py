@@ -202,6 +202,9 @@ LOAD = float(Setting(5e-4, 2e-4, PHASE, 25.0).load(9.81))
 def test_what_limits_a_setting(setting: Setting, drive: dict[str, Any], expected: str) -> None:
     search = optimiser(drive=drive, drift=DRIFT)
     assert search.limit(found_at(search, setting), 1.0) == expected
+    if expected == "hop":  # even if no scenario hops there
+        search.scenarios = search.scenarios.fixed(np.full((7, 1), 0.5))
+        assert search.limit(found_at(search, setting), 1.0) == expected
 
 
 @pytest.mark.parametrize(("share", "expected"), [(0.97, "speed"), (0.99, "limit")])
