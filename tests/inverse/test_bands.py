@@ -123,3 +123,10 @@ def test_a_scene_must_be_one() -> None:
         one_point("scene")
     with pytest.raises(SceneError, match=r"shape \(2,\)"):
         one_point(scene_with(frequency=[10.0, 20.0]))
+
+
+def test_a_field_that_is_left_out_has_no_band() -> None:
+    bands = {"amplitude": (1e-3, 2e-3)}
+    assert uncertainty_set(scene_with(), bands).factor == (1e-3, 2e-3)
+    with pytest.raises(SceneError, match=r"band 'amplitude' = .*: must be of one of frequency, drive_angle,"):
+        uncertainty_set(scene_with(), bands, leaves_out="amplitude")

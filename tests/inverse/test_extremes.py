@@ -225,3 +225,16 @@ def test_bouncing_bodies_are_sampled_less(monkeypatch: pytest.MonkeyPatch) -> No
     found = sampled(uncertainty_set(scene, {"static_friction": (0.6, 0.74)}), fast=False, seen=Seen())
     assert math.isnan(found.speed)
     assert calls == [2 + 2**6, 2**5 // 8 * 8, 2**5, 2**5]
+
+
+@pytest.mark.parametrize("fast", [False, True])
+def test_the_slowest_body_is_on_the_steepest_trough(fast: bool) -> None:
+    """Where parts slip back, but none runs away: beside a grid of frictions and troughs."""
+    scene, troughs = scene_with(amplitude=2e-3), (-0.02, 0.03)
+    bands: dict[str, Any] = {"trough_angle": troughs, "static_friction": (0.7, 0.78)}
+    best = searched(uncertainty_set(scene, bands), fast=fast, hops=False, seen=Seen(), seeds=1)
+    assert best.coordinates[2].tolist() == [0.0 if fast else 1.0]
+    friction, trough = np.meshgrid(np.linspace(0.7, 0.78, 201), np.linspace(*troughs, 21))
+    speeds = vibro.solve(replaced(scene, static_friction=friction, trough_angle=trough)).mean_velocity
+    extreme = float(np.max(speeds) if fast else np.min(speeds))
+    assert best.speed == pytest.approx(extreme, rel=1e-6)
