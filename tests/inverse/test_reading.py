@@ -463,6 +463,16 @@ def test_accelerations_end_at_a_thousand_million(share: float, refused: bool) ->
     assert bool(said) is refused
 
 
+def test_an_acceleration_of_a_thousand_million_is_allowed() -> None:
+    """To the last bit, by a gravity made for it."""
+    drive = {"amplitude_mm": 1, "frequency_hz": 50, "drive_angle_deg": 20}
+    most = read_spec(changed(drive=[drive])).drives[0].accelerations[1]
+    gravity = most / 1e9
+    assert most / gravity == 1e9
+    assert problem_of(drive=[drive], scene__gravity_m_s2=gravity) == ""
+    assert "must be at most 1e+09 g" in problem_of(drive=[drive], scene__gravity_m_s2=gravity * (1 - 1e-15))
+
+
 @pytest.mark.parametrize(("kinetic", "refused"), [("0.5:0.6", False), ("0.51:0.6", True), (0.5, False)])
 def test_kinetic_friction_may_begin_at_the_largest_static_friction(kinetic: Any, refused: bool) -> None:
     scene = {"static_friction": "0.3:0.5", "kinetic_friction": kinetic}
