@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -283,3 +284,11 @@ def test_ratios_of_an_ellipse_in_phase_are_those_of_its_line(regime: Regime) -> 
     assert tip_ratio(ellipse, 0.4) == pytest.approx(tip_ratio(line, 0.4), rel=1e-6)
     assert tip_ratio(ellipse, math.inf) == tip_ratio(line, math.inf) == tip_ratio(line, 9.0) == 0.0
     assert tip_ratio(line, 0.4) == pytest.approx(float(line.load[1] / tip_load(line, 0.4)))
+
+
+def test_a_load_over_none_is_infinite_without_a_warning() -> None:
+    box = uncertainty_set(scene_with(), {"static_friction": (0.0, 0.5), "friction_ratio": (0.5, 0.9)})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert first_ratio(box, Regime.FORWARD_SLIP) == math.inf  # parts without friction start at once
+        assert 0.0 < last_ratio(box, Regime.FORWARD_SLIP) < math.inf
