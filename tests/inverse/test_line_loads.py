@@ -419,6 +419,11 @@ def test_a_load_below_the_reach_of_the_amplitudes_is_not_possible(monkeypatch: p
     assert 1.0 / math.sin(math.radians(40.0)) < least < 1.0 / math.sin(math.radians(10.0))
     costs = calls[0](np.array([[0.0, 1.0], [0.0, 0.0]]))
     assert np.isfinite(costs).tolist() == [True, False]
+    # narrow parts tip before it at every angle, though they would convey
+    tipping = optimiser(drive={"amplitude_mm": "1:2"}, part={"half_base_mm": 2, "centre_height_mm": 10})
+    monkeypatch.setattr(tipping, "_minimised", minimised)
+    tipping._fastest_below(tipping._ranges[0], 1.0, 3)
+    assert np.isinf(calls[1](np.array([[0.0, 0.5, 1.0], [0.0, 0.0, 0.0]]))).all()
 
 
 def test_the_least_load_of_all_ranges_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
