@@ -110,3 +110,40 @@ def test_a_text_that_names_no_row_is_refused(text: str, problem: str, hint: str)
         static_row(text)
     assert problem in str(caught.value)
     assert caught.value.hint.startswith(hint)
+
+
+@pytest.mark.parametrize(
+    ("band", "text"), [(None, "-"), ((0.3, 0.3), "0.3"), ((0.3, 0.5), "0.3:0.5"), ((0.0, 0.125), "0:0.125")]
+)
+def test_bands_as_they_are_typed(band: tuple[float, float] | None, text: str) -> None:
+    assert band_text(band) == text
+
+
+def test_a_source_counts_with_its_commas() -> None:
+    assert static_row("wood on steel, dry, lust cda3000 engineering guide, table 7.21").static_friction == (
+        0.45,
+        0.75,
+    )
+    with pytest.raises(InputError, match="no source of this pair has that name"):
+        static_row("wood on steel, dry, lust cda3000 engineering guide, table 9")
+
+
+def test_two_rows_are_too_many() -> None:
+    """A table of a drive maker and one of a program's help."""
+    with pytest.raises(InputError, match="2 rows of the catalogue, name the source of one") as told:
+        static_row("steel on steel, dry, table")
+    assert str(told.value.hint).count("\n") == 1
+
+
+def test_a_list_has_the_rows_of_the_pair_by_the_shortest_name_of_their_source() -> None:
+    """The same source may list a pair in two conditions."""
+    with pytest.raises(InputError) as told:
+        static_row("steel on steel, wet")
+    lines = str(told.value.hint).splitlines()
+    assert len(lines) == 6
+    assert all(line.startswith('write "steel on steel, ') for line in lines)
+    for condition, bands in (
+        ("dry", "mu_s 0.12:0.6, mu_d 0.08:0.5"),
+        ("greased", "mu_s 0.12:0.35, mu_d 0.04:0.25"),
+    ):
+        assert f'write "steel on steel, {condition}, Lust CDA3000 Engineering Guide" for {bands}' in lines

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 from vibro import Regime, Scene
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.proofs import (
+    _ratio,
     back_slip_load,
     extreme_ratio,
     first_ratio,
@@ -24,6 +26,7 @@ from vibro.inverse.proofs import (
     onset_load,
     steeper_is_slower,
     tip_load,
+    tip_ratio,
 )
 from vibro.limits import critical_loads, critical_loads_of_lines, tipping_load_of_lines
 
@@ -204,3 +207,93 @@ def test_caps_of_many_boxes_are_those_of_each() -> None:
         many = replace(single[0], shape={"drive_angle": (angles, angles)})
         for cap in (lambda box: box.hop_load, onset_load, back_slip_load, lambda box: tip_load(box, 0.6)):
             np.testing.assert_array_equal(np.ravel(cap(many)), [float(cap(box)) for box in single])
+
+
+@pytest.mark.parametrize(
+    ("friction", "troughs", "last"),
+    [
+        (2.0, (-0.9, -0.2), False),
+        (2.0, (-0.8, 0.0), True),
+        (2.0, (-0.5, 0.9), True),
+        (3.0, (-0.9, -0.2), True),
+    ],
+)
+def test_back_slip_may_begin_first_or_last_between_two_steep_troughs(
+    friction: float, troughs: tuple[float, float], last: bool
+) -> None:
+    """So high a friction holds better on a steeper trough: neither end of the band tells."""
+    scene = scene_with(drive_angle=0.1, static_friction=friction, kinetic_friction=0.9 * friction)
+    box = uncertainty_set(scene, {"trough_angle": troughs})
+    betas = np.linspace(*troughs, 20001)
+    loads = critical_loads_of_lines(0.1, friction, 0.9 * friction, betas).back_slip
+    expected, ends = (
+        (np.max(loads), max(loads[0], loads[-1])) if last else (np.min(loads), min(loads[0], loads[-1]))
+    )
+    assert abs(expected / ends - 1.0) > 5e-4
+    found = float(back_slip_load(box, last=last))
+    assert found == pytest.approx(expected, rel=1e-6)
+    assert (found >= expected * (1 - 1e-9)) if last else (found <= expected * (1 + 1e-9))
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(
+    ("friction", "slower"), [(1.0, True), (1.0 / np.tan(0.25 * np.pi), False), (1.1, False)]
+)
+def test_a_steeper_trough_is_slower_where_friction_is_below_its_slope(
+    side: float, friction: float, slower: bool
+) -> None:
+    """45 degrees either way; the product with 1/tan is 1 to the last bit."""
+    assert 1.0 / np.tan(0.25 * np.pi) * np.tan(0.25 * np.pi) == 1.0
+    troughs = sorted((side * 0.25 * math.pi, side * 0.1))
+    scene = scene_with(static_friction=0.5, kinetic_friction=0.4)
+    box = uncertainty_set(scene, {"static_friction": (0.5, friction), "trough_angle": tuple(troughs)})
+    assert steeper_is_slower(box) is slower
+
+
+def test_a_level_trough_needs_no_friction_to_brake() -> None:
+    """Its weight does not speed parts up either; on a climb it slows them down, on a decline not."""
+    scene = scene_with(kinetic_friction=0.0)
+    for trough, braked in (((0.0, 0.0), True), ((0.0, 0.1), True), ((-1e-9, 0.1), False)):
+        assert is_braked(uncertainty_set(scene, {"trough_angle": trough})) is braked
+
+
+def test_the_first_part_tips_at_the_angle_of_its_stand() -> None:
+    """G (cos a + r sin a) = r on a level trough: the least load is r / sqrt(1 + r^2), at tan a = r."""
+    box = uncertainty_set(scene_with(static_friction=0.9), {"drive_angle": (0.1, 1.2)})
+    assert float(tip_load(box, 0.5)) == pytest.approx(0.5 / math.sqrt(1.25), rel=1e-12)
+    for angles, angle in (((0.1, 0.3), 0.3), ((0.6, 1.2), 0.6)):
+        narrow = uncertainty_set(scene_with(static_friction=0.9), {"drive_angle": angles})
+        expected = 0.5 / (math.cos(angle) + 0.5 * math.sin(angle))
+        assert float(tip_load(narrow, 0.5)) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("regime", [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING])
+def test_ratios_of_an_ellipse_in_phase_are_those_of_its_line(regime: Regime) -> None:
+    frictions: dict[str, Any] = {"frequency": 15.0, "static_friction": 0.6, "kinetic_friction": 0.5}
+    bands: dict[str, Any] = {
+        "static_friction": (0.5, 0.7),
+        "friction_ratio": (0.7, 0.9),
+        "frequency": (14.0, 16.0),
+    }
+    bands["trough_angle"] = (-0.02, 0.05)
+    line = uncertainty_set(scene_with(**frictions), bands)
+    x, y = 1e-3 * math.cos(math.radians(20.0)), 1e-3 * math.sin(math.radians(20.0))
+    ellipse = uncertainty_set(Scene(along_amplitude=x, normal_amplitude=y, **frictions), bands)
+    for ratio in (first_ratio, last_ratio):
+        assert ratio(ellipse, regime) == pytest.approx(ratio(line, regime), rel=1e-6)
+    assert first_ratio(line, regime) > 1.1 * last_ratio(line, regime)
+    assert tip_ratio(ellipse, 0.4) == pytest.approx(tip_ratio(line, 0.4), rel=1e-6)
+    assert tip_ratio(ellipse, math.inf) == tip_ratio(line, math.inf) == tip_ratio(line, 9.0) == 0.0
+    assert tip_ratio(line, 0.4) == pytest.approx(float(line.load[1] / tip_load(line, 0.4)))
+
+
+def test_a_load_over_none_is_infinite_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ratios = [
+            _ratio(1.0, 0.0),
+            _ratio(2.0, 4.0),
+            _ratio(3.0, math.inf),
+            _ratio(np.array(0.0), np.array(2.0)),
+        ]
+    assert ratios == [math.inf, 0.5, 0.0, 0.0]

@@ -389,3 +389,133 @@ def test_the_drift_of_the_trough_counts_before_the_right_angle(drift: float, is_
         assert "with the trough and the drifts it is up to 90.1 deg" in str(refusal(content))
     else:
         assert read_spec(content).drift.trough_angle == deg(drift)
+
+
+def problem_of(**entries: Any) -> str:
+    """Return what is said of a question; empty where it is good."""
+    try:
+        read_spec(changed(**entries))
+    except InputError as exc:
+        return str(exc)
+    return ""
+
+
+@pytest.mark.parametrize(
+    ("entries", "refused"),
+    [
+        # parts of mu_s = 1 slide down 45 deg: the least friction and the steepest trough count, either way
+        ({"scene__static_friction": "1:2", "scene__trough_angle_deg": -45}, "must be less than 45 deg"),
+        ({"scene__static_friction": "1:2", "scene__trough_angle_deg": -44.99999}, ""),
+        (
+            {"scene__static_friction": "1:2", "scene__trough_angle_deg": "-45:0"},
+            "it is up to 45 deg either way",
+        ),
+        (
+            {"scene__static_friction": "1:2", "scene__trough_angle_deg": -44, "drift__trough_angle_deg": 1},
+            "45 deg",
+        ),
+        (
+            {
+                "scene__static_friction": "1:2",
+                "scene__trough_angle_deg": -44,
+                "drift__trough_angle_deg": 0.99,
+            },
+            "",
+        ),
+        # drive, trough and both drifts reach the normal
+        ({"drive__drive_angle_deg": "10:80", "scene__trough_angle_deg": "0:10"}, "up to 90 deg"),
+        ({"drive__drive_angle_deg": "10:80", "scene__trough_angle_deg": "0:9.99999"}, ""),
+        (
+            {"drive__drive_angle_deg": 79, "scene__trough_angle_deg": "-1:10", "drift__drive_angle_deg": 1},
+            "90 deg",
+        ),
+        (
+            {"drive__drive_angle_deg": 79, "scene__trough_angle_deg": "-1:10", "drift__trough_angle_deg": 1},
+            "90 deg",
+        ),
+        ({"drive__drive_angle_deg": 79, "scene__trough_angle_deg": "-1:9", "drift__trough_angle_deg": 1}, ""),
+        ({"drive__drive_angle_deg": [20, 80], "scene__trough_angle_deg": 10}, "90 deg"),
+    ],
+)
+def test_angles_end_just_where_parts_slide_or_the_normal_is_reached(entries: Any, refused: str) -> None:
+    said = problem_of(**({"scene__static_friction": "0.5:0.6"} | entries))
+    assert refused in said
+    assert bool(said) is bool(refused)
+
+
+@pytest.mark.parametrize("gravity", [9.81, 1.62])
+@pytest.mark.parametrize(("factor", "refused"), [(1.0, False), (1.0 - 1e-12, True), (1.0 + 1e-12, False)])
+def test_an_acceleration_may_be_the_least_of_the_drive(gravity: float, factor: float, refused: bool) -> None:
+    drive = {"amplitude_mm": "0.8:2", "frequency_hz": [20, 50], "drive_angle_deg": 20}
+    spec = read_spec(changed(drive=[drive], scene__gravity_m_s2=gravity))
+    least = spec.drives[0].accelerations[0] / gravity
+    assert least == pytest.approx(0.8e-3 * (2 * math.pi * 20) ** 2 / gravity)
+    said = problem_of(drive=[{**drive, "acceleration_g": least * factor}], scene__gravity_m_s2=gravity)
+    assert (f"amplitude and frequency are such that it is at least {least:.6g}" in said) is refused
+    assert bool(said) is refused
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.999, False), (1.001, True)])
+def test_accelerations_end_at_a_thousand_million(share: float, refused: bool) -> None:
+    amplitude = share * 1e9 * 9.81 / (2 * math.pi * 1e4) ** 2 * 1e3
+    said = problem_of(drive=[{"amplitude_mm": amplitude, "frequency_hz": 10000, "drive_angle_deg": 20}])
+    assert ("must be at most 1e+09 g" in said) is refused
+    assert bool(said) is refused
+
+
+def test_an_acceleration_of_a_thousand_million_is_allowed() -> None:
+    """To the last bit, by a gravity made for it."""
+    drive = {"amplitude_mm": 1, "frequency_hz": 50, "drive_angle_deg": 20}
+    most = read_spec(changed(drive=[drive])).drives[0].accelerations[1]
+    gravity = most / 1e9
+    assert most / gravity == 1e9
+    assert problem_of(drive=[drive], scene__gravity_m_s2=gravity) == ""
+    assert "must be at most 1e+09 g" in problem_of(drive=[drive], scene__gravity_m_s2=gravity * (1 - 1e-15))
+
+
+@pytest.mark.parametrize(("kinetic", "refused"), [("0.5:0.6", False), ("0.51:0.6", True), (0.5, False)])
+def test_kinetic_friction_may_begin_at_the_largest_static_friction(kinetic: Any, refused: bool) -> None:
+    scene = {"static_friction": "0.3:0.5", "kinetic_friction": kinetic}
+    said = problem_of(scene=scene)
+    assert ("kinetic_friction" in said and "which is at most 0.5" in said) is refused
+    assert bool(said) is refused
+
+
+@pytest.mark.parametrize(
+    ("names", "said"), [(("a", "a"), "2 drives"), (("a", "a", "a"), "3 drives"), (("a", "b"), "")]
+)
+def test_every_drive_has_its_own_name(names: tuple[str, ...], said: str) -> None:
+    drive = {"amplitude_mm": 0.8, "frequency_hz": 50, "drive_angle_deg": 20}
+    assert said in (found := problem_of(drive=[{**drive, "name": name} for name in names]))
+    assert bool(found) is bool(said)
+
+
+def test_drives_without_a_name_are_counted_and_several_are_told_apart() -> None:
+    drive = {"amplitude_mm": 0.8, "frequency_hz": 50, "drive_angle_deg": 20}
+    assert [d.name for d in read_spec(changed(drive=[drive, drive, drive])).drives] == [
+        "drive 1",
+        "drive 2",
+        "drive 3",
+    ]
+    bad = {**drive, "amplitude_mm": -1}
+    assert "[[drive]] amplitude_mm = -1" in problem_of(drive=[bad])
+    assert "[[drive]] 2 amplitude_mm = -1" in problem_of(drive=[drive, bad])
+
+
+def test_a_stroke_is_two_amplitudes_and_a_stand_ratio_half_base_over_height() -> None:
+    drive = {"stroke_mm": "1:6", "frequency_hz": 50, "drive_angle_deg": 20}
+    spec = read_spec(changed(drive=[drive], part={"half_base_mm": 6, "centre_height_mm": 8}))
+    assert spec.drives[0].span("amplitude") == pytest.approx((0.5e-3, 3e-3))
+    assert spec.stand_ratio == 0.75
+    assert read_spec(changed()).bands["trough_angle"] == (0.0, 0.0)
+
+
+def test_the_name_of_a_question_is_that_of_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "feeder.one.toml"
+    path.write_text(FEEDER, encoding="utf-8")
+    assert read_spec(path).name == read_spec(str(path)).name == "feeder.one"
+    assert read_spec(changed()).name == ""
+    path.write_text(FEEDER.replace("speed_mm_s = 80", "speed_mm_s = -80"), encoding="utf-8")
+    with pytest.raises(InputError) as told:
+        read_spec(path)
+    assert str(told.value).startswith(f"{path}: [goal] speed_mm_s = -80")

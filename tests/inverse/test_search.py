@@ -123,3 +123,29 @@ def test_points_that_do_not_count_are_no_minima() -> None:
     assert math.isnan(
         scatter(lambda x: np.full(x.shape[1], np.nan), sobol(1, 3, 0), more=8, rounds=2, seed=0)[1]
     )
+
+
+def sampled(cost: Any, first: Floats, more: int, rounds: int) -> list[Floats]:
+    """Return the points at which samples look, round by round."""
+    met: list[Floats] = []
+
+    def recorded(x: Floats) -> Floats:
+        met.append(x)
+        return np.asarray(cost(x))
+
+    scatter(recorded, first, more=more, rounds=rounds, seed=1)
+    return met
+
+
+@pytest.mark.parametrize(("more", "each"), [(8, 8), (10, 16), (40, 40)])
+def test_as_many_samples_lie_around_each_of_the_best(more: int, each: int) -> None:
+    met = sampled(lambda x: np.abs(x - 0.5).sum(axis=0), np.full((2, 8), 0.5), more, 3)
+    assert [x.shape for x in met] == [(2, 8)] + [(2, each)] * 3
+
+
+def test_samples_come_closer_around_the_best_within_the_cube() -> None:
+    """A tenth of the cube about their middle at first, then 0.4 times as wide; costs that are all equal."""
+    met = sampled(lambda x: np.where((x == 0.5).all(axis=0), 0.0, 1.0), np.full((2, 8), 0.5), 8000, 3)
+    assert [float(np.std(x)) for x in met[1:]] == pytest.approx([0.1, 0.04, 0.016], rel=0.03)
+    corner = np.hstack(sampled(lambda x: x.sum(axis=0), np.zeros((2, 8)), 64, 2))
+    assert corner.min() == 0.0 < corner.max() <= 1.0

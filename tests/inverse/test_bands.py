@@ -1,0 +1,132 @@
+"""Bands of a caller: exact edges of what is allowed, and the set that they span."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.scenes import scene_with
+
+from vibro import Scene, SceneError
+from vibro.inverse.bands import one_point, uncertainty_set
+
+OVAL = Scene(
+    along_amplitude=5e-4, normal_amplitude=2e-4, normal_phase=-0.5, frequency=25.0, static_friction=0.4,
+    kinetic_friction=0.3, restitution=0.1, gravity=1.62,
+)  # fmt: skip
+QUARTER = 0.25 * math.pi
+
+
+def refusal(scene: Scene, **bands: Any) -> str:
+    """Return the message of a refusal; empty where there is none."""
+    try:
+        uncertainty_set(scene, bands)
+    except SceneError as exc:
+        return str(exc)
+    return ""
+
+
+@pytest.mark.parametrize(
+    ("band", "text"),
+    [
+        ((-math.pi, math.pi), ""),
+        ((0.0, 2.0 * math.pi), ""),
+        ((0.0, np.nextafter(2.0 * math.pi, 7.0)), "a band of at most one turn, in radians"),
+        ((0.3, 0.3), ""),
+    ],
+)
+def test_a_band_of_the_phase_has_one_turn_at_most(band: Any, text: str) -> None:
+    said = refusal(OVAL, normal_phase=band)
+    assert text in said
+    assert bool(said) is bool(text)
+
+
+@pytest.mark.parametrize(
+    ("drive", "trough", "refused"),
+    [
+        ((0.1, QUARTER), (0.0, QUARTER), True),  # a right angle together
+        ((0.1, QUARTER), (0.0, QUARTER * (1.0 - 1e-15)), False),
+        ((0.1, QUARTER), (-QUARTER, 0.0), False),
+        ((QUARTER, QUARTER), (QUARTER, QUARTER), True),
+    ],
+)
+def test_drive_and_trough_stay_short_of_a_right_angle(drive: Any, trough: Any, refused: bool) -> None:
+    scene = scene_with(static_friction=2.0, drive_angle=0.2)
+    said = refusal(scene, drive_angle=drive, trough_angle=trough)
+    assert ("rad (45 deg): must be less than 90 deg together with trough_angle" in said) is refused
+    assert bool(said) is refused
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "frequency", "named"),
+    [
+        ((1e-300, 1e-3), (1e-20, 15.0), "frequency = 1e-20 Hz"),  # the least load is 0
+        ((1e-3, 1e200), (15.0, 1e80), "frequency = 1e+80 Hz"),  # the largest is inf
+        ((1e-3, 2e-3), (15.0, 15.0), ""),
+    ],
+)
+def test_a_load_beyond_doubles_is_named_by_its_frequency(amplitude: Any, frequency: Any, named: str) -> None:
+    said = refusal(scene_with(), amplitude=amplitude, frequency=frequency)
+    assert named in said
+    assert bool(said) is bool(named)
+
+
+@pytest.mark.parametrize(
+    ("bands", "refused"),
+    [
+        ({"static_friction": (0.3, 0.4), "kinetic_friction": (0.4, 0.6)}, False),  # one point is left
+        ({"static_friction": (0.3, 0.4), "kinetic_friction": (0.41, 0.6)}, True),
+        ({"static_friction": (0.3, 0.4), "kinetic_friction": (0.1, 0.6)}, False),
+        ({"static_friction": (0.3, 0.4), "friction_ratio": (0.7, 0.9)}, False),  # the scene's 0.57 has no say
+        ({"static_friction": (0.3, 0.4)}, True),
+    ],
+)
+def test_some_kinetic_friction_is_below_static_friction(bands: dict[str, Any], refused: bool) -> None:
+    said = refusal(scene_with(), **bands)
+    assert (
+        "kinetic_friction" in said and "<= static_friction = 0.4 somewhere in its band" in said
+    ) is refused
+    assert bool(said) is refused
+
+
+def test_a_box_has_the_values_of_the_scene_and_of_its_bands() -> None:
+    box = uncertainty_set(
+        OVAL, {"normal_phase": (-1.0, 0.0), "frequency": (20.0, 25.0), "friction_ratio": (0.5, 0.6)}
+    )
+    assert (box.factor, box.frequency, box.is_ratio) == ((1.0, 1.0), (20.0, 25.0), True)
+    assert dict(box.shape) == {
+        "along_amplitude": (5e-4, 5e-4), "normal_amplitude": (2e-4, 2e-4), "normal_phase": (-1.0, 0.0),
+    }  # fmt: skip
+    assert (box.static_friction, box.second_friction, box.trough_angle) == (
+        (0.4, 0.4),
+        (0.5, 0.6),
+        (0.0, 0.0),
+    )
+    assert (box.gravity, box.restitution) == (1.62, 0.1)
+    line = uncertainty_set(scene_with(), {"amplitude": (1e-3, 2e-3), "kinetic_friction": (0.5, 0.6)})
+    assert (line.factor, line.is_ratio, line.second_friction) == ((1e-3, 2e-3), False, (0.5, 0.6))
+
+
+@pytest.mark.parametrize(
+    ("name", "band"), [("drive_angle", (0.1, 0.2)), ("amplitude", (1e-3, 2e-3)), ("gravity", (9.0, 10.0))]
+)
+def test_a_band_of_what_a_drive_does_not_have_is_refused(name: str, band: Any) -> None:
+    said = refusal(OVAL, **{name: band})
+    assert f"band '{name}'" in said
+    assert "of one of along_amplitude, normal_amplitude, normal_phase, frequency, static_friction" in said
+
+
+def test_a_scene_must_be_one() -> None:
+    with pytest.raises(SceneError, match=r"a vibro\.Scene"):
+        one_point("scene")
+    with pytest.raises(SceneError, match=r"shape \(2,\)"):
+        one_point(scene_with(frequency=[10.0, 20.0]))
+
+
+def test_a_field_that_is_left_out_has_no_band() -> None:
+    bands = {"amplitude": (1e-3, 2e-3)}
+    assert uncertainty_set(scene_with(), bands).factor == (1e-3, 2e-3)
+    with pytest.raises(SceneError, match=r"band 'amplitude' = .*: must be of one of frequency, drive_angle,"):
+        uncertainty_set(scene_with(), bands, leaves_out="amplitude")

@@ -1,0 +1,291 @@
+"""The exchange of scenarios with an optimiser whose answers are known: roundings, margins, repetitions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from helpers.questions import changed
+
+from vibro import Regime
+from vibro.inverse.exchange import MOST_MARGIN, Effort, Exchange, Found, Optimum
+from vibro.inverse.extremes import Landings
+from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.proofs import corners
+from vibro.inverse.questions import Question
+from vibro.inverse.reading import read_spec
+from vibro.inverse.spaces import SPACES, Setting
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+EFFORT = Effort(population=4, generations=10, margins=5, margin=1e-6, scale=1e-6, exchanges=3)
+SETTING = Setting(1e-3, 4e-4, 0.0, 15.0)
+LINE = {
+    "scene": {"static_friction": "0.66:0.82", "friction_ratio": 0.77},
+    "drive": [{"amplitude_mm": "0.5:1.25", "frequency_hz": 15, "drive_angle_deg": "10:40"}],
+}
+OVAL = {
+    "scene": LINE["scene"],
+    "drive": [
+        {
+            "along_amplitude_mm": "0.1:3",
+            "normal_amplitude_mm": "0.05:2",
+            "normal_phase_deg": "-90:90",
+            "frequency_hz": 25,
+        }
+    ],
+}
+
+
+class Known(Exchange):
+    """An optimiser whose fastest setting has a known speed at every scale, and which records its calls."""
+
+    surpluses = (0.0,)
+    _least_set_by = "onset"
+
+    def __init__(self, question: Question, speed: Callable[[float], float | None] = lambda _: None) -> None:
+        box = question.box(SETTING)
+        super().__init__(question, EFFORT, corners(box.varies))
+        self.speed = speed
+        self.calls: list[tuple[float, int]] = []
+
+    def _fastest(self, scale: float, generations: int) -> Optimum | None:
+        self.calls.append((scale, generations))
+        speed = self.speed(scale)
+        return None if speed is None else Optimum(SETTING, speed)
+
+    def _least_acceleration(self, target: float) -> Optimum | None:
+        return Optimum(SETTING, target)
+
+    def limit(self, found: Found, scale: float) -> str:
+        return "limit"
+
+    def first_cap(self) -> str:
+        return "hop"
+
+
+def asked(content: dict[str, Any], highest: Regime = Regime.BACK_SLIP, **more: Any) -> Question:
+    """Ask of the first drive; several frequencies of a line are ranges here."""
+    spec = read_spec(changed(**(content | more)))
+    (drive,) = spec.drives
+    if drive.space.proves:
+        ranges = ((10.0, 12.0), (15.0, 15.0), (20.0, 25.0))
+        drive = replace(drive, choices={**drive.choices, "frequency": ranges})
+    return Question(spec, drive, highest)
+
+
+def line(amplitude: float, frequency: float = 15.0, angle_deg: float = 20.0) -> Setting:
+    (space,) = (space for space in SPACES.values() if space.proves)
+    return space.setting(amplitude=amplitude, frequency=frequency, drive_angle=math.radians(angle_deg))
+
+
+@pytest.mark.parametrize(
+    ("up", "sizes"),
+    [(False, [0.95, 0.94, 0.93, 0.92, 0.91]), (True, [0.94, 0.95, 0.96, 0.97, 0.98])],
+)
+def test_amplitudes_move_inwards_from_one_step_outside(up: bool, sizes: list[float]) -> None:
+    found = [*Known(asked(LINE)).roundings(line(0.945e-3), 2, up=up)]
+    assert [a for a, _, _ in found] == pytest.approx(sizes)
+    assert {(f, angle) for _, f, angle in found} == {(15.0, 20.0)}
+
+
+def test_roundings_stay_within_the_drive() -> None:
+    found = [a for a, *_ in Known(asked(LINE)).roundings(line(1.2449e-3), 3, up=True)]
+    assert found == pytest.approx([1.24, 1.25, 1.25, 1.25, 1.25])
+    found = [a for a, *_ in Known(asked(LINE)).roundings(line(0.5055e-3), 2, up=False)]
+    assert found == pytest.approx([0.51, 0.5, 0.5, 0.5, 0.5])
+
+
+@pytest.mark.parametrize(("frequency", "printed"), [(12.4, 12.0), (15.3, 15.0), (23.456, 23.5), (26.0, 25.0)])
+def test_a_frequency_stays_in_its_range_and_amplitudes_keep_the_load(
+    frequency: float, printed: float
+) -> None:
+    *_, (amplitude, rounded, _) = Known(asked(LINE)).roundings(line(0.9e-3, frequency), 3, up=True)
+    assert rounded == printed
+    least = 0.9 * (frequency / printed) ** 2
+    assert amplitude == pytest.approx(math.ceil(least * 1e3) / 1e3 + 0.003, abs=1e-9) or least > 1.0
+    assert 0.9 * (frequency / printed) ** 2 <= amplitude <= least + 0.05
+
+
+def test_both_amplitudes_of_an_ellipse_are_moved() -> None:
+    setting = Setting(1.2345e-3, 0.56789e-3, math.radians(-50.123456789), 25.0)
+    found = [*Known(asked(OVAL)).roundings(setting, 3, up=True)]
+    along, normal, phases, frequencies = zip(*found, strict=True)
+    assert along == pytest.approx(np.repeat([1.23, 1.24, 1.25, 1.26, 1.27], 5))
+    assert normal == pytest.approx(np.tile([0.567, 0.568, 0.569, 0.57, 0.571], 5))
+    assert (set(phases), set(frequencies)) == ({-50.0}, {25.0})
+
+
+@pytest.mark.parametrize(
+    ("share", "allowed"), [(0.5, True), (1.0, True), (1 + 5e-13, True), (1 + 1e-11, False)]
+)
+def test_an_acceleration_at_its_limit_is_allowed(share: float, allowed: bool) -> None:
+    question = asked(LINE)
+    setting = line(share * 1e-3)
+    limit = 1e-3 * (2 * math.pi * 15.0) ** 2 / 9.81
+    limited = replace(question, drive=replace(question.drive, acceleration=limit))
+    assert Known(limited).is_allowed(setting) is allowed
+    assert Known(question).is_allowed(setting)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "frequency", "name"),
+    [(0.5e-3, 10.0, "limit"), (0.5e-3 * (1 + 2e-6), 10.0, "onset"), (0.5e-3, 15.0, "onset")],
+)
+def test_a_least_acceleration_that_the_drive_cannot_go_below_is_a_limit(
+    amplitude: float, frequency: float, name: str
+) -> None:
+    question, setting = asked(LINE), line(amplitude, frequency)
+    found = Found(setting, (), guarantee_of(question.box(setting)))
+    assert Known(question).least_set_by(found) == name
+
+
+def test_without_bands_the_safest_setting_is_the_fastest_that_reaches_the_goal() -> None:
+    single = asked(LINE, scene={"static_friction": 0.74, "kinetic_friction": 0.57})
+    for speed, target, reaches in ((0.02, 0.02, True), (0.02, 0.01, True), (0.02, 0.021, False)):
+        optimiser = Known(single, lambda _, speed=speed: speed)  # type: ignore[misc]
+        optimiser.finds_slower = lambda *_: False  # type: ignore[method-assign]
+        assert optimiser.safest(target) == (Optimum(SETTING, speed) if reaches else None)
+        assert optimiser.calls == [(1.0, 10)]
+    assert Known(single).safest(0.01) is None
+
+
+@pytest.mark.parametrize(
+    ("speed", "widest"), [(0.04, 4.0), (0.0999, 9.99), (0.1, 10.0), (0.3, 10.0), (0.01, 1.0)]
+)
+def test_the_safest_setting_is_the_fastest_at_the_largest_scale(speed: float, widest: float) -> None:
+    """The speed falls with the scale as 1/scale; the target is 10 mm/s."""
+    optimiser = Known(asked(LINE), lambda scale: speed / scale)
+    found, scale = optimiser._safest(0.01)
+    assert found is not None
+    assert found.speed >= 0.01
+    assert scale == pytest.approx(widest, abs=2e-6)
+    assert {generations for _, generations in optimiser.calls} == {5}
+    assert MOST_MARGIN == 10.0
+
+
+def test_no_setting_is_safe_that_does_not_reach_the_goal() -> None:
+    assert Known(asked(LINE), lambda _: 0.0099)._safest(0.01) == (None, 1.0)
+    assert Known(asked(LINE))._safest(0.01) == (None, 1.0)
+    found, scale = Known(asked(LINE), lambda s: 0.02 if s < 3.0 else None)._safest(0.01)
+    assert found is not None
+    assert scale == pytest.approx(3.0, abs=1e-5)
+
+
+def known_least(speed: Callable[[Floats], Floats], holds: Callable[[Floats], Any]) -> Known:
+    """Make an optimiser with a known least speed, and critical loads, at every scale."""
+    optimiser = Known(asked(LINE))
+
+    def least(setting: Setting, scale: Floats | float) -> Floats:
+        return speed(np.atleast_1d(scale))
+
+    def allowed(setting: Setting, scale: Floats | float) -> Any:
+        return holds(np.atleast_1d(scale))
+
+    optimiser.least, optimiser._holds = least, allowed  # type: ignore[method-assign]
+    return optimiser
+
+
+@pytest.mark.parametrize(
+    ("speed", "most", "margin"),
+    [(0.04, 99.0, 4.0), (0.04, 2.5, 2.5), (0.005, 99.0, 0.5), (0.2, 99.0, 10.0), (0.2, 0.3, 0.3)],
+)
+def test_a_margin_ends_where_speed_or_regime_fail(speed: float, most: float, margin: float) -> None:
+    optimiser = known_least(lambda s: speed / np.maximum(s, 1e-9), lambda s: s <= most)
+    found = optimiser._margin(SETTING, 0.01)
+    assert found == (pytest.approx(margin, abs=1.1e-6) if margin < MOST_MARGIN else MOST_MARGIN)
+    assert found is not None
+    assert found <= margin
+
+
+def test_a_setting_that_fails_without_any_band_has_no_margin() -> None:
+    assert known_least(lambda s: 0.0099 - 0.0 * s, lambda s: s < 99.0)._margin(SETTING, 0.01) is None
+    assert known_least(lambda s: 0.02 - 0.0 * s, lambda s: s < 0.0)._margin(SETTING, 0.01) is None
+    # at the middle of all bands it just holds, but no wider
+    assert known_least(lambda s: 0.01 - s, lambda s: s < 99.0)._margin(SETTING, 0.01) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("speed", "allowed", "holds"), [(0.01, True, True), (0.00999, True, False), (0.02, False, False)]
+)
+def test_a_setting_holds_at_its_goal_within_the_regime(speed: float, allowed: bool, holds: bool) -> None:
+    optimiser = known_least(lambda s: speed + 0.0 * s, lambda s: np.full(s.shape, allowed))
+    assert optimiser.holds(SETTING, 0.01) is holds
+
+
+def test_without_any_margin_no_slower_body_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    for margin in (None, 0.0):
+        optimiser = Known(asked(LINE))
+        monkeypatch.setattr(optimiser, "_margin", lambda *_, margin=margin: margin)
+        monkeypatch.setattr(optimiser, "finds_slower", lambda *_: pytest.fail("a box of no width"))
+        assert optimiser.margin(SETTING, 0.01) == margin
+
+
+@pytest.mark.parametrize(("slower", "calls"), [(0, 1), (1, 2), (2, 3), (3, 4), (9, 4)])
+def test_an_optimum_is_found_again_for_every_slower_body(slower: int, calls: int) -> None:
+    """At most three times."""
+    optimiser, answers = Known(asked(LINE), lambda _: 0.02), iter([True] * slower + [False] * 9)
+    scales = []
+
+    def finds(optimum: Optimum, scale: float = 1.0) -> bool:
+        scales.append(scale)
+        return next(answers)
+
+    optimiser.finds_slower = finds  # type: ignore[method-assign]
+    assert optimiser.fastest(2.0) == Optimum(SETTING, 0.02)
+    assert optimiser.calls == [(2.0, 10)] * calls
+    assert set(scales) == {2.0}
+    assert optimiser.least_acceleration(0.03) == Optimum(SETTING, 0.03)
+
+
+@pytest.mark.parametrize(("surplus", "slower"), [(-1e-6, False), (0.0, False), (5e-10, False), (1e-8, True)])
+def test_a_body_joins_that_is_slower_than_the_scenarios(surplus: float, slower: bool) -> None:
+    question = asked(LINE, drift={"amplitude_percent": 2})
+    setting = line(1.0e-3)
+    guarantee = guarantee_of(question.box(setting))
+    optimiser = Known(question)
+    optimiser.scenarios = optimiser.scenarios.fixed(np.full((5, 1), 0.5))
+    assert optimiser.finds_slower(Optimum(setting, guarantee.speed_min * (1.0 + surplus))) is slower
+    # the slowest body, at five loads of its band and at its own
+    assert optimiser.scenarios.size == 1 + 6 * slower
+    if slower:
+        assert sorted(optimiser.scenarios.coordinates[0, 1:].tolist()) == [0.0, 0.0, 0.25, 0.5, 0.75, 1.0]
+        assert not optimiser.finds_slower(Optimum(setting, guarantee.speed_min * (1.0 + surplus)))
+
+
+def test_bodies_that_land_too_hard_join() -> None:
+    question = asked(
+        LINE, Regime.HOPPING, goal={"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 1},
+        scene={"static_friction": 0.74, "kinetic_friction": 0.57}, drift={"amplitude_percent": 1},
+    )  # fmt: skip
+    optimiser = Known(question)
+    before = optimiser.scenarios.size
+    assert optimiser.finds_slower(Optimum(line(6e-3), -math.inf)) is (optimiser.scenarios.size > before)
+    optimiser.scenarios = optimiser.scenarios.fixed(np.full((5, 1), 0.5))
+    assert optimiser.finds_slower(Optimum(line(6e-3), -math.inf))
+    assert optimiser.scenarios.size == 2
+    # beside the slowest body, if there is one
+    optimiser.scenarios = optimiser.scenarios.fixed(np.full((5, 1), 0.5))
+    assert optimiser.finds_slower(Optimum(line(6e-3), 9.0))
+    hardest = optimiser.scenarios.coordinates[:, 1]
+    assert optimiser.scenarios.size == 2 + 6
+    assert Landings(impact_speed=1e-3).worst(question.box(line(6e-3)))[:, 0].tolist() == hardest.tolist()
+
+
+def test_bodies_beyond_the_checked_regime_are_slowest() -> None:
+    question = asked(LINE, Regime.FORWARD_SLIP)
+    setting = line(1.1e-3)
+    assert max(guarantee_of(question.box(setting)).regimes) is Regime.BACK_SLIP
+    optimiser = Known(question)
+    optimiser.scenarios = optimiser.scenarios.fixed(np.full((5, 1), 0.5))
+    assert not optimiser.finds_slower(Optimum(setting, 1e-9))
+    optimiser._checked = Regime.FORWARD_SLIP
+    assert optimiser.finds_slower(Optimum(setting, 1e-9))

@@ -1,0 +1,351 @@
+"""Designs and their rows with an optimiser of known answers: which is best, and what is printed of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from helpers.questions import changed
+
+import vibro
+from vibro import Regime
+from vibro.inverse import rows
+from vibro.inverse.exchange import Found, Optimum
+from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.questions import Question
+from vibro.inverse.reading import read_spec
+from vibro.inverse.rows import Finder, _nearest_drive
+from vibro.inverse.spaces import Setting
+from vibro.results.designs import Guarantee, Interval
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+CONTENT: dict[str, Any] = {
+    "scene": {"static_friction": "0.66:0.82", "friction_ratio": 0.77, "trough_length_mm": 600},
+    "drive": [{"name": "motor", "amplitude_mm": "0.5:3", "frequency_hz": 15, "drive_angle_deg": "10:40"}],
+    "goal": {"speed_mm_s": 10},
+}
+BOUNDS: dict[str, Any] = {
+    "speed_min": 0.02, "speed_max": 0.05, "min_at": {}, "max_at": {}, "min_limit": "", "max_limit": "",
+    "regimes": frozenset({Regime.FORWARD_SLIP}), "proof_min": "searched", "proof_max": "corners",
+    "coexists": True, "excluded": 7,
+}  # fmt: skip
+
+
+def asked(**changes: Any) -> Question:
+    spec = read_spec(changed(**(CONTENT | changes)))
+    return Question(spec, spec.drives[0], Regime.BACK_SLIP)
+
+
+SINGLE = {"static_friction": 0.74, "kinetic_friction": 0.57}
+
+
+def found_at(amplitude: float = 1.0, *, margin: float | None = None, by: Any = None, **bounds: Any) -> Found:
+    """A design of an amplitude [mm] with a known guarantee."""
+    question = asked()
+    angle = math.radians(20.0)
+    setting = question.space.setting(amplitude=1e-3 * amplitude, frequency=15.0, drive_angle=angle)
+    return Found(setting, (amplitude, 15.0, 20.0), Guarantee(**(BOUNDS | bounds)), margin, by)
+
+
+class Optimiser:
+    """Answers by hand, and records what it is asked."""
+
+    surpluses = (0.0, 0.1, 0.2)
+
+    def __init__(self, **answers: Any) -> None:
+        self.answers: dict[str, Any] = {
+            "has_more": True,
+            "is_allowed": True,
+            "holds": True,
+            "keeps": True,
+        } | answers
+        self.asked: list[Any] = []
+
+    def has_more(self) -> Any:
+        return self.answers["has_more"]
+
+    def first_cap(self) -> str:
+        return "tip"
+
+    def least_set_by(self, found: Found) -> str:
+        return "onset"
+
+    def limit(self, found: Found, scale: float) -> str:
+        return f"limit at {scale:g}"
+
+    def margin(self, setting: Setting, target: float) -> Any:
+        self.asked.append((float(np.hypot(*setting[:2])), target))
+        return self.answers["margin"]
+
+    def fastest(self) -> Any:
+        return self.answers.get("fastest")
+
+    def safest(self, target: float) -> Any:
+        return self.answers.get("safest")
+
+    def least_acceleration(self, target: float) -> Any:
+        self.asked.append(target)
+        return self.answers.get("least", lambda _: None)(target)
+
+    def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
+        self.asked.append((digits, up))
+        yield from self.answers["roundings"]
+
+    def holds(self, setting: Setting, target: float) -> Any:
+        return self.answers["holds"]
+
+    def is_allowed(self, setting: Setting) -> Any:
+        return self.answers["is_allowed"]
+
+    def keeps_to_regime(self, found: Found) -> Any:
+        return self.answers["keeps"]
+
+
+def finder(optimiser: Any = None, found: dict[str, Found] | None = None, **changes: Any) -> Finder:
+    known: Any = optimiser or Optimiser()
+    return Finder(asked(**changes), known, found or {})
+
+
+@pytest.mark.parametrize(
+    ("kind", "speed", "margin", "expected"),
+    [
+        ("fastest", 0.02, 3.0, "limit at 1"),
+        ("safest", 0.02, 3.0, "limit at 3"),
+        ("safest", 0.02, None, "limit at 1"),
+        ("gentlest", 0.02, 3.0, "onset"),  # twice as fast as needed
+        ("gentlest", 0.01, 3.0, "speed"),
+        ("gentlest", 0.01 * (1 + 5e-7), 3.0, "speed"),
+        ("gentlest", 0.01 * (1 + 2e-6), 3.0, "onset"),
+    ],
+)
+def test_what_sets_a_design(kind: str, speed: float, margin: float | None, expected: str) -> None:
+    designs = {kind: found_at(speed_min=speed, margin=margin)}
+    assert finder(found=designs).set_by(kind) == expected
+
+
+def test_without_a_design_what_prevents_it_is_told_of_the_fastest() -> None:
+    told = {kind: finder().set_by(kind) for kind in rows.KINDS}
+    assert told == {"gentlest": None, "fastest": "tip", "safest": None}
+    row = finder().row("fastest")
+    assert (row.drive, row.highest_regime, row.design, row.set_by) == ("motor", "back-slip", "fastest", "tip")
+    assert (row.amplitude_mm, row.speed_min_mm_s, row.margin, row.proof) == (None, None, None, None)
+
+
+WINDOW = Interval(0.9e-3, 1.3e-3, "onset", "hop")
+
+
+def test_every_number_of_a_row_has_its_column(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rows, "window_of", lambda *_: WINDOW)
+    drift = {"amplitude_percent": 10}
+    row = finder(found={"safest": found_at(margin=2.5)}, drift=drift).row("safest")
+    load = 1e-3 * (2 * math.pi * 15.0) ** 2 / 9.81
+    nominal = vibro.solve(
+        vibro.Scene(
+            amplitude=1e-3, frequency=15.0, drive_angle=math.radians(20.0), static_friction=0.74,
+            kinetic_friction=0.77 * 0.74,
+        )
+    ).mean_velocity  # fmt: skip
+    expected = {
+        "drive": "motor", "highest_regime": "back-slip", "design": "safest", "amplitude_mm": 1.0,
+        "frequency_hz": 15.0, "drive_angle_deg": 20.0, "acceleration_g": load, "speed_min_mm_s": 20.0,
+        "speed_nominal_mm_s": 1e3 * float(nominal), "speed_max_mm_s": 50.0, "traverse_time_max_s": 30.0,
+        "amplitude_low_mm": 0.9, "amplitude_high_mm": 1.3, "low_set_by": "onset", "high_set_by": "hop",
+        "margin": 2.5, "throw_number_max": 1.1 * load * math.sin(math.radians(20.0)),
+        "set_by": "limit at 2.5",
+        "frequency_needed_hz": None, "amplitude_needed_mm": None, "proof": "searched", "coexists": True,
+        "excluded": 7, "along_amplitude_mm": None,
+    }  # fmt: skip
+    for name, value in expected.items():
+        given = getattr(row, name)
+        assert given == (pytest.approx(value, rel=1e-12) if isinstance(value, float) else value), name
+
+
+@pytest.mark.parametrize(
+    ("bounds", "time", "least", "most"),
+    [
+        ({"speed_min": -math.inf, "speed_max": math.inf}, None, None, None),
+        ({"speed_min": 0.0, "speed_max": 0.1}, None, 0.0, 100.0),
+        ({"speed_min": -0.01, "speed_max": math.nan}, None, -10.0, None),
+        ({"speed_min": 0.012, "speed_max": 0.1}, 50.0, 12.0, 100.0),
+    ],
+)
+def test_what_is_not_finite_is_left_out(
+    bounds: Any, time: float | None, least: float | None, most: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rows, "window_of", lambda *_: None)
+    row = finder(found={"fastest": found_at(**bounds)}).row("fastest")
+    assert row.traverse_time_max_s == (None if time is None else pytest.approx(time))
+    assert (row.speed_min_mm_s, row.speed_max_mm_s) == (least, most)
+    window = row.amplitude_low_mm, row.amplitude_high_mm, row.low_set_by, row.high_set_by
+    assert window == (None, None, None, None)
+    level = finder(
+        found={"fastest": found_at(**bounds)},
+        scene={k: CONTENT["scene"][k] for k in ("static_friction", "friction_ratio")},
+    )
+    assert level.row("fastest").traverse_time_max_s is None
+
+
+@pytest.mark.parametrize(
+    ("speed", "needs"), [(0.05, False), (0.04, False), (0.039, True), (0.0, False), (-0.1, False)]
+)
+def test_the_nearest_drive_has_the_load_at_a_lower_frequency(speed: float, needs: bool) -> None:
+    frequency, amplitude = _nearest_drive(2.0, 30.0, speed, 0.04)
+    if not needs:
+        assert (frequency, amplitude) == (None, None)
+        return
+    assert frequency is not None
+    assert amplitude is not None
+    exact = 30.0 * speed / 0.04
+    assert exact * (1 - 2.1e-8) <= frequency <= exact * (1 - 1e-8)
+    load = 2.0 * 30.0**2
+    assert load * (1 - 1e-8) <= amplitude * frequency**2 <= load  # it does not exceed the load
+    assert float(f"{frequency:.9g}") == frequency
+    assert float(f"{amplitude:.9g}") == amplitude
+
+
+def test_a_row_of_a_slow_design_has_the_nearest_drive(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rows, "window_of", lambda *_: None)
+    row = finder(found={"fastest": found_at(speed_min=0.005)}).row("fastest")
+    assert row.frequency_needed_hz == pytest.approx(7.5, rel=3e-8)
+    assert row.amplitude_needed_mm == pytest.approx(4.0, rel=6e-8)
+
+
+@pytest.mark.parametrize(("kind", "best"), [("fastest", "quick"), ("gentlest", "small"), ("safest", "wide")])
+def test_each_kind_has_its_merit(kind: str, best: str) -> None:
+    """Among a new design, that of the lower regime, and the others of this one; missing ones are left out."""
+    by = Optimiser()
+    known = {
+        "quick": found_at(2.0, speed_min=0.05, margin=2.0, by=by),
+        "small": found_at(0.8, speed_min=0.02, margin=1.5, by=by),
+        "wide": found_at(1.5, speed_min=0.03, margin=4.0, by=by),
+        "bare": found_at(1.7, speed_min=0.001, margin=None, by=by),
+    }
+    for new in known:
+        for calmer in known:
+            others = [known[name] for name in known if name not in (new, calmer)]
+            chosen = finder(by)._best(
+                kind, known[new], {kind: known[calmer], "other": known["bare"]}, *others
+            )
+            assert chosen == known[best]
+    assert finder(by)._best(kind, None, {}) is None
+    assert finder(by)._best(kind, None, {kind: known["bare"]}) == known["bare"]
+
+
+@pytest.mark.parametrize(
+    ("speed", "known", "margin", "expected"),
+    [
+        (0.02, None, 3.0, 3.0),
+        (0.02, None, None, 1.0),  # it meets the goal, so the margin is 1 at least
+        (0.02, None, 0.5, 1.0),
+        (0.02, 5.0, 3.0, 5.0),  # as known within a lower regime
+        (0.01, 5.0, None, 5.0),
+        (0.0099, 5.0, 0.4, 0.4),  # it misses the goal
+        (0.0099, 5.0, None, None),
+    ],
+)
+def test_margins_are_carried_over(
+    speed: float, known: float | None, margin: float | None, expected: float | None
+) -> None:
+    optimiser = Optimiser(margin=margin)
+    given = found_at(speed_min=speed, margin=known, by=Optimiser())
+    found = finder(optimiser)._with_margin(given)
+    by: Any = found.optimiser
+    assert (found.margin, by) == (expected, optimiser)
+    assert optimiser.asked == [(pytest.approx(1e-3), 0.01)]
+    assert finder(optimiser)._with_margin(found) is found  # once is enough
+    assert len(optimiser.asked) == 1
+    assert finder(optimiser, scene=SINGLE)._with_margin(given) is given  # nothing varies
+
+
+ROUNDINGS = [(1.2, 15.0, 20.0), (1.1, 15.0, 20.0)]
+
+
+def test_the_first_rounding_that_holds_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    optimum = Optimum(found_at().setting, 0.02)
+    optimiser = Optimiser(roundings=ROUNDINGS)
+    found = finder(optimiser)._held(optimum, 0.001, up=False)
+    assert found is not None
+    assert found.printed == (1.2, 15.0, 20.0)
+    assert found.setting == pytest.approx(found_at(1.2).setting)
+    assert found.guarantee.speed_min == guarantee_of(asked().box(found.setting)).speed_min
+    assert optimiser.asked == [(9, False)]
+    assert finder(optimiser)._held(None, 0.001, up=False) is None
+
+
+@pytest.mark.parametrize("name", ["holds", "is_allowed", "keeps"])
+def test_a_rounding_that_breaks_a_condition_is_passed_over(name: str) -> None:
+    optimiser = Optimiser(roundings=ROUNDINGS, **{name: False})
+    assert finder(optimiser)._held(Optimum(found_at().setting, 0.02), None, up=True) is None
+    assert optimiser.asked == [(9, True), (12, True), (15, True)]
+
+
+def test_a_rounding_that_is_slower_than_the_goal_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    speeds = {1.2: 0.0099, 1.1: 0.01}
+    monkeypatch.setattr(
+        rows,
+        "guarantee_of",
+        lambda box: Guarantee(**(BOUNDS | {"speed_min": speeds[round(1e3 * box.factor[0], 6)]})),
+    )
+    found = finder(Optimiser(roundings=ROUNDINGS))._held(Optimum(found_at().setting, 0.02), 0.01, up=True)
+    assert found is not None
+    assert found.printed[0] == 1.1
+
+
+def of(monkeypatch: pytest.MonkeyPatch, speeds: dict[float, float]) -> None:
+    """Let settings of an amplitude [mm] hold as printed with some speed."""
+
+    def held(self: Finder, optimum: Any, target: Any, *, up: bool) -> Found | None:
+        if optimum is None or speeds[optimum] < (target or 0.0):
+            return None
+        return found_at(optimum, speed_min=speeds[optimum])
+
+    monkeypatch.setattr(Finder, "_held", held)
+
+
+def test_designs_of_a_goal_that_is_missed_are_the_fastest_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    of(monkeypatch, {2.0: 0.0099, 1.9: 0.01, 0.8: 0.01, 1.5: 0.01})
+    optimiser = Optimiser(fastest=2.0, margin=None)
+    assert list(finder(optimiser).designs({})) == ["fastest"]
+    optimiser = Optimiser(fastest=1.9, margin=2.0, least=lambda _: 0.8, safest=1.5)
+    assert list(finder(optimiser).designs({})) == ["fastest", "gentlest", "safest"]
+    assert finder(Optimiser()).designs({}) == {}
+    calmer = {"fastest": found_at(), "other": found_at(2.0)}
+    assert finder(Optimiser(has_more=False)).designs(calmer) == calmer
+
+
+def test_designs_compete_with_each_other_and_with_the_lower_regime(monkeypatch: pytest.MonkeyPatch) -> None:
+    of(monkeypatch, {2.0: 0.05, 0.8: 0.01, 1.5: 0.03})
+    optimiser = Optimiser(fastest=2.0, margin=2.0, least=lambda _: 0.8, safest=1.5)
+    found = finder(optimiser).designs({})
+    assert [found[kind].printed[0] for kind in ("fastest", "gentlest", "safest")] == [2.0, 0.8, 1.5]
+    # the fastest is the gentlest where no other holds, and the safest where nothing is uncertain
+    only = Optimiser(fastest=2.0, margin=2.0)
+    assert {kind: f.printed[0] for kind, f in finder(only).designs({}).items()} == dict.fromkeys(
+        ("fastest", "gentlest", "safest"), 2.0
+    )
+    assert finder(optimiser, scene=SINGLE).designs({})["safest"].printed[0] == 2.0
+    calmer = {
+        "fastest": found_at(1.0, speed_min=0.06),
+        "gentlest": found_at(0.7, speed_min=0.01),
+        "safest": found_at(1.2, speed_min=0.01, margin=5.0),
+    }
+    best = finder(optimiser).designs(calmer)
+    assert [best[kind].printed[0] for kind in ("fastest", "gentlest", "safest")] == [1.0, 0.7, 1.2]
+    # a wide fastest design is the safest too, even if the search for it ends elsewhere
+    wide = {"fastest": replace(found_at(1.0, speed_min=0.06), margin=9.0)}
+    assert finder(optimiser).designs(wide)["safest"].printed[0] == 1.0
+
+
+def test_a_higher_target_is_rounded_where_none_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    of(monkeypatch, {1.0: 0.0099, 1.1: 0.01, 1.2: 0.02})
+    optimiser = Optimiser(least=lambda target: {10: 1.0, 11: 1.1, 12: 1.2}[round(1e3 * target)])
+    found = finder(optimiser)._least_acceleration()
+    assert found is not None
+    assert found.printed[0] == 1.1
+    assert optimiser.asked == [0.01, pytest.approx(0.011)]
+    assert finder(Optimiser())._least_acceleration() is None
