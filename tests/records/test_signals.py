@@ -157,3 +157,16 @@ def test_a_sensitivity_of_another_kind_is_named(tmp_path: Path) -> None:
         caught.value
     )
     assert caught.value.hint == "give the sensor's sensitivity: --sensitivity 20mV/mm/s"
+
+
+@pytest.mark.parametrize("other", ["trough-normal=98mV/g", "acceleration=1V/g"])
+def test_a_sensitivity_of_a_column_that_is_not_named_is_told_as_such(tmp_path: Path, other: str) -> None:
+    with pytest.raises(InputError) as caught:
+        volts(tmp_path, ["t [s],u [mV]", "0,1", "1,2", "2,3"], other, trough_along="u")
+    option = f"--{other.partition('=')[0]}"
+    said = f"for --trough-along: --sensitivity {other} is for {option}, for which no column is named"
+    assert said in str(caught.value)
+    assert caught.value.hint == (
+        f"name that column too: {option} HEADER, and give this sensor's sensitivity:"
+        " --sensitivity trough-along=100mV/g"
+    )

@@ -131,10 +131,10 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     """
     span = float(time[-1] - time[0])
     cycles, cycle = span * frequency, f"of {1e3 / frequency:.6g} ms: at least"
-    if cycles < TOL.least_cycles * (1.0 - 1e-9):
+    if cycles < TOL.least_cycles * (1.0 - TOL.printed):
         short = f"the data cover {cycles:.3g} drive cycles {cycle} {TOL.least_cycles:.0f} are needed"
         raise InputError(short, hint="record longer, or check the frequency and the unit of the time")
-    samples = (time.size - 1) / cycles
+    samples = (time.size - 1) / cycles * (1.0 + TOL.printed)
     if samples < TOL.least_samples:
         coarse = f"the data have {samples:.3g} samples a drive cycle {cycle} {TOL.least_samples} are needed"
         raise InputError(coarse, hint="sample faster, or check the frequency and the unit of the time")

@@ -77,7 +77,7 @@ class Repetition:
         """Harmonics of a frequency, up to one that is common to all that are tried."""
         top = min(TOL.explained_up_to * self.peak, 0.5 * TOL.of_nyquist * self.rate)
         most = min(TOL.most_harmonics, self._time.size // 6)
-        return max(1, min(most, int(top / frequency * (1.0 + 1e-9))))
+        return max(1, min(most, int(top / frequency * (1.0 + TOL.printed))))
 
     def _explained(self, frequency: float, which: Places | None = None) -> tuple[Floats, Floats]:
         """Coefficients of the trend and of all harmonics, or some, and what is left, (N, signals)."""

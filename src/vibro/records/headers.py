@@ -235,12 +235,15 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tupl
         sensitivity = sensitivity_of(role, header, wanted)
         if sensitivity is not None:
             return header, unit[1] * sensitivity.per_volt
-        what = "what its voltage stands for is not said"
-        for other in wanted.sensitivities:
-            if not any(map(other.serves, wanted.headers)):
-                what = f"--sensitivity {other.text} is a sensitivity of {other.kind}, one of {kind} is needed"
-                break
-        raise InputError(f"{said}: {what}", hint=f"give the sensor's sensitivity: --sensitivity {example}")
+        what, hint = "what its voltage stands for is not said", "give the sensor's sensitivity:"
+        idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
+        if (other := next(idle, None)) is not None:
+            what = f"--sensitivity {other.text} is a sensitivity of {other.kind}, one of {kind} is needed"
+            if other.kind == kind:
+                what = f"--sensitivity {other.text} is for {other.served}, for which no column is named"
+                hint = f"name that column too: {other.served} HEADER, and give this sensor's sensitivity:"
+                example = f"{option.removeprefix('--')}={example}"
+        raise InputError(f"{said}: {what}", hint=f"{hint} --sensitivity {example}")
     stated = unit_text or header.stated
     problem = f"{shown(stated)} is no unit of {kind}" if stated else "it has no unit"
     voltage = f", or mV and V with --sensitivity {example}" if example else ""

@@ -83,8 +83,7 @@ class _Table(NamedTuple):
         bad = np.zeros(values.size, np.bool_)
         for i in range(values.size):
             cell = self.cell(i, header)
-            commas = "," in cell
-            if _NUMBER.fullmatch(cell) and commas <= self.decimal_comma and not (commas and "." in cell):
+            if _NUMBER.fullmatch(cell) and ("," in cell) <= self.decimal_comma:
                 values[i] = float(cell.replace(",", ".")) * unit
                 bad[i] = not abs(values[i]) <= TOL.largest
             else:
@@ -272,5 +271,6 @@ def _check_time(table: _Table, header: Header, time: Floats, kept: NDArray[np.in
             more = f"; {places.size - 1} more such rows" if places.size > 1 else ""
             said = f"time {what} {now:.9g} s" + (f" after {before:.9g} s" if now != before else "")
             skipped = int(kept[i] - kept[i - 1]) - 1
-            between = f", as the {skipped} rows before it lack a value" if skipped else ""
+            lost = "row before it lacks" if skipped == 1 else f"{skipped} rows before it lack"
+            between = f", as the {lost} a value" if skipped else ""
             raise InputError(f"{where}: {said}, usual steps are {usual:.3g} s{between}{more}", hint=hint)
