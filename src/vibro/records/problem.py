@@ -244,9 +244,8 @@ def _variances(observation: Observation, residual: Floats, delays: Floats) -> Fl
 
 def _beside_a_jump(cycles: SceneCycles, observation: Observation, shift: float) -> NDArray[np.bool_]:
     """Return which samples lie next to a jump of one scene, where it is unknown what a sensor shows."""
-    zero, start, length = cycles.slides[:3, :, 0]
-    begin = (zero + start)[length > 0.0]
-    jumps = np.concatenate([begin, begin + length[length > 0.0]]) / math.tau
+    way, _, begin, end, *_ = cycles.slides[:, :, 0]
+    jumps = np.concatenate([begin[way != 0.0], end[way != 0.0]]) / math.tau
     turns = np.subtract.outer(observation.time * observation.frequency + shift, jumps)
     off = np.abs(turns - np.round(turns)) * observation.period
     return np.asarray((off <= observation.sample_time).any(axis=1))
