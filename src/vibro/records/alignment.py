@@ -145,28 +145,6 @@ class Observation:
         signals = {name: values[part] for name, values in self.signals.items()}
         return replace(self, time=self.time[part], signals=signals)
 
-    def residuals(self, motion: SettledMotion, shift: float, *, trend: bool = True) -> dict[str, Floats]:
-        """Measured minus computed, of each signal.
-
-        Parameters
-        ----------
-        motion : SettledMotion
-            The model.
-        shift : float
-            Trough time at the clock's zero [s].
-        trend : bool
-            Whether the growth of the displacement counts. Its zero never does, because it is that of the
-            sensor.
-        """
-        result = {}
-        model = computed_signals(motion, self.signals, self.time + shift, self.sample_time)
-        for name, values in self.signals.items():
-            residual = values - model[name]
-            if name == "displacement":
-                residual = detrended(self.time, residual, 0 if trend else 1)
-            result[name] = residual
-        return result
-
     def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
         """Return the best shift on a grid over the cycle, and the negative log-likelihood of every shift.
 
@@ -287,21 +265,28 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
     if observation.clock is not None:
         return Alignment(observation.clock.value, observation.clock.error, ())
     observation = observation.middle
-    period = observation.period
+    signals, period = observation.signals, observation.period
     rough, losses = observation.rough_shift(motion)
-    counts = {
-        name: independent_samples(observation.time, r, observation.frequency)
-        for name, r in observation.residuals(motion, rough, trend=False).items()
-    }
-    least = {name: TOL.least_misfit * float(np.abs(s).mean()) for name, s in observation.signals.items()}
     if float(np.ptp(losses)) < TOL.flat * observation.time.size:
         return Alignment(math.nan, math.nan, ())
+
+    def residuals(shift: float) -> dict[str, Floats]:
+        model = computed_signals(motion, signals, observation.time + shift, observation.sample_time)
+        found = {name: values - model[name] for name, values in signals.items()}
+        if "displacement" in found:
+            found["displacement"] = detrended(observation.time, found["displacement"], 1)
+        return found
+
+    counts = {
+        name: independent_samples(observation.time, r, observation.frequency)
+        for name, r in residuals(rough).items()
+    }
+    least = {name: TOL.least_misfit * float(np.abs(s).mean()) for name, s in signals.items()}
     # The rough search took all samples as independent: reduce its likelihoods to the effective number.
     losses = losses * max(counts.values()) / observation.time.size
 
     def loss(shift: float) -> float:
-        residuals = observation.residuals(motion, shift, trend=False)
-        sizes = {name: float(np.abs(r).mean()) + least[name] for name, r in residuals.items()}
+        sizes = {name: float(np.abs(r).mean()) + least[name] for name, r in residuals(shift).items()}
         return sum(counts[name] * math.log(x + np.finfo(float).tiny) for name, x in sizes.items())
 
     near = rough + period * np.linspace(-TOL.searched, TOL.searched, TOL.searched_steps)
@@ -311,7 +296,7 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
     best = minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-9 * period})
     shift, least_loss = float(best.x), float(best.fun)
     error = 0.5 * sum(_reach(loss, shift, least_loss, way * period) for way in (1, -1))
-    if not {"displacement", "velocity"} & observation.signals.keys():
+    if not {"displacement", "velocity"} & signals.keys():
         # Accelerations and friction show only jumps, and each of these lies anywhere between two samples: add
         # the standard deviation of an even distribution over one sample time.
         error = math.hypot(error, observation.sample_time / math.sqrt(12.0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -21,7 +22,6 @@ from vibro.scene import Scene
 __all__ = ["Comparison", "Row", "compare"]
 
 _WAYS: Final = {"F": 1, "B": -1}
-_NAN: Final = Estimate(math.nan, math.nan)
 
 
 class Row(NamedTuple):
@@ -71,8 +71,6 @@ class Comparison:
         displacements have the same mean.
     curve_time, curves : array, mapping of str to array
         The same as smooth curves over one cycle of trough time; displacements begin at 0.
-    warnings : tuple of str
-        Reasons to doubt the comparison.
     """
 
     observation: Observation
@@ -84,7 +82,28 @@ class Comparison:
     computed: Mapping[str, Floats]
     curve_time: Floats
     curves: Mapping[str, Floats]
-    warnings: tuple[str, ...]
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons to doubt the comparison."""
+        observation, motion, alignment = self.observation, self.motion, self.alignment
+        warnings = []
+        if math.isnan(alignment.shift):
+            warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
+        for rival in alignment.rivals:
+            begin = f"{1e3 * rival:.4g} ms after the trough's middle"
+            warnings.append(f"the data fit almost as well if they begin {begin}")
+        warnings += _of_another_size(observation, motion)
+        warnings += _of_another_frequency(observation)
+        warnings += _of_another_clock(observation, motion, alignment)
+        advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
+        if advance * motion.advance < 0.0:
+            warnings.append("the data run against the computed direction: --reverse reverses their axis")
+        computed, measured = (signals.get("friction") for signals in (self.computed, observation.signals))
+        if computed is not None and np.cov(computed, measured)[0, 1] < 0.0:
+            must = "it must be the force on the body, not on the trough"
+            warnings.append(f"the friction has the opposite sign: {must}")
+        return tuple(warnings)
 
 
 def compare(scene: Scene, observation: Observation) -> Comparison:
@@ -132,30 +151,23 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
         signals["displacement"] = signals["displacement"] + offset
         curves["displacement"] = curves["displacement"] - curves["displacement"][0]
     rows = _means(observation, motion)
-    velocity = _velocity(observation)
-    if velocity is not None:
-        rows += _speeds(_Clocked(velocity, shift, alignment.error), motion)
-    rows += _misfits(observation, motion, shift)
-    passing = "upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else ""
-    warnings = _warnings(observation, motion, alignment, signals)
-    seen = (observation, motion, alignment, tuple(rows))
-    return Comparison(*seen, trough_time, passing, signals, cycle, curves, warnings)
-
-
-def _velocity(observation: Observation) -> Folded | None:
-    """Folded velocity, measured or from the displacement."""
     folded = observation.folded
-    displacement = folded.get("displacement")
-    return folded.get("velocity", displacement.derivative() if displacement else None)
+    if "velocity" in folded or "displacement" in folded:
+        velocity = folded["velocity"] if "velocity" in folded else folded["displacement"].derivative()
+        rows += _speeds(_Clocked(velocity, shift, alignment.error), motion)
+    rows += _misfits(observation, signals)
+    passing = "upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else ""
+    seen = (observation, motion, alignment, tuple(rows))
+    return Comparison(*seen, trough_time, passing, signals, cycle, curves)
 
 
 def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
     """Advance, mean speed and its drift, from the displacement if there is one, else from the velocity."""
-    measured = {"displacement": 1, "velocity": 0}.items()
-    name, power = next(((n, p) for n, p in measured if n in observation.signals), ("", 0))
-    if not name:
+    powers, period = {"displacement": 1, "velocity": 0}, observation.period
+    name = next((name for name in powers if name in observation.signals), None)
+    if name is None:
         return []
-    mean, period = observation.folded[name].trend(power), observation.period
+    power, mean = powers[name], observation.folded[name].trend(powers[name])
     curved = fold(observation.time, observation.signals[name], observation.frequency, power + 2)
     drift = curved.trend(power + 1).scaled((power + 1) * 2.0 * curved.half)
     return [
@@ -236,43 +248,24 @@ def _crossing(
     above = excess >= 0.0
     passed = np.flatnonzero(above[1:] & ~above[:-1] if rising else above[:-1] & ~above[1:])
     if not passed.size:
-        return _NAN
+        return Estimate(math.nan, math.nan)
     i = int(passed[np.argmin(np.abs(time[passed] - near))])
     step = excess[i] / (excess[i] - excess[i + 1])
     return velocity.passing(float(time[i] + (time[i + 1] - time[i]) * step))
 
 
-def _misfits(observation: Observation, motion: SettledMotion, shift: float) -> list[Row]:
-    """Root mean squares of measured minus computed."""
+def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[Row]:
+    """Root mean squares of measured minus computed; of a displacement without its trend too."""
+    residuals = {name: values - computed[name] for name, values in observation.signals.items()}
+    if "displacement" in residuals:
+        plain = detrended(observation.time, residuals["displacement"], 1)
+        residuals["displacement without trend"] = plain
     rows = []
-    for trend, which in ((True, "{}"), (False, "{} without trend")):
-        for name, residual in observation.residuals(motion, shift, trend=trend).items():
-            if trend or name == "displacement":
-                rms, text = Estimate(float(np.sqrt(np.mean(residual**2))), math.nan), which.format(name)
-                key, label = f"rms_{text.replace(' ', '_')}", f"RMS difference of {text}"
-                rows.append(Row(key, label, name, rms, math.nan))
+    for text, values in residuals.items():
+        rms = Estimate(float(np.sqrt(np.mean(values**2))), math.nan)
+        key, kind = f"rms_{text.replace(' ', '_')}", text.partition(" ")[0]
+        rows.append(Row(key, f"RMS difference of {text}", kind, rms, math.nan))
     return rows
-
-
-def _warnings(
-    observation: Observation, motion: SettledMotion, alignment: Alignment, model: Mapping[str, Floats]
-) -> tuple[str, ...]:
-    warnings = []
-    if math.isnan(alignment.shift):
-        warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
-    for rival in alignment.rivals:
-        begin = f"{1e3 * rival:.4g} ms after the trough's middle"
-        warnings.append(f"the data fit almost as well if they begin {begin}")
-    warnings += _of_another_size(observation, motion)
-    warnings += _of_another_frequency(observation)
-    warnings += _of_another_clock(observation, motion, alignment)
-    advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
-    if advance * motion.advance < 0.0:
-        warnings.append("the data run against the computed direction: --reverse reverses their axis")
-    if "friction" in model and np.cov(model["friction"], observation.signals["friction"])[0, 1] < 0.0:
-        must = "it must be the force on the body, not on the trough"
-        warnings.append(f"the friction has the opposite sign: {must}")
-    return tuple(warnings)
 
 
 def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from vibro.errors import InputError
@@ -58,11 +59,6 @@ class Folded:
     covariance: Floats
     order: int = 0
 
-    @property
-    def count(self) -> int:
-        """Number of harmonics."""
-        return (self.coefficients.size - self.trends) // 2
-
     def trend(self, power: int) -> Estimate:
         """Coefficient of a power of the time, in the signal's unit per s to that power."""
         error = math.sqrt(self.covariance[power, power])
@@ -89,7 +85,8 @@ class Folded:
         powers = np.vander((time - self.middle) / self.half, self.trends, increasing=True)
         for _ in range(self.order):
             powers = np.pad(powers[:, :-1] * np.arange(1, self.trends) / self.half, ((0, 0), (1, 0)))
-        return np.hstack([powers, harmonics(time, self.frequency, self.count, self.order)])
+        count = (self.coefficients.size - self.trends) // 2
+        return np.hstack([powers, harmonics(time, self.frequency, count, self.order)])
 
 
 def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -> Floats:
@@ -101,8 +98,7 @@ def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -
 
 def detrended(time: Floats, values: Floats, power: int) -> Floats:
     """Take off the polynomial that fits best."""
-    centred = time - time.mean()
-    return np.asarray(values - np.polyval(np.polyfit(centred, values, power), centred))
+    return np.asarray(values - Polynomial.fit(time, values, power)(time))
 
 
 def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:

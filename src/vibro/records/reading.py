@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.nearby import suggestion
 from vibro.records.folding import Floats
-from vibro.records.headers import Columns, Header, Wanted, choose, headers_of, sensitivity_of
+from vibro.records.headers import Columns, Header, Wanted, columns_of
 from vibro.records.signals import SIGNALS, TROUGH, Sensitivity
 from vibro.records.tolerances import TOL
 
@@ -137,26 +137,24 @@ def read_record(
         the time has gaps, repeats or goes back. Row and column are named.
     """
     text, notes = _decode(path)
-    wanted = Wanted(columns or {}, sensitivities)
-    table, chosen = _take_apart(path, text, wanted)
+    table, chosen = _take_apart(path, text, Wanted(columns or {}, sensitivities))
     if table.separator != "," or table.decimal_comma:
         decimals = ", decimal commas" if table.decimal_comma else ""
         notes.append(f"{path.name}: separated by {_SEPARATORS[table.separator]}s{decimals}")
-    values = {role: table.numbers(header, unit) for role, (header, unit) in chosen.items()}
-    kept = _with_values(table, {chosen[role][0]: column for role, column in values.items()})
+    values = {role: table.numbers(column.header, column.size) for role, column in chosen.items()}
+    kept = _with_values(table, {chosen[role].header: column for role, column in values.items()})
     values = {role: column[kept] for role, column in values.items()}
-    _check_time(table, chosen["time"][0], values["time"], np.flatnonzero(kept))
+    _check_time(table, chosen["time"].header, values["time"], np.flatnonzero(kept))
     if not kept.all():
         rows = [table.rows[i][0] for i in np.flatnonzero(~kept)]
         more = f" and {len(rows) - TOL.cells_named} more" if len(rows) > TOL.cells_named else ""
         named = f"row{'s' if len(rows) > 1 else ''} {', '.join(map(str, rows[: TOL.cells_named]))}{more}"
         notes.append(f"{path.name}: {len(rows)} of {kept.size} rows lack a value and are skipped: {named}")
-    used = {role: sensitivity_of(role, header, wanted) for role, (header, _) in chosen.items()}
-    texts = {role: sensitivity.text for role, sensitivity in used.items() if sensitivity}
-    for role, (header, _) in chosen.items():
+    texts = {role: column.sensitivity.text for role, column in chosen.items() if column.sensitivity}
+    headers = {role: column.header.text for role, column in chosen.items()}
+    for role, header in headers.items():
         at = f" at {texts[role]}" if role in texts else ""
-        notes.append(f"{role.replace('_', ' ')}: column {shown(header.text)}{at}")
-    headers = {role: header.text for role, (header, _) in chosen.items()}
+        notes.append(f"{role.replace('_', ' ')}: column {shown(header)}{at}")
     signals = {role: x for role, x in values.items() if role in SIGNALS}
     trough = {role: x for role, x in values.items() if role in TROUGH}
     return Record(values["time"], signals, trough, headers, texts, tuple(notes))
@@ -234,7 +232,7 @@ def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int
     """
     *higher, lowest = above
     try:
-        return len(higher), choose(path, headers_of(above), wanted)
+        return len(higher), columns_of(path, above, wanted)
     except InputError:
         patterns = (_NUMBER, _NO_VALUE, _WRONG)
         if not higher or not any(p.fullmatch(cell) for cell in lowest for p in patterns):

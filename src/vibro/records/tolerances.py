@@ -26,8 +26,8 @@ class Tolerances(NamedTuple):
     headers_named: int = 12  # headers that a message names
 
     # --- harmonic regression --------------------------------------------------------------------------
-    # Relative: times are rounded when they are written. Cycles and samples may fall short of a whole number by
-    # as much, or 40 samples a cycle would resolve 17 or 18 harmonics depending on the last digit.
+    # Relative: times are rounded when they are written. Cycles and samples may fall short of a whole number
+    # by as much, or 40 samples a cycle would resolve 17 or 18 harmonics depending on the last digit.
     printed: float = 1e-6
     least_cycles: float = 2.0  # in the record, of any wave
     least_samples: int = 8  # in a drive cycle
