@@ -64,13 +64,10 @@ class ComparisonTables:
 
     def signals(self) -> TableColumns:
         """Return measured and computed signals over time."""
-        comparison = self.comparison
-        period = comparison.motion.period
-        columns: dict[str, Any] = {
-            "time_s": comparison.observation.time,
-            "trough_time_s": comparison.trough_time % period,
-        }
-        for name, values in comparison.observation.signals.items():
+        comparison, observation = self.comparison, self.comparison.observation
+        trough_time = comparison.trough_time % comparison.motion.period
+        columns: dict[str, Any] = {"time_s": observation.time, "trough_time_s": trough_time}
+        for name, values in observation.signals.items():
             unit, size = self.units[name]
             suffix = unit.replace("/", "_").replace("^", "")
             columns[f"{name}_measured_{suffix}"] = values / size
@@ -90,7 +87,7 @@ class ComparisonTables:
         """Return the figures, and from which columns of the data they come."""
         figures = self._figures()
         units, numbers = zip(*figures.values(), strict=True)
-        columns = "; ".join(text for role, text in self.record.headers.items())
+        columns = "; ".join(self.record.headers.values())
         return {
             "quantity": list(figures),
             "unit": list(units),
@@ -100,8 +97,7 @@ class ComparisonTables:
 
     def content(self) -> dict[str, Any]:
         """Return everything, for JSON."""
-        comparison = self.comparison
-        alignment = comparison.alignment
+        comparison, alignment = self.comparison, self.comparison.alignment
         content: dict[str, Any] = {
             "columns": dict(self.record.headers),
             "pattern": comparison.motion.pattern,

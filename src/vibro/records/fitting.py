@@ -32,6 +32,7 @@ from vibro.scene import Scene
 __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
 Intervals = tuple[tuple[float, float], ...]
+Groups = list[tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,10 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     if rest is not None:
         return _judged(problem, [rest], [()] * len(names), 0.0)
     for _ in range(TOL.restarts):
-        minima = _in_one_turn(problem, _weighed_minima(problem, minima))
+        minima = _weighed_minima(problem, minima)
+        # Move phases by whole turns: of the least misfit next to the scene's, of the others next to that.
+        near = problem.unwound(minima[0].point, problem.own)[:-1]
+        minima = [m._replace(point=problem.unwound(m.point, near)) for m in minima]
         threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * TOL.confidence)) ** 2
         fitting = [m for m in minima if m.squares <= minima[0].squares + TOL.excluded]
         profiles = [_profile(problem, fitting, threshold, column) for column in range(len(names))]
@@ -175,9 +179,8 @@ def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]
         bounded = () if name in mixed else _bounded(found, *problem.bounds[:, column])
         identified = bool(acts[column] and _half_width(bounded) <= TOL.wide * sizes[column])
         parameters.append(Parameter(name, float(best.point[column]), bounded, identified))
-    values = problem.fixed | {p.name: p.value for p in parameters}
-    said = _statements(problem, fitting, parameters, values, groups)
-    return Fit(Scene(**values), tuple(parameters), tuple(said))
+    fitted = Scene(**(problem.fixed | {p.name: p.value for p in parameters}))
+    return Fit(fitted, tuple(parameters), tuple(_statements(problem, fitting, parameters, fitted, groups)))
 
 
 def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
@@ -261,12 +264,6 @@ def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
         cells = np.concatenate([cells[: TOL.kept], cells[cells >= count][: TOL.kept]])
         found.append(best_of(problem, label, points[cells]))
     return found
-
-
-def _in_one_turn(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
-    """Move phases by whole turns: of the least misfit next to the scene's, of the others next to that."""
-    near = problem.unwound(minima[0].point, problem.own)[:-1]
-    return [m._replace(point=problem.unwound(m.point, near)) for m in minima]
 
 
 # --- intervals of confidence ----------------------------------------------------------------------------
@@ -383,74 +380,63 @@ def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value:
 
 
 def _statements(
-    problem: Problem,
-    minima: Sequence[Minimum],
-    parameters: Sequence[Parameter],
-    values: Mapping[str, float],
-    groups: Sequence[tuple[str, ...]],
+    problem: Problem, minima: list[Minimum], parameters: list[Parameter], fitted: Scene, groups: Groups
 ) -> list[str]:
     """Say what the estimates come from, what cannot be identified, and what ended at a bound."""
     best = minima[0]
-    pattern = settled_motion(Scene(**values)).pattern if best.label == HOPS else best.label
+    pattern = settled_motion(fitted).pattern if best.label == HOPS else best.label
     lost = {p.name: p for p in parameters if not p.identified}
     if "F" not in pattern and "B" not in pattern:
         said = ", ".join(QUANTITIES[name].letter for name in lost)
         return [f"the fitted body rests: beyond that, the data cannot identify {said}"] if said else []
     found = []
-    told = [n for n in ("static_friction", "kinetic_friction") if n in problem.names and n not in lost]
-    if "_" in pattern and told:
-        effects = {"static_friction": "mu_s sets the start of a slide", "kinetic_friction": "mu_d its end"}
-        if told == ["kinetic_friction"]:
-            effects["kinetic_friction"] = "mu_d sets the end of a slide"
-        found.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
+    static, kinetic = (p in problem.names and p not in lost for p in ("static_friction", "kinetic_friction"))
+    if "_" in pattern and (static or kinetic):
+        start = "mu_s sets the start of a slide" if static else ""
+        end = f"mu_d {'its end' if static else 'sets the end of a slide'}" if kinetic else ""
+        found.append(f"pattern {pattern}: {' and '.join(filter(None, (start, end)))}")
     if best.label == HOPS:
         found.append("the body hops: intervals are those of small changes, and end at no other pattern")
     if any(len(p.intervals) > 1 for p in parameters):
         labels = dict.fromkeys(m.label for m in minima)
-        both = "phases to both sides of 0 fit"
-        several = f"patterns {' and '.join(labels)} fit" if len(labels) > 1 else both
-        found.append(f"{several}: an interval in pieces holds the values of each")
+        several = f"patterns {' and '.join(labels)}" if len(labels) > 1 else "phases to both sides of 0"
+        found.append(f"{several} fit: an interval in pieces holds the values of each")
     found += _unidentified(problem, best, pattern, lost, groups)
-    return found + _limits(problem, pattern, parameters, values)
+    return found + _limits(problem, pattern, parameters, fitted)
 
 
 def _unidentified(
-    problem: Problem,
-    best: Minimum,
-    pattern: str,
-    lost: Mapping[str, Parameter],
-    groups: Sequence[tuple[str, ...]],
+    problem: Problem, best: Minimum, pattern: str, lost: Mapping[str, Parameter], groups: Groups
 ) -> list[str]:
     """Say of each quantity without an estimate why it has none."""
     found = []
     left = set(lost)
     for group in groups:
-        if not left & set(group):
+        if left.isdisjoint(group):
             continue
-        left -= set(group)
+        left.difference_update(group)
         *first, last = (QUANTITIES[name].letter for name in group)
         symbols = f"{', '.join(first)} and {last}" if first else last
         if group == ("static_friction",) and "_" not in pattern:
-            until = ""
+            why = f"in pattern {pattern} the body never rests, and mu_s has no effect at all"
             if best.label != HOPS:
                 column = problem.names.index("static_friction")
                 most = float(problem.bounds[1, column])
                 edge = move_to_edge(problem, best.label, best.point[None], column, most)
-                until = f", from mu_d up to {edge[0, column]:.4g}"
-            why = f"in pattern {pattern} the body never rests, and mu_s has no effect at all{until}"
+                why += f", from mu_d up to {edge[0, column]:.4g}"
             found.append(f"the data cannot identify mu_s: {why}")
         elif first:
             found.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")
         else:
             found.append(f"the data cannot identify {symbols}: its effect is smaller than the misfit")
     for name in sorted(left):
-        endless = "no end of the values that fit was found"
-        why = "a wide range of values fits" if lost[name].intervals else endless
+        wide = lost[name].intervals
+        why = "a wide range of values fits" if wide else "no end of the values that fit was found"
         found.append(f"the data cannot identify {QUANTITIES[name].letter}: {why}")
     return found
 
 
-def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
+def _groups(problem: Problem, best: Minimum) -> Groups:
     """Find combinations of quantities that the data do not determine.
 
     They are singular directions of the relative sensitivities, without the effect of the trigger time.
@@ -467,9 +453,7 @@ def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
     ]
 
 
-def _limits(
-    problem: Problem, pattern: str, parameters: Sequence[Parameter], values: Mapping[str, float]
-) -> list[str]:
+def _limits(problem: Problem, pattern: str, parameters: list[Parameter], fitted: Scene) -> list[str]:
     """Say which estimates ended at a limit."""
     found = []
     both = {"static_friction", "kinetic_friction"} <= set(problem.names)
@@ -482,6 +466,6 @@ def _limits(
             (high - p.value, f"the highest value that is tried, {high:.4g}"),
         ]
         if p.name == "static_friction" or (p.name == "kinetic_friction" and not both):
-            limits.append((values["static_friction"] - values["kinetic_friction"], "mu_d = mu_s"))
+            limits.append((float(fitted.static_friction - fitted.kinetic_friction), "mu_d = mu_s"))
         found += [f"{QUANTITIES[p.name].letter} is at its limit, {what}" for d, what in limits if d < within]
     return found

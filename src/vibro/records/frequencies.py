@@ -44,6 +44,7 @@ class Repetition:
 
     def __init__(self, time: Floats, signals: Mapping[str, Floats], powers: Mapping[str, int]) -> None:
         self.span = float(np.ptp(time))
+        self._rate = (time.size - 1) / self.span
         self._time = time - 0.5 * float(time[0] + time[-1])
         self._trend = np.vander(self._time / (0.5 * self.span), 2, increasing=True)
         columns = np.array([values / (np.abs(values).max() or 1.0) for values in signals.values()]).T
@@ -53,18 +54,13 @@ class Repetition:
         self._powers = np.array([powers[name] for name in signals])[self.alive]
         self._power = np.einsum("ij,ij->j", self._signals, self._signals)
 
-    @property
-    def rate(self) -> float:
-        """Samples per second."""
-        return (self._time.size - 1) / self.span
-
     @cached_property
     def peak(self) -> float:
         """Frequency of the largest wave; NaN where no wave can be resolved [Hz]."""
         count = self._time.size
         even = np.linspace(self._time[0], self._time[-1], count)
-        frequency = np.arange(TOL.padding * count // 2 + 1) * self.rate / (TOL.padding * count)
-        sought = (frequency * self.span >= TOL.least_cycles) & (frequency * TOL.coarsest <= self.rate)
+        frequency = np.arange(TOL.padding * count // 2 + 1) * self._rate / (TOL.padding * count)
+        sought = (frequency * self.span >= TOL.least_cycles) & (frequency * TOL.coarsest <= self._rate)
         if not sought.any() or not self.alive.any():
             return math.nan
         columns = [np.interp(even, self._time, column) for column in self._signals.T]
@@ -75,7 +71,7 @@ class Repetition:
 
     def _count(self, frequency: float) -> int:
         """Harmonics of a frequency, up to one that is common to all that are tried."""
-        top = min(TOL.explained_up_to * self.peak, 0.5 * TOL.of_nyquist * self.rate)
+        top = min(TOL.explained_up_to * self.peak, 0.5 * TOL.of_nyquist * self._rate)
         most = min(TOL.most_harmonics, self._time.size // 6)
         return max(1, min(most, int(top / frequency * (1.0 + TOL.printed))))
 

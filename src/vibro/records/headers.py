@@ -24,12 +24,15 @@ from vibro.records.tolerances import TOL
 __all__ = ["Column", "Columns", "Header", "Wanted", "columns_of"]
 
 # Words in a header that decide between columns with the same kind of unit.
-_WORDS: Final[Mapping[str, str]] = {
-    "time": r"time|zeit|t",
-    "displacement": r"displacement|position|weg|relative.*|x|xi|s",
-    "velocity": r"velocity|speed|geschwindigkeit|relative.*|v|vx",
-    "acceleration": r"acceleration|beschleunigung|relative.*|a|ax",
-    "force": r"friction|friction force|reibkraft|f",
+_WORDS: Final = {
+    role: re.compile(rf"(?:{words})(?:[\W_\d].*)?", re.IGNORECASE)
+    for role, words in (
+        ("time", r"time|zeit|t"),
+        ("displacement", r"displacement|position|weg|relative.*|x|xi|s"),
+        ("velocity", r"velocity|speed|geschwindigkeit|relative.*|v|vx"),
+        ("acceleration", r"acceleration|beschleunigung|relative.*|a|ax"),
+        ("force", r"friction|friction force|reibkraft|f"),
+    )
 }
 _BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
 _IN: Final = re.compile(r"(.*\S)\s+(?:in|/)\s+(\S.*)", re.IGNORECASE)  # Zeit in s, or Zeit / s
@@ -99,7 +102,7 @@ def _is_quotient(name: str, unit_text: str) -> bool:
     unit = signal_unit(unit_text)
     if unit is None:
         return False
-    kinds = [kind for kind in _WORDS if _word_of(kind).fullmatch(name)]
+    kinds = [kind for kind, word in _WORDS.items() if word.fullmatch(name)]
     if kinds:
         return unit[0] in (*kinds, "voltage")
     return signal_unit(name) is None
@@ -185,16 +188,12 @@ def _voltages(headers: list[Header]) -> list[Header]:
 def _name_one(headers: list[Header], wanted: Wanted) -> str:
     """Hint at how a signal is named: a voltage with what it stands for, if there is one."""
     for header in _voltages(headers):
-        role = next((role for role in SIGNALS if _word_of(role).fullmatch(header.name)), "acceleration")
+        role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
         name = f'{option_of(role)} "{header.text}"'
         if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
             return f"name the voltage: {name}"
         return f"name one, and say what its voltage stands for: {name} --sensitivity {EXAMPLES[role]}"
     return 'name one, with its unit: --displacement "X [mm]"'
-
-
-def _word_of(role: str) -> re.Pattern[str]:
-    return re.compile(rf"(?:{_WORDS[role]})(?:[\W_\d].*)?", re.IGNORECASE)
 
 
 def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Column:
@@ -247,8 +246,7 @@ def _detected(path: Path, headers: list[Header], role: str) -> Columns:
     """Find the one column whose unit fits, or the one among several whose name does; or none."""
     fitting = [Column(h, h.unit[1]) for h in headers if h.unit and h.unit[0] == role]
     if len(fitting) > 1:
-        word = _word_of(role)
-        fitting = [column for column in fitting if word.fullmatch(column.header.name)] or fitting
+        fitting = [column for column in fitting if _WORDS[role].fullmatch(column.header.name)] or fitting
     if len(fitting) > 1:
         several = f"{path}: {_list([column.header for column in fitting])} could each be the {role}"
         raise InputError(several, hint=f'choose: --{role} "{fitting[0].header.text}"')

@@ -27,8 +27,7 @@ __all__ = [
     "Minimum", "best_of", "error_covariance", "jacobian_at", "minimise", "move_to_edge", "nearest_inside",
 ]  # fmt: skip
 
-# Relative distances from a pattern at which it is looked for.
-_DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(TOL.nearest, TOL.farthest, TOL.distances)).ravel()
+_DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(*TOL.distances)).ravel()  # to both sides
 
 
 class Minimum(NamedTuple):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
+from operator import itemgetter
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -195,7 +196,7 @@ class Problem:
         # Amplitude of what the drive does: the size that a signal of this kind has.
         size = self._size * (math.tau * self.fixed["frequency"]) ** _POWERS_OF_RATE[name]
         variance = float(scaled @ scaled) / max(freedom, 1)
-        variance += TOL.least_variance * float(np.var(shape * signal))
+        variance += TOL.least_misfit**2 * float(np.var(shape * signal))
         variance += float(shape @ shape) / signal.size * (TOL.rounding * size) ** 2
         self._weights[name] = shape * math.sqrt(count / signal.size / variance)
         self._sensors[name] = np.linalg.qr(self._basis(name) * self._weights[name][:, None])[0]
@@ -215,14 +216,13 @@ class Problem:
     def _fields(self, points: Floats) -> dict[str, Floats]:
         """Fields of the scenes at points of shape (M, P) or (M, P + 1), within the bounds."""
         values = {name: np.full(points.shape[0], value) for name, value in self.fixed.items()}
-        return values | dict(zip(self.names, self._clipped(points).T.copy(), strict=True))
-
-    def _clipped(self, points: Floats) -> Floats:
-        return np.asarray(np.clip(points[:, : len(self.names)], *self.bounds))
+        clipped = np.clip(points[:, : len(self.names)], *self.bounds)
+        return values | dict(zip(self.names, clipped.T.copy(), strict=True))
 
     def _within(self, points: Floats, labels: Labels) -> Labels:
-        outside = (points[:, : len(self.names)] != self._clipped(points)).any(axis=1)
-        return np.where(outside, "", labels)
+        """Take the labels off points beyond the bounds."""
+        values, (low, high) = points[:, : len(self.names)], self.bounds
+        return np.where(((low <= values) & (values <= high)).all(axis=1), labels, "")
 
 
 def _variances(observation: Observation, residual: Floats, delays: Floats) -> Floats:
@@ -273,12 +273,9 @@ def starts(problem: Problem, *, hops: bool) -> list[tuple[str, Floats]]:
             if np.isfinite(square):
                 start = float(square), str(labels[cell]), np.append(points[cell], shift)
                 groups.setdefault((start[1], problem.sides(points[cell])), []).append(start)
-    best = [start for group in groups.values() for start in sorted(group, key=_misfit)[: TOL.starts]]
-    return [(label, point) for _, label, point in sorted(best, key=_misfit)]
-
-
-def _misfit(start: tuple[float, str, Floats]) -> float:
-    return start[0]
+    by_misfit = itemgetter(0)
+    best = [start for group in groups.values() for start in sorted(group, key=by_misfit)[: TOL.starts]]
+    return [(label, point) for _, label, point in sorted(best, key=by_misfit)]
 
 
 def _candidates(problem: Problem) -> Floats:

@@ -65,24 +65,19 @@ class Record:
 
 
 class _Table(NamedTuple):
-    """A parsed file: the rows of data, each with its number in the file."""
+    """A parsed file: the rows of data, each with its number in the file, and as wide as the header row."""
 
     path: Path
     rows: list[tuple[int, list[str]]]
     decimal_comma: bool
     separator: str
 
-    def cell(self, row: int, header: Header) -> str:
-        """Text of a cell; empty where the row is too short."""
-        cells = self.rows[row][1]
-        return cells[header.place] if header.place < len(cells) else ""
-
     def numbers(self, header: Header, unit: float) -> Floats:
         """Read a column, in SI units; NaN where a cell holds no value."""
         values = np.full(len(self.rows), np.nan)
         bad = np.zeros(values.size, np.bool_)
-        for i in range(values.size):
-            cell = self.cell(i, header)
+        for i, (_, cells) in enumerate(self.rows):
+            cell = cells[header.place]
             if _NUMBER.fullmatch(cell) and ("," in cell) <= self.decimal_comma:
                 values[i] = float(cell.replace(",", ".")) * unit
                 bad[i] = not abs(values[i]) <= TOL.largest
@@ -96,11 +91,11 @@ class _Table(NamedTuple):
         """Name the first bad cells of a column, and count the others; a cell with a value is too large."""
         problems, places, column = [], np.flatnonzero(bad).tolist(), f"column {shown(header.text)}"
         for i in places[: TOL.cells_named]:
-            cell = self.cell(i, header)
+            row, cell = self.rows[i][0], self.rows[i][1][header.place]
             what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
             if not math.isnan(values[i]):
                 what = f"{cut(cell)} is too large to compute with, at most {most:g} is allowed"
-            problems.append(f"{self.path}: row {self.rows[i][0]}, {column}: {what}")
+            problems.append(f"{self.path}: row {row}, {column}: {what}")
         if len(places) > TOL.cells_named:
             problems.append(f"{self.path}: {column}: {len(places) - TOL.cells_named} more such cells")
         return problems
@@ -221,6 +216,7 @@ def _take_apart(path: Path, text: str, wanted: Wanted) -> tuple[_Table, Columns]
         if any(cells[width:]):
             wide = f"{path}: row {row} has {len(cells)} cells, the header row {width}"
             raise InputError(wide, hint="decimal commas need semicolons between the cells")
+        cells += [""] * (width - len(cells))
     return _Table(path, data, comma, separator), chosen
 
 

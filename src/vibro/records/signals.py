@@ -23,9 +23,7 @@ SIGNALS: Final = ("displacement", "velocity", "acceleration", "force")
 #: Accelerations of the trough that it may hold: along its surface, and normal to it.
 TROUGH: Final = ("trough_along", "trough_normal")
 #: What each column is measured in.
-KINDS: Final[Mapping[str, str]] = dict(
-    zip(("time", *SIGNALS, *TROUGH), ("time", *SIGNALS, "acceleration", "acceleration"), strict=True)
-)
+KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *SIGNALS)} | dict.fromkeys(TROUGH, "acceleration")
 
 
 def _per_time(suffix: str) -> dict[str, float]:
@@ -137,8 +135,8 @@ class Sensitivity(NamedTuple):
 
 
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
-_SENSITIVITY: Final = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d].*|\(.*)")
-_NOT_FINITE: Final = re.compile(r"[+-]?(?:nan|inf)", re.IGNORECASE)
+_NUMBER: Final = r"[+-]?+(?:(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+|(?i:nan|inf))"
+_SENSITIVITY: Final = re.compile(rf"({_NUMBER})\s*+([^\W\d].*|\(.*)")
 _DECIMAL_COMMA: Final = re.compile(r"([+-]?\d{1,20}),(\d.{0,20})")
 _HINT: Final = f"write it like {', '.join(EXAMPLES.values())} or 125mm/s/V"
 
@@ -181,9 +179,8 @@ def _sensitivity(text: str) -> Sensitivity:
     match = _SENSITIVITY.fullmatch(value)
     if match is None:
         comma = _DECIMAL_COMMA.fullmatch(value)
-        what = "must be finite and not 0" if _NOT_FINITE.match(value) else "not a number with a unit"
         hint = f"write a decimal point: {comma[1]}.{comma[2]}" if comma and comma[2].isprintable() else _HINT
-        raise InputError(f"{said}: {what}", hint=hint)
+        raise InputError(f"{said}: not a number with a unit", hint=hint)
     number, unit_text = float(match[1]), match[2].strip()
     unit = _unit(unit_text)
     if unit is None:

@@ -78,7 +78,6 @@ class Tolerances(NamedTuple):
     much_rest: float = 0.3  # of the same: what else may be left
     channel_phase: float = 2.0  # [deg] between two channels that is theirs, and no ellipse
     digits: int = 2  # below the first one of the error that are written
-    wave_rounding: float = 1e-24  # of the power of a signal: a wave counts as at least this
     usual_acceleration: float = 50.0  # [m/s^2] of a wave: hardly a conveyor vibrates with more
     # Of a motion: a component below it has no phase that would matter, and cannot be scaled up to all of it.
     least_component: float = 1e-3
@@ -93,7 +92,6 @@ class Tolerances(NamedTuple):
 
     # --- residuals of a fit ---------------------------------------------------------------------------
     jump_window: float = 0.25  # sample times over which the model's jumps are averaged: derivatives exist
-    least_variance: float = 1e-18  # of a residual, relative to that of the signal: data may be exact
     least_scale: float = 1e-3  # of the greatest value that is tried: a quantity counts as at least this large
     random_share: float = 0.1  # of a residual that must differ from cycle to cycle to tell of jitter
     variance_rounds: int = 3  # of weighting the squares that the variances are regressed on
@@ -119,9 +117,7 @@ class Tolerances(NamedTuple):
     patience: float = 5.0  # steps as large as the last one that a search may still need
     edge_places: int = 65  # points between which an edge is looked for, in each round
     edge_rounds: int = 6  # at most
-    nearest: float = 1e-7  # relative distances to a pattern, from
-    farthest: float = 0.5  # to
-    distances: int = 60  # that are tried
+    distances: tuple[float, float, int] = (1e-7, 0.5, 60)  # relative, at which a pattern is looked for
     enough: float = 2e-3  # decrease of the sum of squares [variances] below which a search ends,
     rough: float = 1.0  # and a first one
 

@@ -110,7 +110,7 @@ class Trough:
             return None
         x, y = self.along.value, self.normal.value
         angle = 0.5 * math.atan2(2.0 * (x * y.conjugate()).real, abs(x) ** 2 - abs(y) ** 2)
-        if angle < 0.0:  # by noise alone (_check_direction): one of the two is next to nothing
+        if angle < 0.0:  # by noise alone, as ``trough_of`` refuses others: one of the two is next to nothing
             angle = 0.0 if abs(x) > abs(y) else 0.5 * math.pi
         across = math.hypot(self.along.error * math.sin(angle), self.normal.error * math.cos(angle))
         return Estimate(angle, across / math.hypot(abs(x), abs(y)))
@@ -259,9 +259,7 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
     """
     if not record.trough:
         return None
-    signals = dict(record.trough)
-    if reverse and _ALONG in signals:
-        signals[_ALONG] = -signals[_ALONG]
+    signals = {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
     repetition = Repetition(record.time, signals, dict.fromkeys(signals, 0))
     for name, alive in zip(signals, repetition.alive, strict=True):
         if not alive or float(np.abs(signals[name]).max()) < 1.0 / TOL.largest:
@@ -275,8 +273,11 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
     frequency = Estimate(float(spelled(*frequency)), frequency.error)
     waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
     trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
-    if not down:
-        _check_direction(trough, reverse)
+    if abs(trough.phase) > 0.5 * math.pi and not (down or trough.on_an_ellipse):  # no drive angle is below 0
+        why = "the axis along the trough points against the conveying direction"
+        hint = f"{'leave out --reverse, unless' if reverse else '--reverse, if'} {why}"
+        inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
+        raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
     return trough
 
 
@@ -291,7 +292,7 @@ def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
     folded = fold(record.time, values, frequency, _TRENDS)
     cosines, sines = folded.coefficients[_TRENDS:].reshape(2, -1)
     powers = 0.5 * (cosines**2 + sines**2)
-    fundamental = max(float(powers[0]), TOL.wave_rounding * float(np.mean(values**2)))
+    fundamental = max(float(powers[0]), TOL.rounding**2 * float(np.mean(values**2)))
     variances = np.diagonal(folded.covariance)[_TRENDS:].reshape(2, -1).sum(axis=0)
     left = values - folded.fitted(record.time)
     return Wave(
@@ -304,27 +305,17 @@ def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
     )
 
 
-def _check_direction(trough: Trough, reverse: bool) -> None:
-    """Refuse a line that leads down in the conveying direction: no drive angle is below 0."""
-    if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:
-        why = "the axis along the trough points against the conveying direction"
-        hint = f"{'leave out --reverse, unless' if reverse else '--reverse, if'} {why}"
-        hint += "; a negative sensitivity turns one sensor alone"
-        down = "the trough moves down while it moves forwards: one of its two sensors is inverted"
-        raise InputError(down, hint=hint)
-
-
 def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | None) -> list[str]:
     """Say that the scene does not move on an ellipse, and question a phase that is nearly the opposite."""
     doubts = []
     if normal_phase is None and trough.on_an_ellipse:
-        texts = {name: spelled(*map(QUANTITIES[name].from_si, found[name])) for name in ELLIPTICAL}
-        named = [(QUANTITIES[name], text) for name, text in texts.items()]
-        said = ", ".join(f"{q.label} {text} {q.unit}" for q, text in named)
-        options = " ".join(
-            f"{q.options[0]}{'=' if text.startswith('-') else ' '}{text}{q.unit}" for q, text in named
-        )
-        taken = f"{said}; this ellipse is taken. Elsewhere give {options}"
+        said, options = [], []
+        for name in ELLIPTICAL:
+            quantity = QUANTITIES[name]
+            text = spelled(*map(quantity.from_si, found[name]))
+            said.append(f"{quantity.label} {text} {quantity.unit}")
+            options.append(f"{quantity.options[0]}{'=' if text[0] == '-' else ' '}{text}{quantity.unit}")
+        taken = f"{', '.join(said)}; this ellipse is taken. Elsewhere give {' '.join(options)}"
         doubts.append(f"the trough moves on an ellipse, not on a line: {taken}")
     off = math.remainder(trough.phase - (normal_phase or 0.0), math.tau)
     if abs(off) > 0.5 * math.pi:
