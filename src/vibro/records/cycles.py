@@ -1,4 +1,4 @@
-"""Steady motions of many scenes at once, sampled at the times of one record, for searches."""
+"""Steady motions of many scenes, sampled at the times of one record, for searches."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ __all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
 
 Labels = NDArray[np.str_]
 
-HOPS: Final = "H"  # label of every scene that hops: its many patterns follow each other too closely
+#: Label of every scene that hops: their patterns are too many, and too close to each other.
+HOPS: Final = "H"
 _TEXTS: Final = np.array(PATTERNS)
 
 
@@ -113,7 +114,7 @@ class SceneCycles:
 
 
 def labels_of(values: Mapping[str, Floats]) -> Labels:
-    """Label scenes as ``SceneCycles`` does, from all their fields, each of shape (M,) [SI]."""
+    """Return the labels of scenes as in ``SceneCycles``, from all their fields, each of shape (M,) [SI]."""
     return _labels(solve(Scene.allowing_infeasible(**values), flight=False))
 
 
@@ -130,7 +131,7 @@ def scene_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> SceneCyc
     values : mapping of str to array
         All fields of the scenes, each of shape (M,) [SI].
     hops : bool
-        Whether scenes that hop are solved; else they have their label, and the signals of a body at rest.
+        Whether to solve scenes that hop; else they have their label, and the signals of a body at rest.
     """
     scene = Scene.allowing_infeasible(**values)
     cycle = solve(scene, flight=False)
@@ -139,7 +140,7 @@ def scene_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> SceneCyc
     for place in np.flatnonzero(labels == HOPS).tolist() if hops else ():
         try:
             hopping[place] = settled_motion(Scene(**{name: float(v[place]) for name, v in values.items()}))
-        except VibroError:  # it repeats its motion only every few cycles, or never
+        except VibroError:  # its motion repeats only every few cycles, or never
             labels[place] = ""
     slides = np.nan_to_num(slides_of(scene, np.broadcast_to(cycle.pattern_code, labels.shape)))
     return SceneCycles(labels, cast("Line | Ellipse", scene.flat()), slides, hopping)
