@@ -108,9 +108,9 @@ def test_each_voltage_has_its_own_sensitivity(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("texts", "columns", "said", "hint"),
     [
-        ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: what its voltage", "--sensitivity 100mV/g"),
+        ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: the sensitivity of its", "--sensitivity 100mV/g"),
         (["2V/mm"], {"acceleration": "u"}, "one of acceleration is needed", "--sensitivity 100mV/g"),
-        ([], {"velocity": "u"}, "what its voltage stands for is not said", "--sensitivity 20mV/mm/s"),
+        ([], {"velocity": "u"}, "the sensitivity of its sensor is missing", "--sensitivity 20mV/mm/s"),
         (["100mV/g"], {}, "no column that is read as acceleration is a voltage", '--acceleration "u [mV]"'),
         (["100mV/g"], {"displacement": "x"}, "is read as acceleration", '--acceleration "u [mV]"'),
         (["100mV/g", "2V/mm"], {"acceleration": "u"}, "is read as displacement", "leave it out"),

@@ -30,15 +30,15 @@ class Row(NamedTuple):
     Attributes
     ----------
     key : str
-        Name for tables.
+        Name in tables.
     label : str
         Name in words.
     kind : str
-        ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``: values are in SI units.
+        ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``; values have SI units.
     measured : Estimate
-        With its standard error; NaN where the record does not show it.
+        Measured value with its standard error; NaN if it cannot be found in the record.
     computed : float
-        The model's value; NaN where there is none.
+        The model's value; NaN if it has none.
     """
 
     key: str
@@ -50,7 +50,7 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A record and the model on one clock.
+    """A record beside the model, on the same clock.
 
     Attributes
     ----------
@@ -63,14 +63,15 @@ class Comparison:
     rows : tuple of Row
         Measured and computed quantities.
     trough_time : array
-        Trough time of each sample; the trough passes its middle at whole periods, as ``passing`` says [s].
+        Trough time of each sample [s].
     passing : str
-        ``upwards`` along a line, ``forwards`` along an ellipse; empty without a motion along the trough.
+        Direction in which the trough passes its middle at trough time 0: ``upwards`` along a line,
+        ``forwards`` along an ellipse; empty without a motion along the trough.
     computed : mapping of str to array
-        The model's signals at the record's times, by the names of the measured ones; measured and computed
-        displacements have the same mean.
+        The model's signals at the record's times, by the names of the measured ones; the computed
+        displacement has the mean of the measured one.
     curve_time, curves : array, mapping of str to array
-        The same as smooth curves over one cycle of trough time; displacements begin at 0.
+        Trough times over one cycle, and the model's signals there; the displacement begins at 0.
     """
 
     observation: Observation
@@ -112,34 +113,29 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     Parameters
     ----------
     scene : Scene
-        Of shape ().
+        Scene of shape ().
     observation : Observation
         The record; its drive frequency is the scene's.
-
-    Returns
-    -------
-    Comparison
-        With the record's position in the drive cycle, which the data do not contain.
 
     Raises
     ------
     InputError
-        If the record has too few cycles, or too few samples a cycle, or the scene is of no size that could be
-        compared.
+        If the record has too few cycles, or too few samples a cycle; or if the scene cannot be compared with
+        a record (``check_scene``).
     VibroError
         If the scene has no steady motion.
 
     Notes
     -----
-    Mean values come from a regression on a trend and the harmonics of the drive (``folding``), so that whole
-    cycles are not needed. Peaks, starts and ends of slides come from its velocity. Errors are one
-    standard error of the noise, correlation allowed for.
+    Mean values come from a regression on a trend and the harmonics of the drive (``folding``), so that the
+    record need not hold whole cycles. Peaks, starts and ends of slides come from its velocity. Errors are
+    standard errors from noise, which may be correlated.
     """
     check_scene(scene)
-    _ = observation.folded  # first of all, because it refuses a record that is too short
+    _ = observation.folded  # refuses a record that is too short, before anything is computed
     motion = settled_motion(scene)
     alignment = align(observation, motion)
-    # A body at rest fits any shift: take none.
+    # A body at rest fits with any shift.
     shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
     trough_time = observation.time + shift
     step = observation.sample_time
@@ -162,7 +158,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
 
 
 def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
-    """Advance, mean speed and its drift, from the displacement if there is one, else from the velocity."""
+    """Compare advance, mean speed and its drift, from the displacement or else from the velocity."""
     powers, period = {"displacement": 1, "velocity": 0}, observation.period
     name = next((name for name in powers if name in observation.signals), None)
     if name is None:
@@ -179,7 +175,7 @@ def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
 
 @dataclass(frozen=True, eq=False)
 class _Clocked:
-    """A folded velocity over trough time: the record's time plus a shift, which has an error [s]."""
+    """A folded velocity over trough time: the record's time plus a shift with an error [s]."""
 
     folded: Folded
     shift: float
@@ -193,14 +189,14 @@ class _Clocked:
         return Estimate(float(self.folded.fitted(at)[0]), float(self.folded.error(at)[0]))
 
     def passing(self, time: float) -> Estimate:
-        """Return a time, with the error that those of speed and clock leave of it."""
+        """Return a time at which a speed is passed, with its error from those of speed and clock."""
         slope = abs(float(self.folded.derivative().periodic(np.array([time - self.shift]))[0]))
         error = self.estimate(time).error / slope if slope else math.nan
         return Estimate(time, math.hypot(error, 0.0 if math.isnan(self.clock_error) else self.clock_error))
 
 
 def _speeds(velocity: _Clocked, motion: SettledMotion) -> list[Row]:
-    """Peak speed, the speed at rest, start and end of every slide."""
+    """Compare peak speed, speed at rest, start and end of every slide."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
     model = motion.sample(cycle).velocity
     value, error = velocity.estimate(float(cycle[np.argmax(np.abs(velocity.at(cycle)))]))
@@ -217,7 +213,7 @@ def _speeds(velocity: _Clocked, motion: SettledMotion) -> list[Row]:
 
 
 def _slide(velocity: _Clocked, motion: SettledMotion, phase: Phase) -> list[Row]:
-    """Start and end of a slide: where its speed passes a level, the same for measured and computed speed."""
+    """Compare start and end of a slide, where measured and computed speed pass the same level."""
     way = _WAYS[phase.kind]
     name = "forward" if way > 0 else "back"
     inside = phase.start + (phase.end - phase.start) * np.linspace(0.0, 1.0, TOL.fine)
@@ -233,7 +229,7 @@ def _slide(velocity: _Clocked, motion: SettledMotion, phase: Phase) -> list[Row]
 
 
 def _middle_of_rest(motion: SettledMotion) -> float | None:
-    """Middle of the longest rest of a cycle, as a trough time [s]."""
+    """Return the middle of the longest rest of a cycle, as a trough time [s]."""
     rests = [phase for phase in motion.phases if phase.kind == "_" and motion.slides]
     longest = max(rests, key=lambda phase: phase.end - phase.start, default=None)
     return 0.5 * (longest.start + longest.end) if longest else None
@@ -242,7 +238,7 @@ def _middle_of_rest(motion: SettledMotion) -> float | None:
 def _crossing(
     velocity: _Clocked, way: int, level: float, near: float, rising: bool, period: float
 ) -> Estimate:
-    """Trough time nearest to ``near`` at which the folded velocity passes a level."""
+    """Return the trough time nearest to ``near`` at which the folded velocity passes a level."""
     time = near + period * (np.arange(TOL.fine + 1) / TOL.fine - 0.5)
     excess = way * velocity.at(time) - level
     above = excess >= 0.0
@@ -255,7 +251,7 @@ def _crossing(
 
 
 def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[Row]:
-    """Root mean squares of measured minus computed; of a displacement without its trend too."""
+    """Return root mean squares of measured minus computed; of a displacement also without its trend."""
     residuals = {name: values - computed[name] for name, values in observation.signals.items()}
     if "displacement" in residuals:
         plain = detrended(observation.time, residuals["displacement"], 1)
@@ -269,19 +265,19 @@ def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[R
 
 
 def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:
-    """Name signals that are so much larger or smaller than computed that their unit may be wrong."""
+    """Warn of signals so much larger or smaller than computed that their unit may be wrong."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
     model = computed_signals(motion, observation.signals, cycle, observation.sample_time)
     found = []
     for name, values in observation.signals.items():
         trend = motion.advance / motion.period * cycle if name == "displacement" else 0.0
         size = float(np.std(model[name] - trend))
-        # Noise is no motion, but motion at another frequency is: what repeats may be too much, and all of it
-        # too little.
+        # Noise is no motion, but a motion at another frequency is: the periodic part decides whether a signal
+        # is too large, all of it whether it is too small.
         repeated = float(np.std(observation.folded[name].periodic(cycle)))
         whole = float(np.std(detrended(observation.time, values, 1 if name == "displacement" else 0)))
         moved = repeated if repeated > TOL.far_off * size else whole
-        # A body that rests has no size, and a signal that is dead no unit.
+        # A body at rest has no size to compare with, and a signal without any change no unit.
         if size and whole and not size / TOL.far_off <= moved <= TOL.far_off * size:
             what = doubt(observation.sensitivities.get(name, ""))
             also = " Is the mass?" if name == "friction" else ""
@@ -290,7 +286,7 @@ def _of_another_size(observation: Observation, motion: SettledMotion) -> list[st
 
 
 def _of_another_frequency(observation: Observation) -> list[str]:
-    """Name the frequency of data that are not those of the drive."""
+    """Warn of data that repeat at another frequency than the drive's."""
     foreign = foreign_frequency(observation)
     if foreign is None:
         return []
@@ -308,7 +304,7 @@ def _of_another_frequency(observation: Observation) -> list[str]:
 
 
 def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Alignment) -> list[str]:
-    """Say where the body's signals alone would place the record in the cycle, if that is elsewhere."""
+    """Warn if the body's signals alone would place the record elsewhere in the cycle."""
     if observation.clock is None:
         return []
     own = align(replace(observation, clock=None), motion)

@@ -1,4 +1,4 @@
-"""Estimates of a scene's friction and drive from a record, their intervals, and what cannot be estimated."""
+"""Estimates of a scene's friction and drive from a record, with confidence intervals."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ class Parameter:
     value : float
         The best fit [SI].
     intervals : tuple of pairs of float
-        Values that the data allow with 95 % confidence, ascending, apart [SI]: for noise and misfit, not for
-        what the model leaves out. More than one pair where patterns apart from each other fit. Empty where
-        the data do not bound the quantity.
+        Confidence intervals at 95 %, ascending and disjoint [SI]; they cover noise and misfit, not what the
+        model leaves out. More than one if patterns fit that are apart from each other. Empty if the data do
+        not bound the quantity.
     identified : bool
-        Whether the data determine a value; else there is at most a range.
+        Whether the data determine a value; else at most a range is known.
     """
 
     name: str
@@ -60,27 +60,28 @@ class Parameter:
 
     @property
     def low(self) -> float:
-        """Least value of all intervals; NaN without one [SI]."""
+        """Lower end of all intervals; NaN without one [SI]."""
         return self.intervals[0][0] if self.intervals else math.nan
 
     @property
     def high(self) -> float:
-        """Greatest value of all intervals; NaN without one [SI]."""
+        """Upper end of all intervals; NaN without one [SI]."""
         return self.intervals[-1][1] if self.intervals else math.nan
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Estimates, and how far they can be trusted.
+    """Estimates of quantities of a scene, with explanations.
 
     Attributes
     ----------
     scene : Scene
         The scene with the estimates.
     parameters : tuple of Parameter
-        In the order asked for.
+        The estimates, in the order of the names.
     statements : tuple of str
-        In words: what each estimate comes from, which parameters the data cannot identify, and why.
+        Sentences: which feature of the motion gives each estimate, which quantities the data cannot identify,
+        and why.
     """
 
     scene: Scene
@@ -94,7 +95,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     Parameters
     ----------
     scene : Scene
-        Of shape (); it gives the quantities that are not estimated, and one start of the search.
+        Scene of shape (); it gives the quantities that are not estimated, and one start of the search.
     observation : Observation
         The record.
     names : sequence of str
@@ -103,21 +104,21 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     Returns
     -------
     Fit
-        By least squares over all signals, each weighted by the inverse of its own residuals; the unknown
-        trigger time and the sensors' offsets and drifts are fitted too. Of long records the middle is used. A
-        phase is the one next to the scene's of those that differ by whole turns.
+        Least squares over all signals, each weighted by the inverse of its own residuals; the unknown trigger
+        time and the offsets and drifts of the sensors are fitted too. Of long records the middle is used.
+        Phases are within half a turn of the scene's.
 
     Raises
     ------
     InputError
-        If a name is none of ``FITTABLE``, or none of the scene's drive, or is given twice; if an amplitude to
-        be estimated is 0; or if no value tried gives a steady motion.
+        If a name is not in ``FITTABLE``, is no quantity of the scene's drive, or is given twice; if an
+        amplitude to be estimated is 0; or if no value that is tried gives a steady motion.
 
     Notes
     -----
     The misfit jumps where the pattern of the motion changes. It is therefore minimised within each pattern,
-    and the patterns are compared. An interval holds every value with which the record can be fitted, in any
-    pattern, the other quantities refitted: the profile of the misfit.
+    and the patterns are compared. Intervals come from the profile of the misfit: they hold every value with
+    which the record can be fitted, in any pattern, after the other quantities are fitted again.
     """
     check_scene(scene)
     _check_names(scene, names)
@@ -143,7 +144,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
 
 
 def _check_names(scene: Scene, names: Sequence[str]) -> None:
-    """Refuse what the scene has not, and what a search cannot begin from."""
+    """Refuse quantities that the scene's drive lacks, and amplitudes of 0, from which no search can begin."""
     own = fittable(scene)
     choice = f"choose from {', '.join(QUANTITIES[name].letter for name in own)}"
     for name in names:
@@ -161,17 +162,17 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
 
 
 def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:
-    """Choose the best pattern of those that fit, and judge each quantity."""
+    """Choose the best of the patterns that fit, and decide which quantities are identified."""
     acting = [error_covariance(problem, minimum).diagonal() > 0.0 for minimum in fitting]
-    # A pattern in which fewer quantities act needs fewer to be adjusted: each takes 2 off, as in Akaike's
-    # criterion. Else one that ends where another begins would be pinned there by the noise.
+    # A pattern in which more quantities act can follow the noise better: each costs 2, as in Akaike's
+    # criterion. Otherwise the noise would choose a pattern at its edge over its neighbour.
     costs = [m.squares + 2.0 * np.count_nonzero(acts) for m, acts in zip(fitting, acting, strict=True)]
     within = [m.squares <= min(map(_squares, fitting)) + threshold for m in fitting]
     acts = np.all([a for a, counts in zip(acting, within, strict=True) if counts], axis=0)
     fitting = [fitting[i] for i in np.argsort(costs)]
     best = fitting[0]
     sizes = problem.scale(best.point)
-    # A valley that bends cannot be followed to where the misfit ends it: no interval of what lies along it.
+    # A curved valley of the misfit cannot be followed to its ends: quantities along it have no interval.
     groups = _groups(problem, best)
     mixed = {name for group in groups if len(group) > 1 for name in group} if problem.is_curved else set()
     parameters = []
@@ -184,13 +185,13 @@ def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]
 
 
 def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
-    """Drop intervals that reach what is tried: they have no end."""
+    """Return no interval if one reaches the bounds of what is tried: its end is unknown."""
     low, high = (bound + way * TOL.at_bound * abs(bound) for bound, way in ((least, 1.0), (most, -1.0)))
     return intervals if intervals and intervals[0][0] > low and intervals[-1][1] < high else ()
 
 
 def _half_width(intervals: Intervals) -> float:
-    """Half of what intervals span; inf without any."""
+    """Return half the length of the hull of intervals; inf without any."""
     return 0.5 * (intervals[-1][1] - intervals[0][0]) if intervals else math.inf
 
 
@@ -202,10 +203,10 @@ def _squares(minimum: Minimum) -> float:
 
 
 def _first_minima(problem: Problem) -> list[Minimum]:
-    """Search from the most promising starts in each pattern; return the least misfit of each.
+    """Search from the best starts of each pattern; return the least misfit of each.
 
-    A scene that hops takes as long as a hundred others. A record that is explained to its noise without one
-    needs none.
+    A scene that hops takes as long as a hundred others: they are tried only if no other explains the record
+    to its noise.
     """
     minima: list[Minimum] = []
     aim = math.inf
@@ -222,7 +223,7 @@ def _first_minima(problem: Problem) -> list[Minimum]:
 
 
 def _least_of_each(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]:
-    """Keep the least of each pattern, and of each side of its phases, in the order of their misfits."""
+    """Keep the least minimum of each pattern and each sign of its phases, by ascending misfit."""
     kept: dict[tuple[str, tuple[bool, ...]], Minimum] = {}
     for minimum in sorted(minima, key=_squares):
         kept.setdefault((minimum.label, problem.sides(minimum.point)), minimum)
@@ -230,7 +231,7 @@ def _least_of_each(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]
 
 
 def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
-    """Weight the signals by the residuals of the best pattern, and minimise those of all again."""
+    """Weight the signals by the residuals of the best pattern, and minimise all patterns again."""
     for _ in range(TOL.weighings):
         problem.weigh(minima[0].point)
         first, *others = (best_of(problem, m.label, m.point[None]) for m in minima)
@@ -244,7 +245,7 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
 
 
 def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
-    """Points of other patterns: as far as the data could mistake the minimum, and across its edges."""
+    """Return the best points of other patterns: within the errors of a minimum, and across its edges."""
     values, vectors = np.linalg.eigh(error_covariance(problem, minimum))
     count, size, scale = TOL.neighbours, values.size, problem.scale(minimum.point)
     reach = np.linspace(0.0, TOL.widest, count)[:, None] * np.sqrt(np.maximum(values, 0.0))
@@ -258,7 +259,7 @@ def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
     points = np.concatenate(parts)
     labels = problem.labels(points)
     found = []
-    # Scenes that hop take too long for a guess: they are starts of the search alone.
+    # Scenes that hop take too long: only the first search tries them.
     for label in sorted(set(labels.tolist()) - {"", HOPS}):
         cells = np.flatnonzero(labels == label)
         cells = np.concatenate([cells[: TOL.kept], cells[cells >= count][: TOL.kept]])
@@ -272,21 +273,21 @@ def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
 def _profile(
     problem: Problem, minima: Sequence[Minimum], threshold: float, column: int
 ) -> tuple[Intervals, Minimum]:
-    """Find all values of one quantity with which the record can still be fitted.
+    """Return the intervals of one quantity in which the record can be fitted, and the best point on the way.
 
-    In each pattern the quantity is moved away from the minimum, the others refitted, until the sum of squares
-    exceeds that of the minimum by the threshold, or the pattern ends.
+    In each pattern the quantity is moved away from the minimum, and the others are fitted again, until the
+    sum of squares exceeds that of the minimum by the threshold, or the pattern ends.
 
     Parameters
     ----------
     problem : Problem
         The residuals.
     minima : sequence of Minimum
-        Of each pattern that fits.
+        Minima of the patterns that fit, best first.
     threshold : float
-        Increase of the sum of squares that counts as too much.
+        Increase of the sum of squares at the ends of an interval.
     column : int
-        Of the quantity among the coordinates.
+        Place of the quantity among the coordinates.
     """
     pieces: list[tuple[float, float]] = []
     best = minima[0]
@@ -294,7 +295,7 @@ def _profile(
         covariance = error_covariance(problem, minimum)
         value, variance = float(minimum.point[column]), float(covariance[column, column])
         if minimum.label == HOPS:
-            # A point takes up to a tenth of a second: take the curvature at the minimum for the profile.
+            # A point takes up to a tenth of a second: use the curvature at the minimum for the profile.
             half = math.sqrt(threshold * variance) or math.inf
             pieces.append((value - half, value + half))
             continue
@@ -313,6 +314,7 @@ def _profile(
 
 
 def _merged(pieces: list[tuple[float, float]]) -> Intervals:
+    """Unite intervals that overlap, or nearly do."""
     pieces = sorted(pieces)
     hull = max(high for _, high in pieces) - pieces[0][0]
     merged = pieces[:1]
@@ -327,14 +329,15 @@ def _merged(pieces: list[tuple[float, float]]) -> Intervals:
 def _end(
     problem: Problem, minimum: Minimum, path: Floats, threshold: float, column: int, step: float
 ) -> tuple[float, Minimum]:
-    """Return the last value that fits on one side, infinite if none is the last, and the best point met.
+    """Return the end of an interval on one side, infinite if there is none, and the best point on the way.
 
-    ``path`` is how the coordinates follow the quantity, ``step`` the first step, to that side.
+    ``path`` is the derivative of the coordinates by the quantity along the valley; ``step`` is the first
+    step, with the sign of the side.
     """
     origin, aim = float(minimum.point[column]), math.sqrt(threshold)
     value, way = origin, math.copysign(1.0, step)
     inside, root, best = minimum, 0.0, minimum
-    outside, far = math.inf, math.inf  # the nearest value that does not fit, and its root
+    outside, far = math.inf, math.inf  # the nearest value that does not fit, and the root of its increase
     for _ in range(TOL.tries):
         near = float(inside.point[column])
         if math.isinf(outside):
@@ -347,7 +350,7 @@ def _end(
             value = near + share * (outside - near)
         found = _refitted(problem, inside, path, column, value)
         best = min(best, found, key=_squares)
-        # of the sum of squares above the minimum's; inf where the pattern has no such value
+        # Root of the increase of the sum of squares; inf if the pattern has no such value.
         tried = math.sqrt(max(found.squares - minimum.squares, 0.0))
         if abs(tried**2 - threshold) <= TOL.close * threshold:
             return value, best
@@ -356,15 +359,16 @@ def _end(
             continue
         inside, root = found, tried
         if math.isinf(outside) and root > 0.0:
-            # as if the misfit grew with the square of the distance
+            # Extrapolate a misfit that grows with the square of the distance.
             step = way * min(max(aim / root - 1.0, 0.1), 2.0) * abs(value - origin)
     return way * outside if math.isinf(outside) else outside, best
 
 
 def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value: float) -> Minimum:
-    """Set a quantity to a value, and fit the others again; inf where the pattern has no such value.
+    """Set a quantity to a value, and fit the others again; inf if the pattern has no such value.
 
-    They begin where the quantity takes them by the slopes at the minimum, or else where they were.
+    The others begin on the tangent of the valley at the minimum; if the pattern cannot be reached from there,
+    where they were.
     """
     movable = [place for place in range(near.point.size - 1) if place != column]
     for slopes in (path, np.zeros(path.size)):
@@ -382,13 +386,13 @@ def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value:
 def _statements(
     problem: Problem, minima: list[Minimum], parameters: list[Parameter], fitted: Scene, groups: Groups
 ) -> list[str]:
-    """Say what the estimates come from, what cannot be identified, and what ended at a bound."""
+    """Say what determines the estimates, which quantities cannot be identified, and which are at a limit."""
     best = minima[0]
     pattern = settled_motion(fitted).pattern if best.label == HOPS else best.label
     lost = {p.name: p for p in parameters if not p.identified}
     if "F" not in pattern and "B" not in pattern:
         said = ", ".join(QUANTITIES[name].letter for name in lost)
-        return [f"the fitted body rests: beyond that, the data cannot identify {said}"] if said else []
+        return [f"the fitted body rests: the data cannot identify {said}"] if said else []
     found = []
     static, kinetic = (p in problem.names and p not in lost for p in ("static_friction", "kinetic_friction"))
     if "_" in pattern and (static or kinetic):
@@ -396,7 +400,7 @@ def _statements(
         end = f"mu_d {'its end' if static else 'sets the end of a slide'}" if kinetic else ""
         found.append(f"pattern {pattern}: {' and '.join(filter(None, (start, end)))}")
     if best.label == HOPS:
-        found.append("the body hops: intervals are those of small changes, and end at no other pattern")
+        found.append("the body hops: intervals come from the curvature of the misfit, within its pattern")
     if any(len(p.intervals) > 1 for p in parameters):
         labels = dict.fromkeys(m.label for m in minima)
         several = f"patterns {' and '.join(labels)}" if len(labels) > 1 else "phases to both sides of 0"
@@ -408,7 +412,7 @@ def _statements(
 def _unidentified(
     problem: Problem, best: Minimum, pattern: str, lost: Mapping[str, Parameter], groups: Groups
 ) -> list[str]:
-    """Say of each quantity without an estimate why it has none."""
+    """Say why quantities have no estimate."""
     found = []
     left = set(lost)
     for group in groups:
@@ -431,15 +435,16 @@ def _unidentified(
             found.append(f"the data cannot identify {symbols}: its effect is smaller than the misfit")
     for name in sorted(left):
         wide = lost[name].intervals
-        why = "a wide range of values fits" if wide else "no end of the values that fit was found"
+        why = "a wide range of values fits" if wide else "the search found no end of its interval"
         found.append(f"the data cannot identify {QUANTITIES[name].letter}: {why}")
     return found
 
 
 def _groups(problem: Problem, best: Minimum) -> Groups:
-    """Find combinations of quantities that the data do not determine.
+    """Return combinations of quantities that the data do not determine.
 
-    They are singular directions of the relative sensitivities, without the effect of the trigger time.
+    They are singular vectors of the relative sensitivities, after the effect of the trigger time is
+    projected out.
     """
     jacobian = jacobian_at(problem, best.label, best.point)
     clock, free = jacobian[:, -1:], jacobian[:, :-1]
@@ -454,12 +459,12 @@ def _groups(problem: Problem, best: Minimum) -> Groups:
 
 
 def _limits(problem: Problem, pattern: str, parameters: list[Parameter], fitted: Scene) -> list[str]:
-    """Say which estimates ended at a limit."""
+    """Say which estimates are at a limit."""
     found = []
     both = {"static_friction", "kinetic_friction"} <= set(problem.names)
     for p, low, high in zip(parameters, *problem.bounds, strict=True):
         if p.name == "static_friction" and "_" not in pattern:
-            continue  # it has no effect: its value means nothing
+            continue  # it has no effect, and any value
         within = TOL.at_limit * (high - low)
         limits = [
             (p.value - low, f"the lowest value that is tried, {low:.4g}"),

@@ -1,4 +1,4 @@
-"""Which columns of a table hold the signals: by their units, or by the names that a user gives."""
+"""Find the columns of a table that hold the signals, by their units or by the names that a user gives."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from vibro.records.tolerances import TOL
 
 __all__ = ["Column", "Columns", "Header", "Wanted", "columns_of"]
 
-# Words in a header that decide between columns with the same kind of unit.
+# Words in a header that decide between columns whose units are of the same kind.
 _WORDS: Final = {
     role: re.compile(rf"(?:{words})(?:[\W_\d].*)?", re.IGNORECASE)
     for role, words in (
@@ -40,7 +40,7 @@ _OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
 
 
 class Header(NamedTuple):
-    """A column: its index, its header, the name and the unit in it as text, and the unit's kind and size."""
+    """Header of a column: its place and text, the name and the unit in that, and the unit's kind and size."""
 
     place: int
     text: str
@@ -50,21 +50,21 @@ class Header(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """The columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages."""
+    """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages."""
 
     headers: Mapping[str, str]
     sensitivities: Sequence[Sensitivity] = ()
 
 
 class Column(NamedTuple):
-    """The column of a signal, the size of its unit in SI units, and the sensitivity of a voltage."""
+    """Column of a signal: its header, the size of its unit in SI units, and the sensitivity of a voltage."""
 
     header: Header
     size: float
     sensitivity: Sensitivity | None = None
 
 
-#: By the keys of ``KINDS``.
+#: Columns by the keys of ``KINDS``.
 Columns = dict[str, Column]
 
 
@@ -89,7 +89,7 @@ def _split(text: str) -> tuple[str, str]:
             return name, match[2].strip()
         parts = name.rstrip(), match[2].strip()
         return parts if signal_unit(parts[1]) is None or _is_quotient(*parts) else (text, "")
-    if signal_unit(text):  # m / s is no m in s
+    if signal_unit(text):  # m / s is a unit
         return text, ""
     if (match := _IN.fullmatch(text)) and signal_unit(match[2].strip()):
         return match[1], match[2].strip()
@@ -98,7 +98,7 @@ def _split(text: str) -> tuple[str, str]:
 
 
 def _is_quotient(name: str, unit_text: str) -> bool:
-    """Whether a name over a unit is a signal over its unit: ``s/mm``, but neither ``N/mm`` nor ``Weg/s``."""
+    """Whether a text is the name of a signal over its unit, as ``s/mm``, unlike ``N/mm`` and ``Weg/s``."""
     unit = signal_unit(unit_text)
     if unit is None:
         return False
@@ -109,7 +109,7 @@ def _is_quotient(name: str, unit_text: str) -> bool:
 
 
 def _unit_at_end(name: str) -> Unit | None:
-    """Find the unit that ends a name of vibro's own tables, such as ``velocity_mm_s``."""
+    """Return the unit at the end of a name in vibro's own tables, such as ``velocity_mm_s``."""
     words = name.split("_")
     for count in (2, 1):
         if len(words) > count and (unit := signal_unit("_".join(words[-count:]))):
@@ -123,22 +123,22 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
     Parameters
     ----------
     path : Path
-        For messages.
+        Name of the file, for messages.
     above : list of list of str
-        The rows above the first one of data; the last one is the header row, or one of units under it.
+        Rows above the first one of data; the last one is the header row, or a row of units under it.
     wanted : Wanted
-        If no signal of the body is named, every column whose unit is unambiguous is taken, unless another
-        signal takes it. Voltages and accelerations of the trough have to be named.
+        Columns that a user names. If no signal of the body is among them, every other column whose unit is
+        unambiguous is taken too. Voltages and accelerations of the trough must be named.
 
     Raises
     ------
     InputError
-        If a column is missing, ambiguous, without a unit, or named twice; if a voltage has no sensitivity, or
-        a sensitivity no voltage.
+        If a column is missing, ambiguous, without a unit, or named twice; if a voltage lacks a sensitivity,
+        or a sensitivity a voltage.
     """
     headers = _headers(above)
     problems, hints, found = list[str](), list[str](), Columns()
-    # A user who names one signal wants only the named ones; the time is needed in any case.
+    # A user who names one signal wants no others; the time is always needed.
     sought = ("time",) if any(role in wanted.headers for role in SIGNALS) else ("time", *SIGNALS)
     named = [role for role in KINDS if role in wanted.headers]
     for role in dict.fromkeys([*named, *sought]):
@@ -165,7 +165,7 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
 
 
 def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Wanted) -> None:
-    """Refuse a column that is given as two signals, and a sensitivity of which no voltage is read."""
+    """Refuse a column that is given as two signals, and a sensitivity that no voltage uses."""
     for column in columns.values():
         same = [role for role, other in columns.items() if other.header == column.header]
         if len(same) > 1:
@@ -186,18 +186,18 @@ def _voltages(headers: list[Header]) -> list[Header]:
 
 
 def _name_one(headers: list[Header], wanted: Wanted) -> str:
-    """Hint at how a signal is named: a voltage with what it stands for, if there is one."""
+    """Show how to name a signal, with a sensitivity if the table holds a voltage."""
     for header in _voltages(headers):
         role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
         name = f'{option_of(role)} "{header.text}"'
         if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
             return f"name the voltage: {name}"
-        return f"name one, and say what its voltage stands for: {name} --sensitivity {EXAMPLES[role]}"
+        return f"name one, and the sensitivity of its sensor: {name} --sensitivity {EXAMPLES[role]}"
     return 'name one, with its unit: --displacement "X [mm]"'
 
 
 def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Column:
-    """Find the column that a user names, with the unit of its header, or else with the one that he gives."""
+    """Find the column that a user names; its unit is the one in its header, or else in the user's name."""
     key = wanted.headers[role].strip()
     name, unit_text = _split(key)
     found = (
@@ -222,10 +222,10 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
     if unit is not None and unit[0] == "voltage" and example:
         serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
         if serving:
-            # The sensitivity of this column goes before that of its kind.
+            # A sensitivity of this column has priority over one of its kind.
             sensitivity = max(serving, key=lambda sensitivity: bool(sensitivity.role))
             return Column(header, unit[1] * sensitivity.per_volt, sensitivity)
-        what, hint = "what its voltage stands for is not said", "give the sensor's sensitivity:"
+        what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
         idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
         if (other := next(idle, None)) is not None:
             what = f"--sensitivity {other.text} is a sensitivity of {other.kind}, one of {kind} is needed"
@@ -243,7 +243,7 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Colu
 
 
 def _detected(path: Path, headers: list[Header], role: str) -> Columns:
-    """Find the one column whose unit fits, or the one among several whose name does; or none."""
+    """Find the column whose unit fits, among several the one whose name fits; empty if there is none."""
     fitting = [Column(h, h.unit[1]) for h in headers if h.unit and h.unit[0] == role]
     if len(fitting) > 1:
         fitting = [column for column in fitting if _WORDS[role].fullmatch(column.header.name)] or fitting
