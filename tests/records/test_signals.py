@@ -108,7 +108,7 @@ def test_each_voltage_has_its_own_sensitivity(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("texts", "columns", "said", "hint"),
     [
-        ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: the sensitivity of its", "--sensitivity 100mV/g"),
+        ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: the sensitivity", "--sensitivity 100mV/g"),
         (["2V/mm"], {"acceleration": "u"}, "one of acceleration is needed", "--sensitivity 100mV/g"),
         ([], {"velocity": "u"}, "the sensitivity of its sensor is missing", "--sensitivity 20mV/mm/s"),
         (["100mV/g"], {}, "no column that is read as acceleration is a voltage", '--acceleration "u [mV]"'),

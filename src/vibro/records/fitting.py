@@ -153,8 +153,7 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
             raise InputError(f"{said}{shown(name)} cannot be estimated, or is named twice", hint=choice)
         quantity = QUANTITIES[name]
         if name not in own:
-            path = "a line" if scene.amplitude is not None else "an ellipse"
-            none = f"{said}the trough moves along {path}, which has no {quantity.label}"
+            none = f"{said}the trough moves {scene.arrays().kind}, which has no {quantity.label}"
             raise InputError(none, hint=choice)
         if name in AMPLITUDES and not float(getattr(scene, name)):
             zero = f"{said}the search for the {quantity.label} begins at the scene's, which is 0"
@@ -446,7 +445,7 @@ def _groups(problem: Problem, best: Minimum) -> Groups:
     They are singular vectors of the relative sensitivities, after the effect of the trigger time is
     projected out.
     """
-    jacobian = jacobian_at(problem, best.label, best.point)
+    jacobian = jacobian_at(problem, best)
     clock, free = jacobian[:, -1:], jacobian[:, :-1]
     power = float((clock**2).sum())
     if power > 0.0:

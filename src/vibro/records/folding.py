@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from vibro.errors import InputError
@@ -98,7 +97,8 @@ def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -
 
 def detrended(time: Floats, values: Floats, degree: int) -> Floats:
     """Subtract the best polynomial of a degree."""
-    return np.asarray(values - Polynomial.fit(time, values, degree)(time))
+    centred = time - time.mean()
+    return np.asarray(values - np.polyval(np.polyfit(centred, values, degree), centred))
 
 
 def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:

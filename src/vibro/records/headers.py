@@ -103,9 +103,7 @@ def _is_quotient(name: str, unit_text: str) -> bool:
     if unit is None:
         return False
     kinds = [kind for kind, word in _WORDS.items() if word.fullmatch(name)]
-    if kinds:
-        return unit[0] in (*kinds, "voltage")
-    return signal_unit(name) is None
+    return unit[0] in (*kinds, "voltage") if kinds else signal_unit(name) is None
 
 
 def _unit_at_end(name: str) -> Unit | None:

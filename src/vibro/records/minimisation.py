@@ -30,6 +30,9 @@ __all__ = [
 _DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(*TOL.distances)).ravel()
 
 
+_Move = Callable[[Floats], Floats]
+
+
 class Minimum(NamedTuple):
     """A point of least misfit within a pattern, and its sum of squares."""
 
@@ -86,9 +89,9 @@ def _least(label: str, points: Floats, squares: Floats) -> Minimum:
     return Minimum(label, points[place], float(squares[place]))
 
 
-def jacobian_at(problem: Problem, label: str, point: Floats) -> Floats:
+def jacobian_at(problem: Problem, minimum: Minimum) -> Floats:
     """Return the Jacobian of the residuals, (K, P + 1); 0 for coordinates without an effect."""
-    return _linear(problem, label, point, list(range(point.size))).jacobian
+    return _linear(problem, minimum, list(range(minimum.point.size))).jacobian
 
 
 def error_covariance(problem: Problem, minimum: Minimum) -> Floats:
@@ -96,7 +99,7 @@ def error_covariance(problem: Problem, minimum: Minimum) -> Floats:
 
     Rows and columns of coordinates without an effect are 0.
     """
-    jacobian = jacobian_at(problem, minimum.label, minimum.point)
+    jacobian = jacobian_at(problem, minimum)
     sizes = np.linalg.norm(jacobian, axis=0)
     sizes = np.where(sizes > 0.0, sizes, np.inf)
     normed = jacobian / sizes
@@ -156,22 +159,17 @@ def move_to_edge(problem: Problem, label: str, points: Floats, follower: int, re
 
 
 def _linear(
-    problem: Problem,
-    label: str,
-    point: Floats,
-    free: list[int],
-    step: float = TOL.step,
-    bring: Callable[[Floats], Floats] = np.copy,
+    problem: Problem, at: Minimum, free: list[int], step: float = TOL.step, move: _Move = np.copy
 ) -> _Linear:
     """Differentiate the residuals: central differences, one-sided at an edge, 0 in a corner.
 
-    ``bring`` moves the points before, for example to an edge.
+    ``move`` moves the points before, for example to an edge.
     """
-    sizes = step * problem.scale(point)[free]
-    moved = np.zeros((len(free), point.size))
+    sizes = step * problem.scale(at.point)[free]
+    moved = np.zeros((len(free), at.point.size))
     moved[range(len(free)), free] = sizes
-    points = bring(np.concatenate([point[None], point + moved, point - moved]))
-    inside, values = problem.residuals(label, points)
+    points = move(np.concatenate([at.point[None], at.point + moved, at.point - moved]))
+    inside, values = problem.residuals(at.label, points)
     ahead, behind = inside[1:].reshape(2, -1)
     upper, lower = values[1:].reshape(2, len(free), -1)
     change = np.where(ahead[:, None], upper, values[0]) - np.where(behind[:, None], lower, values[0])
@@ -199,7 +197,7 @@ def _damped_steps(residual: Floats, jacobian: Floats, dampings: tuple[float, ...
 
 def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) -> Minimum:
     """Return the best point of one step: damped, accelerated in a curved valley, or along an edge."""
-    linear = _linear(problem, at.label, at.point, free)
+    linear = _linear(problem, at, free)
     steps = _damped_steps(linear.residual, linear.jacobian)
     points = _moved(at.point, free, steps)
     tried = problem.residuals(at.label, points)
@@ -249,11 +247,11 @@ def _step_along_edge(
     size = float(problem.scale(at.point)[follower])
     reach = float(np.copysign(np.clip(2.0 * abs(step), TOL.edge_step * size, size), step))
 
-    def bring(points: Floats) -> Floats:
+    def to_edge(points: Floats) -> Floats:
         return move_to_edge(problem, at.label, points, follower, reach)
 
-    linear = _linear(problem, at.label, at.point, free, TOL.edge_step, bring)
+    linear = _linear(problem, at, free, TOL.edge_step, to_edge)
     if not linear.inside:
         return None
-    trials = bring(_moved(linear.point, free, _damped_steps(linear.residual, linear.jacobian)))
+    trials = to_edge(_moved(linear.point, free, _damped_steps(linear.residual, linear.jacobian)))
     return best_of(problem, at.label, np.concatenate([linear.point[None], trials]))

@@ -104,7 +104,8 @@ class Tolerances(NamedTuple):
     at_once: int = 512  # scenes in memory
 
     # --- Levenberg-Marquardt --------------------------------------------------------------------------
-    # Relative step of derivatives: the model's noise is 1e-15, its curvature of order 1. Edges are found to it.
+    # Relative step of derivatives: the model's noise is 1e-15, its curvature of order 1. It is also the error
+    # of edges.
     step: float = 1e-6
     edge_step: float = 1e-4  # the same along an edge, whose position has the error above
     idle: float = 1e-6  # of the largest effect of a coordinate: less is rounding, and becomes 0
@@ -123,8 +124,8 @@ class Tolerances(NamedTuple):
 
     # --- fit ------------------------------------------------------------------------------------------
     confidence: float = 0.95
-    # [variances] A pattern that fits worse by this is excluded: 4 sigma. The values of another pattern may lie
-    # far away: excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
+    # [variances] A pattern that fits worse by this is excluded: 4 sigma. Another pattern may have values far
+    # away: excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
     excluded: float = 16.0
     stands_out: float = 25.0  # [variances] by which a motion must fit better than rest: 5 sigma
     explained: float = 1.5  # largest sum of squares over the number of samples of an explained record
