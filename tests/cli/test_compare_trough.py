@@ -99,7 +99,7 @@ def test_the_scene_needs_no_amplitude_and_no_frequency_then(run: Run) -> None:
         (("--reverse",), "the trough moves down while it moves forwards"),
         (("--sensitivity", "trough-normal=-100mV/g"), "the trough moves down while it moves forwards"),
         (("--sensitivity", "2V/mm"), "no column that is read as displacement is a voltage"),
-        (("--displacement", "Trog normal"), "for --displacement: what its voltage stands for is not said"),
+        (("--displacement", "Trog normal"), "for --displacement: the sensitivity of its sensor is missing"),
     ],
 )
 def test_what_contradicts_the_measurement_is_refused(run: Run, args: tuple[str, ...], said: str) -> None:

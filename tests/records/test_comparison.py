@@ -178,6 +178,17 @@ def test_too_few_cycles_or_samples(count: int, rate: float, said: str) -> None:
     assert caught.value.hint
 
 
+@pytest.mark.parametrize(("cycles", "digits"), [(10, 15), (10, 6), (20, 6)])
+@pytest.mark.parametrize("frequency", [13.0, 15.0, 17.3, 33.3])
+def test_rounded_times_resolve_as_many_harmonics_as_exact_ones(
+    frequency: float, cycles: int, digits: int
+) -> None:
+    """At 40 samples a cycle 18, and 8 are enough: the last digit of a time decides nothing."""
+    for samples, count in ((40, 18), (8, 3)):
+        time = np.round(np.arange(cycles * samples + 1) / (samples * frequency), digits)
+        assert fold(time, time, frequency, 1).coefficients.size == 1 + 2 * count
+
+
 # --- alignment -------------------------------------------------------------------------------------
 
 SIGNALS = ("displacement", "velocity", "acceleration", "friction")

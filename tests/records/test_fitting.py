@@ -184,7 +184,7 @@ def test_four_unknowns_of_one_slide_cannot_be_told_apart_without_force() -> None
 def test_a_resting_body_tells_nothing_but_that() -> None:
     found = fit(nut(0.5, **WRONG), Walked(nut(0.5)).observe("velocity"), SLIP)
     assert not any(p.identified for p in found.parameters)
-    assert found.statements == ("the fitted body rests: beyond that, the data cannot identify mu_s, mu_d",)
+    assert found.statements == ("the fitted body rests: the data cannot identify mu_s, mu_d",)
 
 
 def test_equal_coefficients_are_at_the_limit() -> None:

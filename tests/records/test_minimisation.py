@@ -129,7 +129,7 @@ def test_the_covariance_is_the_inverse_of_the_curvature() -> None:
     valley = problem()
     found = searched(valley)
     jacobian = np.array([[-20.0, 10.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 3.0]])
-    np.testing.assert_allclose(jacobian_at(valley, "F", found.point), jacobian, atol=1e-3)
+    np.testing.assert_allclose(jacobian_at(valley, found), jacobian, atol=1e-3)
     expected = np.linalg.inv(jacobian.T @ jacobian)
     np.testing.assert_allclose(error_covariance(valley, found), expected, rtol=1e-3, atol=1e-6)
 
@@ -183,12 +183,13 @@ def test_a_coordinate_whose_effect_is_rounding_has_none() -> None:
     """Else it would move by far, and have a variance."""
     valley = problem(shift_effect=1e-7)
     point = np.array([0.3, 0.4, 0.0])
-    assert (jacobian_at(valley, "F", point)[:, 2] == 0.0).all()
-    covariance = error_covariance(valley, best_of(valley, "F", point[None]))
+    found = best_of(valley, "F", point[None])
+    assert (jacobian_at(valley, found)[:, 2] == 0.0).all()
+    covariance = error_covariance(valley, found)
     assert (covariance[2] == 0.0).all()
     assert covariance[0, 0] > 0.0
 
 
 def test_derivatives_at_an_edge_are_one_sided() -> None:
-    jacobian = jacobian_at(problem(edge=0.5), "F", np.array([0.3, 0.5, 0.0]))
+    jacobian = jacobian_at(problem(edge=0.5), Minimum("F", np.array([0.3, 0.5, 0.0]), 0.0))
     assert jacobian[:, 1] == pytest.approx([10.0, 0.0, 0.0], rel=1e-6)

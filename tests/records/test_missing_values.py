@@ -50,6 +50,11 @@ def test_two_rows_in_succession_may_lack_a_value_and_three_may_not(tmp_path: Pat
     assert "as the 3 rows before it lack a value" in str(error)
 
 
+def test_one_row_without_a_value_beside_a_gap_is_named_in_the_singular(tmp_path: Path) -> None:
+    content = [*long({50: "0.1,"})[:50], *long({})[52:]]
+    assert "as the row before it lacks a value" in str(refusal(tmp_path, content))
+
+
 @pytest.mark.parametrize("cell", ["overflow", "inf", "-inf", "#DIV/0!", "error"])
 def test_what_went_wrong_is_no_row_without_a_value(tmp_path: Path, cell: str) -> None:
     error = refusal(tmp_path, long({30: f"0.1,{cell}"}))

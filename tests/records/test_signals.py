@@ -108,9 +108,9 @@ def test_each_voltage_has_its_own_sensitivity(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("texts", "columns", "said", "hint"),
     [
-        ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: what its voltage", "--sensitivity 100mV/g"),
+        ([], {"acceleration": "u"}, "'u [mV]' for --acceleration: the sensitivity", "--sensitivity 100mV/g"),
         (["2V/mm"], {"acceleration": "u"}, "one of acceleration is needed", "--sensitivity 100mV/g"),
-        ([], {"velocity": "u"}, "what its voltage stands for is not said", "--sensitivity 20mV/mm/s"),
+        ([], {"velocity": "u"}, "the sensitivity of its sensor is missing", "--sensitivity 20mV/mm/s"),
         (["100mV/g"], {}, "no column that is read as acceleration is a voltage", '--acceleration "u [mV]"'),
         (["100mV/g"], {"displacement": "x"}, "is read as acceleration", '--acceleration "u [mV]"'),
         (["100mV/g", "2V/mm"], {"acceleration": "u"}, "is read as displacement", "leave it out"),
@@ -157,3 +157,16 @@ def test_a_sensitivity_of_another_kind_is_named(tmp_path: Path) -> None:
         caught.value
     )
     assert caught.value.hint == "give the sensor's sensitivity: --sensitivity 20mV/mm/s"
+
+
+@pytest.mark.parametrize("other", ["trough-normal=98mV/g", "acceleration=1V/g"])
+def test_a_sensitivity_of_a_column_that_is_not_named_is_told_as_such(tmp_path: Path, other: str) -> None:
+    with pytest.raises(InputError) as caught:
+        volts(tmp_path, ["t [s],u [mV]", "0,1", "1,2", "2,3"], other, trough_along="u")
+    option = f"--{other.partition('=')[0]}"
+    said = f"for --trough-along: --sensitivity {other} is for {option}, for which no column is named"
+    assert said in str(caught.value)
+    assert caught.value.hint == (
+        f"name that column too: {option} HEADER, and give this sensor's sensitivity:"
+        " --sensitivity trough-along=100mV/g"
+    )

@@ -1,4 +1,4 @@
-"""The position of a record in the drive cycle, which no measurement gives, found from the model."""
+"""A record as it is compared with the model, and its position in the drive cycle."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Alignment(NamedTuple):
         Trough time at the clock's zero, in [0, period): the trough passes its middle upwards at trough
         time 0, on an ellipse forwards [s]. NaN where the computed motion is the same at any time.
     error : float
-        Its standard error, for noise [s].
+        Its standard error from noise [s].
     rivals : tuple of float
         Other shifts that fit almost as well [s].
     """
@@ -47,7 +47,7 @@ class Alignment(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """A record as the comparison uses it, in SI units.
+    """A record as it is compared with the model, in SI units.
 
     Attributes
     ----------
@@ -57,11 +57,11 @@ class Observation:
         ``displacement``, ``velocity``, ``acceleration`` relative to the trough and ``friction`` on the body
         per unit mass, positive in the conveying direction; any subset.
     frequency : float
-        Of the drive [Hz].
+        Drive frequency [Hz].
     clock : Estimate or None
-        Trough time at the clock's zero, in [0, period), where it was measured [s].
+        Trough time at the clock's zero, in [0, period), if it was measured [s].
     sensitivities : mapping of str to str
-        Of the signals that are voltages, as typed.
+        Sensitivities of the signals that are voltages, as typed.
     """
 
     time: Floats
@@ -80,16 +80,16 @@ class Observation:
         reverse: bool = False,
         clock: Estimate | None = None,
     ) -> Observation:
-        """Take what can be compared from a record.
+        """Select the signals of a record that can be compared.
 
         Parameters
         ----------
         record : Record
-            With at least one signal.
+            A record with at least one signal.
         frequency : float
-            Of the drive [Hz].
+            Drive frequency [Hz].
         mass : float, optional
-            Of the body [kg]; without it forces cannot be compared.
+            Mass of the body [kg]; without it forces cannot be compared.
         reverse : bool
             Whether the record's axis points against the conveying direction.
         clock : Estimate, optional
@@ -98,7 +98,7 @@ class Observation:
         Raises
         ------
         InputError
-            If there is only a force, and no mass; or if a mass is beyond 1e-20 to 1e20 kg.
+            If a force is the only signal and the mass is missing; or if the mass is beyond 1e-20 to 1e20 kg.
         """
         if mass is not None and not 1.0 / TOL.largest <= mass <= TOL.largest:
             raise InputError(f"mass = {mass:.15g} kg: must be in {_RANGE} kg beside a record")
@@ -110,8 +110,8 @@ class Observation:
             unknown = "the data hold a force alone, and the mass is unknown"
             raise InputError(unknown, hint="give --mass 0.02kg")
         if "acceleration" in signals:
-            # The velocity of a steady motion repeats, so that its acceleration has no mean: what a record has
-            # of it is the sensor's zero, or gravity on a sensor that is not level.
+            # The velocity of a steady motion repeats, so that its acceleration has no mean. A mean in the
+            # record is the sensor's zero, or gravity on a sensor that is not level: subtract it.
             steady = fold(record.time, signals["acceleration"], frequency, _TRENDS["acceleration"])
             signals["acceleration"] = signals["acceleration"] - steady.coefficients[0]
         texts = {"friction" if role == "force" else role: s for role, s in record.sensitivities.items()}
@@ -119,7 +119,7 @@ class Observation:
 
     @property
     def period(self) -> float:
-        """Of the drive [s]."""
+        """Drive period [s]."""
         return 1.0 / self.frequency
 
     @cached_property
@@ -129,13 +129,13 @@ class Observation:
 
     @cached_property
     def folded(self) -> Mapping[str, Folded]:
-        """What each signal repeats in every cycle."""
+        """Regression of each signal on its trend and the harmonics of the drive."""
         fields = self.signals.items()
         return {name: fold(self.time, values, self.frequency, _TRENDS[name]) for name, values in fields}
 
     @cached_property
     def middle(self) -> Observation:
-        """The part that searches use: all of it, or the middle of a long record."""
+        """The record as searches use it: only the middle of a long one."""
         cycles = (float(self.time[-1]) - float(self.time[0])) * self.frequency
         rows = max(TOL.searched_rows, math.ceil(TOL.searched_cycles * self.time.size / cycles))
         if self.time.size <= rows:
@@ -145,32 +145,10 @@ class Observation:
         signals = {name: values[part] for name, values in self.signals.items()}
         return replace(self, time=self.time[part], signals=signals)
 
-    def residuals(self, motion: SettledMotion, shift: float, *, trend: bool = True) -> dict[str, Floats]:
-        """Measured minus computed, of each signal.
-
-        Parameters
-        ----------
-        motion : SettledMotion
-            The model.
-        shift : float
-            Trough time at the clock's zero [s].
-        trend : bool
-            Whether the growth of the displacement counts. Its zero never does, because it is that of the
-            sensor.
-        """
-        result = {}
-        model = computed_signals(motion, self.signals, self.time + shift, self.sample_time)
-        for name, values in self.signals.items():
-            residual = values - model[name]
-            if name == "displacement":
-                residual = detrended(self.time, residual, 0 if trend else 1)
-            result[name] = residual
-        return result
-
     def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
         """Return the best shift on a grid over the cycle, and the negative log-likelihood of every shift.
 
-        The trend does not count.
+        Displacements are compared without their trend.
         """
         grid = np.arange(TOL.shifts) * self.period / TOL.shifts
         loss = np.zeros(TOL.shifts)
@@ -189,19 +167,19 @@ class Observation:
 
 
 def misfits_at_shifts(measured: Floats, models: Floats) -> tuple[Floats, Floats]:
-    """Compare a measured cycle with models at every shift: squares of the differences, and the energy.
+    """Return the sum of squared differences of a measured cycle from models, for every shift of these.
 
     Parameters
     ----------
     measured : array, shape (N,)
         One cycle.
     models : array, shape (..., N)
-        The same of models.
+        One cycle of each model.
 
     Returns
     -------
     tuple of array
-        Of shapes (..., N) and (..., 1). One correlation gives all shifts; the energy is that of both.
+        The sums, (..., N), by one correlation; and the sum of squares of both cycles, (..., 1).
     """
     both = np.fft.irfft(np.conj(np.fft.rfft(measured)) * np.fft.rfft(models), measured.size)
     energy = measured @ measured + np.square(models).sum(axis=-1, keepdims=True)
@@ -214,9 +192,8 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        If its drive has harmonics; or if it is so small or large that its squares could not be summed with
-        those of a record: its amplitude, the larger one of an ellipse, its frequency or gravity is beyond
-        1e-20 to 1e20 in SI units.
+        If its drive has harmonics; or if its amplitude (of an ellipse the larger one), its frequency or
+        gravity is beyond 1e-20 to 1e20 in SI units, so that squares could not be summed with the record's.
     """
     fields = scene.arrays()
     fundamental = "give its fundamental alone: -A and -a, or --along, --normal and --phase"
@@ -234,7 +211,7 @@ def check_scene(scene: Scene) -> None:
 def computed_signals(
     motion: SettledMotion, names: Iterable[str], time: Floats, window: float
 ) -> dict[str, Floats]:
-    """Return signals of the model at trough times.
+    """Compute signals of the model at trough times.
 
     Accelerations and friction jump where a slide starts or ends, which no record resolves and no search can
     follow. They are therefore averaged, exactly, over a window.
@@ -264,12 +241,12 @@ def computed_signals(
 
 
 def align(observation: Observation, motion: SettledMotion) -> Alignment:
-    """Find the trough time of a record's clock, where it was not measured.
+    """Find the trough time of a record's clock, unless it was measured.
 
-    One-dimensional search for the least mean absolute misfit, each signal weighted by the inverse of its
-    own; the growth of the displacement does not count. Friction that is smoothed, by a solver or an elastic
-    body, differs most from the model in the few samples where a slide starts or ends. Squares would give
-    these samples too much weight, so absolute values are used. The error is the shift at which the (Laplace)
+    The shift of least mean absolute misfit is searched, each signal weighted by the inverse of its own
+    misfit, displacements without their trend. Friction that is smoothed, by a solver or an elastic body,
+    differs most from the model in the few samples where a slide starts or ends. Squares would give these
+    samples too much weight, so absolute values are used. The error is the shift at which the (Laplace)
     log-likelihood has fallen by 1/2, as at one sigma.
 
     Parameters
@@ -278,30 +255,32 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
         The record.
     motion : SettledMotion
         The model.
-
-    Returns
-    -------
-    Alignment
-        The best shift.
     """
     if observation.clock is not None:
         return Alignment(observation.clock.value, observation.clock.error, ())
     observation = observation.middle
-    period = observation.period
+    signals, period = observation.signals, observation.period
     rough, losses = observation.rough_shift(motion)
-    counts = {
-        name: independent_samples(observation.time, r, observation.frequency)
-        for name, r in observation.residuals(motion, rough, trend=False).items()
-    }
-    least = {name: TOL.least_misfit * float(np.abs(s).mean()) for name, s in observation.signals.items()}
     if float(np.ptp(losses)) < TOL.flat * observation.time.size:
         return Alignment(math.nan, math.nan, ())
+
+    def residuals(shift: float) -> dict[str, Floats]:
+        model = computed_signals(motion, signals, observation.time + shift, observation.sample_time)
+        found = {name: values - model[name] for name, values in signals.items()}
+        if "displacement" in found:
+            found["displacement"] = detrended(observation.time, found["displacement"], 1)
+        return found
+
+    counts = {
+        name: independent_samples(observation.time, r, observation.frequency)
+        for name, r in residuals(rough).items()
+    }
+    least = {name: TOL.least_misfit * float(np.abs(s).mean()) for name, s in signals.items()}
     # The rough search took all samples as independent: reduce its likelihoods to the effective number.
     losses = losses * max(counts.values()) / observation.time.size
 
     def loss(shift: float) -> float:
-        residuals = observation.residuals(motion, shift, trend=False)
-        sizes = {name: float(np.abs(r).mean()) + least[name] for name, r in residuals.items()}
+        sizes = {name: float(np.abs(r).mean()) + least[name] for name, r in residuals(shift).items()}
         return sum(counts[name] * math.log(x + np.finfo(float).tiny) for name, x in sizes.items())
 
     near = rough + period * np.linspace(-TOL.searched, TOL.searched, TOL.searched_steps)
@@ -311,9 +290,9 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
     best = minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-9 * period})
     shift, least_loss = float(best.x), float(best.fun)
     error = 0.5 * sum(_reach(loss, shift, least_loss, way * period) for way in (1, -1))
-    if not {"displacement", "velocity"} & observation.signals.keys():
-        # Accelerations and friction show only jumps, and each of these lies anywhere between two samples: add
-        # the standard deviation of an even distribution over one sample time.
+    if not {"displacement", "velocity"} & signals.keys():
+        # Accelerations and friction show only jumps, and a jump may lie anywhere between two samples: add the
+        # standard deviation of a uniform distribution over one sample time.
         error = math.hypot(error, observation.sample_time / math.sqrt(12.0))
     low = (losses <= np.roll(losses, 1)) & (losses <= np.roll(losses, -1))
     rivals = np.flatnonzero(low & (losses - losses.min() < 0.5 * TOL.likely_sigmas**2)) * period / TOL.shifts
@@ -322,7 +301,7 @@ def align(observation: Observation, motion: SettledMotion) -> Alignment:
 
 
 def _reach(loss: Callable[[float], float], shift: float, least: float, period: float) -> float:
-    """Distance at which the log-likelihood has fallen by 1/2; forward for ``period`` > 0, else backward."""
+    """Return the distance at which the log-likelihood has fallen by 1/2: forward for ``period`` > 0."""
 
     def fallen(distance: float) -> float:
         return loss(shift + distance) - least - 0.5

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -21,7 +22,6 @@ from vibro.scene import Scene
 __all__ = ["Comparison", "Row", "compare"]
 
 _WAYS: Final = {"F": 1, "B": -1}
-_NAN: Final = Estimate(math.nan, math.nan)
 
 
 class Row(NamedTuple):
@@ -30,15 +30,15 @@ class Row(NamedTuple):
     Attributes
     ----------
     key : str
-        Name for tables.
+        Name in tables.
     label : str
         Name in words.
     kind : str
-        ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``: values are in SI units.
+        ``displacement``, ``velocity``, ``time``, ``acceleration`` or ``friction``; values have SI units.
     measured : Estimate
-        With its standard error; NaN where the record does not show it.
+        Measured value with its standard error; NaN if it cannot be found in the record.
     computed : float
-        The model's value; NaN where there is none.
+        The model's value; NaN if it has none.
     """
 
     key: str
@@ -50,7 +50,7 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A record and the model on one clock.
+    """A record beside the model, on the same clock.
 
     Attributes
     ----------
@@ -63,16 +63,15 @@ class Comparison:
     rows : tuple of Row
         Measured and computed quantities.
     trough_time : array
-        Trough time of each sample; the trough passes its middle at whole periods, as ``passing`` says [s].
+        Trough time of each sample [s].
     passing : str
-        ``upwards`` along a line, ``forwards`` along an ellipse; empty without a motion along the trough.
+        Direction in which the trough passes its middle at trough time 0: ``upwards`` along a line,
+        ``forwards`` along an ellipse; empty without a motion along the trough.
     computed : mapping of str to array
-        The model's signals at the record's times, by the names of the measured ones; measured and computed
-        displacements have the same mean.
+        The model's signals at the record's times, by the names of the measured ones; the computed
+        displacement has the mean of the measured one.
     curve_time, curves : array, mapping of str to array
-        The same as smooth curves over one cycle of trough time; displacements begin at 0.
-    warnings : tuple of str
-        Reasons to doubt the comparison.
+        Trough times over one cycle, and the model's signals there; the displacement begins at 0.
     """
 
     observation: Observation
@@ -84,7 +83,28 @@ class Comparison:
     computed: Mapping[str, Floats]
     curve_time: Floats
     curves: Mapping[str, Floats]
-    warnings: tuple[str, ...]
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons to doubt the comparison."""
+        observation, motion, alignment = self.observation, self.motion, self.alignment
+        warnings = []
+        if math.isnan(alignment.shift):
+            warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
+        for rival in alignment.rivals:
+            begin = f"{1e3 * rival:.4g} ms after the trough's middle"
+            warnings.append(f"the data fit almost as well if they begin {begin}")
+        warnings += _of_another_size(observation, motion)
+        warnings += _of_another_frequency(observation)
+        warnings += _of_another_clock(observation, motion, alignment)
+        advance = next((r.measured.value for r in self.rows if r.key == "stroke_advance"), math.nan)
+        if advance * motion.advance < 0.0:
+            warnings.append("the data run against the computed direction: --reverse reverses their axis")
+        computed, measured = (signals.get("friction") for signals in (self.computed, observation.signals))
+        if computed is not None and np.cov(computed, measured)[0, 1] < 0.0:
+            must = "it must be the force on the body, not on the trough"
+            warnings.append(f"the friction has the opposite sign: {must}")
+        return tuple(warnings)
 
 
 def compare(scene: Scene, observation: Observation) -> Comparison:
@@ -93,34 +113,29 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     Parameters
     ----------
     scene : Scene
-        Of shape ().
+        Scene of shape ().
     observation : Observation
         The record; its drive frequency is the scene's.
-
-    Returns
-    -------
-    Comparison
-        With the record's position in the drive cycle, which the data do not contain.
 
     Raises
     ------
     InputError
-        If the record has too few cycles, or too few samples a cycle, or the scene is of no size that could be
-        compared.
+        If the record has too few cycles, or too few samples a cycle; or if the scene cannot be compared with
+        a record (``check_scene``).
     VibroError
         If the scene has no steady motion.
 
     Notes
     -----
-    Mean values come from a regression on a trend and the harmonics of the drive (``folding``), so that whole
-    cycles are not needed. Peaks, starts and ends of slides come from its velocity. Errors are one
-    standard error of the noise, correlation allowed for.
+    Mean values come from a regression on a trend and the harmonics of the drive (``folding``), so that the
+    record need not hold whole cycles. Peaks, starts and ends of slides come from its velocity. Errors are
+    standard errors from noise, which may be correlated.
     """
     check_scene(scene)
-    _ = observation.folded  # first of all, because it refuses a record that is too short
+    _ = observation.folded  # refuses a record that is too short, before anything is computed
     motion = settled_motion(scene)
     alignment = align(observation, motion)
-    # A body at rest fits any shift: take none.
+    # A body at rest fits with any shift.
     shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
     trough_time = observation.time + shift
     step = observation.sample_time
@@ -132,30 +147,23 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
         signals["displacement"] = signals["displacement"] + offset
         curves["displacement"] = curves["displacement"] - curves["displacement"][0]
     rows = _means(observation, motion)
-    velocity = _velocity(observation)
-    if velocity is not None:
-        rows += _speeds(_Clocked(velocity, shift, alignment.error), motion)
-    rows += _misfits(observation, motion, shift)
-    passing = "upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else ""
-    warnings = _warnings(observation, motion, alignment, signals)
-    seen = (observation, motion, alignment, tuple(rows))
-    return Comparison(*seen, trough_time, passing, signals, cycle, curves, warnings)
-
-
-def _velocity(observation: Observation) -> Folded | None:
-    """Folded velocity, measured or from the displacement."""
     folded = observation.folded
-    displacement = folded.get("displacement")
-    return folded.get("velocity", displacement.derivative() if displacement else None)
+    if "velocity" in folded or "displacement" in folded:
+        velocity = folded["velocity"] if "velocity" in folded else folded["displacement"].derivative()
+        rows += _speeds(_Clocked(velocity, shift, alignment.error), motion)
+    rows += _misfits(observation, signals)
+    passing = "upwards" if scene.amplitude is not None else "forwards" if scene.along_amplitude else ""
+    seen = (observation, motion, alignment, tuple(rows))
+    return Comparison(*seen, trough_time, passing, signals, cycle, curves)
 
 
 def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
-    """Advance, mean speed and its drift, from the displacement if there is one, else from the velocity."""
-    measured = {"displacement": 1, "velocity": 0}.items()
-    name, power = next(((n, p) for n, p in measured if n in observation.signals), ("", 0))
-    if not name:
+    """Compare advance, mean speed and its drift, from the displacement or else from the velocity."""
+    powers, period = {"displacement": 1, "velocity": 0}, observation.period
+    name = next((name for name in powers if name in observation.signals), None)
+    if name is None:
         return []
-    mean, period = observation.folded[name].trend(power), observation.period
+    power, mean = powers[name], observation.folded[name].trend(powers[name])
     curved = fold(observation.time, observation.signals[name], observation.frequency, power + 2)
     drift = curved.trend(power + 1).scaled((power + 1) * 2.0 * curved.half)
     return [
@@ -167,7 +175,7 @@ def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
 
 @dataclass(frozen=True, eq=False)
 class _Clocked:
-    """A folded velocity over trough time: the record's time plus a shift, which has an error [s]."""
+    """A folded velocity over trough time: the record's time plus a shift with an error [s]."""
 
     folded: Folded
     shift: float
@@ -181,14 +189,14 @@ class _Clocked:
         return Estimate(float(self.folded.fitted(at)[0]), float(self.folded.error(at)[0]))
 
     def passing(self, time: float) -> Estimate:
-        """Return a time, with the error that those of speed and clock leave of it."""
+        """Return a time at which a speed is passed, with its error from those of speed and clock."""
         slope = abs(float(self.folded.derivative().periodic(np.array([time - self.shift]))[0]))
         error = self.estimate(time).error / slope if slope else math.nan
         return Estimate(time, math.hypot(error, 0.0 if math.isnan(self.clock_error) else self.clock_error))
 
 
 def _speeds(velocity: _Clocked, motion: SettledMotion) -> list[Row]:
-    """Peak speed, the speed at rest, start and end of every slide."""
+    """Compare peak speed, speed at rest, start and end of every slide."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
     model = motion.sample(cycle).velocity
     value, error = velocity.estimate(float(cycle[np.argmax(np.abs(velocity.at(cycle)))]))
@@ -205,7 +213,7 @@ def _speeds(velocity: _Clocked, motion: SettledMotion) -> list[Row]:
 
 
 def _slide(velocity: _Clocked, motion: SettledMotion, phase: Phase) -> list[Row]:
-    """Start and end of a slide: where its speed passes a level, the same for measured and computed speed."""
+    """Compare start and end of a slide, where measured and computed speed pass the same level."""
     way = _WAYS[phase.kind]
     name = "forward" if way > 0 else "back"
     inside = phase.start + (phase.end - phase.start) * np.linspace(0.0, 1.0, TOL.fine)
@@ -221,7 +229,7 @@ def _slide(velocity: _Clocked, motion: SettledMotion, phase: Phase) -> list[Row]
 
 
 def _middle_of_rest(motion: SettledMotion) -> float | None:
-    """Middle of the longest rest of a cycle, as a trough time [s]."""
+    """Return the middle of the longest rest of a cycle, as a trough time [s]."""
     rests = [phase for phase in motion.phases if phase.kind == "_" and motion.slides]
     longest = max(rests, key=lambda phase: phase.end - phase.start, default=None)
     return 0.5 * (longest.start + longest.end) if longest else None
@@ -230,65 +238,46 @@ def _middle_of_rest(motion: SettledMotion) -> float | None:
 def _crossing(
     velocity: _Clocked, way: int, level: float, near: float, rising: bool, period: float
 ) -> Estimate:
-    """Trough time nearest to ``near`` at which the folded velocity passes a level."""
+    """Return the trough time nearest to ``near`` at which the folded velocity passes a level."""
     time = near + period * (np.arange(TOL.fine + 1) / TOL.fine - 0.5)
     excess = way * velocity.at(time) - level
     above = excess >= 0.0
     passed = np.flatnonzero(above[1:] & ~above[:-1] if rising else above[:-1] & ~above[1:])
     if not passed.size:
-        return _NAN
+        return Estimate(math.nan, math.nan)
     i = int(passed[np.argmin(np.abs(time[passed] - near))])
     step = excess[i] / (excess[i] - excess[i + 1])
     return velocity.passing(float(time[i] + (time[i + 1] - time[i]) * step))
 
 
-def _misfits(observation: Observation, motion: SettledMotion, shift: float) -> list[Row]:
-    """Root mean squares of measured minus computed."""
+def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[Row]:
+    """Return root mean squares of measured minus computed; of a displacement also without its trend."""
+    residuals = {name: values - computed[name] for name, values in observation.signals.items()}
+    if "displacement" in residuals:
+        plain = detrended(observation.time, residuals["displacement"], 1)
+        residuals["displacement without trend"] = plain
     rows = []
-    for trend, which in ((True, "{}"), (False, "{} without trend")):
-        for name, residual in observation.residuals(motion, shift, trend=trend).items():
-            if trend or name == "displacement":
-                rms, text = Estimate(float(np.sqrt(np.mean(residual**2))), math.nan), which.format(name)
-                key, label = f"rms_{text.replace(' ', '_')}", f"RMS difference of {text}"
-                rows.append(Row(key, label, name, rms, math.nan))
+    for text, values in residuals.items():
+        rms = Estimate(float(np.sqrt(np.mean(values**2))), math.nan)
+        key, kind = f"rms_{text.replace(' ', '_')}", text.partition(" ")[0]
+        rows.append(Row(key, f"RMS difference of {text}", kind, rms, math.nan))
     return rows
 
 
-def _warnings(
-    observation: Observation, motion: SettledMotion, alignment: Alignment, model: Mapping[str, Floats]
-) -> tuple[str, ...]:
-    warnings = []
-    if math.isnan(alignment.shift):
-        warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
-    for rival in alignment.rivals:
-        begin = f"{1e3 * rival:.4g} ms after the trough's middle"
-        warnings.append(f"the data fit almost as well if they begin {begin}")
-    warnings += _of_another_size(observation, motion)
-    warnings += _of_another_frequency(observation)
-    warnings += _of_another_clock(observation, motion, alignment)
-    advance = next((r.measured.value for r in _means(observation, motion)), math.nan)
-    if advance * motion.advance < 0.0:
-        warnings.append("the data run against the computed direction: --reverse reverses their axis")
-    if "friction" in model and np.cov(model["friction"], observation.signals["friction"])[0, 1] < 0.0:
-        must = "it must be the force on the body, not on the trough"
-        warnings.append(f"the friction has the opposite sign: {must}")
-    return tuple(warnings)
-
-
 def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:
-    """Name signals that are so much larger or smaller than computed that their unit may be wrong."""
+    """Warn of signals so much larger or smaller than computed that their unit may be wrong."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
     model = computed_signals(motion, observation.signals, cycle, observation.sample_time)
     found = []
     for name, values in observation.signals.items():
         trend = motion.advance / motion.period * cycle if name == "displacement" else 0.0
         size = float(np.std(model[name] - trend))
-        # Noise is no motion, but motion at another frequency is: what repeats may be too much, and all of it
-        # too little.
+        # Noise is no motion, but a motion at another frequency is: the periodic part decides whether a signal
+        # is too large, all of it whether it is too small.
         repeated = float(np.std(observation.folded[name].periodic(cycle)))
         whole = float(np.std(detrended(observation.time, values, 1 if name == "displacement" else 0)))
         moved = repeated if repeated > TOL.far_off * size else whole
-        # A body that rests has no size, and a signal that is dead no unit.
+        # A body at rest has no size to compare with, and a signal without any change no unit.
         if size and whole and not size / TOL.far_off <= moved <= TOL.far_off * size:
             what = doubt(observation.sensitivities.get(name, ""))
             also = " Is the mass?" if name == "friction" else ""
@@ -297,7 +286,7 @@ def _of_another_size(observation: Observation, motion: SettledMotion) -> list[st
 
 
 def _of_another_frequency(observation: Observation) -> list[str]:
-    """Name the frequency of data that are not those of the drive."""
+    """Warn of data that repeat at another frequency than the drive's."""
     foreign = foreign_frequency(observation)
     if foreign is None:
         return []
@@ -315,7 +304,7 @@ def _of_another_frequency(observation: Observation) -> list[str]:
 
 
 def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Alignment) -> list[str]:
-    """Say where the body's signals alone would place the record in the cycle, if that is elsewhere."""
+    """Warn if the body's signals alone would place the record elsewhere in the cycle."""
     if observation.clock is None:
         return []
     own = align(replace(observation, clock=None), motion)

@@ -30,7 +30,7 @@ _FIGURES: Final = ("measured", "standard_error", "computed")
 
 @dataclass(frozen=True, eq=False)
 class ComparisonTables:
-    """What was measured and what is computed, in the user's units.
+    """Measured and computed signals and figures, in the user's units.
 
     Attributes
     ----------
@@ -39,11 +39,11 @@ class ComparisonTables:
     record : Record
         The record as it was read.
     mass : float or None
-        Of the body [kg]; without it friction is per unit mass.
+        Mass of the body [kg]; without it friction is per unit mass.
     fit : Fit or None
         Estimates from the record.
     drive : MeasuredDrive or None
-        What accelerations of the trough gave for the scene.
+        Quantities of the drive, if accelerations of the trough were measured.
     """
 
     comparison: Comparison
@@ -64,13 +64,10 @@ class ComparisonTables:
 
     def signals(self) -> TableColumns:
         """Return measured and computed signals over time."""
-        comparison = self.comparison
-        period = comparison.motion.period
-        columns: dict[str, Any] = {
-            "time_s": comparison.observation.time,
-            "trough_time_s": comparison.trough_time % period,
-        }
-        for name, values in comparison.observation.signals.items():
+        comparison, observation = self.comparison, self.comparison.observation
+        trough_time = comparison.trough_time % comparison.motion.period
+        columns: dict[str, Any] = {"time_s": observation.time, "trough_time_s": trough_time}
+        for name, values in observation.signals.items():
             unit, size = self.units[name]
             suffix = unit.replace("/", "_").replace("^", "")
             columns[f"{name}_measured_{suffix}"] = values / size
@@ -78,7 +75,7 @@ class ComparisonTables:
         return columns
 
     def _figures(self) -> dict[str, tuple[str, tuple[float, float, float]]]:
-        """Return the unit of each figure, and what is measured, its standard error, and what is computed."""
+        """Return the unit of each figure; its measured value, standard error and computed value."""
         figures = {}
         for row in self.comparison.rows:
             unit, size = self.units[row.kind]
@@ -87,10 +84,10 @@ class ComparisonTables:
         return figures
 
     def summary(self) -> TableColumns:
-        """Return the figures, and from which columns of the data they come."""
+        """Return the figures, and the columns of the data that they come from."""
         figures = self._figures()
         units, numbers = zip(*figures.values(), strict=True)
-        columns = "; ".join(text for role, text in self.record.headers.items())
+        columns = "; ".join(self.record.headers.values())
         return {
             "quantity": list(figures),
             "unit": list(units),
@@ -100,8 +97,7 @@ class ComparisonTables:
 
     def content(self) -> dict[str, Any]:
         """Return everything, for JSON."""
-        comparison = self.comparison
-        alignment = comparison.alignment
+        comparison, alignment = self.comparison, self.comparison.alignment
         content: dict[str, Any] = {
             "columns": dict(self.record.headers),
             "pattern": comparison.motion.pattern,
@@ -131,7 +127,7 @@ class ComparisonTables:
 
 
 def _measured(drive: MeasuredDrive) -> dict[str, Any]:
-    """Return what was measured of the trough's motion."""
+    """Return the measured motion of the trough."""
     trough = drive.trough
     content: dict[str, Any] = {}
     for name, estimate in drive.quantities.items():

@@ -1,4 +1,4 @@
-"""Estimates of a scene's friction and drive from a record, their intervals, and what cannot be estimated."""
+"""Estimates of a scene's friction and drive from a record, with confidence intervals."""
 
 from __future__ import annotations
 
@@ -32,6 +32,7 @@ from vibro.scene import Scene
 __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
 Intervals = tuple[tuple[float, float], ...]
+Groups = list[tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -45,11 +46,11 @@ class Parameter:
     value : float
         The best fit [SI].
     intervals : tuple of pairs of float
-        Values that the data allow with 95 % confidence, ascending, apart [SI]: for noise and misfit, not for
-        what the model leaves out. More than one pair where patterns apart from each other fit. Empty where
-        the data do not bound the quantity.
+        Confidence intervals at 95 %, ascending and disjoint [SI]; they cover noise and misfit, not what the
+        model leaves out. More than one if patterns fit that are apart from each other. Empty if the data do
+        not bound the quantity.
     identified : bool
-        Whether the data determine a value; else there is at most a range.
+        Whether the data determine a value; else at most a range is known.
     """
 
     name: str
@@ -59,27 +60,28 @@ class Parameter:
 
     @property
     def low(self) -> float:
-        """Least value of all intervals; NaN without one [SI]."""
+        """Lower end of all intervals; NaN without one [SI]."""
         return self.intervals[0][0] if self.intervals else math.nan
 
     @property
     def high(self) -> float:
-        """Greatest value of all intervals; NaN without one [SI]."""
+        """Upper end of all intervals; NaN without one [SI]."""
         return self.intervals[-1][1] if self.intervals else math.nan
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Estimates, and how far they can be trusted.
+    """Estimates of quantities of a scene, with explanations.
 
     Attributes
     ----------
     scene : Scene
         The scene with the estimates.
     parameters : tuple of Parameter
-        In the order asked for.
+        The estimates, in the order of the names.
     statements : tuple of str
-        In words: what each estimate comes from, which parameters the data cannot identify, and why.
+        Sentences: which feature of the motion gives each estimate, which quantities the data cannot identify,
+        and why.
     """
 
     scene: Scene
@@ -93,7 +95,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     Parameters
     ----------
     scene : Scene
-        Of shape (); it gives the quantities that are not estimated, and one start of the search.
+        Scene of shape (); it gives the quantities that are not estimated, and one start of the search.
     observation : Observation
         The record.
     names : sequence of str
@@ -102,21 +104,21 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     Returns
     -------
     Fit
-        By least squares over all signals, each weighted by the inverse of its own residuals; the unknown
-        trigger time and the sensors' offsets and drifts are fitted too. Of long records the middle is used. A
-        phase is the one next to the scene's of those that differ by whole turns.
+        Least squares over all signals, each weighted by the inverse of its own residuals; the unknown trigger
+        time and the offsets and drifts of the sensors are fitted too. Of long records the middle is used.
+        Phases are within half a turn of the scene's.
 
     Raises
     ------
     InputError
-        If a name is none of ``FITTABLE``, or none of the scene's drive, or is given twice; if an amplitude to
-        be estimated is 0; or if no value tried gives a steady motion.
+        If a name is not in ``FITTABLE``, is no quantity of the scene's drive, or is given twice; if an
+        amplitude to be estimated is 0; or if no value that is tried gives a steady motion.
 
     Notes
     -----
     The misfit jumps where the pattern of the motion changes. It is therefore minimised within each pattern,
-    and the patterns are compared. An interval holds every value with which the record can be fitted, in any
-    pattern, the other quantities refitted: the profile of the misfit.
+    and the patterns are compared. Intervals come from the profile of the misfit: they hold every value with
+    which the record can be fitted, in any pattern, after the other quantities are fitted again.
     """
     check_scene(scene)
     _check_names(scene, names)
@@ -127,7 +129,10 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     if rest is not None:
         return _judged(problem, [rest], [()] * len(names), 0.0)
     for _ in range(TOL.restarts):
-        minima = _in_one_turn(problem, _weighed_minima(problem, minima))
+        minima = _weighed_minima(problem, minima)
+        # Move phases by whole turns: of the least misfit next to the scene's, of the others next to that.
+        near = problem.unwound(minima[0].point, problem.own)[:-1]
+        minima = [m._replace(point=problem.unwound(m.point, near)) for m in minima]
         threshold = float(stdtrit(max(problem.count, 2.0), 0.5 + 0.5 * TOL.confidence)) ** 2
         fitting = [m for m in minima if m.squares <= minima[0].squares + TOL.excluded]
         profiles = [_profile(problem, fitting, threshold, column) for column in range(len(names))]
@@ -139,7 +144,7 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
 
 
 def _check_names(scene: Scene, names: Sequence[str]) -> None:
-    """Refuse what the scene has not, and what a search cannot begin from."""
+    """Refuse quantities that the scene's drive lacks, and amplitudes of 0, from which no search can begin."""
     own = fittable(scene)
     choice = f"choose from {', '.join(QUANTITIES[name].letter for name in own)}"
     for name in names:
@@ -148,8 +153,7 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
             raise InputError(f"{said}{shown(name)} cannot be estimated, or is named twice", hint=choice)
         quantity = QUANTITIES[name]
         if name not in own:
-            path = "a line" if scene.amplitude is not None else "an ellipse"
-            none = f"{said}the trough moves along {path}, which has no {quantity.label}"
+            none = f"{said}the trough moves {scene.arrays().kind}, which has no {quantity.label}"
             raise InputError(none, hint=choice)
         if name in AMPLITUDES and not float(getattr(scene, name)):
             zero = f"{said}the search for the {quantity.label} begins at the scene's, which is 0"
@@ -157,17 +161,17 @@ def _check_names(scene: Scene, names: Sequence[str]) -> None:
 
 
 def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals], threshold: float) -> Fit:
-    """Choose the best pattern of those that fit, and judge each quantity."""
+    """Choose the best of the patterns that fit, and decide which quantities are identified."""
     acting = [error_covariance(problem, minimum).diagonal() > 0.0 for minimum in fitting]
-    # A pattern in which fewer quantities act needs fewer to be adjusted: each takes 2 off, as in Akaike's
-    # criterion. Else one that ends where another begins would be pinned there by the noise.
+    # A pattern in which more quantities act can follow the noise better: each costs 2, as in Akaike's
+    # criterion. Otherwise the noise would choose a pattern at its edge over its neighbour.
     costs = [m.squares + 2.0 * np.count_nonzero(acts) for m, acts in zip(fitting, acting, strict=True)]
     within = [m.squares <= min(map(_squares, fitting)) + threshold for m in fitting]
     acts = np.all([a for a, counts in zip(acting, within, strict=True) if counts], axis=0)
     fitting = [fitting[i] for i in np.argsort(costs)]
     best = fitting[0]
     sizes = problem.scale(best.point)
-    # A valley that bends cannot be followed to where the misfit ends it: no interval of what lies along it.
+    # A curved valley of the misfit cannot be followed to its ends: quantities along it have no interval.
     groups = _groups(problem, best)
     mixed = {name for group in groups if len(group) > 1 for name in group} if problem.is_curved else set()
     parameters = []
@@ -175,19 +179,18 @@ def _judged(problem: Problem, fitting: list[Minimum], intervals: list[Intervals]
         bounded = () if name in mixed else _bounded(found, *problem.bounds[:, column])
         identified = bool(acts[column] and _half_width(bounded) <= TOL.wide * sizes[column])
         parameters.append(Parameter(name, float(best.point[column]), bounded, identified))
-    values = problem.fixed | {p.name: p.value for p in parameters}
-    said = _statements(problem, fitting, parameters, values, groups)
-    return Fit(Scene(**values), tuple(parameters), tuple(said))
+    fitted = Scene(**(problem.fixed | {p.name: p.value for p in parameters}))
+    return Fit(fitted, tuple(parameters), tuple(_statements(problem, fitting, parameters, fitted, groups)))
 
 
 def _bounded(intervals: Intervals, least: float, most: float) -> Intervals:
-    """Drop intervals that reach what is tried: they have no end."""
+    """Return no interval if one reaches the bounds of what is tried: its end is unknown."""
     low, high = (bound + way * TOL.at_bound * abs(bound) for bound, way in ((least, 1.0), (most, -1.0)))
     return intervals if intervals and intervals[0][0] > low and intervals[-1][1] < high else ()
 
 
 def _half_width(intervals: Intervals) -> float:
-    """Half of what intervals span; inf without any."""
+    """Return half the length of the hull of intervals; inf without any."""
     return 0.5 * (intervals[-1][1] - intervals[0][0]) if intervals else math.inf
 
 
@@ -199,10 +202,10 @@ def _squares(minimum: Minimum) -> float:
 
 
 def _first_minima(problem: Problem) -> list[Minimum]:
-    """Search from the most promising starts in each pattern; return the least misfit of each.
+    """Search from the best starts of each pattern; return the least misfit of each.
 
-    A scene that hops takes as long as a hundred others. A record that is explained to its noise without one
-    needs none.
+    A scene that hops takes as long as a hundred others: they are tried only if no other explains the record
+    to its noise.
     """
     minima: list[Minimum] = []
     aim = math.inf
@@ -219,7 +222,7 @@ def _first_minima(problem: Problem) -> list[Minimum]:
 
 
 def _least_of_each(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]:
-    """Keep the least of each pattern, and of each side of its phases, in the order of their misfits."""
+    """Keep the least minimum of each pattern and each sign of its phases, by ascending misfit."""
     kept: dict[tuple[str, tuple[bool, ...]], Minimum] = {}
     for minimum in sorted(minima, key=_squares):
         kept.setdefault((minimum.label, problem.sides(minimum.point)), minimum)
@@ -227,7 +230,7 @@ def _least_of_each(problem: Problem, minima: Iterable[Minimum]) -> list[Minimum]
 
 
 def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
-    """Weight the signals by the residuals of the best pattern, and minimise those of all again."""
+    """Weight the signals by the residuals of the best pattern, and minimise all patterns again."""
     for _ in range(TOL.weighings):
         problem.weigh(minima[0].point)
         first, *others = (best_of(problem, m.label, m.point[None]) for m in minima)
@@ -241,7 +244,7 @@ def _weighed_minima(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
 
 
 def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
-    """Points of other patterns: as far as the data could mistake the minimum, and across its edges."""
+    """Return the best points of other patterns: within the errors of a minimum, and across its edges."""
     values, vectors = np.linalg.eigh(error_covariance(problem, minimum))
     count, size, scale = TOL.neighbours, values.size, problem.scale(minimum.point)
     reach = np.linspace(0.0, TOL.widest, count)[:, None] * np.sqrt(np.maximum(values, 0.0))
@@ -255,18 +258,12 @@ def _neighbours(problem: Problem, minimum: Minimum) -> list[Minimum]:
     points = np.concatenate(parts)
     labels = problem.labels(points)
     found = []
-    # Scenes that hop take too long for a guess: they are starts of the search alone.
+    # Scenes that hop take too long: only the first search tries them.
     for label in sorted(set(labels.tolist()) - {"", HOPS}):
         cells = np.flatnonzero(labels == label)
         cells = np.concatenate([cells[: TOL.kept], cells[cells >= count][: TOL.kept]])
         found.append(best_of(problem, label, points[cells]))
     return found
-
-
-def _in_one_turn(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
-    """Move phases by whole turns: of the least misfit next to the scene's, of the others next to that."""
-    near = problem.unwound(minima[0].point, problem.own)[:-1]
-    return [m._replace(point=problem.unwound(m.point, near)) for m in minima]
 
 
 # --- intervals of confidence ----------------------------------------------------------------------------
@@ -275,21 +272,21 @@ def _in_one_turn(problem: Problem, minima: list[Minimum]) -> list[Minimum]:
 def _profile(
     problem: Problem, minima: Sequence[Minimum], threshold: float, column: int
 ) -> tuple[Intervals, Minimum]:
-    """Find all values of one quantity with which the record can still be fitted.
+    """Return the intervals of one quantity in which the record can be fitted, and the best point on the way.
 
-    In each pattern the quantity is moved away from the minimum, the others refitted, until the sum of squares
-    exceeds that of the minimum by the threshold, or the pattern ends.
+    In each pattern the quantity is moved away from the minimum, and the others are fitted again, until the
+    sum of squares exceeds that of the minimum by the threshold, or the pattern ends.
 
     Parameters
     ----------
     problem : Problem
         The residuals.
     minima : sequence of Minimum
-        Of each pattern that fits.
+        Minima of the patterns that fit, best first.
     threshold : float
-        Increase of the sum of squares that counts as too much.
+        Increase of the sum of squares at the ends of an interval.
     column : int
-        Of the quantity among the coordinates.
+        Place of the quantity among the coordinates.
     """
     pieces: list[tuple[float, float]] = []
     best = minima[0]
@@ -297,7 +294,7 @@ def _profile(
         covariance = error_covariance(problem, minimum)
         value, variance = float(minimum.point[column]), float(covariance[column, column])
         if minimum.label == HOPS:
-            # A point takes up to a tenth of a second: take the curvature at the minimum for the profile.
+            # A point takes up to a tenth of a second: use the curvature at the minimum for the profile.
             half = math.sqrt(threshold * variance) or math.inf
             pieces.append((value - half, value + half))
             continue
@@ -316,6 +313,7 @@ def _profile(
 
 
 def _merged(pieces: list[tuple[float, float]]) -> Intervals:
+    """Unite intervals that overlap, or nearly do."""
     pieces = sorted(pieces)
     hull = max(high for _, high in pieces) - pieces[0][0]
     merged = pieces[:1]
@@ -330,14 +328,15 @@ def _merged(pieces: list[tuple[float, float]]) -> Intervals:
 def _end(
     problem: Problem, minimum: Minimum, path: Floats, threshold: float, column: int, step: float
 ) -> tuple[float, Minimum]:
-    """Return the last value that fits on one side, infinite if none is the last, and the best point met.
+    """Return the end of an interval on one side, infinite if there is none, and the best point on the way.
 
-    ``path`` is how the coordinates follow the quantity, ``step`` the first step, to that side.
+    ``path`` is the derivative of the coordinates by the quantity along the valley; ``step`` is the first
+    step, with the sign of the side.
     """
     origin, aim = float(minimum.point[column]), math.sqrt(threshold)
     value, way = origin, math.copysign(1.0, step)
     inside, root, best = minimum, 0.0, minimum
-    outside, far = math.inf, math.inf  # the nearest value that does not fit, and its root
+    outside, far = math.inf, math.inf  # the nearest value that does not fit, and the root of its increase
     for _ in range(TOL.tries):
         near = float(inside.point[column])
         if math.isinf(outside):
@@ -350,7 +349,7 @@ def _end(
             value = near + share * (outside - near)
         found = _refitted(problem, inside, path, column, value)
         best = min(best, found, key=_squares)
-        # of the sum of squares above the minimum's; inf where the pattern has no such value
+        # Root of the increase of the sum of squares; inf if the pattern has no such value.
         tried = math.sqrt(max(found.squares - minimum.squares, 0.0))
         if abs(tried**2 - threshold) <= TOL.close * threshold:
             return value, best
@@ -359,15 +358,16 @@ def _end(
             continue
         inside, root = found, tried
         if math.isinf(outside) and root > 0.0:
-            # as if the misfit grew with the square of the distance
+            # Extrapolate a misfit that grows with the square of the distance.
             step = way * min(max(aim / root - 1.0, 0.1), 2.0) * abs(value - origin)
     return way * outside if math.isinf(outside) else outside, best
 
 
 def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value: float) -> Minimum:
-    """Set a quantity to a value, and fit the others again; inf where the pattern has no such value.
+    """Set a quantity to a value, and fit the others again; inf if the pattern has no such value.
 
-    They begin where the quantity takes them by the slopes at the minimum, or else where they were.
+    The others begin on the tangent of the valley at the minimum; if the pattern cannot be reached from there,
+    where they were.
     """
     movable = [place for place in range(near.point.size - 1) if place != column]
     for slopes in (path, np.zeros(path.size)):
@@ -383,79 +383,69 @@ def _refitted(problem: Problem, near: Minimum, path: Floats, column: int, value:
 
 
 def _statements(
-    problem: Problem,
-    minima: Sequence[Minimum],
-    parameters: Sequence[Parameter],
-    values: Mapping[str, float],
-    groups: Sequence[tuple[str, ...]],
+    problem: Problem, minima: list[Minimum], parameters: list[Parameter], fitted: Scene, groups: Groups
 ) -> list[str]:
-    """Say what the estimates come from, what cannot be identified, and what ended at a bound."""
+    """Say what determines the estimates, which quantities cannot be identified, and which are at a limit."""
     best = minima[0]
-    pattern = settled_motion(Scene(**values)).pattern if best.label == HOPS else best.label
+    pattern = settled_motion(fitted).pattern if best.label == HOPS else best.label
     lost = {p.name: p for p in parameters if not p.identified}
     if "F" not in pattern and "B" not in pattern:
         said = ", ".join(QUANTITIES[name].letter for name in lost)
-        return [f"the fitted body rests: beyond that, the data cannot identify {said}"] if said else []
+        return [f"the fitted body rests: the data cannot identify {said}"] if said else []
     found = []
-    told = [n for n in ("static_friction", "kinetic_friction") if n in problem.names and n not in lost]
-    if "_" in pattern and told:
-        effects = {"static_friction": "mu_s sets the start of a slide", "kinetic_friction": "mu_d its end"}
-        if told == ["kinetic_friction"]:
-            effects["kinetic_friction"] = "mu_d sets the end of a slide"
-        found.append(f"pattern {pattern}: " + " and ".join(effects[name] for name in told))
+    static, kinetic = (p in problem.names and p not in lost for p in ("static_friction", "kinetic_friction"))
+    if "_" in pattern and (static or kinetic):
+        start = "mu_s sets the start of a slide" if static else ""
+        end = f"mu_d {'its end' if static else 'sets the end of a slide'}" if kinetic else ""
+        found.append(f"pattern {pattern}: {' and '.join(filter(None, (start, end)))}")
     if best.label == HOPS:
-        found.append("the body hops: intervals are those of small changes, and end at no other pattern")
+        found.append("the body hops: intervals come from the curvature of the misfit, within its pattern")
     if any(len(p.intervals) > 1 for p in parameters):
         labels = dict.fromkeys(m.label for m in minima)
-        both = "phases to both sides of 0 fit"
-        several = f"patterns {' and '.join(labels)} fit" if len(labels) > 1 else both
-        found.append(f"{several}: an interval in pieces holds the values of each")
+        several = f"patterns {' and '.join(labels)}" if len(labels) > 1 else "phases to both sides of 0"
+        found.append(f"{several} fit: an interval in pieces holds the values of each")
     found += _unidentified(problem, best, pattern, lost, groups)
-    return found + _limits(problem, pattern, parameters, values)
+    return found + _limits(problem, pattern, parameters, fitted)
 
 
 def _unidentified(
-    problem: Problem,
-    best: Minimum,
-    pattern: str,
-    lost: Mapping[str, Parameter],
-    groups: Sequence[tuple[str, ...]],
+    problem: Problem, best: Minimum, pattern: str, lost: Mapping[str, Parameter], groups: Groups
 ) -> list[str]:
-    """Say of each quantity without an estimate why it has none."""
+    """Say why quantities have no estimate."""
     found = []
     left = set(lost)
     for group in groups:
-        if not left & set(group):
+        if left.isdisjoint(group):
             continue
-        left -= set(group)
+        left.difference_update(group)
         *first, last = (QUANTITIES[name].letter for name in group)
         symbols = f"{', '.join(first)} and {last}" if first else last
         if group == ("static_friction",) and "_" not in pattern:
-            until = ""
+            why = f"in pattern {pattern} the body never rests, and mu_s has no effect at all"
             if best.label != HOPS:
                 column = problem.names.index("static_friction")
                 most = float(problem.bounds[1, column])
                 edge = move_to_edge(problem, best.label, best.point[None], column, most)
-                until = f", from mu_d up to {edge[0, column]:.4g}"
-            why = f"in pattern {pattern} the body never rests, and mu_s has no effect at all{until}"
+                why += f", from mu_d up to {edge[0, column]:.4g}"
             found.append(f"the data cannot identify mu_s: {why}")
         elif first:
             found.append(f"the data cannot tell {symbols} apart: their effects cancel; give one of them")
         else:
             found.append(f"the data cannot identify {symbols}: its effect is smaller than the misfit")
     for name in sorted(left):
-        endless = "no end of the values that fit was found"
-        why = "a wide range of values fits" if lost[name].intervals else endless
+        wide = lost[name].intervals
+        why = "a wide range of values fits" if wide else "the search found no end of its interval"
         found.append(f"the data cannot identify {QUANTITIES[name].letter}: {why}")
     return found
 
 
-def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
-    """Find combinations of quantities that the data do not determine.
+def _groups(problem: Problem, best: Minimum) -> Groups:
+    """Return combinations of quantities that the data do not determine.
 
-    They are singular directions of the relative sensitivities, without the effect of the trigger time.
+    They are singular vectors of the relative sensitivities, after the effect of the trigger time is
+    projected out.
     """
-    jacobian = jacobian_at(problem, best.label, best.point)
+    jacobian = jacobian_at(problem, best)
     clock, free = jacobian[:, -1:], jacobian[:, :-1]
     power = float((clock**2).sum())
     if power > 0.0:
@@ -467,21 +457,19 @@ def _groups(problem: Problem, best: Minimum) -> list[tuple[str, ...]]:
     ]
 
 
-def _limits(
-    problem: Problem, pattern: str, parameters: Sequence[Parameter], values: Mapping[str, float]
-) -> list[str]:
-    """Say which estimates ended at a limit."""
+def _limits(problem: Problem, pattern: str, parameters: list[Parameter], fitted: Scene) -> list[str]:
+    """Say which estimates are at a limit."""
     found = []
     both = {"static_friction", "kinetic_friction"} <= set(problem.names)
     for p, low, high in zip(parameters, *problem.bounds, strict=True):
         if p.name == "static_friction" and "_" not in pattern:
-            continue  # it has no effect: its value means nothing
+            continue  # it has no effect, and any value
         within = TOL.at_limit * (high - low)
         limits = [
             (p.value - low, f"the lowest value that is tried, {low:.4g}"),
             (high - p.value, f"the highest value that is tried, {high:.4g}"),
         ]
         if p.name == "static_friction" or (p.name == "kinetic_friction" and not both):
-            limits.append((values["static_friction"] - values["kinetic_friction"], "mu_d = mu_s"))
+            limits.append((float(fitted.static_friction - fitted.kinetic_friction), "mu_d = mu_s"))
         found += [f"{QUANTITIES[p.name].letter} is at its limit, {what}" for d, what in limits if d < within]
     return found

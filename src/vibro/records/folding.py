@@ -1,4 +1,4 @@
-"""Periodic part of a noisy record: a regression on the drive's harmonics, with standard errors."""
+"""The periodic part of a noisy signal: regression on the harmonics of the drive, with standard errors."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 
 class Estimate(NamedTuple):
-    """A measured value and its standard error; NaN where there is none."""
+    """A measured value and its standard error; NaN if unknown."""
 
     value: float
     error: float
@@ -38,16 +38,16 @@ class Folded:
     Attributes
     ----------
     frequency : float
-        Of the drive [Hz].
+        Drive frequency [Hz].
     trends : int
         Number of coefficients of the trend: powers of (time - middle) / half.
     middle, half : float
         Middle and half of the record's duration [s].
     coefficients, covariance : array
-        Trend, then the cosines and the sines of the harmonics; their covariance, increased for noise that
-        lasts longer than one sample.
+        Coefficients of the trend, then of the cosines and of the sines; their covariance, increased for
+        noise that is correlated over several samples.
     order : int
-        Of the derivative that is taken of it.
+        Order of the derivative of the signal that the methods return.
     """
 
     frequency: float
@@ -58,22 +58,17 @@ class Folded:
     covariance: Floats
     order: int = 0
 
-    @property
-    def count(self) -> int:
-        """Number of harmonics."""
-        return (self.coefficients.size - self.trends) // 2
-
     def trend(self, power: int) -> Estimate:
-        """Coefficient of a power of the time, in the signal's unit per s to that power."""
+        """Return the coefficient of a power of the time, in the signal's unit per s to that power."""
         error = math.sqrt(self.covariance[power, power])
         return Estimate(float(self.coefficients[power]), error).scaled(self.half**-power)
 
     def periodic(self, time: Floats) -> Floats:
-        """Harmonic part of the signal at times on the record's clock [s]."""
+        """Return the harmonic part of the signal at times on the record's clock [s]."""
         return np.asarray(self._basis(time)[:, self.trends :] @ self.coefficients[self.trends :])
 
     def fitted(self, time: Floats) -> Floats:
-        """Trend and harmonic part of the signal at times on the record's clock [s]."""
+        """Return trend and harmonic part of the signal at times on the record's clock [s]."""
         return np.asarray(self._basis(time) @ self.coefficients)
 
     def error(self, time: Floats) -> Floats:
@@ -89,20 +84,21 @@ class Folded:
         powers = np.vander((time - self.middle) / self.half, self.trends, increasing=True)
         for _ in range(self.order):
             powers = np.pad(powers[:, :-1] * np.arange(1, self.trends) / self.half, ((0, 0), (1, 0)))
-        return np.hstack([powers, harmonics(time, self.frequency, self.count, self.order)])
+        count = (self.coefficients.size - self.trends) // 2
+        return np.hstack([powers, harmonics(time, self.frequency, count, self.order)])
 
 
 def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -> Floats:
-    """Return cosines, then sines, of the harmonics of a frequency, or derivatives of them, by column."""
+    """Return cosines, then sines, of the harmonics of a frequency, or their derivatives, in columns."""
     rates = math.tau * frequency * np.arange(1, count + 1)
     angles = np.outer(time, rates) + 0.5 * math.pi * derivative
     return np.hstack([np.cos(angles), np.sin(angles)]) * np.tile(rates**derivative, 2)
 
 
-def detrended(time: Floats, values: Floats, power: int) -> Floats:
-    """Take off the polynomial that fits best."""
+def detrended(time: Floats, values: Floats, degree: int) -> Floats:
+    """Subtract the best polynomial of a degree."""
     centred = time - time.mean()
-    return np.asarray(values - np.polyval(np.polyfit(centred, values, power), centred))
+    return np.asarray(values - np.polyval(np.polyfit(centred, values, degree), centred))
 
 
 def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
@@ -113,16 +109,11 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     time : array
         Ascending, at least two drive cycles [s].
     signal : array
-        Of the same length.
+        Values at these times.
     frequency : float
-        Of the drive [Hz].
+        Drive frequency [Hz].
     trends : int
         Number of coefficients of the trend, a polynomial.
-
-    Returns
-    -------
-    Folded
-        The regression.
 
     Raises
     ------
@@ -131,10 +122,10 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     """
     span = float(time[-1] - time[0])
     cycles, cycle = span * frequency, f"of {1e3 / frequency:.6g} ms: at least"
-    if cycles < TOL.least_cycles * (1.0 - 1e-9):
+    if cycles < TOL.least_cycles * (1.0 - TOL.printed):
         short = f"the data cover {cycles:.3g} drive cycles {cycle} {TOL.least_cycles:.0f} are needed"
         raise InputError(short, hint="record longer, or check the frequency and the unit of the time")
-    samples = (time.size - 1) / cycles
+    samples = (time.size - 1) / cycles * (1.0 + TOL.printed)
     if samples < TOL.least_samples:
         coarse = f"the data have {samples:.3g} samples a drive cycle {cycle} {TOL.least_samples} are needed"
         raise InputError(coarse, hint="sample faster, or check the frequency and the unit of the time")
@@ -142,7 +133,7 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     size, middle = trends + 2 * count, float(time[0]) + 0.5 * span
     empty = Folded(frequency, trends, middle, 0.5 * span, np.zeros(size), np.zeros((size, size)))
     basis = empty._basis(time)
-    # Normal equations lose digits. Harmonics are nearly orthogonal, so they lose few, and one step of
+    # Normal equations lose digits. Harmonics are nearly orthogonal: few digits are lost, and one step of
     # refinement restores them.
     inverse = np.linalg.pinv(basis.T @ basis)
     coefficients = inverse @ (basis.T @ signal)
@@ -154,18 +145,18 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
 
 
 def independent_samples(time: Floats, residual: Floats, frequency: float) -> float:
-    """Effective number of independent samples of a residual.
+    """Return the effective number of independent samples of a residual.
 
-    Correlated neighbours count less. A residual that repeats in every cycle, because the model does not
-    contain it, is not averaged out by more cycles: it counts as two samples for each of its strong
-    harmonics, however many cycles there are.
+    Correlated neighbours count less. A residual that repeats in every cycle, because the model lacks it, is
+    not averaged out by more cycles: it counts as two samples for each of its strong harmonics, for any number
+    of cycles.
 
     Parameters
     ----------
     time, residual : array
-        As for ``fold``.
+        As ``time`` and ``signal`` of ``fold``.
     frequency : float
-        Of the drive [Hz].
+        Drive frequency [Hz].
     """
     folded = fold(time, residual, frequency, 1)
     rest = residual - folded.fitted(time)
@@ -183,7 +174,7 @@ def independent_samples(time: Floats, residual: Floats, frequency: float) -> flo
 
 
 def independent_share(residual: Floats) -> float:
-    """Effective number of independent samples over their number, from the correlation of neighbours."""
+    """Return the effective share of independent samples, from the correlation of neighbours."""
     power = float(residual @ residual)
     if power == 0.0 or residual.size < 3:
         return 1.0

@@ -1,4 +1,4 @@
-"""Which columns of a table hold the signals: by their units, or by the names that a user gives."""
+"""Find the columns of a table that hold the signals, by their units or by the names that a user gives."""
 
 from __future__ import annotations
 
@@ -21,15 +21,18 @@ from vibro.records.signals import (
 )  # fmt: skip
 from vibro.records.tolerances import TOL
 
-__all__ = ["Columns", "Header", "Wanted", "choose", "headers_of", "sensitivity_of"]
+__all__ = ["Column", "Columns", "Header", "Wanted", "columns_of"]
 
-# Words in a header that decide between columns with the same kind of unit.
-_WORDS: Final[Mapping[str, str]] = {
-    "time": r"time|zeit|t",
-    "displacement": r"displacement|position|weg|relative.*|x|xi|s",
-    "velocity": r"velocity|speed|geschwindigkeit|relative.*|v|vx",
-    "acceleration": r"acceleration|beschleunigung|relative.*|a|ax",
-    "force": r"friction|friction force|reibkraft|f",
+# Words in a header that decide between columns whose units are of the same kind.
+_WORDS: Final = {
+    role: re.compile(rf"(?:{words})(?:[\W_\d].*)?", re.IGNORECASE)
+    for role, words in (
+        ("time", r"time|zeit|t"),
+        ("displacement", r"displacement|position|weg|relative.*|x|xi|s"),
+        ("velocity", r"velocity|speed|geschwindigkeit|relative.*|v|vx"),
+        ("acceleration", r"acceleration|beschleunigung|relative.*|a|ax"),
+        ("force", r"friction|friction force|reibkraft|f"),
+    )
 }
 _BRACKETS: Final = re.compile(r"(.*?)\s*[\[(](?:in\s+)?([^\])]*)[\])]\s*")
 _IN: Final = re.compile(r"(.*\S)\s+(?:in|/)\s+(\S.*)", re.IGNORECASE)  # Zeit in s, or Zeit / s
@@ -37,7 +40,7 @@ _OVER: Final = re.compile(r"([^/]*[^/\s])\s*/\s*(\S.*)")  # Zeit/s, v/mm/s
 
 
 class Header(NamedTuple):
-    """A column: its index, its header, the name and the unit in it as text, and the unit's kind and size."""
+    """Header of a column: its place and text, the name and the unit in that, and the unit's kind and size."""
 
     place: int
     text: str
@@ -47,17 +50,25 @@ class Header(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """What a user says of the columns: headers by the keys of ``KINDS``, and what voltages stand for."""
+    """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages."""
 
     headers: Mapping[str, str]
     sensitivities: Sequence[Sensitivity] = ()
 
 
-#: The column of every signal, and the size of its unit in SI units.
-Columns = dict[str, tuple[Header, float]]
+class Column(NamedTuple):
+    """Column of a signal: its header, the size of its unit in SI units, and the sensitivity of a voltage."""
+
+    header: Header
+    size: float
+    sensitivity: Sensitivity | None = None
 
 
-def headers_of(above: list[list[str]]) -> list[Header]:
+#: Columns by the keys of ``KINDS``.
+Columns = dict[str, Column]
+
+
+def _headers(above: list[list[str]]) -> list[Header]:
     """Read the header row, the last one of ``above``, and a row of units under it if there is one."""
     texts = above[-1]
     units = [text.strip("[]()") for text in texts]
@@ -78,7 +89,7 @@ def _split(text: str) -> tuple[str, str]:
             return name, match[2].strip()
         parts = name.rstrip(), match[2].strip()
         return parts if signal_unit(parts[1]) is None or _is_quotient(*parts) else (text, "")
-    if signal_unit(text):  # m / s is no m in s
+    if signal_unit(text):  # m / s is a unit
         return text, ""
     if (match := _IN.fullmatch(text)) and signal_unit(match[2].strip()):
         return match[1], match[2].strip()
@@ -87,18 +98,16 @@ def _split(text: str) -> tuple[str, str]:
 
 
 def _is_quotient(name: str, unit_text: str) -> bool:
-    """Whether a name over a unit is a signal over its unit: ``s/mm``, but neither ``N/mm`` nor ``Weg/s``."""
+    """Whether a text is the name of a signal over its unit, as ``s/mm``, unlike ``N/mm`` and ``Weg/s``."""
     unit = signal_unit(unit_text)
     if unit is None:
         return False
-    kinds = [kind for kind in _WORDS if _word_of(kind).fullmatch(name)]
-    if kinds:
-        return unit[0] in (*kinds, "voltage")
-    return signal_unit(name) is None
+    kinds = [kind for kind, word in _WORDS.items() if word.fullmatch(name)]
+    return unit[0] in (*kinds, "voltage") if kinds else signal_unit(name) is None
 
 
 def _unit_at_end(name: str) -> Unit | None:
-    """Find the unit that ends a name of vibro's own tables, such as ``velocity_mm_s``."""
+    """Return the unit at the end of a name in vibro's own tables, such as ``velocity_mm_s``."""
     words = name.split("_")
     for count in (2, 1):
         if len(words) > count and (unit := signal_unit("_".join(words[-count:]))):
@@ -106,36 +115,36 @@ def _unit_at_end(name: str) -> Unit | None:
     return None
 
 
-def choose(path: Path, headers: list[Header], wanted: Wanted) -> Columns:
+def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
     """Find the columns of the signals.
 
     Parameters
     ----------
     path : Path
-        For messages.
-    headers : list of Header
-        Of all columns.
+        Name of the file, for messages.
+    above : list of list of str
+        Rows above the first one of data; the last one is the header row, or a row of units under it.
     wanted : Wanted
-        If no signal of the body is named, every column whose unit is unambiguous is taken, and that no other
-        signal takes. Voltages and accelerations of the trough have to be named.
+        Columns that a user names. If no signal of the body is among them, every other column whose unit is
+        unambiguous is taken too. Voltages and accelerations of the trough must be named.
 
     Raises
     ------
     InputError
-        If a column is missing, ambiguous, without a unit, or named twice; if a voltage has no sensitivity, or
-        a sensitivity no voltage.
+        If a column is missing, ambiguous, without a unit, or named twice; if a voltage lacks a sensitivity,
+        or a sensitivity a voltage.
     """
+    headers = _headers(above)
     problems, hints, found = list[str](), list[str](), Columns()
+    # A user who names one signal wants no others; the time is always needed.
+    sought = ("time",) if any(role in wanted.headers for role in SIGNALS) else ("time", *SIGNALS)
     named = [role for role in KINDS if role in wanted.headers]
-    # A user who names one signal wants only the named ones; the time is needed in any case.
-    alone = any(role in wanted.headers for role in SIGNALS)
-    sought = [role for role in ("time", *SIGNALS) if role not in named and (role == "time" or not alone)]
-    for role in (*named, *sought):
+    for role in dict.fromkeys([*named, *sought]):
         try:
             if role in wanted.headers:
                 found[role] = _named(path, headers, role, wanted)
             else:
-                taken = {header.place for header, _ in found.values()}
+                taken = {column.header.place for column in found.values()}
                 found |= _detected(path, [h for h in headers if h.place not in taken], role)
         except InputError as exc:
             problems += exc.problems
@@ -149,30 +158,25 @@ def choose(path: Path, headers: list[Header], wanted: Wanted) -> Columns:
         hints.append(_name_one(headers, wanted))
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
-    _check_once(path, found)
-    _check_used(path, headers, found, wanted)
+    _check_use(path, headers, found, wanted)
     return {role: found[role] for role in KINDS if role in found}
 
 
-def _check_once(path: Path, columns: Columns) -> None:
-    """Refuse a column that is to be two signals."""
-    for header, _ in columns.values():
-        same = [role for role, (other, _) in columns.items() if other.place == header.place]
+def _check_use(path: Path, headers: list[Header], columns: Columns, wanted: Wanted) -> None:
+    """Refuse a column that is given as two signals, and a sensitivity that no voltage uses."""
+    for column in columns.values():
+        same = [role for role, other in columns.items() if other.header == column.header]
         if len(same) > 1:
             names = " and as ".join(role.replace("_", " ") for role in same)
-            raise InputError(f"{path}: column {shown(header.text)} is given as {names}")
-
-
-def _check_used(path: Path, headers: list[Header], columns: Columns, wanted: Wanted) -> None:
-    """Refuse a sensitivity that no column uses: the voltage that it is for is not read."""
+            raise InputError(f"{path}: column {shown(column.header.text)} is given as {names}")
+    used = [column.sensitivity for column in columns.values()]
     for sensitivity in wanted.sensitivities:
-        if any(sensitivity_of(role, header, wanted) == sensitivity for role, (header, _) in columns.items()):
-            continue
-        role, used = sensitivity.role or sensitivity.kind, {header.place for header, _ in columns.values()}
-        free = [h.text for h in _voltages(headers) if h.place not in used]
-        read = f"{path}: no column that is read as {role.replace('_', ' ')}"
-        hint = f'name the column: {option_of(role)} "{free[0]}"' if free else "leave it out"
-        raise InputError(f"{read} is a voltage for --sensitivity {sensitivity.text}", hint=hint)
+        if sensitivity not in used:
+            role, read = sensitivity.role or sensitivity.kind, [column.header for column in columns.values()]
+            free = [header.text for header in _voltages(headers) if header not in read]
+            hint = f'name the column: {option_of(role)} "{free[0]}"' if free else "leave it out"
+            said = f"{path}: no column that is read as {role.replace('_', ' ')}"
+            raise InputError(f"{said} is a voltage for --sensitivity {sensitivity.text}", hint=hint)
 
 
 def _voltages(headers: list[Header]) -> list[Header]:
@@ -180,36 +184,18 @@ def _voltages(headers: list[Header]) -> list[Header]:
 
 
 def _name_one(headers: list[Header], wanted: Wanted) -> str:
-    """Hint at how a signal is named: a voltage with what it stands for, if there is one."""
+    """Show how to name a signal, with a sensitivity if the table holds a voltage."""
     for header in _voltages(headers):
-        role = next((role for role in SIGNALS if _word_of(role).fullmatch(header.name)), "acceleration")
+        role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
         name = f'{option_of(role)} "{header.text}"'
         if any(sensitivity.serves(role) for sensitivity in wanted.sensitivities):
             return f"name the voltage: {name}"
-        return f"name one, and say what its voltage stands for: {name} --sensitivity {EXAMPLES[role]}"
+        return f"name one, and the sensitivity of its sensor: {name} --sensitivity {EXAMPLES[role]}"
     return 'name one, with its unit: --displacement "X [mm]"'
 
 
-def _word_of(role: str) -> re.Pattern[str]:
-    return re.compile(rf"(?:{_WORDS[role]})(?:[\W_\d].*)?", re.IGNORECASE)
-
-
-def _unit_of(role: str, header: Header, wanted: Wanted) -> Unit | None:
-    """Return the unit of a column: that of its header, else the one that the option gives."""
-    stated = _split(wanted.headers.get(role, "").strip())[1]
-    return signal_unit(stated) if stated and not header.stated else header.unit
-
-
-def sensitivity_of(role: str, header: Header, wanted: Wanted) -> Sensitivity | None:
-    """Find what the voltage in a column stands for: what is said of this column goes before its kind."""
-    unit = _unit_of(role, header, wanted)
-    if unit is None or unit[0] != "voltage":
-        return None
-    serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
-    return max(serving, key=lambda sensitivity: bool(sensitivity.role), default=None)
-
-
-def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tuple[Header, float]:
+def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> Column:
+    """Find the column that a user names; its unit is the one in its header, or else in the user's name."""
     key = wanted.headers[role].strip()
     name, unit_text = _split(key)
     found = (
@@ -227,20 +213,25 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tupl
         several = f"{path}: {len(found)} columns are called {shown(key)}"
         raise InputError(several, hint="give them different names in the file")
     (header,) = found
-    unit = _unit_of(role, header, wanted)
+    unit = signal_unit(unit_text) if unit_text and not header.stated else header.unit
     if unit is not None and unit[0] == kind:
-        return header, unit[1]
+        return Column(header, unit[1])
     said, example = f"{path}: column {shown(header.text)} for {option}", EXAMPLES.get(kind)
     if unit is not None and unit[0] == "voltage" and example:
-        sensitivity = sensitivity_of(role, header, wanted)
-        if sensitivity is not None:
-            return header, unit[1] * sensitivity.per_volt
-        what = "what its voltage stands for is not said"
-        for other in wanted.sensitivities:
-            if not any(map(other.serves, wanted.headers)):
-                what = f"--sensitivity {other.text} is a sensitivity of {other.kind}, one of {kind} is needed"
-                break
-        raise InputError(f"{said}: {what}", hint=f"give the sensor's sensitivity: --sensitivity {example}")
+        serving = [sensitivity for sensitivity in wanted.sensitivities if sensitivity.serves(role)]
+        if serving:
+            # A sensitivity of this column has priority over one of its kind.
+            sensitivity = max(serving, key=lambda sensitivity: bool(sensitivity.role))
+            return Column(header, unit[1] * sensitivity.per_volt, sensitivity)
+        what, hint = "the sensitivity of its sensor is missing", "give the sensor's sensitivity:"
+        idle = (s for s in wanted.sensitivities if not any(map(s.serves, wanted.headers)))
+        if (other := next(idle, None)) is not None:
+            what = f"--sensitivity {other.text} is a sensitivity of {other.kind}, one of {kind} is needed"
+            if other.kind == kind:
+                what = f"--sensitivity {other.text} is for {other.served}, for which no column is named"
+                hint = f"name that column too: {other.served} HEADER, and give this sensor's sensitivity:"
+                example = f"{option.removeprefix('--')}={example}"
+        raise InputError(f"{said}: {what}", hint=f"{hint} --sensitivity {example}")
     stated = unit_text or header.stated
     problem = f"{shown(stated)} is no unit of {kind}" if stated else "it has no unit"
     voltage = f", or mV and V with --sensitivity {example}" if example else ""
@@ -250,14 +241,13 @@ def _named(path: Path, headers: list[Header], role: str, wanted: Wanted) -> tupl
 
 
 def _detected(path: Path, headers: list[Header], role: str) -> Columns:
-    """Find the one column whose unit fits, or the one among several whose name does; or none."""
-    fitting = [(h, h.unit[1]) for h in headers if h.unit and h.unit[0] == role]
+    """Find the column whose unit fits, among several the one whose name fits; empty if there is none."""
+    fitting = [Column(h, h.unit[1]) for h in headers if h.unit and h.unit[0] == role]
     if len(fitting) > 1:
-        word = _word_of(role)
-        fitting = [(h, size) for h, size in fitting if word.fullmatch(h.name)] or fitting
+        fitting = [column for column in fitting if _WORDS[role].fullmatch(column.header.name)] or fitting
     if len(fitting) > 1:
-        several = f"{path}: {_list([h for h, _ in fitting])} could each be the {role}"
-        raise InputError(several, hint=f'choose: --{role} "{fitting[0][0].text}"')
+        several = f"{path}: {_list([column.header for column in fitting])} could each be the {role}"
+        raise InputError(several, hint=f'choose: --{role} "{fitting[0].header.text}"')
     return {role: fitting[0]} if fitting else {}
 
 

@@ -1,15 +1,15 @@
 """The least misfit of one pattern: Levenberg-Marquardt with geodesic acceleration, and steps along edges.
 
-A slide begins with a finite length where its load passes static friction, so that the misfit jumps from
-pattern to pattern, and its least value may lie on the edge of one, where no derivative vanishes. Inside a
-pattern the motion is smooth. A step that would leave it is replaced by one along the edge: one coordinate
-follows the edge, and the others move.
+A slide begins with a finite length where its load passes static friction: the misfit jumps from pattern to
+pattern, and its least value may lie on the edge of one, where no derivative vanishes. Inside a pattern the
+motion is smooth. A step that would leave it is replaced by one along the edge: one coordinate follows the
+edge, and the others move.
 
 References
 ----------
 Transtrum, M. K.; Sethna, J. P.: Improvements to the Levenberg-Marquardt algorithm for nonlinear
-least-squares minimization. arXiv:1201.5885 (2012). Here several dampings are tried at once, as many points
-take hardly longer than one.
+least-squares minimization. arXiv:1201.5885 (2012). Here several dampings are tried at once, because the
+residuals of many points take hardly longer than those of one.
 """
 
 from __future__ import annotations
@@ -27,8 +27,10 @@ __all__ = [
     "Minimum", "best_of", "error_covariance", "jacobian_at", "minimise", "move_to_edge", "nearest_inside",
 ]  # fmt: skip
 
-# Relative distances from a pattern at which it is looked for.
-_DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(TOL.nearest, TOL.farthest, TOL.distances)).ravel()
+_DISTANCES: Final = np.outer((1.0, -1.0), np.geomspace(*TOL.distances)).ravel()
+
+
+_Move = Callable[[Floats], Floats]
 
 
 class Minimum(NamedTuple):
@@ -40,7 +42,7 @@ class Minimum(NamedTuple):
 
 
 class _Linear(NamedTuple):
-    """Residuals at a point, shape (K,), their Jacobian, (K, free coordinates), and whether it is inside."""
+    """Residuals at a point, (K,), their Jacobian, (K, free coordinates), and whether the point is inside."""
 
     point: Floats
     inside: bool
@@ -51,20 +53,20 @@ class _Linear(NamedTuple):
 def minimise(
     problem: Problem, start: Minimum, enough: float, aim: float = np.inf, fixed: Sequence[int] = ()
 ) -> Minimum:
-    """Search for the least misfit of a pattern.
+    """Minimise the misfit within a pattern.
 
     Parameters
     ----------
     problem : Problem
         The residuals.
     start : Minimum
-        Where it begins; outside its pattern, with a sum of squares of inf, it stays.
+        First point; it is returned if it lies outside its pattern, with a sum of squares of inf.
     enough : float
         Decrease of the sum of squares below which the search ends.
     aim : float
-        A sum of squares that matters: a search that would not reach it with many more such steps ends.
+        Sum of squares to reach: a search that would need many more steps to reach it ends.
     fixed : sequence of int
-        Coordinates that stay.
+        Coordinates that keep their values.
     """
     best, free = start, [i for i in range(start.point.size) if i not in fixed]
     for _ in range(TOL.most_steps if np.isfinite(best.squares) else 0):
@@ -78,7 +80,7 @@ def minimise(
 
 
 def best_of(problem: Problem, label: str, points: Floats) -> Minimum:
-    """Return the point with the least misfit; its sum of squares is inf where none lies in the pattern."""
+    """Return the point of least misfit; its sum of squares is inf if no point lies in the pattern."""
     return _least(label, points, problem.residuals(label, points).squares)
 
 
@@ -87,17 +89,17 @@ def _least(label: str, points: Floats, squares: Floats) -> Minimum:
     return Minimum(label, points[place], float(squares[place]))
 
 
-def jacobian_at(problem: Problem, label: str, point: Floats) -> Floats:
-    """Differentiate the residuals, shape (K, P + 1); 0 without an effect."""
-    return _linear(problem, label, point, list(range(point.size))).jacobian
+def jacobian_at(problem: Problem, minimum: Minimum) -> Floats:
+    """Return the Jacobian of the residuals, (K, P + 1); 0 for coordinates without an effect."""
+    return _linear(problem, minimum, list(range(minimum.point.size))).jacobian
 
 
 def error_covariance(problem: Problem, minimum: Minimum) -> Floats:
-    """Covariance of the coordinates at a minimum, inside its pattern, shape (P + 1, P + 1).
+    """Return the covariance of the coordinates at a minimum, within its pattern, shape (P + 1, P + 1).
 
-    Coordinates without an effect have neither variance nor covariance.
+    Rows and columns of coordinates without an effect are 0.
     """
-    jacobian = jacobian_at(problem, minimum.label, minimum.point)
+    jacobian = jacobian_at(problem, minimum)
     sizes = np.linalg.norm(jacobian, axis=0)
     sizes = np.where(sizes > 0.0, sizes, np.inf)
     normed = jacobian / sizes
@@ -105,9 +107,10 @@ def error_covariance(problem: Problem, minimum: Minimum) -> Floats:
 
 
 def nearest_inside(problem: Problem, label: str, point: Floats, movable: Sequence[int]) -> Minimum | None:
-    """Move one coordinate of a point as little as needed to bring it into the pattern.
+    """Move one coordinate of a point to the nearest value inside the pattern.
 
-    Of several such coordinates the one with the least misfit moves; None if there is none.
+    Of the coordinates in ``movable`` the one that gives the least misfit moves. Returns None if none leads
+    into the pattern.
     """
     if problem.labels(point[None])[0] == label:
         return best_of(problem, label, point[None])
@@ -122,18 +125,18 @@ def nearest_inside(problem: Problem, label: str, point: Floats, movable: Sequenc
 
 
 def move_to_edge(problem: Problem, label: str, points: Floats, follower: int, reach: float) -> Floats:
-    """Move one coordinate of each point to the nearest edge where it leaves the pattern, just inside.
+    """Move one coordinate of each point to just inside the nearest edge of the pattern.
 
     Parameters
     ----------
     problem, label : Problem, str
         The residuals, and the pattern.
     points : array, shape (M, P + 1)
-        From which no edge lies within ``reach``, to either side, stay.
+        Points without an edge within ``reach``, to either side, keep their place.
     follower : int
         The coordinate.
     reach : float
-        Farthest distance; its sign tells on which side of the pattern the edge lies.
+        Largest distance; positive for an edge at greater values of the coordinate, negative at smaller ones.
     """
     low, high = np.full(points.shape[0], -reach), np.full(points.shape[0], reach)
     shares, rows = np.linspace(0.0, 1.0, TOL.edge_places), np.arange(points.shape[0])
@@ -156,19 +159,17 @@ def move_to_edge(problem: Problem, label: str, points: Floats, follower: int, re
 
 
 def _linear(
-    problem: Problem,
-    label: str,
-    point: Floats,
-    free: list[int],
-    step: float = TOL.step,
-    bring: Callable[[Floats], Floats] = np.copy,
+    problem: Problem, at: Minimum, free: list[int], step: float = TOL.step, move: _Move = np.copy
 ) -> _Linear:
-    """Take differences: central, one-sided at an edge, none in a corner; ``bring`` moves points to one."""
-    sizes = step * problem.scale(point)[free]
-    moved = np.zeros((len(free), point.size))
+    """Differentiate the residuals: central differences, one-sided at an edge, 0 in a corner.
+
+    ``move`` moves the points before, for example to an edge.
+    """
+    sizes = step * problem.scale(at.point)[free]
+    moved = np.zeros((len(free), at.point.size))
     moved[range(len(free)), free] = sizes
-    points = bring(np.concatenate([point[None], point + moved, point - moved]))
-    inside, values = problem.residuals(label, points)
+    points = move(np.concatenate([at.point[None], at.point + moved, at.point - moved]))
+    inside, values = problem.residuals(at.label, points)
     ahead, behind = inside[1:].reshape(2, -1)
     upper, lower = values[1:].reshape(2, len(free), -1)
     change = np.where(ahead[:, None], upper, values[0]) - np.where(behind[:, None], lower, values[0])
@@ -179,9 +180,9 @@ def _linear(
 
 
 def _damped_steps(residual: Floats, jacobian: Floats, dampings: tuple[float, ...] = TOL.dampings) -> Floats:
-    """Damped steps, shape (dampings, columns); 0 in coordinates without an effect.
+    """Return a step for each damping, shape (dampings, columns); 0 in coordinates without an effect.
 
-    Residuals are of shape (K,), or (dampings, K).
+    The residuals have the shape (K,), or (dampings, K).
     """
     sizes = np.linalg.norm(jacobian, axis=0)
     acting = sizes > 0.0
@@ -195,7 +196,8 @@ def _damped_steps(residual: Floats, jacobian: Floats, dampings: tuple[float, ...
 
 
 def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) -> Minimum:
-    linear = _linear(problem, at.label, at.point, free)
+    """Return the best point of one step: damped, accelerated in a curved valley, or along an edge."""
+    linear = _linear(problem, at, free)
     steps = _damped_steps(linear.residual, linear.jacobian)
     points = _moved(at.point, free, steps)
     tried = problem.residuals(at.label, points)
@@ -216,18 +218,18 @@ def _best_step(problem: Problem, at: Minimum, free: list[int], enough: float) ->
 
 
 def _moved(point: Floats, free: list[int], steps: Floats) -> Floats:
-    """Points at steps of the free coordinates."""
+    """Return a point moved by each of several steps of its free coordinates."""
     points = np.repeat(point[None], steps.shape[0], axis=0)
     points[:, free] += steps
     return points
 
 
 def _accelerated_step(problem: Problem, at: Minimum, free: list[int], linear: _Linear) -> Minimum:
-    """Best of lightly damped steps with their geodesic acceleration.
+    """Return the best of lightly damped steps with their geodesic acceleration.
 
-    Amplitudes and phase of an ellipse can make up for each other: the valley of the misfit is narrow and
-    bends, so that straight steps leave it soon, and are short. Each step is the velocity of a geodesic; the
-    second derivative of the residuals along it gives the acceleration, by the same damped equations.
+    Amplitudes and phase of an ellipse can compensate each other: the valley of the misfit is narrow and
+    curved, and straight steps inside it are short. Each step is the velocity of a geodesic; the second
+    derivative of the residuals along it gives the acceleration, by the same damped equations.
     """
     h, dampings = TOL.acceleration_step, TOL.light_dampings
     velocity = _damped_steps(linear.residual, linear.jacobian, dampings)
@@ -241,15 +243,15 @@ def _accelerated_step(problem: Problem, at: Minimum, free: list[int], linear: _L
 def _step_along_edge(
     problem: Problem, at: Minimum, free: list[int], follower: int, step: float
 ) -> Minimum | None:
-    """One step along the edge that bounds a coordinate, the follower, on the side of ``step``."""
+    """Step along the edge that bounds a coordinate, the follower, on the side of ``step``."""
     size = float(problem.scale(at.point)[follower])
     reach = float(np.copysign(np.clip(2.0 * abs(step), TOL.edge_step * size, size), step))
 
-    def bring(points: Floats) -> Floats:
+    def to_edge(points: Floats) -> Floats:
         return move_to_edge(problem, at.label, points, follower, reach)
 
-    linear = _linear(problem, at.label, at.point, free, TOL.edge_step, bring)
+    linear = _linear(problem, at, free, TOL.edge_step, to_edge)
     if not linear.inside:
         return None
-    trials = bring(_moved(linear.point, free, _damped_steps(linear.residual, linear.jacobian)))
+    trials = to_edge(_moved(linear.point, free, _damped_steps(linear.residual, linear.jacobian)))
     return best_of(problem, at.label, np.concatenate([linear.point[None], trials]))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from vibro.errors import FileError, InputError, cut, shown
 from vibro.files.nearby import suggestion
 from vibro.records.folding import Floats
-from vibro.records.headers import Columns, Header, Wanted, choose, headers_of, sensitivity_of
+from vibro.records.headers import Columns, Header, Wanted, columns_of
 from vibro.records.signals import SIGNALS, TROUGH, Sensitivity
 from vibro.records.tolerances import TOL
 
@@ -26,9 +26,9 @@ __all__ = ["Record", "read_record"]
 
 Flags = NDArray[np.bool_]
 
-# Possessive, so that a long cell takes no longer than its length asks for.
+# Possessive quantifiers: the time for a cell is proportional to its length.
 _NUMBER: Final = re.compile(r"[+-]?+(?:\d++[.,]?+\d*+|[.,]\d++)(?:[eE][+-]?+\d++)?+")
-# What programs write where there is no number: where nothing was measured, and where something went wrong.
+# What programs write instead of a number: without a value, and after an error.
 _NO_VALUE: Final = re.compile(r"[+-]?nan|#?n/?a|null|none|[-?*]+", re.IGNORECASE)
 _WRONG: Final = re.compile(r"[+-]?inf(inity)?|error|overflow|#.*", re.IGNORECASE)
 _SEPARATORS: Final = {";": "semicolon", "\t": "tab", ",": "comma"}
@@ -44,16 +44,16 @@ class Record:
     time : float array
         Strictly ascending [s].
     signals : mapping of str to float array
-        By a name of ``SIGNALS``: relative displacement [m], velocity [m/s], acceleration [m/s^2] and
-        friction [N], of the length of ``time``.
+        Relative displacement [m], velocity [m/s], acceleration [m/s^2] and friction [N] at these times, by
+        their names in ``SIGNALS``.
     trough : mapping of str to float array
-        By a name of ``TROUGH``: accelerations of the trough [m/s^2], of the same length.
+        Accelerations of the trough [m/s^2] at these times, by their names in ``TROUGH``.
     headers : mapping of str to str
         The columns' headers in the file, by the same names and ``"time"``.
     sensitivities : mapping of str to str
-        Of the columns that are voltages, as typed, by the same names.
+        Sensitivities of the columns that are voltages, as typed, by the same names.
     notes : tuple of str
-        How the file was read, to be shown to the user.
+        How the file was read, for the user.
     """
 
     time: Floats
@@ -65,26 +65,20 @@ class Record:
 
 
 class _Table(NamedTuple):
-    """A parsed file: the rows of data, each with its number in the file."""
+    """A parsed file: the rows of data, each with its number in the file, and as wide as the header row."""
 
     path: Path
     rows: list[tuple[int, list[str]]]
     decimal_comma: bool
     separator: str
 
-    def cell(self, row: int, header: Header) -> str:
-        """Text of a cell; empty where the row is too short."""
-        cells = self.rows[row][1]
-        return cells[header.place] if header.place < len(cells) else ""
-
     def numbers(self, header: Header, unit: float) -> Floats:
-        """Read a column, in SI units; NaN where a cell holds no value."""
+        """Read a column in SI units; NaN for cells without a value."""
         values = np.full(len(self.rows), np.nan)
         bad = np.zeros(values.size, np.bool_)
-        for i in range(values.size):
-            cell = self.cell(i, header)
-            commas = "," in cell
-            if _NUMBER.fullmatch(cell) and commas <= self.decimal_comma and not (commas and "." in cell):
+        for i, (_, cells) in enumerate(self.rows):
+            cell = cells[header.place]
+            if _NUMBER.fullmatch(cell) and ("," in cell) <= self.decimal_comma:
                 values[i] = float(cell.replace(",", ".")) * unit
                 bad[i] = not abs(values[i]) <= TOL.largest
             else:
@@ -94,14 +88,14 @@ class _Table(NamedTuple):
         return values
 
     def named(self, header: Header, bad: Flags, values: Floats, most: float = math.nan) -> list[str]:
-        """Name the first bad cells of a column, and count the others; a cell with a value is too large."""
+        """Describe the first bad cells of a column, and count the others; one with a value is too large."""
         problems, places, column = [], np.flatnonzero(bad).tolist(), f"column {shown(header.text)}"
         for i in places[: TOL.cells_named]:
-            cell = self.cell(i, header)
+            row, cell = self.rows[i][0], self.rows[i][1][header.place]
             what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
             if not math.isnan(values[i]):
                 what = f"{cut(cell)} is too large to compute with, at most {most:g} is allowed"
-            problems.append(f"{self.path}: row {self.rows[i][0]}, {column}: {what}")
+            problems.append(f"{self.path}: row {row}, {column}: {what}")
         if len(places) > TOL.cells_named:
             problems.append(f"{self.path}: {column}: {len(places) - TOL.cells_named} more such cells")
         return problems
@@ -122,12 +116,12 @@ def read_record(
         brackets, may be left out; if the file has none, the one given here is used. If no signal of the body
         is named, every column whose unit is unambiguous is read.
     sensitivities : sequence of Sensitivity
-        What voltages stand for.
+        Sensitivities of the sensors whose voltages the file holds.
 
     Returns
     -------
     Record
-        In SI units, without the few rows in which a cell that is used holds no value.
+        The columns in SI units, without the few rows in which a cell of them holds no value.
 
     Raises
     ------
@@ -138,26 +132,24 @@ def read_record(
         the time has gaps, repeats or goes back. Row and column are named.
     """
     text, notes = _decode(path)
-    wanted = Wanted(columns or {}, sensitivities)
-    table, chosen = _take_apart(path, text, wanted)
+    table, chosen = _take_apart(path, text, Wanted(columns or {}, sensitivities))
     if table.separator != "," or table.decimal_comma:
         decimals = ", decimal commas" if table.decimal_comma else ""
         notes.append(f"{path.name}: separated by {_SEPARATORS[table.separator]}s{decimals}")
-    values = {role: table.numbers(header, unit) for role, (header, unit) in chosen.items()}
-    kept = _with_values(table, {chosen[role][0]: column for role, column in values.items()})
+    values = {role: table.numbers(column.header, column.size) for role, column in chosen.items()}
+    kept = _with_values(table, {chosen[role].header: column for role, column in values.items()})
     values = {role: column[kept] for role, column in values.items()}
-    _check_time(table, chosen["time"][0], values["time"], np.flatnonzero(kept))
+    _check_time(table, chosen["time"].header, values["time"], np.flatnonzero(kept))
     if not kept.all():
         rows = [table.rows[i][0] for i in np.flatnonzero(~kept)]
         more = f" and {len(rows) - TOL.cells_named} more" if len(rows) > TOL.cells_named else ""
         named = f"row{'s' if len(rows) > 1 else ''} {', '.join(map(str, rows[: TOL.cells_named]))}{more}"
         notes.append(f"{path.name}: {len(rows)} of {kept.size} rows lack a value and are skipped: {named}")
-    used = {role: sensitivity_of(role, header, wanted) for role, (header, _) in chosen.items()}
-    texts = {role: sensitivity.text for role, sensitivity in used.items() if sensitivity}
-    for role, (header, _) in chosen.items():
+    texts = {role: column.sensitivity.text for role, column in chosen.items() if column.sensitivity}
+    headers = {role: column.header.text for role, column in chosen.items()}
+    for role, header in headers.items():
         at = f" at {texts[role]}" if role in texts else ""
-        notes.append(f"{role.replace('_', ' ')}: column {shown(header.text)}{at}")
-    headers = {role: header.text for role, (header, _) in chosen.items()}
+        notes.append(f"{role.replace('_', ' ')}: column {shown(header)}{at}")
     signals = {role: x for role, x in values.items() if role in SIGNALS}
     trough = {role: x for role, x in values.items() if role in TROUGH}
     return Record(values["time"], signals, trough, headers, texts, tuple(notes))
@@ -180,12 +172,12 @@ def _decode(path: Path) -> tuple[str, list[str]]:
         return data.decode("utf-8-sig"), []
     except UnicodeDecodeError:
         # Older spreadsheets write micro and degree signs in this code page. A byte that it does not define
-        # cannot be part of a unit, so any character may replace it.
+        # cannot be part of a unit: replace it.
         return data.decode("cp1252", errors="replace"), [f"{path.name}: not UTF-8, read as Windows-1252"]
 
 
 def _rows(text: str, separator: str) -> Iterable[tuple[int, list[str]]]:
-    """Cells of every line that has any, with the line's number as editors and spreadsheets count."""
+    """Split lines into cells, without blank lines; number them as editors and spreadsheets do."""
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     for cells in reader:
         stripped = [cell.strip() for cell in cells]
@@ -194,7 +186,7 @@ def _rows(text: str, separator: str) -> Iterable[tuple[int, list[str]]]:
 
 
 def _first_data(rows: Sequence[tuple[int, list[str]]]) -> int | None:
-    """Index of the first row with at least as many numbers as most rows have."""
+    """Return the index of the first row with at least as many numbers as most rows have."""
     looked_at = [cells for _, cells in rows[: TOL.looked_at]]
     counts = [sum(_NUMBER.fullmatch(cell) is not None for cell in cells) for cells in looked_at]
     usual = Counter(count for count in counts if count > 1).most_common(1)
@@ -224,18 +216,19 @@ def _take_apart(path: Path, text: str, wanted: Wanted) -> tuple[_Table, Columns]
         if any(cells[width:]):
             wide = f"{path}: row {row} has {len(cells)} cells, the header row {width}"
             raise InputError(wide, hint="decimal commas need semicolons between the cells")
+        cells += [""] * (width - len(cells))
     return _Table(path, data, comma, separator), chosen
 
 
 def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int, Columns]:
-    """Find the row that names the columns, above the first row that is all numbers.
+    """Find the row that names the columns, above the first row of numbers.
 
-    The lowest row may be one of data in which a cell is bad. It is no header then: it lacks the columns, and
-    holds a number, or what stands for one.
+    The lowest row may be data with a bad cell. It is no header if it does not name the columns, and holds a
+    number or a text instead of one: try the row above it.
     """
     *higher, lowest = above
     try:
-        return len(higher), choose(path, headers_of(above), wanted)
+        return len(higher), columns_of(path, above, wanted)
     except InputError:
         patterns = (_NUMBER, _NO_VALUE, _WRONG)
         if not higher or not any(p.fullmatch(cell) for cell in lowest for p in patterns):
@@ -244,7 +237,7 @@ def _header_row(path: Path, above: list[list[str]], wanted: Wanted) -> tuple[int
 
 
 def _with_values(table: _Table, columns: Mapping[Header, Floats]) -> Flags:
-    """Tell which rows hold a value in every column; refuse a table in which too many do not."""
+    """Return which rows hold a value in every column; refuse a table in which too many do not."""
     kept = np.asarray(~np.isnan(list(columns.values())).any(axis=0))
     count = int(np.count_nonzero(~kept))
     if count > TOL.skipped * kept.size:
@@ -256,7 +249,7 @@ def _with_values(table: _Table, columns: Mapping[Header, Floats]) -> Flags:
 
 
 def _check_time(table: _Table, header: Header, time: Floats, kept: NDArray[np.intp]) -> None:
-    """Refuse a time that repeats, goes back or jumps; ``kept`` are the places of its rows in the table."""
+    """Refuse a time that repeats, goes back or jumps; ``kept`` holds the places of its rows in the table."""
     steps = np.diff(time)
     usual = float(np.median(steps)) if steps.size else 0.0
     for bad, what, hint in (
@@ -272,5 +265,6 @@ def _check_time(table: _Table, header: Header, time: Floats, kept: NDArray[np.in
             more = f"; {places.size - 1} more such rows" if places.size > 1 else ""
             said = f"time {what} {now:.9g} s" + (f" after {before:.9g} s" if now != before else "")
             skipped = int(kept[i] - kept[i - 1]) - 1
-            between = f", as the {skipped} rows before it lack a value" if skipped else ""
+            lost = "row before it lacks" if skipped == 1 else f"{skipped} rows before it lack"
+            between = f", as the {lost} a value" if skipped else ""
             raise InputError(f"{where}: {said}, usual steps are {usual:.3g} s{between}{more}", hint=hint)

@@ -1,4 +1,4 @@
-"""The signals that a record may hold, their units, how programs spell these, and what voltages stand for."""
+"""Signals of a record: their names, their units as programs spell them, the sensitivities of voltages."""
 
 from __future__ import annotations
 
@@ -16,23 +16,21 @@ __all__ = [
     "read_sensitivities", "rounded", "signal_unit",
 ]  # fmt: skip
 
-#: What a unit measures, a key of ``SIGNAL_UNITS``, and its size in SI units.
+#: Kind of a unit, a key of ``SIGNAL_UNITS``, and its size in SI units.
 Unit = tuple[str, float]
-#: Signals of the body that a record may hold in addition to its time; each name is also the kind of its unit.
+#: Signals of the body that a record may hold; each name is also the kind of its unit.
 SIGNALS: Final = ("displacement", "velocity", "acceleration", "force")
-#: Accelerations of the trough that it may hold: along its surface, and normal to it.
+#: Accelerations of the trough that it may hold: along the trough's surface, and normal to it.
 TROUGH: Final = ("trough_along", "trough_normal")
-#: What each column is measured in.
-KINDS: Final[Mapping[str, str]] = dict(
-    zip(("time", *SIGNALS, *TROUGH), ("time", *SIGNALS, "acceleration", "acceleration"), strict=True)
-)
+#: Kind of unit of each column.
+KINDS: Final[Mapping[str, str]] = {r: r for r in ("time", *SIGNALS)} | dict.fromkeys(TROUGH, "acceleration")
 
 
 def _per_time(suffix: str) -> dict[str, float]:
     return {f"{unit}{suffix}": float(size / 1000) for unit, size in LENGTH.sizes.items()}
 
 
-# What a measured signal may be given in, and its size in SI units; the first one is the one of tables.
+# Units of each kind, and their sizes in SI units; hints use the first one.
 SIGNAL_UNITS: Final[Mapping[str, Mapping[str, float]]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\u00b5s": 1e-6, "min": 60.0},
     "displacement": _per_time(""),
@@ -46,7 +44,7 @@ _BY_NAME: Final = {
     for kind, sizes in SIGNAL_UNITS.items()
     for unit, size in sizes.items()
 }
-# How programs spell the same: MATLAB, SolidWorks and the column names of vibro.
+# Spellings of MATLAB, SolidWorks and the column names of vibro.
 _SPELLINGS: Final = (
     (r"seconds?|sec", "s"),
     (r"newtons?", "n"),
@@ -58,17 +56,17 @@ _SPELLINGS: Final = (
 
 
 def signal_unit(text: str) -> Unit | None:
-    """Find what a unit measures.
+    """Return the kind and the size of a unit.
 
     Parameters
     ----------
     text : str
-        Such as ``mm``, ``mm/sec**2``, ``m_s2``, ``newton`` or ``mV``.
+        A unit such as ``mm``, ``mm/sec**2``, ``m_s2``, ``newton`` or ``mV``.
 
     Returns
     -------
     Unit or None
-        None where the text is no unit of a signal.
+        None if the text is no unit of a signal.
     """
     if text == "v":  # a velocity's name, not a volt
         return None
@@ -79,12 +77,12 @@ def signal_unit(text: str) -> Unit | None:
 
 
 def doubt(sensitivity: str) -> str:
-    """Ask for what makes a signal far too large or small: its sensitivity, if it has one, else its unit."""
+    """Question the sensitivity of a signal of the wrong size, or its unit if it has no sensitivity."""
     return f"is its sensitivity {sensitivity} right?" if sensitivity else "is its unit right?"
 
 
 def rounded(ratio: float) -> str:
-    """Write a ratio to two digits, as 1000 and not as 1e+03."""
+    """Write a ratio to two digits, such as 1000, not 1e+03."""
     return f"{float(f'{ratio:.2g}'):g}"
 
 
@@ -93,11 +91,11 @@ def _a(kind: str) -> str:
 
 
 def option_of(role: str) -> str:
-    """Name the option that gives the column of a signal."""
+    """Return the option that names the column of a signal."""
     return "--" + role.replace("_", "-")
 
 
-#: Of each kind of signal a sensitivity as people write it.
+#: A usual sensitivity for each kind of signal.
 EXAMPLES: Final[Mapping[str, str]] = {
     "displacement": "2V/mm",
     "velocity": "20mV/mm/s",
@@ -107,18 +105,18 @@ EXAMPLES: Final[Mapping[str, str]] = {
 
 
 class Sensitivity(NamedTuple):
-    """What a voltage stands for.
+    """Sensitivity of a sensor whose voltage is in a record.
 
     Attributes
     ----------
     text : str
-        As typed.
+        The sensitivity as typed.
     role : str
-        The column that it is for, a key of ``KINDS``; empty for every voltage of its kind.
+        Column that it is for, a key of ``KINDS``; empty for every voltage of its kind.
     kind : str
-        What the sensor measures: a key of ``SIGNAL_UNITS``.
+        Kind of unit that the sensor measures, a key of ``SIGNAL_UNITS``.
     per_volt : float
-        What one volt stands for, in the SI unit of the kind; negative for a sensor that points the other way.
+        Value of one volt, in the SI unit of the kind; negative for a sensor that points the other way.
     """
 
     text: str
@@ -128,35 +126,35 @@ class Sensitivity(NamedTuple):
 
     @property
     def served(self) -> str:
-        """The option of the column that it is for, or the kind of signal in words."""
+        """Option of the column that it is for, or the kind of signal in words."""
         return option_of(self.role) if self.role else _a(self.kind)
 
     def serves(self, role: str) -> bool:
-        """Whether it is for the column of a signal, if that is a voltage."""
+        """Whether it applies to a voltage in the column of a signal."""
         return self.role == role if self.role else self.kind == KINDS[role]
 
 
-# Possessive, so that the time of a refusal grows with the length of a text and not with its square.
-_SENSITIVITY: Final = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d].*|\(.*)")
-_NOT_FINITE: Final = re.compile(r"[+-]?(?:nan|inf)", re.IGNORECASE)
+# Possessive quantifiers: the time for a text is proportional to its length, not to the square of it.
+_NUMBER: Final = r"[+-]?+(?:(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+|(?i:nan|inf))"
+_SENSITIVITY: Final = re.compile(rf"({_NUMBER})\s*+([^\W\d].*|\(.*)")
 _DECIMAL_COMMA: Final = re.compile(r"([+-]?\d{1,20}),(\d.{0,20})")
 _HINT: Final = f"write it like {', '.join(EXAMPLES.values())} or 125mm/s/V"
 
 
 def read_sensitivities(texts: Sequence[str]) -> tuple[Sensitivity, ...]:
-    """Read the sensitivities of sensors, of which the record holds voltages.
+    """Read the sensitivities of sensors whose voltages a record holds.
 
     Parameters
     ----------
     texts : sequence of str
-        Such as ``100mV/g``, ``-10.2 mV/(m/s²)`` or ``2mm/V``: its unit says which kind of signal it serves.
-        ``trough-along=101.3mV/g`` serves that column alone.
+        Sensitivities such as ``100mV/g``, ``-10.2 mV/(m/s²)`` or ``2mm/V``: the unit gives the kind of signal
+        that each applies to. ``trough-along=101.3mV/g`` applies to that column alone.
 
     Raises
     ------
     InputError
-        If one is no sensitivity, is 0, not finite, or of no size that could be computed with; or if two of
-        them serve the same.
+        If one is no sensitivity, is 0, not finite or beyond 1e-20 to 1e20 in SI units; or if two apply to the
+        same column or kind.
     """
     found: list[Sensitivity] = []
     for text in texts:
@@ -181,9 +179,8 @@ def _sensitivity(text: str) -> Sensitivity:
     match = _SENSITIVITY.fullmatch(value)
     if match is None:
         comma = _DECIMAL_COMMA.fullmatch(value)
-        what = "must be finite and not 0" if _NOT_FINITE.match(value) else "not a number with a unit"
         hint = f"write a decimal point: {comma[1]}.{comma[2]}" if comma and comma[2].isprintable() else _HINT
-        raise InputError(f"{said}: {what}", hint=hint)
+        raise InputError(f"{said}: not a number with a unit", hint=hint)
     number, unit_text = float(match[1]), match[2].strip()
     unit = _unit(unit_text)
     if unit is None:
@@ -201,9 +198,10 @@ def _sensitivity(text: str) -> Sensitivity:
 
 
 def _unit(text: str) -> tuple[str, float, bool] | None:
-    """Read ``mV/g``, or the other way round ``mm/V``.
+    """Read the unit of a sensitivity: ``mV/g``, or inverse ``mm/V``.
 
-    Returns the kind, the SI units of it in a volt for a number of 1, and whether it is the other way round.
+    Returns the kind of signal, the size of its unit over that of the voltage, both in SI units, and whether
+    it is inverse.
     """
     plain = re.sub(r"\s+(?:per|pro)\s+", "/", text)
     volt, _, measured = plain.partition("/")

@@ -1,4 +1,4 @@
-"""The numbers that decide in this room: each with its unit, and its reason."""
+"""Limits, steps and thresholds of the analysis of records, each with its unit and reason."""
 
 from __future__ import annotations
 
@@ -10,144 +10,144 @@ __all__ = ["TOL", "Tolerances"]
 
 
 class Tolerances(NamedTuple):
-    """Limits, steps and thresholds; a share or a factor where no unit is given."""
+    """Limits, steps and thresholds; shares or factors if no unit is given."""
 
-    # --- what is read ---------------------------------------------------------------------------------
-    # Most that a record, or a scene beside it, may hold of anything [SI]. Up to the fourth power of it is
-    # summed over the rows, which must stay far below the largest double, and nothing measured comes near it.
+    # --- reading --------------------------------------------------------------------------------------
+    # Largest value in a record, or in a scene that is compared with one [SI]; the smallest in a scene is its
+    # inverse. Fourth powers are summed over the rows and must stay far below the largest double.
     largest: float = 1e20
-    # Times by which a size is off, either way, before its unit is doubted: less than 10, as a sensitivity
-    # that is wrong by 10 and a motion that is a little smaller than computed go together.
+    # Ratio of measured and computed size, either way, from which a unit is doubted: less than 10, as a
+    # sensitivity may be wrong by 10 and the motion a little smaller than computed.
     far_off: float = 7.0
-    looked_at: int = 300  # rows from which separator and header are found
-    gap: float = 3.5  # usual steps of the time: in a longer one two rows may be missing, however rounded
-    skipped: float = 0.05  # of the rows may hold no value
+    looked_at: int = 300  # rows in which separator and header are searched
+    gap: float = 3.5  # usual steps of the time in one step: two missing rows and the rounding of times
+    skipped: float = 0.05  # largest share of rows without a value
     cells_named: int = 5  # bad cells of a column, or rows, that a message names
     headers_named: int = 12  # headers that a message names
 
     # --- harmonic regression --------------------------------------------------------------------------
-    least_cycles: float = 2.0  # in the record, of any wave
-    least_samples: int = 8  # in a drive cycle
+    # Relative: times are rounded when they are written. Cycles and samples may fall short of a whole number
+    # by as much, or 40 samples a cycle would resolve 17 or 18 harmonics depending on the last digit.
+    printed: float = 1e-6
+    least_cycles: float = 2.0  # cycles of any wave in the record
+    least_samples: int = 8  # samples a drive cycle
     # The velocity of a slide has kinks, whose harmonics fall off quadratically: more of them add nothing.
     most_harmonics: int = 24
-    of_nyquist: float = 0.9  # evenly spaced samples cannot resolve a harmonic at half their rate: stay below
-    # Times the power that noise alone leaves in a harmonic; noise exceeds that in 3 of 10 000 harmonics.
+    of_nyquist: float = 0.9  # of half the sampling rate, at which a harmonic cannot be resolved
+    # Power of a harmonic over the mean power of noise in it; noise exceeds this in 3 of 10 000 harmonics.
     significant: float = 8.0
 
     # --- frequency of a record ------------------------------------------------------------------------
     coarsest: float = 4.0  # samples in a cycle of the largest wave
-    explained_up_to: float = 8.0  # times the frequency of the largest wave
+    explained_up_to: float = 8.0  # highest harmonic over the frequency of the largest wave
     padding: int = 4  # of the spectrum, so that its peaks lie within an eighth of 1/T
-    near_peak: float = 0.6  # of 1/T: how far the best frequency may lie from the peak
-    curvature_step: float = 0.02  # of 1/T: over it the end of the record turns by 3.6 deg
-    lowest_fraction: int = 6  # the largest wave may be up to this harmonic
-    rounded: float = 1e-6  # of a signal's largest value: less than that beside its trend is rounding
-    # Of a power: a ridge that moves nothing, and the least that is left unexplained. Of the drive's own
-    # motion: a residual counts as at least this. Relative, of a step: no shorter one is tried.
+    near_peak: float = 0.6  # [1/T] largest distance of the best frequency from the peak
+    curvature_step: float = 0.02  # [1/T] the phase at the end of the record changes by 3.6 deg
+    lowest_fraction: int = 6  # highest harmonic that may be the largest wave
+    rounded: float = 1e-6  # of a signal's largest value: smaller deviations from its trend are rounding
+    # Of a power: the ridge of a regression, and the least residual. Of the amplitude of the drive: the least
+    # standard deviation of a residual. Of a quantity: the least step.
     rounding: float = 1e-12
-    # Log-likelihood to be gained: 5 sigma, besides the logarithm of the number of frequencies tried.
+    # Gain of the log-likelihood: 5 sigma, besides the logarithm of the number of frequencies that are tried.
     clear: float = 12.5
-    own_wave: float = 0.1  # of the power of the largest wave: a lower one has it if that is its harmonic
-    least_share: float = 0.3  # of a signal's power that must repeat, for a frequency to be claimed
-    most_share: float = 0.8  # of it that is no noise,
-    many_cycles: float = 5.0  # if it repeats for so many of them
-    missing: float = 0.05  # of the power: with less, a wave counts as missing
+    own_wave: float = 0.1  # least power of a fundamental over that of the largest wave
+    least_share: float = 0.3  # of a signal's power that a frequency must explain
+    most_share: float = 0.8  # of a signal's power: noise explains less,
+    many_cycles: float = 5.0  # if there are so many cycles
+    missing: float = 0.05  # of the power: a wave with less counts as missing
     drifted: float = 0.05  # cycles by which drive and data may drift apart over the record
-    sigmas: float = 4.0  # between two frequencies, or clocks: less is no difference
-    most_cycles: int = 8  # of the drive, after which a body that hops may repeat its motion
+    sigmas: float = 4.0  # standard errors by which two frequencies, or clocks, differ at least
+    most_cycles: int = 8  # drive cycles after which a body that hops may repeat its motion
 
     # --- alignment ------------------------------------------------------------------------------------
-    shifts: int = 512  # in a cycle, that the search starts from
-    # Of the signal: a misfit counts as at least this. One that fits exactly would outweigh all others.
+    shifts: int = 512  # shifts in a cycle at which the search begins
+    # Least misfit of a signal over its size. A signal that fits exactly would outweigh all others.
     least_misfit: float = 1e-9
-    # Spread of the log-likelihoods per sample below which all positions in the cycle fit equally well.
+    # Range of the log-likelihoods per sample below which all positions in the cycle fit equally well.
     flat: float = 1e-3
-    # Long records are searched in part: errors are far below the sample time with so many rows,
+    # Only the middle of long records is searched: errors are far below the sample time with so many rows,
     searched_rows: int = 6000
     searched_cycles: float = 4.0  # and at least so many cycles
-    searched: float = 0.05  # of a cycle to each side of the rough result,
+    searched: float = 0.05  # [cycles] to each side of the rough result,
     searched_steps: int = 41  # in so many steps
-    # Standard errors within which a wave is none, a line no ellipse, and a second position fits as well.
+    # Standard errors above which a wave stands out, an ellipse is no line, and a rival position does not fit.
     likely_sigmas: float = 3.0
 
     # --- accelerations of the trough ------------------------------------------------------------------
-    few_harmonics: float = 0.1  # of the fundamental's root mean square: less is told, and not warned of
-    much_rest: float = 0.3  # of the same: what else may be left
-    channel_phase: float = 2.0  # [deg] between two channels that is theirs, and no ellipse
-    digits: int = 2  # below the first one of the error that are written
-    wave_rounding: float = 1e-24  # of the power of a signal: a wave counts as at least this
-    usual_acceleration: float = 50.0  # [m/s^2] of a wave: hardly a conveyor vibrates with more
-    # Of a motion: a component below it has no phase that would matter, and cannot be scaled up to all of it.
+    few_harmonics: float = 0.1  # root mean square of harmonics over the fundamental's: warn of more
+    much_rest: float = 0.3  # the same of the residual
+    channel_phase: float = 2.0  # [deg] phase that two channels may add, so that a line seems an ellipse
+    digits: int = 2  # digits that are written below the first one of the error
+    usual_acceleration: float = 50.0  # [m/s^2] conveyors hardly vibrate with more
+    # Of a motion: the phase of a smaller component does not matter, and the motion cannot be scaled from it.
     least_component: float = 1e-3
 
     # --- comparison -----------------------------------------------------------------------------------
-    slide_level: float = 0.1  # of a slide's computed peak speed: marks its start and end
+    slide_level: float = 0.1  # of a slide's computed peak speed, at its start and end
     fine: int = 4096  # points a cycle at which folded signals are searched
     curve: int = 1001  # points of a smooth curve
-    proposed: float = 0.01  # cycles by which a frequency that is proposed may drift from the data
-    clocks_apart: float = 0.02  # of a cycle, between the clocks of trough and body: less is no difference
-    inverted: float = 0.06  # of a cycle: as near to half of one
+    proposed: float = 0.01  # [cycles] drift of a proposed frequency from the data over the record
+    clocks_apart: float = 0.02  # [cycles] least difference of the clocks of trough and body to warn of
+    inverted: float = 0.06  # [cycles] distance of that from half a cycle if a sensor is inverted
 
     # --- residuals of a fit ---------------------------------------------------------------------------
     jump_window: float = 0.25  # sample times over which the model's jumps are averaged: derivatives exist
-    least_variance: float = 1e-18  # of a residual, relative to that of the signal: data may be exact
-    least_scale: float = 1e-3  # of the greatest value that is tried: a quantity counts as at least this large
-    random_share: float = 0.1  # of a residual that must differ from cycle to cycle to tell of jitter
-    variance_rounds: int = 3  # of weighting the squares that the variances are regressed on
-    least_jitter_variance: float = 1e-3  # of the mean one
-    jitter_gain: float = 6.0  # twice the log-likelihood: 2.4 sigma, for one more parameter
-    most_tried: int = 20_000  # scenes of the first grid; of more a random part
+    least_scale: float = 1e-3  # of the greatest value that is tried: least size of a quantity
+    random_share: float = 0.1  # of the power of a residual that must change from cycle to cycle, for jitter
+    variance_rounds: int = 3  # regressions of the variances, each weighted by the last one
+    least_jitter_variance: float = 1e-3  # of the mean variance
+    jitter_gain: float = 6.0  # twice the gain of log-likelihood: 2.4 sigma, for one more parameter
+    most_tried: int = 20_000  # scenes of the first grid; a random part of a larger one
     most_hopping: int = 40  # scenes with flights, each of which takes as long as a hundred others
-    rough_shifts: int = 128  # in a cycle, that each of these is compared at
-    starts: int = 3  # of a search, in each pattern
-    at_once: int = 512  # scenes, in memory
+    rough_shifts: int = 128  # shifts in a cycle at which each of these is compared
+    starts: int = 3  # starts of the search in each pattern
+    at_once: int = 512  # scenes in memory
 
     # --- Levenberg-Marquardt --------------------------------------------------------------------------
-    # Relative, of derivatives: the model's noise is 1e-15, its curvature of order 1. Edges are as sharp.
+    # Relative step of derivatives: the model's noise is 1e-15, its curvature of order 1. It is also the error
+    # of edges.
     step: float = 1e-6
-    edge_step: float = 1e-4  # the same along an edge, which is known less sharply
-    idle: float = 1e-6  # of the largest effect of a coordinate: less is rounding, and counts as none
+    edge_step: float = 1e-4  # the same along an edge, whose position has the error above
+    idle: float = 1e-6  # of the largest effect of a coordinate: less is rounding, and becomes 0
     dampings: tuple[float, ...] = (1e-12, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0)  # of the normalised equations
     light_dampings: tuple[float, ...] = tuple(np.geomspace(1e-7, 1e-2, 11).tolist())  # if accelerated
-    accelerated: float = 10.0  # promised decrease [variances] above which geodesic acceleration pays
-    acceleration_step: float = 0.1  # of a step, over which its acceleration is measured: h of the paper
+    accelerated: float = 10.0  # [variances] predicted decrease above which geodesic acceleration pays
+    acceleration_step: float = 0.1  # of a step, for its second derivative: h of the paper
     most_steps: int = 40
-    fair: float = 0.3  # of the decrease that a whole step promises: with less, edges are looked for
-    patience: float = 5.0  # steps as large as the last one that a search may still need
-    edge_places: int = 65  # points between which an edge is looked for, in each round
-    edge_rounds: int = 6  # at most
-    nearest: float = 1e-7  # relative distances to a pattern, from
-    farthest: float = 0.5  # to
-    distances: int = 60  # that are tried
-    enough: float = 2e-3  # decrease of the sum of squares [variances] below which a search ends,
+    fair: float = 0.3  # of the decrease that a whole step predicts: after less, edges are searched
+    patience: float = 5.0  # steps with the decrease of the last one in which a search must reach its aim
+    edge_places: int = 65  # points between which an edge is searched, in each round
+    edge_rounds: int = 6  # largest number of rounds
+    distances: tuple[float, float, int] = (1e-7, 0.5, 60)  # relative, at which a pattern is searched
+    enough: float = 2e-3  # [variances] decrease of the sum of squares below which a search ends,
     rough: float = 1.0  # and a first one
 
     # --- fit ------------------------------------------------------------------------------------------
     confidence: float = 0.95
-    # A pattern is excluded that fits worse by this [variances]: 4 sigma. The values of another pattern may
-    # lie far away: excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
+    # [variances] A pattern that fits worse by this is excluded: 4 sigma. Another pattern may have values far
+    # away: excluding the true one at 2 sigma would be wrong by many half-widths once in 20 times.
     excluded: float = 16.0
-    stands_out: float = 25.0  # [variances]: a motion must fit this much better than rest: 5 sigma
-    explained: float = 1.5  # sum of squares over the number of samples [variances of the noise]
-    better: float = 0.1  # of the threshold: a point this much better than the best is a new start,
+    stands_out: float = 25.0  # [variances] by which a motion must fit better than rest: 5 sigma
+    explained: float = 1.5  # largest sum of squares over the number of samples of an explained record
+    better: float = 0.1  # of the threshold: a point better than the best by this starts another search,
     restarts: int = 3  # so often
     weighings: int = 3
-    neighbours: int = 400  # points around a minimum at which other patterns are looked for,
-    widest: float = 4.0  # standard deviations far,
-    farthest_neighbour: float = 0.3  # and relatively so far in any case
+    neighbours: int = 400  # points around a minimum at which other patterns are searched,
+    widest: float = 4.0  # up to so many standard deviations,
+    farthest_neighbour: float = 0.3  # and up to this relative distance
     across: tuple[float, float, int] = (1e-5, 0.3, 40)  # relative distances beyond an edge, for the same
-    kept: int = 24  # of both, of each pattern
-    wide: float = 0.6  # of an estimate: a wider half interval leaves none: 30 % of standard error
-    at_bound: float = 1e-3  # relative: an interval that reaches this near what is tried has no end
-    close: float = 0.03  # of the threshold: the misfit at an end of an interval may miss it by this
-    narrow: float = 0.02  # of the distance to the estimate: an end at an edge of a pattern is found to this
-    first_step: float = 0.02  # relative, of an interval's search where the derivatives give none,
-    most_step: float = 0.5  # and the greatest where they give one
+    kept: int = 24  # points of each of both that are kept for a pattern
+    wide: float = 0.6  # half an interval over its estimate, at most: 30 % of standard error
+    at_bound: float = 1e-3  # relative distance from a bound of what is tried at which an interval has no end
+    close: float = 0.03  # of the threshold: error of the misfit at an end of an interval
+    narrow: float = 0.02  # of the distance to the estimate: error of an end at an edge of a pattern
+    first_step: float = 0.02  # relative, to the end of an interval, if the derivatives give none,
+    most_step: float = 0.5  # and the greatest if they give one
     tries: int = 24  # points that are tried for one end
-    apart: float = 0.02  # of the hull: intervals closer to each other than this are one
-    unknown: float = 0.3  # relative standard error above which a combination counts as unknown
+    apart: float = 0.02  # of the hull: intervals closer to each other are united
+    unknown: float = 0.3  # relative standard error above which a combination is unknown
     group_share: float = 0.05  # of an unknown combination: a quantity with less is not part of it
-    at_limit: float = 1e-4  # of the range of what is tried
+    at_limit: float = 1e-4  # of the range that is tried: distance of an estimate at its limit
 
 
 TOL: Final = Tolerances()

@@ -1,4 +1,4 @@
-"""What accelerometers on the trough tell of its motion, and of the drive of a scene."""
+"""The trough's motion and the drive of a scene, measured by accelerometers on the trough."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from vibro.records.tolerances import TOL
 __all__ = ["MeasuredDrive", "Trough", "Wave", "spelled", "trough_of"]
 
 _ALONG, _NORMAL = "trough_along", "trough_normal"
-_TRENDS: Final = 2  # an offset, gravity's part in it, and a slow drift of the sensor
+_TRENDS: Final = 2  # offset, with gravity's part in it, and slow drift of the sensor
 _G: Final = SIGNAL_UNITS["acceleration"]["g"]
 
 
@@ -31,15 +31,15 @@ class Wave:
     Attributes
     ----------
     header : str
-        The column that it is from.
+        Header of its column.
     value : complex
-        Of the sine with the drive's frequency; its angle is the phase at the clock's zero [m/s^2].
+        Amplitude of the sine at the drive's frequency; its angle is the phase at the clock's zero [m/s^2].
     error : float
-        Standard error of its size, and of its phase times its size [m/s^2].
+        Standard error of the amplitude, and of the phase times the amplitude [m/s^2].
     harmonics, rest : float
-        Root mean square of the harmonics, and of what else is left, over that of the fundamental.
+        Root mean square of the harmonics, and of the residual, over that of the fundamental.
     sensitivity : str
-        Of a voltage, as typed; empty for an acceleration.
+        Sensitivity of a voltage, as typed; empty for an acceleration.
     """
 
     header: str
@@ -52,12 +52,12 @@ class Wave:
 
 @dataclass(frozen=True)
 class Trough:
-    """The trough's motion as it was measured.
+    """The measured motion of the trough.
 
     Attributes
     ----------
     frequency : Estimate
-        [Hz].
+        Drive frequency [Hz].
     along, normal : Wave or None
         Accelerations along the trough's surface, positive in the conveying direction, and normal to it,
         positive up and away from it.
@@ -72,14 +72,14 @@ class Trough:
 
     @property
     def waves(self) -> tuple[Wave, ...]:
-        """What was measured, one or two."""
+        """The one or two accelerations that were measured."""
         return tuple(wave for wave in (self.along, self.normal) if wave is not None)
 
     @property
     def phase(self) -> float:
-        """Angle by which the normal motion runs ahead of that along the trough, in (-pi, pi] [rad].
+        """Phase by which the normal motion leads the motion along the trough, in (-pi, pi] [rad].
 
-        NaN without either of them, or where one is too small to have a phase that matters.
+        NaN unless both were measured and are large enough for their phase to matter.
         """
         if self.along is None or self.normal is None:
             return math.nan
@@ -98,35 +98,35 @@ class Trough:
 
     @property
     def on_an_ellipse(self) -> bool:
-        """Whether the motion leaves a line by more than noise, and than two channels may differ."""
+        """Whether the phase differs from a line's by more than noise and the delay of two channels."""
         return abs(math.remainder(self.phase, math.pi)) > max(
             math.radians(TOL.channel_phase), TOL.likely_sigmas * self.phase_error
         )
 
     @property
     def drive_angle(self) -> Estimate | None:
-        """Direction of the motion's longer axis above the trough's surface, with both accelerations [rad]."""
+        """Angle of the longer axis above the trough's surface; None unless both were measured [rad]."""
         if self.along is None or self.normal is None:
             return None
         x, y = self.along.value, self.normal.value
         angle = 0.5 * math.atan2(2.0 * (x * y.conjugate()).real, abs(x) ** 2 - abs(y) ** 2)
-        if angle < 0.0:  # by noise alone (_check_direction): one of the two is next to nothing
+        if angle < 0.0:  # by noise, as ``trough_of`` refuses lines that lead down: one of both is next to 0
             angle = 0.0 if abs(x) > abs(y) else 0.5 * math.pi
         across = math.hypot(self.along.error * math.sin(angle), self.normal.error * math.cos(angle))
         return Estimate(angle, across / math.hypot(abs(x), abs(y)))
 
     def drive_on_line(self, drive_angle: float | None = None) -> MeasuredDrive:
-        """Tell what the scene of a drive along a line needs to know of the motion.
+        """Return the quantities of a drive along a line.
 
         Parameters
         ----------
         drive_angle : float, optional
-            Of the scene [rad], where one acceleration alone was measured.
+            Drive angle of the scene, if only one acceleration was measured [rad].
 
         Raises
         ------
         InputError
-            If the one acceleration is across the drive's line.
+            If the only acceleration is at right angles to the drive's line.
         """
         angle = self.drive_angle
         value, error = self._along_the_drive(angle.value if angle else drive_angle or 0.0)
@@ -135,17 +135,17 @@ class Trough:
         return MeasuredDrive(self, found, self._clock(value, error), self.warnings)
 
     def drive_on_ellipse(self, normal_phase: float | None = None) -> MeasuredDrive:
-        """Tell what the scene of an elliptical drive needs to know of the motion.
+        """Return the quantities of an elliptical drive.
 
         Parameters
         ----------
         normal_phase : float, optional
-            Of the scene [rad]; None where that moves along a line, or does not say.
+            Phase of the scene [rad]; None if the scene moves along a line, or gives no drive.
 
         Notes
         -----
-        Each acceleration gives its own amplitude. The phase takes both, and the clock that along the trough;
-        from the other one it follows by the phase.
+        Each acceleration gives its own amplitude, both together give the phase. The clock comes from the
+        acceleration along the trough, or else from the normal one and the phase of the scene.
         """
         waves = {"along_amplitude": self.along, "normal_amplitude": self.normal}
         found = {name: self._amplitude(w.value, w.error) for name, w in waves.items() if w is not None}
@@ -160,23 +160,23 @@ class Trough:
         return MeasuredDrive(self, found, self._clock(wave.value, wave.error, ahead), warnings)
 
     def _amplitude(self, value: complex, error: float) -> Estimate:
-        """Amplitude of a motion by its acceleration, which has an error [m]."""
+        """Return the amplitude of a motion from its acceleration and the error of that [m]."""
         frequency, frequency_error = self.frequency
         size = Estimate(abs(value), error).scaled((math.tau * frequency) ** -2)
         return Estimate(size.value, math.hypot(size.error, 2.0 * size.value * frequency_error / frequency))
 
     def _clock(self, value: complex, error: float, ahead: float = 0.0) -> Estimate:
-        """Trough time at the clock's zero by an acceleration that runs ahead by a phase [s]."""
+        """Return the trough time at the clock's zero from an acceleration that leads by a phase [s]."""
         frequency, frequency_error = self.frequency
         rate = math.tau * frequency
-        # The acceleration of A sin(w t) is opposed to it.
+        # The acceleration of A sin(w t) has the opposite sign.
         shift = (float(np.angle(-value)) - ahead) / rate % (1.0 / frequency)
-        # The frequency is known less well than the phase: at the ends of the record both errors count.
+        # The error of the frequency adds to that of the phase at the ends of the record.
         late = 0.5 * self.span * frequency_error / frequency
         return Estimate(shift, math.hypot(error / abs(value) / rate, late))
 
     def _along_the_drive(self, drive_angle: float) -> tuple[complex, float]:
-        """Acceleration along the drive's line, and its standard error."""
+        """Return the acceleration along the drive's line, and its standard error."""
         cosine, sine = math.cos(drive_angle), math.sin(drive_angle)
         if self.along is not None and self.normal is not None:
             x, y = self.along, self.normal
@@ -186,7 +186,7 @@ class Trough:
         if part < TOL.least_component:
             at = f"at a drive angle of {math.degrees(drive_angle):.6g} deg"
             hint = f"check the drive angle, or give {option_of(other)}"
-            raise InputError(f"{option_of(name)} shows nothing of the motion {at}", hint=hint)
+            raise InputError(f"{option_of(name)} cannot measure the motion {at}", hint=hint)
         return wave.value / part, wave.error / part
 
     @property
@@ -204,27 +204,27 @@ class Trough:
                 found.append(f"{text}{usual}: {doubt(wave.sensitivity)}")
             if wave.harmonics > TOL.few_harmonics:
                 share = f"harmonics have {100.0 * wave.harmonics:.0f} % of the fundamental"
-                found.append(f"{text}{share}: the trough does not move as one sine, as the computed one does")
+                found.append(f"{text}{share}, but the computed trough moves as a pure sine")
             if wave.rest > TOL.much_rest:
-                share = f"{100.0 * wave.rest:.0f} % of the fundamental is neither it nor its harmonics"
+                share = f"the residual has {100.0 * wave.rest:.0f} % of the fundamental"
                 found.append(f"{text}{share}: noise, another machine, or a frequency that changes")
         return tuple(found)
 
 
 class MeasuredDrive(NamedTuple):
-    """What was measured of a drive, for its scene.
+    """Measured quantities of a scene's drive.
 
     Attributes
     ----------
     trough : Trough
-        From which it is.
+        The motion of the trough.
     quantities : dict of str to Estimate
-        What it gives of a scene, by the names of its fields [SI].
+        Measured quantities, by the names of the scene's fields [SI].
     clock : Estimate
         Trough time at the clock's zero, in [0, period); at 0 the trough passes its middle upwards, on an
         ellipse forwards [s].
     warnings : tuple of str
-        Reasons to doubt it.
+        Reasons to doubt the measurement.
     """
 
     trough: Trough
@@ -234,34 +234,32 @@ class MeasuredDrive(NamedTuple):
 
 
 def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> Trough | None:
-    """Measure the trough's motion from its accelerations; None where a record has none of them.
+    """Measure the trough's motion from its accelerations; return None for a record without any.
 
     Parameters
     ----------
     record : Record
-        Its accelerations of the trough count; an offset, such as gravity's, does not matter.
+        Record with accelerations of the trough; offsets, such as gravity, have no effect.
     reverse : bool
         Whether the axis along the trough points against the conveying direction.
     down : bool
-        Whether the trough may move along a line that leads down in the conveying direction, as an ellipse
-        does with a phase of half a turn.
+        Whether to allow a line that leads down in the conveying direction, which is an ellipse with a phase
+        of half a turn.
 
     Raises
     ------
     InputError
         If no wave stands out; if the record is too short or too coarse for it; or if the trough moves down
-        along a line while it moves forwards, and may not: then one of the sensors is inverted.
+        along a line while it moves forwards, and ``down`` is false: one of the sensors is inverted.
 
     Notes
     -----
-    The frequency has the least misfit of all harmonics together, over the whole record, so that it is known
-    to far less than the inverse of the record's length. Amplitudes come from the regression of ``folding``.
+    The frequency minimises the misfit of all harmonics together over the whole record: its error is far below
+    the inverse of the record's length. Amplitudes come from the regression of ``folding``.
     """
     if not record.trough:
         return None
-    signals = dict(record.trough)
-    if reverse and _ALONG in signals:
-        signals[_ALONG] = -signals[_ALONG]
+    signals = {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
     repetition = Repetition(record.time, signals, dict.fromkeys(signals, 0))
     for name, alive in zip(signals, repetition.alive, strict=True):
         if not alive or float(np.abs(signals[name]).max()) < 1.0 / TOL.largest:
@@ -275,23 +273,26 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
     frequency = Estimate(float(spelled(*frequency)), frequency.error)
     waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
     trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
-    if not down:
-        _check_direction(trough, reverse)
+    if abs(trough.phase) > 0.5 * math.pi and not (down or trough.on_an_ellipse):  # no drive angle is below 0
+        why = "the axis along the trough points against the conveying direction"
+        hint = f"{'leave out --reverse, unless' if reverse else '--reverse, if'} {why}"
+        inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
+        raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
     return trough
 
 
 def spelled(value: float, error: float) -> str:
-    """Write a value without the digits that are far below its error."""
+    """Write a value to two digits below the first digit of its error."""
     digits = TOL.digits - math.floor(math.log10(error)) if error > 0.0 else sys.float_info.dig
     return f"{value:.{min(max(0, digits), sys.float_info.dig)}f}"
 
 
 def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
-    """Take the fundamental of an acceleration from its regression on all harmonics."""
+    """Return the fundamental of an acceleration, by regression on all harmonics."""
     folded = fold(record.time, values, frequency, _TRENDS)
     cosines, sines = folded.coefficients[_TRENDS:].reshape(2, -1)
     powers = 0.5 * (cosines**2 + sines**2)
-    fundamental = max(float(powers[0]), TOL.wave_rounding * float(np.mean(values**2)))
+    fundamental = max(float(powers[0]), TOL.rounding**2 * float(np.mean(values**2)))
     variances = np.diagonal(folded.covariance)[_TRENDS:].reshape(2, -1).sum(axis=0)
     left = values - folded.fitted(record.time)
     return Wave(
@@ -304,27 +305,17 @@ def _wave(record: Record, name: str, values: Floats, frequency: float) -> Wave:
     )
 
 
-def _check_direction(trough: Trough, reverse: bool) -> None:
-    """Refuse a line that leads down in the conveying direction: no drive angle is below 0."""
-    if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:
-        why = "the axis along the trough points against the conveying direction"
-        hint = f"{'leave out --reverse, unless' if reverse else '--reverse, if'} {why}"
-        hint += "; a negative sensitivity turns one sensor alone"
-        down = "the trough moves down while it moves forwards: one of its two sensors is inverted"
-        raise InputError(down, hint=hint)
-
-
 def _doubts(trough: Trough, found: dict[str, Estimate], normal_phase: float | None) -> list[str]:
-    """Say that the scene does not move on an ellipse, and question a phase that is nearly the opposite."""
+    """Warn of an ellipse instead of a line, and of a phase more than 90 deg from the scene's."""
     doubts = []
     if normal_phase is None and trough.on_an_ellipse:
-        texts = {name: spelled(*map(QUANTITIES[name].from_si, found[name])) for name in ELLIPTICAL}
-        named = [(QUANTITIES[name], text) for name, text in texts.items()]
-        said = ", ".join(f"{q.label} {text} {q.unit}" for q, text in named)
-        options = " ".join(
-            f"{q.options[0]}{'=' if text.startswith('-') else ' '}{text}{q.unit}" for q, text in named
-        )
-        taken = f"{said}; this ellipse is taken. Elsewhere give {options}"
+        said, options = [], []
+        for name in ELLIPTICAL:
+            quantity = QUANTITIES[name]
+            text = spelled(*map(quantity.from_si, found[name]))
+            said.append(f"{quantity.label} {text} {quantity.unit}")
+            options.append(f"{quantity.options[0]}{'=' if text[0] == '-' else ' '}{text}{quantity.unit}")
+        taken = f"{', '.join(said)}; this ellipse is taken. Elsewhere give {' '.join(options)}"
         doubts.append(f"the trough moves on an ellipse, not on a line: {taken}")
     off = math.remainder(trough.phase - (normal_phase or 0.0), math.tau)
     if abs(off) > 0.5 * math.pi:
