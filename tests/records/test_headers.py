@@ -1,4 +1,4 @@
-"""Which columns of a table are the signals: by name, unit and word, and what is said where none or several are."""
+"""Which columns of a table are the signals, by name, unit and word; what is said of none or several."""
 
 from __future__ import annotations
 
