@@ -221,3 +221,9 @@ def test_the_sensitivity_of_a_column_goes_before_that_of_its_kind(tmp_path: Path
         assert record.signals["acceleration"] == pytest.approx([0.5 * 9.80665] * 2)
         assert record.trough["trough_along"] == pytest.approx([9.80665] * 2)
         assert record.sensitivities == {"acceleration": "acceleration=2V/g", "trough_along": "1V/g"}
+
+
+@pytest.mark.parametrize("header", ["m / s", "mm / sec"])
+def test_a_unit_alone_is_no_time(tmp_path: Path, header: str) -> None:
+    record = read(tmp_path, f"clock [s];x [mm];{header}", "1;2")
+    assert record.headers == {"time": "clock [s]", "displacement": "x [mm]"}

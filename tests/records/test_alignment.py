@@ -1,0 +1,172 @@
+"""What a comparison takes of a record, and its position in the cycle, with errors and rivals."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from helpers.made_records import FREQUENCY, NOISE, PERIOD, Walked, bowl, nut
+
+import vibro
+from vibro.errors import InputError
+from vibro.motion.settled import settled_motion
+from vibro.records.alignment import Observation, align, check_scene, computed_signals
+from vibro.records.folding import Estimate, independent_samples
+from vibro.records.reading import Record
+
+SIGNALS = ("displacement", "velocity", "acceleration", "friction")
+TIME = np.arange(801) / 600.0
+
+
+# --- what is taken of a record ------------------------------------------------------------------------
+
+
+def force_record(**sensitivities: str) -> Record:
+    return Record(np.arange(81) / 600.0, {"force": np.arange(81.0)}, {}, {}, sensitivities)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_friction_is_the_force_over_the_mass_in_the_conveying_direction(reverse: bool) -> None:
+    clock = Estimate(0.01, 1e-4)
+    taken = Observation.of(force_record(force="50mV/N"), 15.0, mass=0.25, reverse=reverse, clock=clock)
+    np.testing.assert_allclose(taken.signals["friction"], np.arange(81.0) * (-4.0 if reverse else 4.0))
+    assert (list(taken.signals), taken.frequency, taken.clock) == (["friction"], 15.0, clock)
+    assert taken.sensitivities == {"friction": "50mV/N"}
+    assert taken.period == pytest.approx(1.0 / 15.0)
+
+
+@pytest.mark.parametrize("mass", [1e-20, 1e20])
+def test_masses_at_the_ends_of_what_is_allowed(mass: float) -> None:
+    values = Observation.of(force_record(), 15.0, mass=mass).signals["friction"]
+    np.testing.assert_allclose(values * mass, np.arange(81.0))
+    beyond = mass * (1.001 if mass > 1.0 else 0.999)
+    with pytest.raises(InputError, match=r"kg: must be in \[1e-20, 1e\+20\] kg beside a record"):
+        Observation.of(force_record(), 15.0, mass=beyond)
+
+
+def test_the_sample_time_is_the_usual_one() -> None:
+    """A gap does not change it."""
+    assert Observation(np.array([0.0, 1.0, 2.0, 3.0, 6.0]), {}, 1.0).sample_time == 1.0
+
+
+@pytest.mark.parametrize("name", ["amplitude", "frequency", "gravity"])
+@pytest.mark.parametrize("limit", [1e-20, 1e20])
+def test_scenes_at_the_ends_of_what_can_be_compared(name: str, limit: float) -> None:
+    check_scene(nut(**{name: limit}))
+    beyond = limit * (1.001 if limit > 1.0 else 0.999)
+    with pytest.raises(InputError) as caught:
+        check_scene(nut(**{name: beyond}))
+    unit = {"amplitude": "m", "frequency": "Hz", "gravity": "m/s^2"}[name]
+    assert (
+        str(caught.value)
+        == f"{name} = {beyond:.15g} {unit}: must be in [1e-20, 1e+20] {unit} beside a record"
+    )
+
+
+def test_of_an_ellipse_the_larger_amplitude_counts() -> None:
+    check_scene(bowl(along_amplitude=1e-25, normal_amplitude=1e-3))
+    check_scene(bowl(along_amplitude=1e-3, normal_amplitude=0.0))
+    with pytest.raises(InputError, match="^normal_amplitude = 1e"):
+        check_scene(bowl(along_amplitude=1e-3, normal_amplitude=1e21))
+
+
+# --- the model beside it ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", [nut(1.5), nut(1.2, trough_angle=0.05), bowl()])
+def test_signals_that_jump_are_averaged_over_the_window(scene: vibro.Scene) -> None:
+    """What the speed gains over it; of friction the trough's acceleration is taken at its middle."""
+    walked, window = Walked(scene), 1.0 / 600.0
+    found = computed_signals(settled_motion(scene), SIGNALS, TIME, window)
+    np.testing.assert_allclose(found["velocity"], walked.velocity(TIME), atol=1e-10)
+    gained = walked.velocity(TIME + 0.5 * window) - walked.velocity(TIME - 0.5 * window)
+    np.testing.assert_allclose(found["acceleration"], gained / window, atol=1e-7)
+    exact = walked.friction(TIME) - walked.acceleration(TIME)
+    np.testing.assert_allclose(found["friction"] - found["acceleration"], exact, atol=1e-7)
+    assert list(computed_signals(settled_motion(scene), ["friction"], TIME, window)) == ["friction"]
+
+
+def test_residuals_keep_the_growth_of_a_displacement_or_not() -> None:
+    """Its zero is the sensor's; a velocity keeps all."""
+    walked = Walked(nut())
+    values = {
+        "displacement": walked.displacement(TIME + 0.02) + 3.0 + 2e-3 * TIME,
+        "velocity": walked.velocity(TIME + 0.02) + 2e-3 + 1e-3 * TIME,
+    }
+    observed, motion = Observation(TIME, values, FREQUENCY), settled_motion(nut())
+    with_trend, without = (observed.residuals(motion, 0.02, trend=trend) for trend in (True, False))
+    np.testing.assert_allclose(with_trend["displacement"], 2e-3 * (TIME - TIME.mean()), atol=1e-8)
+    np.testing.assert_allclose(without["displacement"], 0.0, atol=1e-8)
+    for found in (with_trend, without):
+        np.testing.assert_allclose(found["velocity"], 2e-3 + 1e-3 * TIME, atol=1e-9)
+
+
+@pytest.mark.parametrize("signals", [*((name,) for name in SIGNALS), SIGNALS[:2]])
+def test_the_rough_search_compares_one_cycle_at_every_shift(signals: tuple[str, ...]) -> None:
+    """Half the samples times the logarithm of the squares; the growth of a displacement does not count."""
+    scene = nut(1.5, trough_angle=0.02)
+    observed = Walked(scene).observe(*signals, trigger=0.03)
+    motion = settled_motion(scene)
+    best, losses = observed.rough_shift(motion)
+    assert abs(best - 0.03) < 1.5 * PERIOD / 512
+    grid = np.arange(512) * PERIOD / 512
+    places = [0, 100, 150, 300, 511]
+    expected = np.zeros(len(places))
+    for name in signals:
+        folded = observed.folded[name]
+        measured = folded.periodic(grid) + (0.0 if name == "displacement" else folded.trend(0).value)
+        for i, place in enumerate(places):
+            later = grid + grid[place]
+            model = computed_signals(motion, [name], later, 1.0 / 600.0)[name]
+            if name == "displacement":
+                model = model - motion.advance / PERIOD * later
+                model = model - model.mean()
+            expected[i] += 0.5 * TIME.size * math.log(float(np.square(measured - model).sum()))
+    np.testing.assert_allclose(losses[places] - losses[0], expected - expected[0], atol=1e-3)
+    # it is deep, as nothing but noise and the missing harmonics is left
+    assert float(np.ptp(losses)) > 0.5 * TIME.size * math.log(30.0) * len(signals)
+
+
+# --- errors and rivals --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("signal", "noise"), [("displacement", 30.0), ("velocity", 5.0), ("velocity", 10.0)])
+def test_the_error_is_that_of_noise_over_the_slope(signal: str, noise: float) -> None:
+    """The root of the sum of squared slopes; of a displacement those beside its growth."""
+    walked, motion = Walked(nut()), settled_motion(nut())
+    slopes = {"displacement": walked.velocity, "velocity": walked.acceleration}[signal](TIME + 0.02)
+    if signal == "displacement":
+        slopes = slopes - slopes.mean()
+    expected = noise * NOISE[signal] / math.sqrt(float(slopes @ slopes))
+    told = [align(walked.observe(signal, trigger=0.02, noise=noise, seed=s), motion).error for s in range(4)]
+    assert np.median(told) == pytest.approx(expected, rel=0.15)
+
+
+def test_two_signals_place_a_record_by_the_certainty_of_both() -> None:
+    walked, motion = Walked(nut()), settled_motion(nut())
+    errors = []
+    for names in (("displacement",), ("velocity",), ("displacement", "velocity")):
+        found = [align(walked.observe(*names, noise=8.0, seed=seed), motion).error for seed in range(4)]
+        errors.append(float(np.median(found)))
+    one, other, both = errors
+    assert both == pytest.approx((one**-2.0 + other**-2.0) ** -0.5, rel=0.15)
+
+
+def test_another_position_is_a_rival_within_three_sigma() -> None:
+    """Data half of the motion at one position and half at another fit both; the more of one, the less so."""
+    walked, motion = Walked(nut()), settled_motion(nut())
+    seen = []
+    for share in (0.5, 0.45, 0.35, 0.2, 0.1, 0.05, 0.02, 0.01):
+        values = (1.0 - share) * walked.velocity(TIME + 0.01) + share * walked.velocity(TIME + 0.043)
+        observed = Observation(TIME, {"velocity": values}, FREQUENCY)
+        found = align(observed, motion)
+        best, losses = observed.rough_shift(motion)
+        other = 0.043 if abs(best - 0.01) < abs(best - 0.043) else 0.01
+        count = independent_samples(TIME, observed.residuals(motion, best)["velocity"], FREQUENCY)
+        apart = (losses[round(other / PERIOD * 512)] - losses.min()) * count / TIME.size
+        if abs(apart - 4.5) > 0.3:
+            told = [rival for rival in found.rivals if abs(rival - other) < 2.0 * PERIOD / 512]
+            assert (len(told) == 1) == (apart < 4.5)
+            seen.append(apart < 4.5)
+    assert {*seen} == {True, False}
