@@ -67,7 +67,7 @@ def test_scenes_at_the_ends_of_what_can_be_compared(name: str, limit: float) -> 
 def test_of_an_ellipse_the_larger_amplitude_counts() -> None:
     check_scene(bowl(along_amplitude=1e-25, normal_amplitude=1e-3))
     check_scene(bowl(along_amplitude=1e-3, normal_amplitude=0.0))
-    with pytest.raises(InputError, match="^normal_amplitude = 1e"):
+    with pytest.raises(InputError, match=r"^normal_amplitude = 1e"):
         check_scene(bowl(along_amplitude=1e-3, normal_amplitude=1e21))
 
 

@@ -439,7 +439,7 @@ def test_starts_and_ends_are_where_the_speed_passes_a_tenth_of_its_peak(label: s
             at = way * walked.velocity(np.array([row.computed - 2e-5, row.computed, row.computed + 2e-5]))
             assert at[1] == pytest.approx(0.1 * fastest, rel=0.02)
             assert (at[2] > at[0]) == (key == "start")
-            assert row.measured.value == pytest.approx(row.computed, abs=0.5e-3)
+            assert row.measured.value == pytest.approx(row.computed, abs=0.6e-3)
             assert row.label == f"{name} slip {key}s ({100.0 * fastest:.3g} mm/s)"
 
 
