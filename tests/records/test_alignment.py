@@ -170,3 +170,23 @@ def test_another_position_is_a_rival_within_three_sigma() -> None:
             assert (len(told) == 1) == (apart < 4.5)
             seen.append(apart < 4.5)
     assert {*seen} == {True, False}
+
+
+def test_the_best_position_lies_in_one_period_whatever_the_noise() -> None:
+    walked, motion = Walked(nut()), settled_motion(nut())
+    offs = []
+    for seed in range(4):
+        shift = align(walked.observe("velocity", trigger=0.0, seed=seed), motion).shift
+        assert 0.0 <= shift < PERIOD
+        offs.append(math.remainder(shift, PERIOD))
+    assert min(offs) < 0.0 < max(offs)
+
+
+def test_of_several_signals_the_one_with_most_samples_tells_of_rivals() -> None:
+    """A misfit of every cycle counts as two samples, white noise as all of them."""
+    walked, motion = Walked(nut()), settled_motion(nut())
+    values = 0.55 * walked.velocity(TIME + 0.01) + 0.45 * walked.velocity(TIME + 0.043)
+    noise = 100.0 * np.random.default_rng(1).standard_normal(TIME.size)
+    alone = align(Observation(TIME, {"velocity": values}, FREQUENCY), motion)
+    both = align(Observation(TIME, {"velocity": values, "friction": noise}, FREQUENCY), motion)
+    assert (len(alone.rivals), both.rivals) == (1, ())
