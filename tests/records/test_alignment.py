@@ -190,3 +190,22 @@ def test_of_several_signals_the_one_with_most_samples_tells_of_rivals() -> None:
     alone = align(Observation(TIME, {"velocity": values}, FREQUENCY), motion)
     both = align(Observation(TIME, {"velocity": values, "friction": noise}, FREQUENCY), motion)
     assert (len(alone.rivals), both.rivals) == (1, ())
+
+
+def test_where_all_positions_fit_alike_there_is_none() -> None:
+    """Noise a hundred thousand times as large as the motion; but not noise of ten times."""
+    walked, motion = Walked(nut()), settled_motion(nut())
+    level = 100.0 * 60e-3 / NOISE["velocity"]
+    hopeless = align(walked.observe("velocity", noise=1e3 * level), motion)
+    assert math.isnan(hopeless.shift)
+    assert math.isnan(hopeless.error)
+    assert hopeless.rivals == ()
+    assert not math.isnan(align(walked.observe("velocity", noise=0.03 * level), motion).shift)
+
+
+def test_a_position_that_nothing_tells_may_lie_half_a_period_off() -> None:
+    """A large wave that the model has not repeats in every cycle, so that no other record could tell more."""
+    walked = Walked(nut())
+    other = 3.0 * np.sin(6.0 * math.pi * FREQUENCY * TIME)
+    observed = Observation(TIME, {"velocity": walked.velocity(TIME + 0.02) + other}, FREQUENCY)
+    assert align(observed, settled_motion(nut())).error == pytest.approx(0.5 * PERIOD)
