@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import pytest
+from helpers.made_records import FREQUENCY
 
 from vibro.errors import InputError
 from vibro.records.folding import Floats, detrended, fold, harmonics, independent_samples, independent_share
@@ -29,12 +30,12 @@ def test_a_trend_is_one_about_the_middle_of_the_record(start: float) -> None:
     time = start + np.arange(200) / 40.0
     since = time - (start + 0.5 * 199 / 40.0)
     rate = 6.0 * math.pi
-    wave = [np.sin, np.cos, lambda x: -np.sin(x)]
+    waves = [np.sin(rate * time), np.cos(rate * time), -np.sin(rate * time)]
     folded = fold(time, 2.0 + 3.0 * since + 5.0 * since**2 + 0.1 * np.sin(rate * time), 1.0, 3)
     assert [folded.trend(power).value for power in range(3)] == pytest.approx([2.0, 3.0, 5.0], rel=1e-8)
     trends = [2.0 + 3.0 * since + 5.0 * since**2, 3.0 + 10.0 * since, 10.0]
     for order, trend in enumerate(trends):
-        periodic = 0.1 * rate**order * wave[order](rate * time)
+        periodic = 0.1 * rate**order * waves[order]
         np.testing.assert_allclose(folded.periodic(time), periodic, atol=1e-6 * rate**order)
         np.testing.assert_allclose(folded.fitted(time), trend + periodic, atol=1e-6 * rate**order)
         folded = folded.derivative()
@@ -151,3 +152,72 @@ def test_three_samples_are_the_least_that_tell_of_their_neighbours() -> None:
     assert independent_share(np.array([1.0, -1.0, 1.0])) == 1.0
     # neighbours correlated by 0.5 leave a third
     assert independent_share(np.array([1.0, 1.0, 0.0, 0.0] * 500)) == pytest.approx(1.0 / 3.0, rel=1e-2)
+
+
+# --- at 600 1/s ---------------------------------------------------------------------------------------
+
+
+def test_a_trend_and_harmonics_are_found_exactly_also_with_gaps() -> None:
+    time = np.delete(np.arange(400) / 600.0, slice(100, 130))
+    signal = (
+        3.0
+        - 2.0 * time
+        + np.sin(2 * math.pi * FREQUENCY * time)
+        + 0.5 * np.cos(6 * math.pi * FREQUENCY * time)
+    )
+    folded = fold(time, signal, FREQUENCY, 2)
+    assert folded.trend(1).value == pytest.approx(-2.0, rel=1e-11)
+    at = np.array([0.013, 0.4])
+    slope = 2 * math.pi * FREQUENCY * np.cos(2 * math.pi * FREQUENCY * at)
+    slope -= 3 * math.pi * FREQUENCY * np.sin(6 * math.pi * FREQUENCY * at)
+    np.testing.assert_allclose(folded.derivative().periodic(at), slope, rtol=1e-10)
+
+
+@pytest.mark.parametrize(("count", "rate"), [(161, 600.0), (25, 180.0)])
+def test_standard_errors_are_those_of_repeated_noise(count: int, rate: float) -> None:
+    """Also of short records, of which trend and harmonics take half the degrees of freedom."""
+    random = np.random.default_rng(3)
+    time = np.arange(count) / rate
+    trends, harmonics = [], []
+    for _ in range(200):
+        folded = fold(time, time + 0.1 * random.standard_normal(time.size), FREQUENCY, 2)
+        trends.append((folded.trend(1).value, folded.trend(1).error))
+        at = np.array([0.02])
+        harmonics.append((float(folded.fitted(at)[0]), float(folded.error(at)[0])))
+    for values in (np.array(trends), np.array(harmonics)):
+        assert np.std(values[:, 0]) == pytest.approx(np.median(values[:, 1]), rel=0.2)
+
+
+def test_the_share_of_independent_samples_of_an_autoregressive_process() -> None:
+    """(1 - r) / (1 + r) of the samples, where neighbours are correlated by r; never more than all of them."""
+    white = np.random.default_rng(2).standard_normal(20_000)
+    for r, share in ((0.8, 1.0 / 9.0), (0.5, 1.0 / 3.0), (0.0, 1.0), (-0.5, 1.0)):
+        lasting = np.convolve(white, r ** np.arange(60), "valid")
+        assert independent_share(lasting) == pytest.approx(share, rel=0.06)
+    assert independent_share(np.ones(50)) == 2.0 / 50
+
+
+def test_independent_samples() -> None:
+    random = np.random.default_rng(4)
+    time = np.arange(801) / 600.0
+    white = random.standard_normal(time.size)
+    assert independent_samples(time, white, FREQUENCY) == pytest.approx(801, rel=0.15)
+    slow = np.convolve(white, np.ones(10) / 10, "same")
+    assert independent_samples(time, slow, FREQUENCY) < 200
+    # A misfit that repeats counts the same however long the record is.
+    long = np.arange(8001) / 600.0
+    for t in (time, long):
+        wave = np.sin(2 * math.pi * FREQUENCY * t)
+        assert independent_samples(t, wave, FREQUENCY) == pytest.approx(2.0, rel=0.01)
+    assert independent_samples(time, np.zeros_like(time), FREQUENCY) == 801
+
+
+@pytest.mark.parametrize(
+    ("count", "rate", "said"),
+    [(70, 600.0, r"cover 1\.7\d drive cycles of 66\.6667 ms"), (60, 90.0, "have 6 samples a drive cycle")],
+)
+def test_too_few_cycles_or_samples(count: int, rate: float, said: str) -> None:
+    time = np.arange(count) / rate
+    with pytest.raises(InputError, match=said) as caught:
+        fold(time, time, FREQUENCY, 1)
+    assert caught.value.hint
