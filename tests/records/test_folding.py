@@ -33,7 +33,7 @@ def test_a_trend_is_one_about_the_middle_of_the_record(start: float) -> None:
     waves = [np.sin(rate * time), np.cos(rate * time), -np.sin(rate * time)]
     folded = fold(time, 2.0 + 3.0 * since + 5.0 * since**2 + 0.1 * np.sin(rate * time), 1.0, 3)
     assert [folded.trend(power).value for power in range(3)] == pytest.approx([2.0, 3.0, 5.0], rel=1e-8)
-    trends = [2.0 + 3.0 * since + 5.0 * since**2, 3.0 + 10.0 * since, 10.0]
+    trends = [2.0 + 3.0 * since + 5.0 * since**2, 3.0 + 10.0 * since, 10.0 + 0.0 * since]
     for order, trend in enumerate(trends):
         periodic = 0.1 * rate**order * waves[order]
         np.testing.assert_allclose(folded.periodic(time), periodic, atol=1e-6 * rate**order)

@@ -323,3 +323,18 @@ def test_less_than_three_tenths_of_the_power_are_no_repetition(share: float, cla
     noise = np.random.default_rng(3).standard_normal(time.size)
     values = math.sqrt(2.0 * share) * np.sin(2.0 * math.pi * 20.0 * time) + math.sqrt(1.0 - share) * noise
     assert (seen(Observation(time, {"velocity": values}, FREQUENCY)) is not None) == claimed
+
+
+@pytest.mark.parametrize(
+    ("signal", "other", "rate"),
+    [("displacement", 1.0 / 3.3, 100.0), ("acceleration", 3.3, 600.0), ("friction", 3.3, 600.0)],
+)
+def test_of_two_machines_the_one_with_the_larger_velocity_is_told(
+    signal: str, other: float, rate: float
+) -> None:
+    """Another machine is slower, with a larger displacement, or faster, with a larger acceleration."""
+    time = np.arange(4001) / rate
+    turns = 2.0 * math.pi * FREQUENCY * time
+    claim = seen(Observation(time, {signal: np.sin(turns) + 1.2 * np.sin(other * turns)}, 1.3 * FREQUENCY))
+    assert claim is not None
+    assert claim.frequency.value == pytest.approx(FREQUENCY, abs=0.01)

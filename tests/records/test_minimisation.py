@@ -343,3 +343,16 @@ def test_without_a_step_out_of_the_pattern_no_edge_is_looked_for() -> None:
     valley = Watched()
     assert searched(cast(Problem, valley)).squares < 1e-10
     assert valley.looked == 0
+
+
+@pytest.mark.parametrize(("steps", "goes_on"), [(4.9, True), (5.1, False)])
+def test_a_search_goes_on_that_may_reach_its_aim_with_five_more_such_steps(
+    steps: float, goes_on: bool
+) -> None:
+    """One step alone is taken where any decrease is little enough."""
+    valley = problem()
+    begun = best_of(valley, "F", np.array([[-1.2, 1.0, 0.0]]))
+    one = minimise(valley, begun, enough=1e9)
+    gain = begun.squares - one.squares
+    found = minimise(valley, begun, 1e-12, aim=one.squares - steps * gain)
+    assert (found.squares < one.squares) == goes_on

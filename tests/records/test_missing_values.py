@@ -15,7 +15,9 @@ def long(lost: dict[int, str], count: int = 100) -> list[str]:
     return ["t [s],x [mm]", *(rows | lost).values()]
 
 
-@pytest.mark.parametrize("cell", ["", "NaN", "-nan", "n/a", "#N/A", "null", "None", "-", "--", "?"])
+@pytest.mark.parametrize(
+    "cell", ["", "NaN", "-nan", "+nan", "n/a", "NA", "#N/A", "null", "None", "-", "--", "?", "*", "***"]
+)
 @pytest.mark.parametrize("first", [2, 40, 100])
 def test_a_few_rows_without_a_value_are_skipped_and_counted(tmp_path: Path, cell: str, first: int) -> None:
     record = read(tmp_path, long({first: f"0.1,{cell}", first + 1: f"{cell},3", 20: f"0.03,{cell}"}))

@@ -471,3 +471,29 @@ def test_a_text_file_is_suggested_too(tmp_path: Path) -> None:
     with pytest.raises(FileError) as caught:
         read_record(tmp_path / "measured.csv")
     assert caught.value.hint == f"did you mean {tmp_path / 'measured.txt'}?"
+
+
+@pytest.mark.parametrize(
+    ("cell", "value"),
+    [
+        ("+1.5", 1.5),
+        ("-.5", -0.5),
+        ("5.", 5.0),
+        ("1e-3", 1e-3),
+        ("-2.5E+2", -250.0),
+        ("7e1", 70.0),
+        (" 4 ", 4.0),
+    ],
+)
+def test_spellings_of_numbers(tmp_path: Path, cell: str, value: float) -> None:
+    for text, separator in ((cell, ","), (cell.replace(".", ","), ";")):
+        record = read(
+            tmp_path, [separator.join(row) for row in (("t [s]", "x [m]"), ("0", text), ("1", "0"))]
+        )
+        assert record.signals["displacement"].tolist() == [value, 0.0]
+
+
+@pytest.mark.parametrize("cell", ["1e", "1.2.3", "--1", "1 2", "0x10", "1_000", "e5", ".", "1e5.5"])
+def test_what_is_no_number(tmp_path: Path, cell: str) -> None:
+    error = refusal(tmp_path, ["t [s],x [m]", "0,1", "1,2", f"2,{cell}"])
+    assert str(error).endswith(f"row 4, column 'x [m]': {cell!r} is not a number")

@@ -600,3 +600,9 @@ def test_a_line_that_leads_down_is_told_with_the_axis_to_turn(reverse: bool, adv
     turned = "a negative sensitivity turns one sensor alone"
     assert caught.value.hint == f"{advice} {axis}; {turned}"
     assert trough_of(record, reverse=reverse, down=True) is not None
+
+
+def test_a_line_is_no_ellipse_that_would_be_told() -> None:
+    assert moved(wave(3.0), wave(4.0, 0.03)).drive_on_ellipse(None).warnings == ()
+    (said,) = moved(wave(3.0), wave(4.0, 0.04)).drive_on_ellipse(None).warnings
+    assert said.startswith("the trough moves on an ellipse, not on a line: along amplitude 0.337")
