@@ -514,3 +514,23 @@ def test_narrow_intervals_are_those_of_linear_theory(names: tuple[str, ...]) -> 
         for p in found:
             assert 0.5 * (p.high + p.low) == pytest.approx(p.value, abs=0.05 * (p.high - p.low))
     assert np.mean(widths, axis=0) == pytest.approx(linear_half_width(names, 4e-4, 6), rel=0.08)
+
+
+@pytest.mark.parametrize(
+    ("label", "names", "symbols"),
+    [
+        ("B_", ("along_amplitude", "normal_amplitude"), "X and Y"),
+        ("F_", ("static_friction", "along_amplitude"), "mu_s and X"),
+    ],
+)
+@pytest.mark.usefixtures("own_start_alone")
+def test_two_quantities_of_an_ellipse_that_cancel_have_no_interval(
+    label: str, names: tuple[str, ...], symbols: str
+) -> None:
+    """The valley of their misfit bends, so that its ends cannot be followed."""
+    true = ON_ELLIPSES[label]
+    found = fit(true, Walked(true).observe("velocity", cycles=4, noise=3.0), names)
+    assert list(found.statements) == [
+        f"the data cannot tell {symbols} apart: their effects cancel; give one of them"
+    ]
+    assert [(p.intervals, p.identified) for p in found.parameters] == [((), False)] * 2

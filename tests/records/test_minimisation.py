@@ -176,6 +176,10 @@ def test_what_reaches_the_end_of_what_is_tried_has_no_interval() -> None:
     assert _bounded(inside, 0.0, 1.0) == inside
     assert _bounded(((0.0, 0.3),), 0.0, 1.0) == ()
     assert _bounded(((0.2, 1.0),), 0.0, 1.0) == ()
+    # nor has one that ends a thousandth of it short of there
+    assert _bounded(((-1.9985, 0.9985),), -2.0, 1.0) == ()
+    assert _bounded(((-1.9975, 0.9995),), -2.0, 1.0) == ()
+    assert _bounded(((-1.9975, 0.9985),), -2.0, 1.0) == ((-1.9975, 0.9985),)
     assert _half_width(inside) == pytest.approx(0.3)
     assert _half_width(()) == math.inf
 
