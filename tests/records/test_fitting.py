@@ -521,6 +521,8 @@ def test_narrow_intervals_are_those_of_linear_theory(names: tuple[str, ...]) -> 
     [
         ("B_", ("along_amplitude", "normal_amplitude"), "X and Y"),
         ("F_", ("static_friction", "along_amplitude"), "mu_s and X"),
+        # beside a trigger time that makes up for the rest
+        ("F_", ("kinetic_friction", "normal_phase"), "mu_d and phi"),
     ],
 )
 @pytest.mark.usefixtures("own_start_alone")
