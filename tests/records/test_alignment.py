@@ -147,7 +147,7 @@ def test_two_signals_place_a_record_by_the_certainty_of_both() -> None:
     walked, motion = Walked(nut()), settled_motion(nut())
     errors = []
     for names in (("displacement",), ("velocity",), ("displacement", "velocity")):
-        found = [align(walked.observe(*names, noise=8.0, seed=seed), motion).error for seed in range(4)]
+        found = [align(walked.observe(*names, noise=8.0, seed=seed), motion).error for seed in range(2)]
         errors.append(float(np.median(found)))
     one, other, both = errors
     assert both == pytest.approx((one**-2.0 + other**-2.0) ** -0.5, rel=0.15)
