@@ -227,7 +227,8 @@ def test_the_rate_is_that_of_the_steps() -> None:
     assert Repetition(np.arange(11) / 10.0, {"v": np.arange(11.0) ** 2}, {"v": 0}).rate == pytest.approx(10.0)
 
 
-def test_signals_that_do_not_vibrate_do_not_count() -> None:
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_signals_that_do_not_vibrate_do_not_count(size: float) -> None:
     time = np.arange(101) / 100.0
     wave = np.sin(20.0 * math.pi * time)
     made = {
@@ -236,6 +237,7 @@ def test_signals_that_do_not_vibrate_do_not_count() -> None:
         "rounding": 1.0 + 1e-7 * wave,
         "small": 1.0 + 1e-5 * wave,
     }
+    made = {name: size * values for name, values in made.items()}
     assert Repetition(time, made, dict.fromkeys(made, 0)).alive.tolist() == [False, False, False, True]
 
 
