@@ -92,9 +92,15 @@ def test_of_several_columns_of_a_unit_that_with_the_word_is_taken(
     tmp_path: Path, words: tuple[str, ...], role: str, unit: str
 ) -> None:
     for word in words:
-        others = "clock [ms];" if role != "time" else "x [mm];"
-        record = read(tmp_path, f"{others}other [{unit}];{word} [{unit}];third [{unit}]", "1;2;3")
-        assert record.headers[role] == f"{word} [{unit}]" or word == "relative_", word
+        record = read(tmp_path, f"clock [ms];other [{unit}];{word} [{unit}];third [{unit}]", "1;2;3")
+        assert record.headers[role] == f"{word} [{unit}]"
+
+
+@pytest.mark.parametrize("word", ["Zeit 2", "zeit", "T", "t_1", "TIME"])
+def test_of_several_clocks_that_with_the_word_is_taken(tmp_path: Path, word: str) -> None:
+    path = tmp_path / "data.csv"
+    path.write_text(f"trigger [s],{word} [ms],x [mm]\n7,1,5\n7,2,6\n", encoding="utf-8")
+    np.testing.assert_allclose(read_record(path).time, [1e-3, 2e-3])
 
 
 def test_a_word_that_only_begins_like_one_does_not_decide(tmp_path: Path) -> None:
