@@ -174,3 +174,17 @@ def test_the_guide_shows_what_is_printed(run: Run) -> None:
     line, shown = re.findall(r"```console\n\$ (vibro .*?)\n(.*?)```", GUIDE, re.DOTALL)[0]
     assert len(shown.splitlines()) > 6
     assert run(*shlex.split(line)[1:], "-q").stdout.startswith(shown)
+
+
+def test_reverse_leaves_a_sensor_normal_to_the_trough_as_it_is(run: Run) -> None:
+    """It turns the axis along the trough; upwards stays upwards."""
+    found = []
+    for turned in ((), ("--reverse",)):
+        result = run("compare", SCENE, FILE, *NORMAL, "--sensitivity", "100mV/g", *turned, "--json", "-q")
+        assert result.exit_code == 0, result.stderr
+        found.append(json.loads(result.stdout))
+    plain, turned_round = found
+    for key in ("trough", "trough_time_at_zero_s", "scene"):
+        assert plain[key] == turned_round[key]
+    advances = [content["figures"]["stroke_advance"]["measured"] for content in found]
+    assert advances[0] == pytest.approx(-advances[1])

@@ -14,7 +14,7 @@ from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation, align
 from vibro.records.comparison import Comparison, Row, _Clocked, _crossing, _middle_of_rest, compare
 from vibro.records.fitting import fit
-from vibro.records.folding import fold, independent_samples, independent_share
+from vibro.records.folding import Estimate, fold
 from vibro.records.reading import Record, read_record
 
 TRIGGER = STUDY["TRIGGER_TIME"]
@@ -107,86 +107,6 @@ def test_flights_can_be_compared_too() -> None:
 def test_without_a_steady_motion_there_is_nothing_to_compare_with() -> None:
     with pytest.raises(VibroError, match="no steady motion"):
         settled_motion(nut(static_friction=0.0, kinetic_friction=0.0))
-
-
-# --- folding ---------------------------------------------------------------------------------------
-
-
-def test_a_trend_and_harmonics_are_found_exactly_also_with_gaps() -> None:
-    time = np.delete(np.arange(400) / 600.0, slice(100, 130))
-    signal = (
-        3.0
-        - 2.0 * time
-        + np.sin(2 * math.pi * FREQUENCY * time)
-        + 0.5 * np.cos(6 * math.pi * FREQUENCY * time)
-    )
-    folded = fold(time, signal, FREQUENCY, 2)
-    assert folded.trend(1).value == pytest.approx(-2.0, rel=1e-11)
-    at = np.array([0.013, 0.4])
-    slope = 2 * math.pi * FREQUENCY * np.cos(2 * math.pi * FREQUENCY * at)
-    slope -= 3 * math.pi * FREQUENCY * np.sin(6 * math.pi * FREQUENCY * at)
-    np.testing.assert_allclose(folded.derivative().periodic(at), slope, rtol=1e-10)
-
-
-@pytest.mark.parametrize(("count", "rate"), [(161, 600.0), (25, 180.0)])
-def test_standard_errors_are_those_of_repeated_noise(count: int, rate: float) -> None:
-    """Also of short records, of which trend and harmonics take half the degrees of freedom."""
-    random = np.random.default_rng(3)
-    time = np.arange(count) / rate
-    trends, harmonics = [], []
-    for _ in range(200):
-        folded = fold(time, time + 0.1 * random.standard_normal(time.size), FREQUENCY, 2)
-        trends.append((folded.trend(1).value, folded.trend(1).error))
-        at = np.array([0.02])
-        harmonics.append((float(folded.fitted(at)[0]), float(folded.error(at)[0])))
-    for values in (np.array(trends), np.array(harmonics)):
-        assert np.std(values[:, 0]) == pytest.approx(np.median(values[:, 1]), rel=0.2)
-
-
-def test_the_share_of_independent_samples_of_an_autoregressive_process() -> None:
-    """(1 - r) / (1 + r) of the samples, where neighbours are correlated by r; never more than all of them."""
-    white = np.random.default_rng(2).standard_normal(20_000)
-    for r, share in ((0.8, 1.0 / 9.0), (0.5, 1.0 / 3.0), (0.0, 1.0), (-0.5, 1.0)):
-        lasting = np.convolve(white, r ** np.arange(60), "valid")
-        assert independent_share(lasting) == pytest.approx(share, rel=0.06)
-    assert independent_share(np.ones(50)) == 2.0 / 50
-
-
-def test_independent_samples() -> None:
-    random = np.random.default_rng(4)
-    time = np.arange(801) / 600.0
-    white = random.standard_normal(time.size)
-    assert independent_samples(time, white, FREQUENCY) == pytest.approx(801, rel=0.15)
-    slow = np.convolve(white, np.ones(10) / 10, "same")
-    assert independent_samples(time, slow, FREQUENCY) < 200
-    # A misfit that repeats counts the same however long the record is.
-    long = np.arange(8001) / 600.0
-    for t in (time, long):
-        wave = np.sin(2 * math.pi * FREQUENCY * t)
-        assert independent_samples(t, wave, FREQUENCY) == pytest.approx(2.0, rel=0.01)
-    assert independent_samples(time, np.zeros_like(time), FREQUENCY) == 801
-
-
-@pytest.mark.parametrize(
-    ("count", "rate", "said"),
-    [(70, 600.0, r"cover 1\.7\d drive cycles of 66\.6667 ms"), (60, 90.0, "have 6 samples a drive cycle")],
-)
-def test_too_few_cycles_or_samples(count: int, rate: float, said: str) -> None:
-    time = np.arange(count) / rate
-    with pytest.raises(InputError, match=said) as caught:
-        fold(time, time, FREQUENCY, 1)
-    assert caught.value.hint
-
-
-@pytest.mark.parametrize(("cycles", "digits"), [(10, 15), (10, 6), (20, 6)])
-@pytest.mark.parametrize("frequency", [13.0, 15.0, 17.3, 33.3])
-def test_rounded_times_resolve_as_many_harmonics_as_exact_ones(
-    frequency: float, cycles: int, digits: int
-) -> None:
-    """At 40 samples a cycle 18, and 8 are enough: the last digit of a time decides nothing."""
-    for samples, count in ((40, 18), (8, 3)):
-        time = np.round(np.arange(cycles * samples + 1) / (samples * frequency), digits)
-        assert fold(time, time, frequency, 1).coefficients.size == 1 + 2 * count
 
 
 # --- alignment -------------------------------------------------------------------------------------
@@ -434,6 +354,70 @@ def test_errors_of_starts_and_ends_are_those_of_repeated_noise() -> None:
         assert 0.5 * scatter < told < 2.0 * scatter, key
 
 
+@pytest.mark.parametrize("label", ["F_", "B_", "F_B_", "F_B", "FB"])
+def test_starts_and_ends_are_where_the_speed_passes_a_tenth_of_its_peak(label: str) -> None:
+    """Of each slide; and the peak speed is that of the faster one, whichever way it goes."""
+    walked = Walked(ON_ELLIPSES[label])
+    found = rows(compare(ON_ELLIPSES[label], walked.observe("velocity")))
+    speed = walked.velocity(np.linspace(0.0, PERIOD, 20_001))
+    peak = found["peak_speed"]
+    assert peak.computed == pytest.approx(float(np.abs(speed).max()), rel=1e-5)
+    assert peak.measured.value == pytest.approx(peak.computed, rel=0.06)
+    for way, name, fastest in ((1, "forward", speed.max()), (-1, "back", -speed.min())):
+        assert (f"{name}_slip_start" in found) == (fastest > 0.0)
+        for key in ("start", "end") if fastest > 0.0 else ():
+            row = found[f"{name}_slip_{key}"]
+            at = way * walked.velocity(np.array([row.computed - 2e-5, row.computed, row.computed + 2e-5]))
+            assert at[1] == pytest.approx(0.1 * fastest, rel=0.02)
+            assert (at[2] > at[0]) == (key == "start")
+            assert row.measured.value == pytest.approx(row.computed, abs=0.6e-3)
+            assert row.label == f"{name} slip {key}s ({100.0 * fastest:.3g} mm/s)"
+
+
+def test_of_a_record_of_both_the_advance_is_the_displacements_and_the_peak_the_velocitys() -> None:
+    observed = Walked(nut()).observe("displacement", "velocity")
+    signals = {**observed.signals, "velocity": 2.0 * observed.signals["velocity"]}
+    plain = rows(compare(nut(), observed))
+    other = rows(compare(nut(), Observation(observed.time, signals, FREQUENCY)))
+    for key, factor in (("stroke_advance", 1.0), ("mean_speed", 1.0), ("peak_speed", 2.0)):
+        assert other[key].measured.value == pytest.approx(factor * plain[key].measured.value)
+    advance, speed = plain["stroke_advance"], plain["mean_speed"]
+    assert advance.measured == pytest.approx(tuple(PERIOD * x for x in speed.measured))
+    assert advance.computed == pytest.approx(PERIOD * speed.computed)
+
+
+def test_offsets_count_in_misfits_but_not_that_of_a_displacement() -> None:
+    walked = Walked(nut())
+    observed = walked.observe("displacement", "velocity", noise=0.0, trigger=0.02)
+    time = observed.time - observed.time.mean()
+    off = {"displacement": 3.0 + 2e-3 * time, "velocity": 0.01 + 0.0 * time}
+    signals = {name: values + off[name] for name, values in observed.signals.items()}
+    found = rows(compare(nut(), Observation(observed.time, signals, FREQUENCY, Estimate(0.02, 1e-6))))
+    expected = {"displacement": 2e-3 * float(np.std(time)), "velocity": 0.01}
+    for name, size in expected.items():
+        assert found[f"rms_{name}"].measured.value == pytest.approx(size, rel=1e-4)
+        assert found[f"rms_{name}"].label == f"RMS difference of {name}"
+    assert found["rms_displacement_without_trend"].measured.value < 1e-3 * expected["displacement"]
+    assert "rms_velocity_without_trend" not in found
+
+
+def test_a_body_at_rest_has_no_speed_at_rest() -> None:
+    found = rows(compare(nut(0.5), Walked(nut(0.5)).observe("velocity")))
+    assert "rest_speed" not in found
+    assert found["peak_speed"].computed == 0.0
+
+
+def test_a_late_clock_moves_what_is_measured_and_its_error_counts() -> None:
+    observed = Walked(nut()).observe("velocity", trigger=0.02, noise=0.1)
+    starts = []
+    for clock in (Estimate(0.02, 1e-5), Estimate(0.023, 1e-5), Estimate(0.02, 2e-3)):
+        row = rows(compare(nut(), Observation(observed.time, observed.signals, FREQUENCY, clock)))
+        starts.append(row["forward_slip_end"].measured)
+    assert starts[1].value - starts[0].value == pytest.approx(3e-3, abs=1e-6)
+    assert starts[0].error < 2e-4
+    assert starts[2].error == pytest.approx(2e-3, rel=0.01)
+
+
 # --- warnings --------------------------------------------------------------------------------------
 
 
@@ -486,3 +470,117 @@ def test_a_force_needs_a_mass() -> None:
     np.testing.assert_allclose(
         Observation.of(record, FREQUENCY, mass=0.5).signals["friction"], 2.0 * record.signals["force"]
     )
+
+
+SIZES = {"displacement": 1.0, "velocity": 1.0, "acceleration": 1.0, "friction": 1.0}
+
+
+@pytest.mark.parametrize("signal", SIZES)
+@pytest.mark.parametrize(("factor", "told"), [(6.7, False), (7.3, True), (1 / 6.7, False), (1 / 7.3, True)])
+def test_a_signal_is_far_off_beyond_seven_times_and_below_a_seventh(
+    signal: str, factor: float, told: bool
+) -> None:
+    """Of a displacement what it grows does not count."""
+    walked = Walked(nut(1.5))
+    values = factor * getattr(walked, signal)(np.arange(801) / 600.0 + 0.02)
+    clock = Estimate(0.02, 1e-5)
+    observed = Observation(np.arange(801) / 600.0, {signal: values}, FREQUENCY, clock, {signal: "3V/x"})
+    warnings = [text for text in compare(nut(1.5), observed).warnings if "times the computed" in text]
+    assert len(warnings) == told
+    for text in warnings:
+        begin, _, end = text.partition(" times the computed one: ")
+        assert begin.startswith(f"the {signal} is about ")
+        assert float(begin.split()[-1]) == pytest.approx(factor, rel=0.07)
+        assert end == "is its sensitivity 3V/x right?" + " Is the mass?" * (signal == "friction")
+
+
+def test_a_small_motion_in_noise_is_not_too_small() -> None:
+    """A twentieth of the computed one, but with noise the whole signal is as large as a motion may be."""
+    observed = Walked(nut()).observe("velocity", noise=0.0)
+    small = 0.05 * observed.signals["velocity"]
+    noise = float(np.std(observed.signals["velocity"])) * np.random.default_rng(1).standard_normal(801)
+    for level, told in ((0.5, False), (0.02, True)):
+        data = Observation(observed.time, {"velocity": small + level * noise}, FREQUENCY)
+        warnings = compare(nut(), data).warnings
+        assert any("times the computed one" in text for text in warnings) == told
+
+
+def test_a_displacement_that_only_grows_is_too_small() -> None:
+    observed = Walked(nut()).observe("displacement", noise=0.0)
+    even = nut().frequency * settled_motion(nut()).advance * observed.time
+    small = even + 0.05 * (observed.signals["displacement"] - even)
+    warnings = compare(nut(), Observation(observed.time, {"displacement": small}, FREQUENCY)).warnings
+    assert any("the displacement is about 0.05 times the computed one" in text for text in warnings)
+
+
+@pytest.mark.parametrize(
+    ("off", "error", "said"),
+    [
+        # less than 2 % of a cycle, and within four errors, is no difference
+        (0.018, 1e-5, None),
+        (0.022, 1e-5, "a channel lags"),
+        (-0.022, 1e-5, "a channel lags"),
+        (0.055, 1e-3, None),
+        (0.065, 1e-3, "a channel lags"),
+        # nor is a whole cycle
+        (1.01, 1e-5, None),
+        (-0.99, 1e-5, None),
+        # half a cycle, but for 6 %, is a sensor that points the other way
+        (0.43, 1e-5, "a channel lags"),
+        (0.45, 1e-5, "one of the sensors may be inverted"),
+        (-0.43, 1e-5, "a channel lags"),
+        (-0.45, 1e-5, "one of the sensors may be inverted"),
+    ],
+)
+def test_how_far_the_clocks_of_trough_and_body_may_be_apart(
+    off: float, error: float, said: str | None
+) -> None:
+    clock = Estimate(0.0005 + off * PERIOD, error)
+    observed = Walked(nut()).observe("velocity", trigger=0.0005)
+    warnings = compare(nut(), Observation(observed.time, observed.signals, FREQUENCY, clock)).warnings
+    assert len(warnings) == (said is not None)
+    if said is not None:
+        where = "earlier" if off > 0.0 else "later"
+        assert f"{360.0 * abs(off):.0f} deg) {where} in the cycle than the trough's" in warnings[0]
+        assert said in warnings[0]
+
+
+def test_a_clock_as_uncertain_as_the_bodys_own_place_is_none_apart() -> None:
+    """Of a noisy body: four of both errors, as the root of the sum of their squares."""
+    observed = Walked(nut()).observe("velocity", trigger=0.02, noise=300.0, cycles=40)
+    own = align(observed, settled_motion(nut()))
+    assert 4.0 * own.error > 0.03 * PERIOD
+    for times, told in ((5.0, False), (6.5, True)):
+        clock = Estimate(own.shift + times * own.error, own.error)
+        warnings = compare(nut(), Observation(observed.time, observed.signals, FREQUENCY, clock)).warnings
+        assert any("in the cycle than the trough's" in text for text in warnings) == told
+
+
+@pytest.mark.parametrize("zero", [0.0, 5.02])
+def test_rivals_are_told_in_ms_after_the_troughs_middle(zero: float) -> None:
+    """They are where the data begin, wherever the clock has its zero."""
+    walked, time = Walked(nut()), np.arange(801) / 600.0
+    values = 0.6 * walked.velocity(time + 0.01) + 0.4 * walked.velocity(time + 0.043)
+    warnings = compare(nut(), Observation(time + zero, {"velocity": values}, FREQUENCY)).warnings
+    (said,) = (text for text in warnings if "fit almost as well" in text)
+    begin, number, *unit = said.removeprefix("the data fit almost as well if they ").split(" ", 2)
+    assert (begin, unit) == ("begin", ["ms after the trough's middle"])
+    assert float(number) == pytest.approx(43.0, abs=0.14)
+
+
+@pytest.mark.parametrize(
+    ("true", "cycles", "noise", "remedy"),
+    [(20.013, 30.0, 0.001, "-f 20.01"), (20.0131, 400.0, 1e-4, "-f 20.013"), (20.4, 30.0, 1.0, "-f 20.4")],
+)
+def test_a_frequency_is_proposed_with_the_digits_that_the_record_tells(
+    true: float, cycles: float, noise: float, remedy: str
+) -> None:
+    """It drifts by less than a hundredth of a cycle over the record, or by its error."""
+    time = np.arange(round(40.0 * cycles) + 1) / (40.0 * true)
+    values = 0.05 * np.sin(2.0 * math.pi * true * time)
+    values += 0.05 * noise * np.random.default_rng(1).standard_normal(time.size)
+    warnings = compare(nut(), Observation(time, {"velocity": values}, FREQUENCY)).warnings
+    (said,) = (text for text in warnings if "the data repeat at" in text)
+    proposed = float(said.rsplit(" ", 1)[1])
+    assert abs(proposed - true) * time[-1] < max(0.01, 0.2 * noise)
+    assert said.endswith(remedy)

@@ -187,3 +187,157 @@ def test_a_motion_of_several_cycles_may_be_off_by_as_many_of_its_errors(share: f
     claim = foreign_frequency(Observation(time, data.signals, 15.0 + share * apart))
     assert claim is not None
     assert claim.cycles == cycles
+
+
+# --- what a frequency explains, by hand ---------------------------------------------------------------
+
+
+def waves_and_steps(*amplitudes: float) -> Repetition:
+    """Take 40 s of waves of 1 Hz, with steps of sign that no frequency explains, one signal each."""
+    time = np.arange(640) / 16.0
+    steps = (-1.0) ** np.arange(640)
+    made = {f"{a:g}": a * np.sin(2.0 * math.pi * time) + steps for a in amplitudes}
+    return Repetition(time, made, dict.fromkeys(made, 0))
+
+
+@pytest.mark.parametrize(("count", "other", "coefficients"), [(1, None, 0), (2, None, 0), (1, 1.37, 12)])
+def test_a_frequency_explains_more_beyond_five_sigma_and_the_number_of_frequencies(
+    count: int, other: float | None, coefficients: int
+) -> None:
+    """A wave of size a leaves 1 of 1 + a^2/2, scaled up for 16 coefficients, or 12 of 1.37 Hz.
+
+    640 samples of each signal gain 320 times the logarithm: 12.5 and log(640) are needed.
+    """
+    needed = math.exp((12.5 + math.log(640.0)) / (320.0 * count))
+    size = math.sqrt(2.0 * (needed * (640 - coefficients) / (640 - 16) - 1.0))
+    for factor, more in ((0.98, False), (1.02, True)):
+        found = waves_and_steps(*(factor * size + 1e-6 * n for n in range(count)))
+        assert found.explains_more(1.0, other) == more
+    assert not found.explains_more(1.37, 1.0)
+
+
+def test_the_share_is_that_of_the_signal_that_is_explained_best() -> None:
+    expected = 1.0 - 640.0 / 624.0 / 3.0
+    for amplitudes in ((2.0,), (2.0, 1.0), (1.0, 2.0), (0.0, 2.0)):
+        assert waves_and_steps(*amplitudes).share(1.0) == pytest.approx(expected, rel=1e-3)
+
+
+def test_the_rate_is_that_of_the_steps() -> None:
+    assert Repetition(np.arange(11) / 10.0, {"v": np.arange(11.0) ** 2}, {"v": 0})._rate == pytest.approx(
+        10.0
+    )
+
+
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_signals_that_do_not_vibrate_do_not_count(size: float) -> None:
+    time = np.arange(101) / 100.0
+    wave = np.sin(20.0 * math.pi * time)
+    made = {
+        "still": 0.0 * time,
+        "drift": 3.0 + time,
+        "rounding": 1.0 + 1e-7 * wave,
+        "small": 1.0 + 1e-5 * wave,
+    }
+    made = {name: size * values for name, values in made.items()}
+    assert Repetition(time, made, dict.fromkeys(made, 0)).alive.tolist() == [False, False, False, True]
+
+
+@pytest.mark.parametrize("power", [-1, 0, 1])
+def test_the_largest_wave_is_that_of_the_velocity(power: int) -> None:
+    """Waves of 4 and 12 Hz, whose velocities are as 1 to 0.8 or to 1.25."""
+    time = np.arange(801) / 100.0
+    for ratio, expected in ((0.8, 4.0), (1.25, 12.0)):
+        high = ratio / 3.0**power
+        made = np.sin(8.0 * math.pi * time) + high * np.sin(24.0 * math.pi * time + 1.0)
+        peak = Repetition(time, {"u": made}, {"u": power})._peak
+        assert peak == pytest.approx(expected, abs=1.0 / 16.0)
+
+
+def test_signals_of_any_size_count_alike_for_the_largest_wave() -> None:
+    """Two signals have it at 4 Hz, and one that is a thousand times as large at 12 Hz."""
+    time = np.arange(801) / 100.0
+    four, twelve = np.sin(8.0 * math.pi * time), np.sin(24.0 * math.pi * time)
+    made = {"one": four, "two": 0.5 * four, "large": 1e3 * twelve}
+    assert Repetition(time, made, dict.fromkeys(made, 0))._peak == pytest.approx(4.0, abs=1.0 / 16.0)
+    # powers of the frequency are no size either
+    powers = {"one": 0, "two": 0, "large": 2}
+    assert Repetition(time, made, powers)._peak == pytest.approx(4.0, abs=1.0 / 16.0)
+
+
+@pytest.mark.parametrize(("frequency", "seen_so"), [(24.5, True), (25.5, False), (0.26, True), (0.2, False)])
+def test_a_wave_needs_four_samples_a_cycle_and_two_cycles(frequency: float, seen_so: bool) -> None:
+    time = np.arange(801) / 100.0
+    peak = Repetition(time, {"u": np.sin(2.0 * math.pi * frequency * time)}, {"u": 0})._peak
+    assert (abs(peak - frequency) < 1.0 / 16.0) == seen_so
+
+
+def test_the_spectrum_of_uneven_samples_is_over_the_time() -> None:
+    """Their distances vary by 1 to 3, slowly; taken as even, a wave would be smeared from 7.5 to 22 Hz."""
+    even = np.linspace(0.0, 1.0, 1201)
+    time = 2.0 * (even + 0.5 * np.sin(2.0 * math.pi * even) / (2.0 * math.pi))
+    wave = Repetition(time, {"velocity": np.sin(2.0 * math.pi * FREQUENCY * time)}, {"velocity": 0})
+    assert wave._peak == pytest.approx(FREQUENCY, abs=0.25)
+    assert wave._near(wave._peak).value == pytest.approx(FREQUENCY, abs=1e-5)
+
+
+def test_the_standard_error_is_that_of_a_sine_in_white_noise() -> None:
+    """The root of 6 / N times noise over amplitude, over pi T: the bound of Cramér and Rao."""
+    time = np.arange(1201) / 600.0
+    random, told = np.random.default_rng(7), []
+    for _ in range(10):
+        values = np.sin(2.0 * math.pi * FREQUENCY * time) + 0.5 * random.standard_normal(time.size)
+        told.append(Repetition(time, {"velocity": values}, {"velocity": 0})._near(FREQUENCY).error)
+    assert np.mean(told) == pytest.approx(0.5 * math.sqrt(6.0 / 1201) / (2.0 * math.pi), rel=0.05)
+
+
+@pytest.mark.parametrize(("off", "claimed"), [(-9.0, True), (-5.0, False), (5.0, False), (9.0, True)])
+def test_another_frequency_must_explain_clearly_more_than_the_drives(off: float, claimed: bool) -> None:
+    """Five standard errors off are beyond the four of its own, but gain 12.5 only: as much as noise may."""
+    time = np.arange(1201) / 600.0
+    for seed in range(3):
+        noise = np.random.default_rng(seed).standard_normal(time.size)
+        values = {"velocity": np.sin(2.0 * math.pi * FREQUENCY * time) + noise}
+        found = Repetition(time, values, {"velocity": 0}).fundamental()
+        assert found is not None
+        assert 4.0 * found.error > 0.05 / 2.0
+        claim = seen(Observation(time, values, found.value + off * found.error))
+        assert (claim is not None) == claimed
+
+
+@pytest.mark.parametrize(("fraction", "cycles"), [(2, 2), (5, 5), (8, 8), (9, 0)])
+def test_a_body_may_repeat_its_motion_every_eight_cycles_at_most(fraction: int, cycles: int) -> None:
+    time = np.arange(2001) / 250.0
+    claim = seen(Observation(time, {"velocity": np.sin(10.0 * math.pi * time)}, 5.0 * fraction))
+    assert claim is not None
+    assert claim.cycles == cycles
+    assert claim.frequency.value == pytest.approx(5.0, abs=1e-4)
+
+
+def test_data_between_two_whole_numbers_of_cycles_are_of_another_frequency() -> None:
+    time = np.arange(2001) / 250.0
+    claim = seen(Observation(time, {"velocity": np.sin(10.0 * math.pi * time)}, 12.5))
+    assert claim is not None
+    assert claim.cycles == 0
+
+
+@pytest.mark.parametrize(("share", "claimed"), [(0.25, False), (0.36, True)])
+def test_less_than_three_tenths_of_the_power_are_no_repetition(share: float, claimed: bool) -> None:
+    time = np.arange(6001) / 600.0
+    noise = np.random.default_rng(3).standard_normal(time.size)
+    values = math.sqrt(2.0 * share) * np.sin(2.0 * math.pi * 20.0 * time) + math.sqrt(1.0 - share) * noise
+    assert (seen(Observation(time, {"velocity": values}, FREQUENCY)) is not None) == claimed
+
+
+@pytest.mark.parametrize(
+    ("signal", "other", "rate"),
+    [("displacement", 1.0 / 3.3, 100.0), ("acceleration", 3.3, 600.0), ("friction", 3.3, 600.0)],
+)
+def test_of_two_machines_the_one_with_the_larger_velocity_is_told(
+    signal: str, other: float, rate: float
+) -> None:
+    """Another machine is slower, with a larger displacement, or faster, with a larger acceleration."""
+    time = np.arange(4001) / rate
+    turns = 2.0 * math.pi * FREQUENCY * time
+    claim = seen(Observation(time, {signal: np.sin(turns) + 1.2 * np.sin(other * turns)}, 1.3 * FREQUENCY))
+    assert claim is not None
+    assert claim.frequency.value == pytest.approx(FREQUENCY, abs=0.01)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, cast
 
 import numpy as np
@@ -175,6 +176,10 @@ def test_what_reaches_the_end_of_what_is_tried_has_no_interval() -> None:
     assert _bounded(inside, 0.0, 1.0) == inside
     assert _bounded(((0.0, 0.3),), 0.0, 1.0) == ()
     assert _bounded(((0.2, 1.0),), 0.0, 1.0) == ()
+    # nor has one that ends a thousandth of it short of there
+    assert _bounded(((-1.9985, 0.9985),), -2.0, 1.0) == ()
+    assert _bounded(((-1.9975, 0.9995),), -2.0, 1.0) == ()
+    assert _bounded(((-1.9975, 0.9985),), -2.0, 1.0) == ((-1.9975, 0.9985),)
     assert _half_width(inside) == pytest.approx(0.3)
     assert _half_width(()) == math.inf
 
@@ -193,3 +198,167 @@ def test_a_coordinate_whose_effect_is_rounding_has_none() -> None:
 def test_derivatives_at_an_edge_are_one_sided() -> None:
     jacobian = jacobian_at(problem(edge=0.5), Minimum("F", np.array([0.3, 0.5, 0.0]), 0.0))
     assert jacobian[:, 1] == pytest.approx([10.0, 0.0, 0.0], rel=1e-6)
+
+
+# --- coordinates of other sizes, and patterns with more edges -----------------------------------------
+
+
+class Shaped(Valley):
+    """The valley in coordinates of other sizes, and with a pattern of any shape."""
+
+    def __init__(
+        self, inside: Callable[[Floats, Floats], Any], sizes: tuple[float, ...] = (1.0, 1.0, 1.0)
+    ) -> None:
+        super().__init__()
+        self.inside, self.sizes = inside, np.array(sizes)
+
+    def scale(self, point: Floats) -> Floats:
+        return self.sizes
+
+    def labels(self, points: Floats) -> NDArray[np.str_]:
+        x, y, _ = (points / self.sizes).T
+        return np.where(self.inside(x, y), "F", "B")
+
+    def residuals(self, label: str, points: Floats) -> Residuals:
+        found = super().residuals(label, points / self.sizes)
+        return Residuals(self.labels(points) == label, found.values)
+
+
+def shaped(inside: Callable[[Floats, Floats], Any], *sizes: float) -> Problem:
+    return cast(Problem, Shaped(inside, sizes or (1.0, 1.0, 1.0)))
+
+
+SIZES = (1e-4, 1e12, 1.0)
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0, 1.0), SIZES, SIZES[::-1]])
+def test_coordinates_may_have_any_size(sizes: tuple[float, ...]) -> None:
+    valley, units = shaped(lambda x, y: x + y < 9.0, *sizes), np.array(sizes)
+    begun = best_of(valley, "F", np.array([[-1.2, 1.0, 0.0]]) * units)
+    found = minimise(valley, begun, 1e-12)
+    assert found.point / units == pytest.approx([1.0, 1.0, 0.3], abs=1e-5)
+    jacobian = np.array([[-20.0, 10.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 3.0]])
+    np.testing.assert_allclose(jacobian_at(valley, found) * units, jacobian, atol=1e-3)
+    covariance = error_covariance(valley, found) / np.outer(units, units)
+    np.testing.assert_allclose(covariance, np.linalg.inv(jacobian.T @ jacobian), rtol=1e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0, 1.0), SIZES, (1.0, 1e-4, 1.0)])
+def test_edges_and_nearest_points_are_as_sharp_in_any_size(sizes: tuple[float, ...]) -> None:
+    valley, units = shaped(lambda x, y: y <= 0.5, *sizes), np.array(sizes)
+    moved = move_to_edge(valley, "F", np.array([[0.0, 0.1, 0.0]]) * units, 1, 0.8 * sizes[1])
+    assert 0.5 - 1e-6 < moved[0, 1] / units[1] <= 0.5
+    near = nearest_inside(valley, "F", np.array([0.3, 0.501, 0.0]) * units, [0, 1])
+    assert near is not None
+    assert 0.4995 < near.point[1] / units[1] <= 0.5
+    assert near.point[0] == 0.3 * units[0]
+
+
+@pytest.mark.parametrize(
+    ("begin", "reach", "edge"),
+    [
+        (0.25, 0.5, 0.3),
+        (0.21, 0.5, 0.3),
+        (0.25, -0.5, 0.2),
+        (0.29, -0.5, 0.2),
+        (0.15, 0.5, 0.1),
+        (0.15, -0.5, 0.2),
+    ],
+)
+def test_of_several_edges_the_nearest_is_taken(begin: float, reach: float, edge: float) -> None:
+    """Stripes: the pattern lies in [0, 0.1], [0.2, 0.3] and so on; its upper edges, or its lower ones."""
+    stripes = shaped(lambda x, y: np.floor(10.0 * y).astype(int) % 2 == 0)
+    (moved,) = move_to_edge(stripes, "F", np.array([[0.7, begin, 0.2]]), 1, reach)
+    assert moved == pytest.approx([0.7, edge, 0.2], abs=1e-6)
+    assert stripes.labels(moved[None]).tolist() == ["F"]
+
+
+@pytest.mark.parametrize(("point", "moves"), [((0.5, 0.31), 1), ((0.6, 0.21), 0)])
+def test_of_several_coordinates_that_with_the_least_misfit_is_moved(
+    point: tuple[float, float], moves: int
+) -> None:
+    """Into x + y <= 0.8: down to where y = x^2 lies, or back."""
+    begun = np.array([*point, 0.3])
+    found = nearest_inside(shaped(lambda x, y: x + y <= 0.8), "F", begun, [0, 1])
+    assert found is not None
+    assert found.point[1 - moves] == begun[1 - moves]
+    assert 0.79 < found.point[:2].sum() <= 0.8
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_the_nearest_point_may_lie_on_either_side(way: float) -> None:
+    found = nearest_inside(
+        shaped(lambda x, y: way * x >= 0.5), "F", np.array([0.499 * way, 0.2, 0.0]), [0, 1]
+    )
+    assert found is not None
+    assert found.point[0] * way == pytest.approx(0.5, abs=1e-3)
+
+
+def test_derivatives_at_a_lower_edge_and_in_a_corner() -> None:
+    """One-sided at an edge, and none where both sides lie outside."""
+    point = np.array([0.3, 0.5, 0.0])
+    for inside, expected in (
+        (lambda x, y: y >= 0.5, 10.0),
+        (lambda x, y: y <= 0.5, 10.0),
+        (lambda x, y: y == 0.5, 0.0),
+    ):
+        problem = shaped(inside)
+        jacobian = jacobian_at(problem, best_of(problem, "F", point[None]))
+        assert jacobian[:, 1] == pytest.approx([expected, 0.0, 0.0], rel=1e-6)
+        assert jacobian[:, 0] == pytest.approx([-6.0, -1.0, 0.0], rel=1e-6)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_the_least_misfit_on_a_lower_edge_or_across_x_is_found(way: float) -> None:
+    """The valley's lowest point lies outside: y stays above 1.5, or x below or above -0.5."""
+    edge = 1.5
+    along = minimize_scalar(lambda x: 100.0 * (edge - x * x) ** 2 + (1.0 - x) ** 2, bounds=(1.0, 1.5))
+    above = shaped(lambda x, y: y >= edge)
+    found = minimise(above, best_of(above, "F", np.array([[1.1, 1.6, 0.0]])), 1e-9)
+    assert found.point == pytest.approx([float(along.x), edge, 0.3], abs=1e-4)
+    aside = shaped(lambda x, y: way * x <= -0.5 * way)
+    begun = best_of(aside, "F", np.array([[-0.5 - 0.3 * way, 0.5, 0.0]]))
+    found = minimise(aside, begun, 1e-9)
+    expected = [-0.5, 0.25, 0.3] if way > 0.0 else [1.0, 1.0, 0.3]
+    assert found.point == pytest.approx(expected, abs=1e-4)
+
+
+@pytest.mark.parametrize("radius", [1e-5, 1e-3])
+def test_a_search_does_not_end_higher_than_it_began(radius: float) -> None:
+    """On an island in another pattern nearly every step ends in the sea."""
+    island = shaped(lambda x, y: np.hypot(x + 1.2, y - 1.0) <= radius)
+    begun = best_of(island, "F", np.array([[-1.2, 1.0, 0.3]]))
+    found = minimise(island, begun, 1e-12)
+    assert np.isfinite(found.squares)
+    assert found.squares < begun.squares
+    assert island.labels(found.point[None]).tolist() == ["F"]
+
+
+def test_without_a_step_out_of_the_pattern_no_edge_is_looked_for() -> None:
+    class Watched(Valley):
+        looked = 0
+
+        def labels(self, points: Floats) -> NDArray[np.str_]:
+            self.looked += 1
+            return super().labels(points)
+
+        def residuals(self, label: str, points: Floats) -> Residuals:
+            self.looked -= 1
+            return super().residuals(label, points)
+
+    valley = Watched()
+    assert searched(cast(Problem, valley)).squares < 1e-10
+    assert valley.looked == 0
+
+
+@pytest.mark.parametrize(("steps", "goes_on"), [(4.9, True), (5.1, False)])
+def test_a_search_goes_on_that_may_reach_its_aim_with_five_more_such_steps(
+    steps: float, goes_on: bool
+) -> None:
+    """One step alone is taken where any decrease is little enough."""
+    valley = problem()
+    begun = best_of(valley, "F", np.array([[-1.2, 1.0, 0.0]]))
+    one = minimise(valley, begun, enough=1e9)
+    gain = begun.squares - one.squares
+    found = minimise(valley, begun, 1e-12, aim=one.squares - steps * gain)
+    assert (found.squares < one.squares) == goes_on

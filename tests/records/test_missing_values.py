@@ -15,7 +15,9 @@ def long(lost: dict[int, str], count: int = 100) -> list[str]:
     return ["t [s],x [mm]", *(rows | lost).values()]
 
 
-@pytest.mark.parametrize("cell", ["", "NaN", "-nan", "n/a", "#N/A", "null", "None", "-", "--", "?"])
+@pytest.mark.parametrize(
+    "cell", ["", "NaN", "-nan", "+nan", "n/a", "NA", "#N/A", "null", "None", "-", "--", "?", "*", "***"]
+)
 @pytest.mark.parametrize("first", [2, 40, 100])
 def test_a_few_rows_without_a_value_are_skipped_and_counted(tmp_path: Path, cell: str, first: int) -> None:
     record = read(tmp_path, long({first: f"0.1,{cell}", first + 1: f"{cell},3", 20: f"0.03,{cell}"}))
@@ -61,4 +63,35 @@ def test_what_went_wrong_is_no_row_without_a_value(tmp_path: Path, cell: str) ->
     assert f"row 30, column 'x [mm]': '{cell}' is not a number" in str(error)
 
 
-# --- units in words, and voltages -------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("lost", "said"),
+    [
+        ([10], "1 of 200 rows lack a value and are skipped: row 10"),
+        ([10, 20], "2 of 200 rows lack a value and are skipped: rows 10, 20"),
+        ([10, 20, 30, 40, 50], "5 of 200 rows lack a value and are skipped: rows 10, 20, 30, 40, 50"),
+        (
+            [10, 20, 30, 40, 50, 60, 70],
+            "7 of 200 rows lack a value and are skipped: rows 10, 20, 30, 40, 50 and 2 more",
+        ),
+    ],
+)
+def test_five_skipped_rows_are_named_and_more_of_them_counted(
+    tmp_path: Path, lost: list[int], said: str
+) -> None:
+    notes = read(tmp_path, long(dict.fromkeys(lost, "0.1,"), 200)).notes
+    assert f"data.csv: {said}" in notes
+
+
+def test_a_row_may_lack_a_value_in_one_column_alone(tmp_path: Path) -> None:
+    content = ["t [s],x [mm],v [mm/s]", *(f"{i},{i},{i}" for i in range(40))]
+    content[5], content[9] = "4,,4", "8,8,NaN"
+    record = read(tmp_path, content)
+    assert record.time.tolist() == [i for i in range(40) if i not in (4, 8)]
+    assert {values.size for values in record.signals.values()} == {38}
+
+
+def test_the_row_of_a_wrong_time_is_that_of_the_file_also_behind_skipped_rows(tmp_path: Path) -> None:
+    content = long({5: "0.1,", 40: "0.01,3"})
+    error = refusal(tmp_path, content)
+    assert "row 40, column 't [s]': time goes back to 0.01 s after 0.061667 s" in str(error)
+    assert "lack a value" not in str(error)

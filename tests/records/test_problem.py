@@ -6,11 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from helpers.made_records import ON_ELLIPSES, Walked, nut
+from helpers.made_records import FREQUENCY, ON_ELLIPSES, Walked, bowl, nut
 
 import vibro
 from vibro.records.alignment import Observation
-from vibro.records.problem import Problem, _candidates, _variances, starts
+from vibro.records.cycles import HOPS
+from vibro.records.folding import detrended
+from vibro.records.problem import Problem, _candidates, _variances, fittable, starts
 
 SLIP = ("static_friction", "kinetic_friction")
 TRUE = np.array([0.74, 0.57, 0.0137 * 15.0])
@@ -120,3 +122,169 @@ def test_outside_the_pattern_the_squares_are_infinite() -> None:
     assert vibro.solve(nut()).pattern == "F_"
     assert np.isfinite(problem.residuals("F_", TRUE[None]).squares).all()
     assert np.isinf(problem.residuals("FB", TRUE[None]).squares).all()
+
+
+# --- coordinates: their bounds, sizes, sides and turns ------------------------------------------------
+
+
+def any_problem(scene: vibro.Scene, *names: str) -> Problem:
+    return Problem(scene, Walked(nut()).observe("velocity", cycles=2), names)
+
+
+def test_what_is_tried_of_each_quantity() -> None:
+    line = any_problem(nut(), *SLIP, "amplitude", "drive_angle")
+    assert line.bounds[0] == pytest.approx([1e-3, 1e-3, 0.2e-3, math.radians(0.5)])
+    assert line.bounds[1] == pytest.approx([3.0, 3.0, 5e-3, math.radians(80.0)])
+    ellipse = any_problem(bowl(), "normal_amplitude", "normal_phase")
+    assert ellipse.bounds[:, 0] == pytest.approx([0.1e-3, 2.5e-3])
+    assert np.degrees(ellipse.bounds[:, 1]) == pytest.approx([-600.0, 480.0])
+    assert (line.is_curved, ellipse.is_curved) == (False, True)
+    assert not any_problem(bowl(), *SLIP).is_curved
+
+
+def test_what_can_be_fitted_of_each_drive() -> None:
+    assert fittable(nut()) == (*SLIP, "amplitude", "drive_angle")
+    assert fittable(bowl()) == (*SLIP, "along_amplitude", "normal_amplitude", "normal_phase")
+
+
+def test_the_scenes_own_values_lie_within_what_is_tried() -> None:
+    steep = nut(static_friction=5.0, kinetic_friction=0.0, drive_angle=math.radians(85.0))
+    own = any_problem(steep, *SLIP, "drive_angle").own
+    assert own == pytest.approx([3.0, 1e-3, math.radians(80.0)])
+
+
+def test_sizes_of_coordinates() -> None:
+    """Their own, a thousandth of the greatest that is tried at least; 1 of phases and shifts."""
+    problem = any_problem(bowl(), *SLIP, "normal_amplitude", "normal_phase")
+    sizes = problem.scale(np.array([0.4, 1e-3, 3e-4, -7.0, 0.2]))
+    assert sizes == pytest.approx([0.4, 3e-3, 3e-4, 1.0, 1.0])
+    assert problem.scale(np.array([0.4, 0.3, 1e-7, 0.0, 0.9]))[2:] == pytest.approx([2.5e-6, 1.0, 1.0])
+
+
+def test_sides_and_turns_of_phases() -> None:
+    problem = any_problem(bowl(), "static_friction", "normal_phase")
+    for phase, positive in ((0.5, True), (2.8, True), (-0.5, False), (math.pi + 0.5, False), (-6.0, True)):
+        assert problem.sides(np.array([0.4, phase, 0.7])) == (positive,)
+    assert any_problem(nut(), "static_friction").sides(np.array([0.4, 0.7])) == ()
+    point = np.array([9.0, -1.0, 9.0])
+    for near, turns in ((-1.0, 0), (2.0, 0), (2.3, 1), (5.0, 1), (8.6, 2), (-4.3, -1), (-10.0, -1)):
+        moved = problem.unwound(point, np.array([0.4, near]))
+        assert moved == pytest.approx([9.0, -1.0 + turns * math.tau, 9.0])
+    assert point[1] == -1.0
+
+
+# --- residuals and weights ----------------------------------------------------------------------------
+
+SIGNALS = ("displacement", "velocity", "acceleration", "friction")
+
+
+@pytest.mark.parametrize("signal", SIGNALS)
+def test_offsets_have_no_residual_and_drifts_only_of_a_displacement(signal: str) -> None:
+    """No sensor of displacement invents a speed."""
+    plain = slip_problem(signal)
+    observed = plain.observation
+    values, time = observed.signals[signal], observed.time
+    found = [plain]
+    for added in (7.0 + 0.0 * time, 0.5 * time):
+        # the weights are those of the plain record
+        other = Problem(nut(), observed, SLIP)
+        other.observation = Observation(time, {signal: values + float(np.ptp(values)) * added}, FREQUENCY)
+        found.append(other)
+    wrong = np.array([[0.7, 0.6, 0.2]])
+    one, shifted, drifting = (p.residuals("F_", wrong).values for p in found)
+    scale = float(np.abs(one).max())
+    np.testing.assert_allclose(shifted, one, atol=1e-9 * scale)
+    assert (float(np.abs(drifting - one).max()) > 0.1 * scale) == (signal == "displacement")
+
+
+@pytest.mark.parametrize("signal", SIGNALS)
+def test_a_dead_signal_weighs_by_the_size_that_the_drive_gives_it(signal: str) -> None:
+    """Its residuals are the model's, over 1e-12 of the trough's amplitude, speed or acceleration."""
+    scene, walked = nut(1.5), Walked(nut(1.5))
+    observed = walked.observe(signal, cycles=4)
+    dead = Observation(observed.time, {signal: 0.0 * observed.time}, FREQUENCY)
+    problem = Problem(scene, dead, SLIP)
+    assert problem.count == observed.time.size
+    (squares,) = problem.residuals("FB_", np.array([[0.74, 0.57, 0.0]])).squares
+    model = getattr(walked, signal)(observed.time)
+    model = detrended(observed.time, model, 0 if signal == "displacement" else 1)
+    rate = 2.0 * math.pi * FREQUENCY
+    size = 1.5e-3 * rate ** {"displacement": 0, "velocity": 1}.get(signal, 2)
+    assert squares == pytest.approx(float(model @ model) / (1e-12 * size) ** 2, rel=0.02)
+
+
+@pytest.mark.parametrize("signal", ["acceleration", "friction"])
+def test_samples_beside_a_jump_take_no_part(signal: str) -> None:
+    """One slide a cycle: two jumps, with two or three samples within a sample time of each."""
+    problem = slip_problem(signal)
+    problem.weigh(TRUE)
+    (values,) = problem.residuals("F_", TRUE[None]).values
+    walked, time = Walked(nut()), problem.observation.time
+    jumps = [t for _, start, length in walked.slides for t in (start, start + length)]
+    away = (np.subtract.outer(time + 0.0137, jumps) / walked.period + 0.5) % 1.0 - 0.5
+    near = (np.abs(away) * walked.period).min(axis=1)
+    assert (values[near < 0.99 / 600.0] == 0.0).all()
+    assert (values[near > 1.01 / 600.0] != 0.0).all()
+    used = int(np.count_nonzero(values))
+    # two coefficients, the shift, and the sensor's offset and drift are taken from the rest
+    assert problem.count * (used - 5) / time.size == pytest.approx(float(values @ values), rel=1e-6)
+
+
+def test_the_number_of_samples_is_that_of_all_signals() -> None:
+    one, other, both = (slip_problem(*names) for names in (SIGNALS[:1], SIGNALS[1:2], SIGNALS[:2]))
+    assert [p.count for p in (one, other, both)] == [161, 161, 322]
+    for problem in (one, other, both):
+        problem.weigh(TRUE)
+        problem.weigh(TRUE)
+    assert both.count == pytest.approx(one.count + other.count)
+    (squares,), (first,), (second,) = (p.residuals("F_", TRUE[None]).squares for p in (both, one, other))
+    assert squares == pytest.approx(first + second)
+
+
+@pytest.mark.parametrize("point", [(0.7, 0.5), (0.8, 0.6)])
+def test_rough_squares_are_those_of_the_residuals_at_their_shift(point: tuple[float, float]) -> None:
+    problem = slip_problem("velocity", cycles=10)
+    (rough,), (shift,) = problem.rough_squares(np.array([point]))
+    (exact,) = problem.residuals("F_", np.array([[*point, shift]])).squares
+    assert rough == pytest.approx(float(exact), rel=0.05)
+    for other in (0.02, -0.02):
+        assert problem.residuals("F_", np.array([[*point, shift + other]])).squares[0] > exact
+
+
+def test_a_displacement_is_roughly_compared_without_its_growth() -> None:
+    """A point with another speed fits as badly as its waves do."""
+    problem = slip_problem("displacement", cycles=10)
+    (rough,), (shift,) = problem.rough_squares(np.array([[0.7, 0.5]]))
+    time = problem.observation.time
+    walked = Walked(nut(static_friction=0.7, kinetic_friction=0.5))
+    model = detrended(time, walked.displacement(time + shift / FREQUENCY), 1)
+    left = detrended(time, problem.observation.signals["displacement"], 1) - model
+    folded = problem.observation.folded["displacement"]
+    noise = problem.observation.signals["displacement"] - folded.fitted(time)
+    # a coefficient of the sensor, two of friction and the shift are taken from its 401 samples
+    assert rough == pytest.approx(397.0 * float(left @ left) / float(noise @ noise), rel=0.02)
+
+
+def test_of_a_resting_body_or_none_there_are_no_rough_squares() -> None:
+    scene = nut(static_friction=0.0, kinetic_friction=0.0)
+    problem = Problem(scene, Walked(nut()).observe("velocity", cycles=2), ["amplitude"])
+    assert problem.labels(np.array([[1e-3]])).tolist() == [""]
+    assert np.isinf(problem.rough_squares(np.array([[1e-3]]))[0]).all()
+
+
+def test_phases_start_on_both_sides() -> None:
+    """Up to three starts of each pattern and side."""
+    scene = ON_ELLIPSES["F_"]
+    problem = Problem(scene, Walked(scene).observe("velocity", cycles=3), ["static_friction", "normal_phase"])
+    found = [(label, problem.sides(point)) for label, point in starts(problem, hops=False)]
+    for side in (False, True):
+        assert found.count(("F_", (side,))) == 3
+    misfits = [problem.rough_squares(point[None, :-1])[0][0] for _, point in starts(problem, hops=False)]
+    assert misfits == sorted(misfits)
+
+
+def test_starts_that_hop_are_for_themselves_and_few() -> None:
+    problem = Problem(nut(4.0), Walked(nut()).observe("velocity", cycles=3), ["amplitude", "drive_angle"])
+    assert HOPS not in {label for label, _ in starts(problem, hops=False)}
+    found = starts(problem, hops=True)
+    assert [label for label, _ in found] == [HOPS] * 3

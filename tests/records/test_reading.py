@@ -346,3 +346,154 @@ def test_a_header_may_be_a_signal_over_its_unit(
 def test_a_quotient_that_is_no_signal_over_its_unit_has_no_unit(tmp_path: Path, header: str) -> None:
     record = read(tmp_path, [f"Zeit/s;X [mm];{header}", "0;1;5", "1;2;6", "2;4;7"])
     assert record.headers == {"time": "Zeit/s", "displacement": "X [mm]"}
+
+
+# --- edges of what is read ----------------------------------------------------------------------------
+
+
+def test_the_largest_value_is_read_and_the_next_one_refused(tmp_path: Path) -> None:
+    record = read(tmp_path, ["t [s],x [m]", "0,1e20", "1,-1e20"])
+    np.testing.assert_array_equal(record.signals["displacement"], [1e20, -1e20])
+    error = refusal(tmp_path, ["t [s],x [m]", "0,1", "1,1.0000001e20"])
+    assert str(error).endswith(
+        "row 3, column 'x [m]': 1.0000001e20 is too large to compute with, at most 1e+20 is allowed"
+    )
+
+
+def test_a_row_that_is_too_short_lacks_its_last_values(tmp_path: Path) -> None:
+    content = ["t [s],x [mm],v [mm/s]", *(f"{i},{i},{i}" for i in range(30))]
+    content[7] = "6,6"
+    record = read(tmp_path, content)
+    assert record.time.tolist() == [i for i in range(30) if i != 6]
+    assert "data.csv: 1 of 30 rows lack a value and are skipped: row 8" in record.notes
+    content[7] = "6"
+    assert read(tmp_path, content, velocity="v").time.size == 29
+
+
+@pytest.mark.parametrize(("bad", "more"), [(4, ""), (5, ""), (6, "1 more"), (7, "2 more")])
+def test_five_bad_cells_are_named_and_more_of_them_counted(tmp_path: Path, bad: int, more: str) -> None:
+    content = ["t [s],x [mm]", "0,1", "1,2", *(f"{i},bad{i}" for i in range(2, 2 + bad))]
+    error = refusal(tmp_path, content)
+    named = [f"row {i + 2}, column 'x [mm]': 'bad{i}' is not a number" for i in range(2, 2 + min(bad, 5))]
+    counted = [f"column 'x [mm]': {more} such cells"] if more else []
+    assert list(error.problems) == [f"{tmp_path / 'data.csv'}: {text}" for text in named + counted]
+
+
+def test_decimal_commas_between_quotes_are_echoed(tmp_path: Path) -> None:
+    record = read(tmp_path, ["Time [s],X [mm]", '"0,5","1,25"', '"1,0","2,5"', "2,3"])
+    np.testing.assert_allclose(record.signals["displacement"], [1.25e-3, 2.5e-3, 3e-3])
+    assert record.notes[0] == "data.csv: separated by commas, decimal commas"
+
+
+@pytest.mark.parametrize("mark", [b"\xff\xfe", b"\xfe\xff"])
+def test_utf_16_in_either_order_of_bytes(tmp_path: Path, mark: bytes) -> None:
+    text = "Time [s],Weg [µm]\n0,1\n1,2\n"
+    record = read(tmp_path, mark + text.encode("utf-16-le" if mark == b"\xff\xfe" else "utf-16-be"))
+    assert record.headers == {"time": "Time [s]", "displacement": "Weg [µm]"}
+    assert record.notes[0] == "data.csv: UTF-16"
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_header(tmp_path: Path) -> None:
+    record = read(tmp_path, "Time [s],X [mm]\n0,1\n1,2\n".encode("utf-8-sig"), time="Time [s]")
+    assert record.headers["time"] == "Time [s]"
+
+
+def test_a_byte_that_the_code_page_lacks_is_replaced(tmp_path: Path) -> None:
+    """0x81 has no character in Windows-1252, and 0xb5 is the micro sign."""
+    record = read(tmp_path, b"Time [s],\x81 [\xb5m]\n0,1\n1,2\n")
+    np.testing.assert_allclose(record.signals["displacement"], [1e-6, 2e-6])
+    assert record.headers["displacement"] == "\ufffd [\u00b5m]"
+
+
+@pytest.mark.parametrize("before", [1, 1000, 4000])
+def test_a_file_with_a_null_byte_is_no_text(tmp_path: Path, before: int) -> None:
+    error = refusal(tmp_path, b"t [s],x [mm]\n" + b"0,1\n" * (before // 4) + b"\0\n")
+    assert str(error).endswith("data.csv: not a text file")
+
+
+def test_a_first_row_with_more_numbers_than_usual_is_data(tmp_path: Path) -> None:
+    """A column of text may hold a number in it; without a header row above, that is what is said."""
+    rows = ["0,1,7", "1,2,slide", "2,3,rest"]
+    np.testing.assert_array_equal(read(tmp_path, ["t [s],x [mm],phase", *rows]).time, [0.0, 1.0, 2.0])
+    error = refusal(tmp_path, ["", *rows])
+    assert str(error).endswith("data.csv: row 2 holds numbers, but there is no header row above it")
+
+
+def test_cells_beyond_the_header_row_may_be_empty(tmp_path: Path) -> None:
+    """Some programs end each row of data with a separator."""
+    assert read(tmp_path, ["t [s],x [mm]", "0,1,", "1,2, ,"]).time.size == 2
+    rows = [f"{i},1" for i in range(400)]
+    error = refusal(tmp_path, ["t [s],x [mm]", *rows, "400,1,2,3"])
+    assert str(error).endswith("data.csv: row 402 has 4 cells, the header row 2")
+
+
+@pytest.mark.parametrize("row", ["overflow,#DIV/0!", "error,inf", "-Infinity,#REF"])
+def test_a_first_row_in_which_all_went_wrong_is_no_header(tmp_path: Path, row: str) -> None:
+    error = refusal(tmp_path, ["t [s],x [mm]", row, "1,2", "2,3"])
+    said, other = (f": row 2, column '{name}': '{cell}' is not a number" for name, cell in
+                   zip(("t [s]", "x [mm]"), row.split(","), strict=True))  # fmt: skip
+    assert str(error).endswith(said) or str(error).endswith(other)
+
+
+def times(values: list[float]) -> list[str]:
+    return ["t [s],x [mm]", *(f"{t!r},{i}" for i, t in enumerate(values))]
+
+
+def test_a_step_of_three_and_a_half_usual_ones_is_no_gap(tmp_path: Path) -> None:
+    """Exactly that, in times that doubles hold exactly; the next larger step is one."""
+    even = [0.0, 0.5, 1.0, 1.5, 2.0]
+    assert read(tmp_path, times([*even, 3.75])).time.size == 6
+    error = refusal(tmp_path, times([*even, 3.751]))
+    where = f"{tmp_path / 'data.csv'}: row 7, column 't [s]'"
+    assert str(error) == f"{where}: time jumps to 3.751 s after 2 s, usual steps are 0.5 s"
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ([0.0, 1.0, 1.0, 2.0], "row 4, column 't [s]': time repeats 1 s, usual steps are 1 s"),
+        (
+            [0.0, 1.0, 1.0, 1.0, 2.0, 3.0, 4.0],
+            "row 4, column 't [s]': time repeats 1 s, usual steps are 1 s; 1 more such rows",
+        ),
+        (
+            [0.0, 0.25, 0.5, 0.125, 0.75, 0.875],
+            "row 5, column 't [s]': time goes back to 0.125 s after 0.5 s, usual steps are 0.25 s",
+        ),
+    ],
+)
+def test_a_wrong_time_is_told_in_full(tmp_path: Path, values: list[float], said: str) -> None:
+    assert str(refusal(tmp_path, times(values))) == f"{tmp_path / 'data.csv'}: {said}"
+
+
+def test_a_text_file_is_suggested_too(tmp_path: Path) -> None:
+    (tmp_path / "measured.txt").write_text("", encoding="utf-8")
+    with pytest.raises(FileError) as caught:
+        read_record(tmp_path / "measured.csv")
+    assert caught.value.hint == f"did you mean {tmp_path / 'measured.txt'}?"
+
+
+@pytest.mark.parametrize(
+    ("cell", "value"),
+    [
+        ("+1.5", 1.5),
+        ("-.5", -0.5),
+        ("5.", 5.0),
+        ("1e-3", 1e-3),
+        ("-2.5E+2", -250.0),
+        ("7e1", 70.0),
+        (" 4 ", 4.0),
+    ],
+)
+def test_spellings_of_numbers(tmp_path: Path, cell: str, value: float) -> None:
+    for text, separator in ((cell, ","), (cell.replace(".", ","), ";")):
+        record = read(
+            tmp_path, [separator.join(row) for row in (("t [s]", "x [m]"), ("0", text), ("1", "0"))]
+        )
+        assert record.signals["displacement"].tolist() == [value, 0.0]
+
+
+@pytest.mark.parametrize("cell", ["1e", "1.2.3", "--1", "1 2", "0x10", "1_000", "e5", ".", "1e5.5"])
+def test_what_is_no_number(tmp_path: Path, cell: str) -> None:
+    error = refusal(tmp_path, ["t [s],x [m]", "0,1", "1,2", f"2,{cell}"])
+    assert str(error).endswith(f"row 4, column 'x [m]': {cell!r} is not a number")

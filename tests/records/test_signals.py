@@ -9,7 +9,7 @@ import pytest
 
 from vibro.errors import InputError
 from vibro.records.reading import Record, read_record
-from vibro.records.signals import read_sensitivities, signal_unit
+from vibro.records.signals import doubt, read_sensitivities, rounded, signal_unit
 
 
 @pytest.mark.parametrize(
@@ -170,3 +170,114 @@ def test_a_sensitivity_of_a_column_that_is_not_named_is_told_as_such(tmp_path: P
         f"name that column too: {option} HEADER, and give this sensor's sensitivity:"
         " --sensitivity trough-along=100mV/g"
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "size"),
+    [
+        ("seconds", "time", 1.0),
+        ("second", "time", 1.0),
+        ("cm/s", "velocity", 1e-2),
+        ("in/s", "velocity", 0.0254),
+        ("in_s", "velocity", 0.0254),
+        ("um_s", "velocity", 1e-6),
+        ("in_s2", "acceleration", 0.0254),
+        ("cm/s^2", "acceleration", 1e-2),
+        ("in/s²", "acceleration", 0.0254),
+        ("m/second**2", "acceleration", 1.0),
+        ("newtons", "force", 1.0),
+        ("volts", "voltage", 1.0),
+    ],
+)
+def test_more_spellings_of_units(text: str, kind: str, size: float) -> None:
+    found = signal_unit(text)
+    assert found is not None
+    assert found[0] == kind
+    assert found[1] == pytest.approx(size, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "text"),
+    [(1234.0, "1200"), (0.01256, "0.013"), (9.96, "10"), (1e5, "100000"), (7.04, "7"), (-12.4, "-12")],
+)
+def test_a_ratio_is_written_with_two_digits(ratio: float, text: str) -> None:
+    assert rounded(ratio) == text
+
+
+@pytest.mark.parametrize("text", ["1e20m/V", "-1e20m/V", "1e20V/m", "-1e20 V/m"])
+def test_sensitivities_reach_to_the_ends_of_what_can_be_computed_with(text: str) -> None:
+    (one,) = read_sensitivities([text])
+    assert abs(one.per_volt) == pytest.approx(1e20 if text.endswith("m/V") else 1e-20, rel=1e-15)
+    beyond = text.replace("1e20", "1.001e20")
+    with pytest.raises(InputError, match="in SI units, which is beyond any sensor") as caught:
+        read_sensitivities([beyond])
+    sign = "-" if text.startswith("-") else ""
+    size = "1.001e+20" if text.endswith("m/V") else "9.99001e-21"
+    assert f"--sensitivity {beyond}: 1 V would be {sign}{size} in SI units" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "role", "kind", "per_volt"),
+    [
+        ("trough-along=200mV/g", "trough_along", "acceleration", 5.0 * 9.80665),
+        (" --Trough-Along = 200 mV per g ", "trough_along", "acceleration", 5.0 * 9.80665),
+        ("force=4V pro N", "force", "force", 0.25),
+        ("50 mV/[mm/s]", "", "velocity", 0.02),
+        (".5mm/V", "", "displacement", 5e-4),
+        ("+2.V/kN", "", "force", 500.0),
+    ],
+)
+def test_spellings_of_sensitivities(text: str, role: str, kind: str, per_volt: float) -> None:
+    (one,) = read_sensitivities([text])
+    assert one[:3] == (text.strip(), role, kind)
+    assert one.per_volt == pytest.approx(per_volt, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("texts", "said", "hint"),
+    [
+        (
+            ["force=1V/N", "force=2V/N"],
+            "--sensitivity force=1V/N and force=2V/N: each is for --force",
+            "say which column each is for: --sensitivity trough-along=100mV/g",
+        ),
+        (
+            ["1V/N", "2V/kN"],
+            "--sensitivity 1V/N and 2V/kN: each is for a force",
+            "say which column each is for: --sensitivity trough-along=100mV/g",
+        ),
+        (
+            ["time=1V/g"],
+            "--sensitivity time=1V/g: 'time' is no signal",
+            "signals are displacement, velocity, acceleration, force, trough-along, trough-normal",
+        ),
+        (
+            ["trough-normal=1V/mm"],
+            "--sensitivity trough-normal=1V/mm: 'V/mm' is no sensitivity of an acceleration",
+            "write it like 100mV/g",
+        ),
+        (
+            ["displacement=5mV/N"],
+            "--sensitivity displacement=5mV/N: 'mV/N' is no sensitivity of a displacement",
+            "write it like 2V/mm",
+        ),
+    ],
+)
+def test_what_is_said_of_wrong_sensitivities(texts: list[str], said: str, hint: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_sensitivities(texts)
+    assert (str(caught.value), caught.value.hint) == (said, hint)
+
+
+def test_a_signal_far_off_is_doubted_by_its_sensitivity_or_else_by_its_unit() -> None:
+    assert doubt("100mV/g") == "is its sensitivity 100mV/g right?"
+    assert doubt("") == "is its unit right?"
+
+
+@pytest.mark.parametrize(("sensitivity", "most"), [("-1V/m", "1e+20"), ("-0.1V/m", "1e+19")])
+def test_a_negative_sensitivity_allows_as_large_a_voltage(
+    tmp_path: Path, sensitivity: str, most: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        volts(tmp_path, ["t [s],u [V]", "0,1", "1,1e21"], sensitivity, displacement="u")
+    assert str(caught.value).endswith(f"1e21 is too large to compute with, at most {most} is allowed")

@@ -360,3 +360,251 @@ def test_the_troughs_clock_places_the_record() -> None:
     comparison = compare(bowl(), replace(observed, clock=drive.clock))
     assert comparison.alignment.shift == pytest.approx(0.02, abs=1e-6)
     assert comparison.warnings == ()
+
+
+# --- by hand: waves of given size, phase and error ----------------------------------------------------
+
+
+def wave(size: float, phase: float = 0.0, error: float = 0.0, **others: Any) -> Wave:
+    """Make a wave of a motion: its acceleration is opposed to it."""
+    values: dict[str, Any] = {"header": "u [g]", "harmonics": 0.0, "rest": 0.0, "sensitivity": ""}
+    return Wave(value=-size * complex(math.cos(phase), math.sin(phase)), error=error, **(values | others))
+
+
+def moved(along: Wave | None, normal: Wave | None) -> Trough:
+    return Trough(Estimate(15.0, 0.0), along, normal, 2.0)
+
+
+@pytest.mark.parametrize("lead", [0.7, -2.0, 3.0])
+def test_the_phase_is_that_of_the_normal_motion_ahead_of_that_along(lead: float) -> None:
+    trough = moved(wave(3.0, 0.4, 0.03), wave(4.0, 0.4 + lead, 0.08))
+    assert trough.phase == pytest.approx(lead)
+    assert trough.phase_error == pytest.approx(math.hypot(0.01, 0.02))
+    assert math.isnan(moved(wave(3.0), None).phase)
+    assert math.isnan(moved(None, wave(3.0)).phase_error)
+
+
+@pytest.mark.parametrize(
+    ("along", "normal", "has_phase"),
+    [
+        ((4.0, 0.0), (0.0041, 0.0), True),
+        ((4.0, 0.0), (0.0039, 0.0), False),
+        ((0.0039, 0.0), (4.0, 0.0), False),
+        # of three errors, of either sensor
+        ((4.0, 0.0), (0.31, 0.1), True),
+        ((4.0, 0.0), (0.29, 0.1), False),
+        ((4.0, 0.1), (0.29, 0.0), False),
+        ((0.29, 0.1), (4.0, 0.0), False),
+        ((0.31, 0.0), (4.0, 0.1), True),
+    ],
+)
+def test_a_motion_has_a_phase_beyond_a_thousandth_of_the_other_and_three_errors(
+    along: tuple[float, float], normal: tuple[float, float], has_phase: bool
+) -> None:
+    trough = moved(wave(along[0], error=along[1]), wave(normal[0], 0.5, normal[1]))
+    assert math.isnan(trough.phase) == (not has_phase)
+
+
+@pytest.mark.parametrize("turn", [0.0, 180.0, -180.0])
+@pytest.mark.parametrize(
+    ("off_deg", "error", "ellipse"),
+    [(1.95, 0.0, False), (2.05, 0.0, True), (3.3, 0.08, False), (3.6, 0.08, True), (-3.6, 0.08, True)],
+)
+def test_a_line_is_left_beyond_two_degrees_and_three_errors(
+    off_deg: float, error: float, ellipse: bool, turn: float
+) -> None:
+    """An error of 0.08 of 4 is one of 0.02 rad, three of which are 3.44 deg."""
+    trough = moved(wave(4.0), wave(4.0, math.radians(off_deg + turn), error))
+    assert trough.on_an_ellipse == ellipse
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "lead"), [(3.0, 4.0, 1.0), (4.0, 3.0, -1.2), (5.0, 1.0, 0.6), (2.0, 2.1, 1.5)]
+)
+def test_the_drive_angle_is_that_of_the_longer_axis(x: float, y: float, lead: float) -> None:
+    """Where the acceleration in a direction is largest."""
+    angle = moved(wave(x, 0.3), wave(y, 0.3 + lead)).drive_angle
+    assert angle is not None
+    directions = np.linspace(0.0, 0.5 * math.pi, 200_001)
+    sizes = np.abs(x * np.cos(directions) + y * np.exp(1j * lead) * np.sin(directions))
+    assert angle.value == pytest.approx(float(directions[np.argmax(sizes)]), abs=1e-5)
+
+
+def test_a_line_that_leads_down_by_noise_alone_is_level_or_upright() -> None:
+    for x, y, expected, error in ((4.0, 0.01, 0.0, 0.2), (0.01, 4.0, 0.5 * math.pi, 0.1)):
+        angle = moved(wave(x, error=0.1), wave(y, math.pi, error=0.2)).drive_angle
+        assert angle == pytest.approx((expected, error / math.hypot(x, y)))
+
+
+def test_one_acceleration_is_scaled_up_with_its_error() -> None:
+    for trough, part in ((moved(wave(3.0, error=0.3), None), 0.6), (moved(None, wave(3.0, error=0.3)), 0.8)):
+        value, error = trough.drive_on_line(math.acos(0.6)).quantities["amplitude"]
+        assert value == pytest.approx(3.0 / part / (30.0 * math.pi) ** 2)
+        assert error == pytest.approx(0.1 * value)
+
+
+def test_two_accelerations_along_the_drive_have_the_errors_of_their_parts() -> None:
+    trough = moved(wave(3.0, error=0.1), wave(4.0, error=0.2))
+    value, error = trough.drive_on_line().quantities["amplitude"]
+    assert value == pytest.approx(5.0 / (30.0 * math.pi) ** 2)
+    assert error / value == pytest.approx(math.hypot(0.06, 0.16) / 5.0)
+
+
+@pytest.mark.parametrize(
+    ("trough", "angle", "name", "other"),
+    [
+        (moved(None, wave(3.0)), 0.0, "--trough-normal", "--trough-along"),
+        (moved(wave(3.0), None), 0.5 * math.pi, "--trough-along", "--trough-normal"),
+    ],
+)
+def test_a_sensor_across_the_drive_is_told(trough: Trough, angle: float, name: str, other: str) -> None:
+    away = 1.0 if angle == 0.0 else -1.0
+    assert "amplitude" in trough.drive_on_line(angle + away * 1.1e-3).quantities
+    with pytest.raises(InputError) as caught:
+        trough.drive_on_line(angle + away * 0.9e-3)
+    degrees = math.degrees(angle + away * 0.9e-3)
+    assert str(caught.value) == f"{name} cannot measure the motion at a drive angle of {degrees:.6g} deg"
+    assert caught.value.hint == f"check the drive angle, or give {other}"
+
+
+@pytest.mark.parametrize(("size", "from_normal"), [(0.29, True), (0.31, False)])
+def test_the_clock_of_an_ellipse_is_that_along_it_where_it_moves_so(size: float, from_normal: bool) -> None:
+    """Else it follows from the normal motion by the scene's phase."""
+    trough = moved(wave(size, 0.2, 0.1), wave(4.0, 1.5, 0.1))
+    clock = trough.drive_on_ellipse(0.7).clock
+    rate = 30.0 * math.pi
+    assert clock.value * rate == pytest.approx(1.5 - 0.7 if from_normal else 0.2)
+    assert clock.error * rate == pytest.approx(0.1 / (4.0 if from_normal else size))
+
+
+def test_amplitudes_of_an_ellipse_have_their_own_errors() -> None:
+    found = moved(wave(3.0, 0.2, 0.03), wave(4.0, 0.9, 0.08)).drive_on_ellipse(0.7).quantities
+    size = (30.0 * math.pi) ** -2
+    assert found["along_amplitude"] == pytest.approx((3.0 * size, 0.03 * size))
+    assert found["normal_amplitude"] == pytest.approx((4.0 * size, 0.08 * size))
+    assert found["normal_phase"] == pytest.approx((0.7, math.hypot(0.01, 0.02)))
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"size": 0.31, "error": 0.1}, None),
+        ({"size": 0.29, "error": 0.1}, "no wave of 15 Hz stands out: is the sensor connected, and does it"
+         " point the right way?"),
+        ({"size": 49.9}, None),
+        ({"size": 51.0}, "5.2 g is more than conveyors usually have: is its unit right?"),
+        ({"size": 51.0, "sensitivity": "1V/g"},
+         "5.2 g is more than conveyors usually have: is its sensitivity 1V/g right?"),
+        ({"harmonics": 0.099}, None),
+        ({"harmonics": 0.12}, "harmonics have 12 % of the fundamental, but the computed trough moves as"
+         " a pure sine"),
+        ({"rest": 0.29}, None),
+        ({"rest": 0.31}, "the residual has 31 % of the fundamental: noise, another machine,"
+         " or a frequency that changes"),
+    ],
+)  # fmt: skip
+def test_reasons_to_doubt_a_wave(options: dict[str, Any], said: str | None) -> None:
+    doubted = wave(**({"size": 5.0} | options))
+    expected = [] if said is None else [f"column 'u [g]': {said}"]
+    assert list(moved(doubted, None).warnings) == expected
+    assert list(moved(None, doubted).warnings) == expected
+
+
+@pytest.mark.parametrize(
+    ("given", "lead", "said"),
+    [
+        (None, 1.6, "92 deg ahead of that along the trough"),
+        (None, -1.6, "92 deg behind that along the trough"),
+        (1.0, -0.6, "92 deg behind where the scene has it"),
+        (-3.0, 1.6, "96 deg behind where the scene has it"),
+        (0.1, 1.6, None),
+    ],
+)
+def test_by_how_much_a_phase_is_doubted(given: float | None, lead: float, said: str | None) -> None:
+    drive = moved(wave(3.0), wave(3.0, lead)).drive_on_ellipse(given)
+    doubts = [text for text in drive.warnings if "inverted" in text]
+    assert len(doubts) == (said is not None)
+    if said is not None:
+        why = "one of the two sensors may be inverted (--reverse, or a negative sensitivity)"
+        assert doubts[0] == f"the normal motion is {said}: {why}"
+
+
+# --- records ------------------------------------------------------------------------------------------
+
+
+def test_reverse_does_not_turn_a_sensor_normal_to_the_trough() -> None:
+    record = trough_record(columns=NORMAL, noise=0.1)
+    plain, turned = (trough_of(record, reverse=reverse) for reverse in (False, True))
+    assert plain is not None
+    assert plain == turned
+    for columns in (ALONG, ALONG + NORMAL):
+        record = trough_record(columns=columns, noise=0.1, ellipse=1.0)
+        plain, turned = (trough_of(record, reverse=reverse) for reverse in (False, True))
+        assert plain is not None
+        assert turned is not None
+        assert plain.along is not None
+        assert turned.along is not None
+        assert turned.along.value == pytest.approx(-plain.along.value)
+        assert turned.normal == plain.normal
+
+
+@pytest.mark.parametrize("order", [2, 3, 5])
+def test_each_harmonic_counts(order: int) -> None:
+    record = trough_record(columns=ALONG)
+    rate = 2.0 * math.pi * 15.003
+    peak = 1.02e-3 * rate**2 * math.cos(math.radians(20.5))
+    values = record.trough["trough_along"] + 0.2 * peak * np.sin(order * rate * record.time + 1.0)
+    trough = trough_of(replace(record, trough={"trough_along": values}))
+    assert trough is not None
+    assert trough.along is not None
+    assert trough.along.harmonics == pytest.approx(0.2, rel=1e-3)
+    assert trough.along.rest < 1e-3
+
+
+def test_a_sensor_may_drift_slowly() -> None:
+    record = trough_record(columns=ALONG)
+    drifting = replace(record, trough={"trough_along": record.trough["trough_along"] + 5.0 * record.time})
+    trough, plain = trough_of(drifting), trough_of(record)
+    assert trough is not None
+    assert plain is not None
+    assert trough.along is not None
+    assert plain.along is not None
+    assert trough.along.value == pytest.approx(plain.along.value, rel=1e-4)
+    assert trough.along.rest < 1e-3
+
+
+def test_waves_have_the_header_and_the_sensitivity_of_their_column() -> None:
+    headers = {"trough_along": "u [V]", "trough_normal": "w [V]"}
+    record = replace(trough_record(), headers=headers, sensitivities={"trough_normal": "1V/g"})
+    trough = trough_of(record)
+    assert trough is not None
+    assert [(wave.header, wave.sensitivity) for wave in trough.waves] == [("u [V]", ""), ("w [V]", "1V/g")]
+    assert float(spelled(*trough.frequency)) == trough.frequency.value
+    for name, option in (("trough_along", "--trough-along"), ("trough_normal", "--trough-normal")):
+        dead = replace(record, trough={**record.trough, name: 0.0 * record.time})
+        with pytest.raises(InputError) as caught:
+            trough_of(dead)
+        assert str(caught.value) == f"column {headers[name]!r} for {option} does not vibrate"
+    noise = np.random.default_rng(2).standard_normal((2, record.time.size))
+    with pytest.raises(InputError) as caught:
+        trough_of(replace(record, trough=dict(zip(record.trough, noise, strict=True))))
+    assert str(caught.value) == "no wave stands out in column 'u [V]' and 'w [V]'"
+
+
+@pytest.mark.parametrize(
+    ("reverse", "advice"), [(False, "--reverse, if"), (True, "leave out --reverse, unless")]
+)
+def test_a_line_that_leads_down_is_told_with_the_axis_to_turn(reverse: bool, advice: str) -> None:
+    record = trough_record(ellipse=0.0 if reverse else math.pi)
+    with pytest.raises(InputError) as caught:
+        trough_of(record, reverse=reverse)
+    axis = "the axis along the trough points against the conveying direction"
+    turned = "a negative sensitivity turns one sensor alone"
+    assert caught.value.hint == f"{advice} {axis}; {turned}"
+    assert trough_of(record, reverse=reverse, down=True) is not None
+
+
+def test_a_line_is_no_ellipse_that_would_be_told() -> None:
+    assert moved(wave(3.0), wave(4.0, 0.03)).drive_on_ellipse(None).warnings == ()
+    (said,) = moved(wave(3.0), wave(4.0, 0.04)).drive_on_ellipse(None).warnings
+    assert said.startswith("the trough moves on an ellipse, not on a line: along amplitude 0.337")

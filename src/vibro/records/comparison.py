@@ -92,7 +92,8 @@ class Comparison:
         if math.isnan(alignment.shift):
             warnings.append("the computed body rests: the position of the data in the cycle cannot be found")
         for rival in alignment.rivals:
-            begin = f"{1e3 * rival:.4g} ms after the trough's middle"
+            first = (rival + float(observation.time[0])) % observation.period
+            begin = f"{1e3 * first:.4g} ms after the trough's middle"
             warnings.append(f"the data fit almost as well if they begin {begin}")
         warnings += _of_another_size(observation, motion)
         warnings += _of_another_frequency(observation)

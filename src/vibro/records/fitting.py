@@ -464,12 +464,13 @@ def _limits(problem: Problem, pattern: str, parameters: list[Parameter], fitted:
     for p, low, high in zip(parameters, *problem.bounds, strict=True):
         if p.name == "static_friction" and "_" not in pattern:
             continue  # it has no effect, and any value
-        within = TOL.at_limit * (high - low)
+        within, quantity = TOL.at_limit * (high - low), QUANTITIES[p.name]
+        least, most = (f"{quantity.from_si(end):.4g} {quantity.unit}".rstrip() for end in (low, high))
         limits = [
-            (p.value - low, f"the lowest value that is tried, {low:.4g}"),
-            (high - p.value, f"the highest value that is tried, {high:.4g}"),
+            (p.value - low, f"the lowest value that is tried, {least}"),
+            (high - p.value, f"the highest value that is tried, {most}"),
         ]
         if p.name == "static_friction" or (p.name == "kinetic_friction" and not both):
             limits.append((float(fitted.static_friction - fitted.kinetic_friction), "mu_d = mu_s"))
-        found += [f"{QUANTITIES[p.name].letter} is at its limit, {what}" for d, what in limits if d < within]
+        found += [f"{quantity.letter} is at its limit, {what}" for d, what in limits if d < within]
     return found

@@ -123,11 +123,13 @@ def fold(time: Floats, signal: Floats, frequency: float, trends: int) -> Folded:
     span = float(time[-1] - time[0])
     cycles, cycle = span * frequency, f"of {1e3 / frequency:.6g} ms: at least"
     if cycles < TOL.least_cycles * (1.0 - TOL.printed):
-        short = f"the data cover {cycles:.3g} drive cycles {cycle} {TOL.least_cycles:.0f} are needed"
+        short = f"the data cover {_below(cycles)} drive cycles {cycle} {TOL.least_cycles:.0f} are needed"
         raise InputError(short, hint="record longer, or check the frequency and the unit of the time")
     samples = (time.size - 1) / cycles * (1.0 + TOL.printed)
     if samples < TOL.least_samples:
-        coarse = f"the data have {samples:.3g} samples a drive cycle {cycle} {TOL.least_samples} are needed"
+        coarse = (
+            f"the data have {_below(samples)} samples a drive cycle {cycle} {TOL.least_samples} are needed"
+        )
         raise InputError(coarse, hint="sample faster, or check the frequency and the unit of the time")
     count = min(TOL.most_harmonics, int(TOL.of_nyquist * 0.5 * samples))
     size, middle = trends + 2 * count, float(time[0]) + 0.5 * span
@@ -180,3 +182,8 @@ def independent_share(residual: Floats) -> float:
         return 1.0
     neighbours = float(residual[1:] @ residual[:-1]) / power
     return min(1.0, max((1.0 - neighbours) / (1.0 + neighbours), 2.0 / residual.size))
+
+
+def _below(number: float) -> str:
+    """Write a number below a limit with at most two decimals, rounded down: it must not read as the limit."""
+    return f"{math.floor(100.0 * number + 1e-6) / 100.0:g}"
