@@ -341,6 +341,19 @@ def test_designs_compete_with_each_other_and_with_the_lower_regime(monkeypatch: 
     assert finder(optimiser).designs(wide)["safest"].printed[0] == 1.0
 
 
+@pytest.mark.parametrize(
+    ("speed_of_least", "speed_of_safest", "best"), [(0.07, 0.06, 0.8), (0.06, 0.07, 1.5)]
+)
+def test_no_design_is_faster_than_the_fastest(
+    monkeypatch: pytest.MonkeyPatch, speed_of_least: float, speed_of_safest: float, best: float
+) -> None:
+    """Even if the search for it, among sampled bodies, found a slower one."""
+    of(monkeypatch, {2.0: 0.05, 0.8: speed_of_least, 1.5: speed_of_safest})
+    found = finder(Optimiser(fastest=2.0, margin=2.0, least=lambda _: 0.8, safest=1.5)).designs({})
+    assert found["fastest"].printed[0] == best
+    assert [found[kind].guarantee.speed_min for kind in ("gentlest", "safest")][best == 1.5] == 0.07
+
+
 def test_a_higher_target_is_rounded_where_none_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     of(monkeypatch, {1.0: 0.0099, 1.1: 0.01, 1.2: 0.02})
     optimiser = Optimiser(least=lambda target: {10: 1.0, 11: 1.1, 12: 1.2}[round(1e3 * target)])

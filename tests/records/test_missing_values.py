@@ -41,7 +41,7 @@ def test_one_row_too_many_without_a_value_is_refused(tmp_path: Path) -> None:
     assert read(tmp_path, long(dict.fromkeys(range(10, 60, 10), "0.1,"))).time.size == 95
     error = refusal(tmp_path, long(dict.fromkeys(range(10, 70, 10), "0.1,")))
     assert "row 10, column 'x [mm]': the cell is empty" in str(error)
-    assert "column 'x [mm]': 1 more such cells" in str(error)
+    assert "column 'x [mm]': 1 more such cell" in str(error)
     assert error.problems[-1].endswith("6 of 100 rows lack a value: at most 5 % are skipped")
 
 
@@ -66,7 +66,7 @@ def test_what_went_wrong_is_no_row_without_a_value(tmp_path: Path, cell: str) ->
 @pytest.mark.parametrize(
     ("lost", "said"),
     [
-        ([10], "1 of 200 rows lack a value and are skipped: row 10"),
+        ([10], "1 of 200 rows lacks a value and is skipped: row 10"),
         ([10, 20], "2 of 200 rows lack a value and are skipped: rows 10, 20"),
         ([10, 20, 30, 40, 50], "5 of 200 rows lack a value and are skipped: rows 10, 20, 30, 40, 50"),
         (

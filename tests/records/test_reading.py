@@ -190,7 +190,7 @@ def test_repeated_and_unsorted_times(tmp_path: Path, order: list[int], said: str
 def test_a_gap_is_named(tmp_path: Path) -> None:
     times = [0.0, 1.0, 2.0, 6.0, 7.0, 8.0, 12.0]
     error = refusal(tmp_path, ["t [s],X [mm]", *(f"{t},0" for t in times)])
-    assert "row 5, column 't [s]': time jumps to 6 s after 2 s, usual steps are 1 s; 1 more such rows" in str(
+    assert "row 5, column 't [s]': time jumps to 6 s after 2 s, usual steps are 1 s; 1 more such row" in str(
         error
     )
 
@@ -365,17 +365,19 @@ def test_a_row_that_is_too_short_lacks_its_last_values(tmp_path: Path) -> None:
     content[7] = "6,6"
     record = read(tmp_path, content)
     assert record.time.tolist() == [i for i in range(30) if i != 6]
-    assert "data.csv: 1 of 30 rows lack a value and are skipped: row 8" in record.notes
+    assert "data.csv: 1 of 30 rows lacks a value and is skipped: row 8" in record.notes
     content[7] = "6"
     assert read(tmp_path, content, velocity="v").time.size == 29
 
 
-@pytest.mark.parametrize(("bad", "more"), [(4, ""), (5, ""), (6, "1 more"), (7, "2 more")])
+@pytest.mark.parametrize(
+    ("bad", "more"), [(4, ""), (5, ""), (6, "1 more such cell"), (7, "2 more such cells")]
+)
 def test_five_bad_cells_are_named_and_more_of_them_counted(tmp_path: Path, bad: int, more: str) -> None:
     content = ["t [s],x [mm]", "0,1", "1,2", *(f"{i},bad{i}" for i in range(2, 2 + bad))]
     error = refusal(tmp_path, content)
     named = [f"row {i + 2}, column 'x [mm]': 'bad{i}' is not a number" for i in range(2, 2 + min(bad, 5))]
-    counted = [f"column 'x [mm]': {more} such cells"] if more else []
+    counted = [f"column 'x [mm]': {more}"] if more else []
     assert list(error.problems) == [f"{tmp_path / 'data.csv'}: {text}" for text in named + counted]
 
 
@@ -454,7 +456,7 @@ def test_a_step_of_three_and_a_half_usual_ones_is_no_gap(tmp_path: Path) -> None
         ([0.0, 1.0, 1.0, 2.0], "row 4, column 't [s]': time repeats 1 s, usual steps are 1 s"),
         (
             [0.0, 1.0, 1.0, 1.0, 2.0, 3.0, 4.0],
-            "row 4, column 't [s]': time repeats 1 s, usual steps are 1 s; 1 more such rows",
+            "row 4, column 't [s]': time repeats 1 s, usual steps are 1 s; 1 more such row",
         ),
         (
             [0.0, 0.25, 0.5, 0.125, 0.75, 0.875],

@@ -111,19 +111,19 @@ class Finder:
         fastest = self._best("fastest", self._held(self.optimiser.fastest(), None, up=False), calmer)
         if fastest is None:
             return {}
-        found = {"fastest": fastest}
         if fastest.guarantee.speed_min < self.target:
-            return found
+            return {"fastest": fastest}
         gentlest = self._best("gentlest", self._least_acceleration(), calmer, fastest)
         assert gentlest is not None
-        found["gentlest"] = gentlest
         if self.question.spec.has_bands:
             best = self._held(self.optimiser.safest(self.target), self.target, up=False)
-            safest = self._best("safest", best, calmer, *found.values())
+            safest = self._best("safest", best, calmer, fastest, gentlest)
         else:
             safest = fastest
         assert safest is not None
-        return {**found, "safest": safest}
+        # A search with sampled bodies may miss the fastest setting, and another of these may be faster.
+        fastest = max(fastest, gentlest, safest, key=lambda design: design.guarantee.speed_min)
+        return {"fastest": fastest, "gentlest": gentlest, "safest": safest}
 
     def _least_acceleration(self) -> Found | None:
         """Return the least-acceleration setting that holds as printed.

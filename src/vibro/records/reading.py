@@ -96,8 +96,8 @@ class _Table(NamedTuple):
             if not math.isnan(values[i]):
                 what = f"{cut(cell)} is too large to compute with, at most {most:g} is allowed"
             problems.append(f"{self.path}: row {row}, {column}: {what}")
-        if len(places) > TOL.cells_named:
-            problems.append(f"{self.path}: {column}: {len(places) - TOL.cells_named} more such cells")
+        if (more := len(places) - TOL.cells_named) > 0:
+            problems.append(f"{self.path}: {column}: {more} more such cell{'s' if more > 1 else ''}")
         return problems
 
 
@@ -144,7 +144,8 @@ def read_record(
         rows = [table.rows[i][0] for i in np.flatnonzero(~kept)]
         more = f" and {len(rows) - TOL.cells_named} more" if len(rows) > TOL.cells_named else ""
         named = f"row{'s' if len(rows) > 1 else ''} {', '.join(map(str, rows[: TOL.cells_named]))}{more}"
-        notes.append(f"{path.name}: {len(rows)} of {kept.size} rows lack a value and are skipped: {named}")
+        lack = "lack a value and are" if len(rows) > 1 else "lacks a value and is"
+        notes.append(f"{path.name}: {len(rows)} of {kept.size} rows {lack} skipped: {named}")
     texts = {role: column.sensitivity.text for role, column in chosen.items() if column.sensitivity}
     headers = {role: column.header.text for role, column in chosen.items()}
     for role, header in headers.items():
@@ -262,7 +263,11 @@ def _check_time(table: _Table, header: Header, time: Floats, kept: NDArray[np.in
             i = int(places[0]) + 1
             before, now = time[i - 1], time[i]
             where = f"{table.path}: row {table.rows[kept[i]][0]}, column {shown(header.text)}"
-            more = f"; {places.size - 1} more such rows" if places.size > 1 else ""
+            more = (
+                f"; {places.size - 1} more such row{'s' if places.size > 2 else ''}"
+                if places.size > 1
+                else ""
+            )
             said = f"time {what} {now:.9g} s" + (f" after {before:.9g} s" if now != before else "")
             skipped = int(kept[i] - kept[i - 1]) - 1
             lost = "row before it lacks" if skipped == 1 else f"{skipped} rows before it lack"
