@@ -11,7 +11,6 @@ import pytest
 from helpers.questions import changed
 
 from vibro import Regime, solve
-from vibro.inverse import ellipses
 from vibro.inverse.ellipses import EllipseOptimiser, _below
 from vibro.inverse.exchange import Exchange, Found, Optimum
 from vibro.inverse.guarantees import guarantee_of
@@ -301,22 +300,6 @@ def test_back_slip_bounds_the_load_where_it_would_convey(
     assert highest == [Regime.BACK_SLIP]
     assert optimiser(Regime.BACK_SLIP).first_cap() == "limit"
     assert highest == [Regime.BACK_SLIP]
-
-
-@pytest.mark.parametrize(
-    ("highest", "restitution", "name"),
-    [
-        (Regime.BACK_SLIP, 0.3, "_IN_CONTACT"),
-        (Regime.HOPPING, 0.0, "_FLYING"),
-        (Regime.HOPPING, 0.3, "_BOUNCING"),
-    ],
-)
-def test_bodies_that_are_slow_to_solve_are_searched_less(
-    highest: Regime, restitution: float, name: str
-) -> None:
-    search = optimiser(highest, scene={**SCENE, "restitution": restitution})
-    assert search._effort is getattr(ellipses, name)
-    assert search._checked is highest
 
 
 def costs_of(

@@ -11,9 +11,12 @@ import pytest
 from helpers.questions import changed
 
 from vibro import Regime
+from vibro.inverse import ellipses, lines
+from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.exchange import MOST_MARGIN, Effort, Exchange, Found, Optimum
 from vibro.inverse.extremes import Landings
 from vibro.inverse.guarantees import guarantee_of
+from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.proofs import corners
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
@@ -289,3 +292,25 @@ def test_bodies_beyond_the_checked_regime_are_slowest() -> None:
     assert not optimiser.finds_slower(Optimum(setting, 1e-9))
     optimiser._checked = Regime.FORWARD_SLIP
     assert optimiser.finds_slower(Optimum(setting, 1e-9))
+
+
+@pytest.mark.parametrize(("content", "module"), [(LINE, lines), (OVAL, ellipses)])
+@pytest.mark.parametrize(
+    ("highest", "restitution", "name"),
+    [
+        (Regime.BACK_SLIP, 0.3, "_IN_CONTACT"),
+        (Regime.HOPPING, 0.0, "_FLYING"),
+        (Regime.HOPPING, 0.3, "_BOUNCING"),
+    ],
+)
+def test_bodies_that_are_slow_to_solve_are_searched_less(
+    content: dict[str, Any], module: Any, highest: Regime, restitution: float, name: str
+) -> None:
+    question = asked(content, highest, scene={**content["scene"], "restitution": restitution})
+    search = (LineOptimiser if module is lines else EllipseOptimiser)(question)
+    effort = getattr(module, name)
+    assert search._effort is effort
+    if isinstance(search, LineOptimiser):
+        assert search._closely is effort
+    else:
+        assert search._checked is highest

@@ -298,21 +298,6 @@ def test_frequencies_and_angles_are_combined() -> None:
     assert {round(math.degrees(r.drive_angle[0])) for r in search._ranges} == {20, 25, 30}
 
 
-@pytest.mark.parametrize(
-    ("highest", "restitution", "name"),
-    [
-        (Regime.BACK_SLIP, 0.3, "_IN_CONTACT"),
-        (Regime.HOPPING, 0.0, "_FLYING"),
-        (Regime.HOPPING, 0.3, "_BOUNCING"),
-    ],
-)
-def test_bodies_that_are_slow_to_solve_are_searched_less(
-    highest: Regime, restitution: float, name: str
-) -> None:
-    search = optimiser(highest, scene={**SCENE, "restitution": restitution})
-    assert search._closely is search._effort is getattr(lines, name)
-
-
 def test_the_best_of_all_ranges_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     search = optimiser(drive={"frequency_hz": [12, 15, 18]})
     speeds = {12.0: 0.01, 15.0: 0.03, 18.0: 0.02}
