@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import replace
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -180,6 +181,14 @@ def test_ratios_of_a_line_are_those_that_a_search_finds(regime: Regime, box: Box
         slack = 1e-9 * max(ratio, found)
         assert (found <= ratio + slack) if largest else (found >= ratio - slack)
         assert ratio == pytest.approx(found, rel=2e-2)
+
+
+@pytest.mark.parametrize("regime", [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING])
+def test_without_bands_the_first_part_is_the_last(regime: Regime) -> None:
+    """To the last bit: pictures show no regime that only some parts would be in."""
+    for drive, trough in product(np.linspace(0.02, 1.2, 41), np.linspace(-0.3, 0.3, 13)):
+        one = uncertainty_set(scene_with(drive_angle=drive, trough_angle=trough), {})
+        assert first_ratio(one, regime) == last_ratio(one, regime)
 
 
 def test_the_last_part_hops_on_a_level_trough_within_the_band() -> None:

@@ -76,8 +76,9 @@ def last_ratio(box: UncertaintySet, regime: Regime) -> float:
         return _ratio(least, onset_load(box))
     if regime is Regime.BACK_SLIP:
         return _ratio(least, back_slip_load(box, last=True))
-    flattest = max(math.cos(b_low), math.cos(b_high), 1.0 if b_low < 0.0 < b_high else 0.0)
-    return least * math.sin(box.shape["drive_angle"][0]) / flattest
+    flattest = 1.0 if b_low < 0.0 < b_high else np.maximum(np.cos(b_low), np.cos(b_high))
+    with np.errstate(divide="ignore"):  # spelled as ``hop_load`` is: without bands first and last are equal
+        return _ratio(least, np.divide(flattest, np.sin(box.shape["drive_angle"][0])))
 
 
 def tip_ratio(box: UncertaintySet, stand_ratio: float) -> float:
