@@ -174,10 +174,11 @@ def test_horizontal_drives_convey_down_a_decline(drive_angle: float, bands: dict
     assert interval.high > 1e3
 
 
+@pytest.mark.parametrize("decline_deg", [5.0, 1e-3])
 @pytest.mark.parametrize("speed", [0.02, 20.0, 50.0, 5e5])
-def test_horizontal_drives_reach_any_speed_down_a_decline(speed: float) -> None:
+def test_horizontal_drives_reach_any_speed_down_a_decline(speed: float, decline_deg: float) -> None:
     """At large amplitudes friction balances weight where v = A w sin(pi/2 tan(decline)/mu_d)."""
-    decline, mu_d = math.radians(5.0), 0.4
+    decline, mu_d = math.radians(decline_deg), 0.4
     scene = scene_with(drive_angle=0.0, static_friction=0.5, kinetic_friction=mu_d, trough_angle=-decline)
     (found,) = feasible_amplitudes(scene, speed)
     assert math.isinf(found.high)

@@ -45,7 +45,7 @@ _DIPS: Final = np.linspace(0.0, 1.0, 257)  # shares of the load tried at every c
 _SEEDED: Final = 8  # of these in every first population
 
 # Samples of hopping bodies: base-2 logarithms of those of the first round, and of each round around the
-# extreme ones; the second pair for impacts that are not plastic, which take a hundred times as long.
+# extreme ones; the second pair for impacts that are not plastic, which take up to a hundred times as long.
 _SAMPLES: Final = {False: (11, 7), True: (9, 7)}
 _LOOKS: Final = 12  # base-2 logarithm of the samples whose regimes are solved
 _LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
@@ -233,13 +233,13 @@ def searched(
     axes = np.flatnonzero(free)
     side = -1.0 if fast else 1.0
 
-    def shares_of(x: Floats) -> Floats:
+    def whole(x: Floats) -> Floats:
         coordinates = np.broadcast_to(fixed, (len(box.axes), x.shape[1])).copy()
         coordinates[axes] = x
         return coordinates
 
     def cost(x: Floats) -> Floats:
-        points = box.points(shares_of(x))
+        points = box.points(whole(x))
         scene, other = (box.scene(points, fast=which) for which in (fast, not fast))
         speed = speeds_of(scene, fast=fast, flight=False, seen=seen, highest=highest)
         # the speed is proportional to 1/f, so its sign decides which frequency is the slow one
@@ -259,13 +259,13 @@ def searched(
         first[:, : ends.shape[1]] = ends
         found.append(evolve(cost, first, generations=_GENERATIONS, seed=seed))
     x, _ = min(found, key=lambda pair: pair[1])
-    return taken(box, shares_of(x), fast=fast, flight=False, seen=seen, highest=highest)
+    return taken(box, whole(x), fast=fast, flight=False, seen=seen, highest=highest)
 
 
 def sampled(box: UncertaintySet, *, fast: bool, seen: Seen) -> Extreme:
     """Return the slowest or the fastest of the hopping bodies among samples; NaN if none was found.
 
-    Speeds of hopping bodies are not smooth in any coordinate, which defeats a search. So a few thousand
+    Speeds of hopping bodies are not smooth in any coordinate, which defeats a search. So up to a few thousand
     points of the whole box are sampled, then some around the extreme ones.
     """
     free = box.varies

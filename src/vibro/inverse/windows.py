@@ -42,9 +42,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Family", "feasible_amplitudes", "number", "positive", "regime_of", "span_of", "window_of"]
 
-# Bodies that never hop are scanned up to this factor on the amplitudes of the largest critical load and of a
-# trough that moves at the target speed.
+# Bodies that never hop are scanned up to this factor on the largest critical load, or up to this one on the
+# target speed: far beyond the critical loads the speed is proportional to the amplitude.
 _BEYOND: Final = 1e3
+_FASTER: Final = 2.0
 _CLOSER: Final = 33  # amplitudes of each refinement around an extremum of the speed
 _PAST_EDGE: Final = 1e-8  # relative distance beyond an end at which the speed has jumped
 
@@ -274,13 +275,12 @@ class Family:
         else:
             detail = _FLYING if bounces else _ONE
         scenarios = Scenarios.fixed(corners(one.varies))
-        # without hops there is no largest amplitude, and far beyond the critical loads the speed is
-        # proportional to the amplitude
-        endless = math.isinf(top)
+        endless = math.isinf(top)  # without hops there is no largest amplitude
         if endless:
-            moves = target / (2.0 * math.pi * self.template.frequency[0])
-            criticals = _Scan(self, scenarios, target, flies).criticals()
-            top, top_by = _BEYOND * max(start, moves, *criticals), "limit"
+            scan = _Scan(self, scenarios, target, flies)
+            top, top_by = _BEYOND * max([start, *scan.criticals()]), "limit"
+            if 0.0 < (speed := float(scan.least(np.array([top]))[0])) < target:
+                top *= _FASTER * target / speed
         found: list[Interval] = []
         missing: list[bool] = []
         for _ in range(max(detail.exchanges, 1)):
@@ -464,7 +464,7 @@ class _Scan:
         grid = np.geomspace(start, top, detail.amplitudes)
         beside = np.outer(criticals, [1.0 - TOLERANCES.beside, 1.0 + TOLERANCES.beside]).ravel()
         grid = np.unique(np.concatenate([grid, beside[(beside > grid[0]) & (beside < top)]]))
-        least = self._least(grid)
+        least = self.least(grid)
         for _ in range(detail.rounds):
             grid, least = self._closer(grid, least)
         holds = least >= self.target
@@ -501,7 +501,8 @@ class _Scan:
         bad = self.family.landings.broken(boxes, points, cycle)
         return np.where(bad, -np.inf, counted(cycle, fast=False))
 
-    def _least(self, amplitudes: Floats) -> Floats:
+    def least(self, amplitudes: Floats) -> Floats:
+        """Return the least speed at each amplitude [m/s]."""
         return least_of(self._speeds(amplitudes))
 
     def criticals(self) -> list[float]:
@@ -520,13 +521,13 @@ class _Scan:
             return grid, least
         more = np.linspace(grid[cells - 1], grid[cells + 1], _CLOSER)[1:-1].ravel()
         amplitudes, first = np.unique(np.concatenate([grid, more]), return_index=True)
-        return amplitudes, np.concatenate([least, self._least(more)])[first]
+        return amplitudes, np.concatenate([least, self.least(more)])[first]
 
     def _crossings(self, holding: Floats, failing: Floats, width: float) -> tuple[Floats, Floats]:
         """Close in on amplitudes beyond which the target is missed, to a relative width or to two doubles."""
 
         def surplus(amplitudes: Floats) -> Floats:
-            return (self._least(amplitudes[:, 0]) - self.target)[:, None]
+            return (self.least(amplitudes[:, 0]) - self.target)[:, None]
 
         return close_in(surplus, holding, failing, relative=width)
 

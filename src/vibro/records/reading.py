@@ -263,11 +263,8 @@ def _check_time(table: _Table, header: Header, time: Floats, kept: NDArray[np.in
             i = int(places[0]) + 1
             before, now = time[i - 1], time[i]
             where = f"{table.path}: row {table.rows[kept[i]][0]}, column {shown(header.text)}"
-            more = (
-                f"; {places.size - 1} more such row{'s' if places.size > 2 else ''}"
-                if places.size > 1
-                else ""
-            )
+            others = places.size - 1
+            more = f"; {others} more such row{'s' if others > 1 else ''}" if others else ""
             said = f"time {what} {now:.9g} s" + (f" after {before:.9g} s" if now != before else "")
             skipped = int(kept[i] - kept[i - 1]) - 1
             lost = "row before it lacks" if skipped == 1 else f"{skipped} rows before it lack"
