@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from vibro.core.bounces import Flights
+from vibro.core.branches import cover
 from vibro.core.buffers import Bytes, Doubles, Integers
 from vibro.core.codes import SPELT_PATTERNS, Model, Status
 from vibro.core.coexistence import coexisting
@@ -16,6 +17,7 @@ from vibro.core.contact import outlasts_back, pair_of, ratio_of, regime_alone, s
 from vibro.core.cycle_slides import SlideLeg, cycle_slides
 from vibro.core.derivatives import Change, displacement_rate, load_slope
 from vibro.core.elementary import NAN, TURN
+from vibro.core.evolution import evolve
 from vibro.core.hopping import hopping
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.motions import arrivals, followed, history, moments
@@ -24,8 +26,9 @@ from vibro.core.scenes import Scenes, no_directions, point_at, seek, unit_point_
 from vibro.core.windows import thresholds
 
 __all__ = [
-    "arrivals", "cycle_legs", "displacement_gradients", "find_others", "followed", "history", "load_slopes",
-    "moments", "slips_back", "solve_contact", "solve_hops", "tipping_loads", "transition_loads",
+    "arrivals", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others", "followed",
+    "history", "load_slopes", "moments", "slips_back", "solve_contact", "solve_hops", "tipping_loads",
+    "transition_loads",
 ]  # fmt: skip
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.inverse.extremes import Seen, least_of
-from vibro.inverse.guarantees import bound
+from vibro.inverse.guarantees import BRIEF, bound
 from vibro.inverse.rounding import moved, within
 from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.search import evolve, scatter
@@ -269,7 +269,7 @@ class Exchange(ABC):
     def finds_slower(self, optimum: Optimum, scale: float = 1.0) -> bool:
         """Search for a body slower than all scenarios at an optimum, add it; return whether there is one."""
         box = self._question.box(optimum.setting, scale)
-        slowest = bound(box, fast=False, seen=Seen(), seeds=1, highest=self._checked).extreme
+        slowest = bound(box, fast=False, seen=Seen(), boxes=BRIEF, highest=self._checked).extreme
         new = self._question.landings.worst(box)
         if slowest.speed < optimum.speed - TOLERANCES.searched * abs(optimum.speed):
             new = np.hstack([new, at_loads(box, slowest.coordinates, slowest.coordinates[0, 0])])

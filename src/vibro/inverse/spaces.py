@@ -359,6 +359,14 @@ class UncertaintySet:
         mu_s = inside(static, coordinates[-2])
         return Points(load, tuple(shape), beta, mu_s, inside(self.kinetic_span(mu_s), coordinates[-1]))
 
+    def coordinates(self, points: Points) -> Floats:
+        """Return the unit-cube coordinates of points, of shape (axes, ...): the inverse of ``points``."""
+        load, shape, beta, mu_s, mu_d = points
+        spans = (*self.spans[:-1], self.kinetic_span(mu_s))
+        return np.array(
+            [_share(x, span) for x, span in zip((load, *shape, beta, mu_s, mu_d), spans, strict=True)]
+        )
+
     def scene(self, points: Points, *, fast: bool) -> Scene:
         """Return scenes at the points: of the frequencies that a load allows the fastest, or the slowest."""
         # Of all factors and frequencies with the same load the lowest frequency is the fastest, and the
@@ -383,6 +391,13 @@ def inside(ends: Ends, share: Floats) -> Floats:
     low, high = ends
     value: Floats = np.where(share == 1.0, high, np.clip(low + share * (high - low), low, high))
     return value
+
+
+def _share(value: Floats, ends: Ends) -> Floats:
+    """Return the share of a band at which a value lies; 0 of a band without a width."""
+    low, high = ends
+    width = np.asarray(high - low)
+    return np.where(width > 0.0, np.clip((value - low) / np.where(width > 0.0, width, 1.0), 0.0, 1.0), 0.0)
 
 
 def cut(ends: Ends, low: float, high: Any) -> Ends:

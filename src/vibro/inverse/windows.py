@@ -16,8 +16,8 @@ from vibro.core.codes import Regime
 from vibro.drives import Ability
 from vibro.errors import InputError, shown
 from vibro.inverse.bands import uncertainty_set
-from vibro.inverse.extremes import ANY_LANDING, SEEDS, Extreme, Landings, Seen, counted, least_of
-from vibro.inverse.guarantees import bound
+from vibro.inverse.extremes import ANY_LANDING, Extreme, Landings, Seen, counted, least_of
+from vibro.inverse.guarantees import BRIEF, bound
 from vibro.inverse.proofs import corners, first_ratio, last_ratio, tip_ratio
 from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.spaces import inside
@@ -328,15 +328,14 @@ class Family:
         own = min(max((load - low) / (high - low), 0.0), 1.0) if low < high else 0.0
         return scenarios.joined(box, at_loads(box, coordinates, own))
 
-    def _slowest(self, low: float, high: float, seeds: int = SEEDS) -> tuple[Extreme, Floats]:
+    def _slowest(self, low: float, high: float) -> tuple[Extreme, Floats]:
         """Return the slowest body between two amplitudes, and those that land too hard or fly too long."""
         box = self.across(low, high)
-        seeds = seeds if box.space.proves else 1  # without proved corners every search takes a second
-        return bound(box, fast=False, seen=Seen(), seeds=seeds).extreme, self.landings.worst(box)
+        return bound(box, fast=False, seen=Seen(), boxes=BRIEF).extreme, self.landings.worst(box)
 
-    def _holds(self, low: float, high: float, target: float, seeds: int = SEEDS) -> bool:
+    def _holds(self, low: float, high: float, target: float) -> bool:
         """Return whether all amplitudes between two guarantee a speed."""
-        slowest, landing = self._slowest(low, high, seeds)
+        slowest, landing = self._slowest(low, high)
         return slowest.speed >= target * (1.0 - TOLERANCES.searched) and not landing.size
 
     def _confirmed(self, interval: Interval, target: float, detail: _Detail) -> list[Interval]:
@@ -384,7 +383,7 @@ class Family:
         return lower + self._parts(middle, high, holds, holds_high, target, detail)
 
     def _at(self, amplitude: float, target: float) -> bool:
-        return self._holds(amplitude, amplitude, target, seeds=1)
+        return self._holds(amplitude, amplitude, target)
 
     def _edge(self, holding: float, failing: float, target: float, width: float) -> float:
         """Close in on the last factor that holds before one that does not."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DESIGN_COLUMNS",
+    "Certificate",
     "Design",
     "DesignColumn",
     "DesignResult",
@@ -46,6 +47,27 @@ class Interval(NamedTuple):
     high_set_by: str
 
 
+class Certificate(NamedTuple):
+    """Boxes that cover an uncertainty set, each with a bound of the mean speeds of its bodies.
+
+    Where kinetic friction would leave its band beside some static friction of a box, the box is cut.
+
+    Attributes
+    ----------
+    low, high : mapping of str to (n,) array
+        Ends of the boxes: ``load``, w^2 / g times the amplitude of a line [1], or times the common factor of
+        both amplitudes of an ellipse [1/m]; ``drive_angle`` [rad], or ``along_amplitude``,
+        ``normal_amplitude`` [m] and ``normal_phase`` [rad]; ``trough_angle`` [rad], ``static_friction`` and
+        ``kinetic_friction``.
+    bound : (n,) array
+        Below which, or above which, no body of the box conveys [m/s].
+    """
+
+    low: Mapping[str, Floats]
+    high: Mapping[str, Floats]
+    bound: Floats
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Guarantee:
     """What holds for every point of a box of bands, for bodies that start from rest.
@@ -62,10 +84,18 @@ class Guarantee:
     regimes : frozenset of Regime
         What happens somewhere in the box.
     proof_min, proof_max : str
-        ``corners`` (the speed is monotone), ``searched`` (an optimiser with several seeds) or ``sampled``
-        (bodies hop).
+        ``corners`` (the speed is monotone), ``proved`` (a bound of all bodies is within 1 % of it),
+        ``searched`` (the bound is further away) or ``sampled`` (bodies hop).
+    proved_min, proved_max : float
+        Speeds that no body falls short of, or exceeds, by proof [m/s]; NaN where bodies hop, infinite where
+        the proof has failed.
+    certificate_min, certificate_max : Certificate or None
+        What proves them, where it is not that the speed is monotone.
     coexists : bool
         Whether a disturbed body can settle elsewhere at some point of the search.
+    samples : int
+        Bodies that hop of which the bounds are the extreme ones: of n samples none was slower, so that with
+        95 % confidence a body drawn at random is slower with a chance of 3 / n at most.
     excluded : int
         Points that hop whose speed could not be found; they are left out.
     """
@@ -79,7 +109,12 @@ class Guarantee:
     regimes: frozenset[Regime]
     proof_min: str
     proof_max: str
+    proved_min: float
+    proved_max: float
+    certificate_min: Certificate | None
+    certificate_max: Certificate | None
     coexists: bool
+    samples: int
     excluded: int
 
 

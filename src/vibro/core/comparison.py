@@ -1,0 +1,290 @@
+"""A body that is never faster than any body of a box: a proved bound of their speeds.
+
+It is pushed no harder than any of them at every phase and speed, so that it never passes one (theory.md,
+section 14). Its push is that of no operating point: friction is the largest while it slides forward and the
+smallest while it slides back, and each sine has its least amplitude where it pushes and its largest where it
+brakes. So its push is a sine of two amplitudes less a constant, of each direction. Pushes are over m g times
+the load (and, of an ellipse, the amplitude along the trough), so that one load's weight is another load's
+drag; phases are those of the motion along the trough.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.boxes import AXES, BETA, FIRST, KINETIC, LOAD, SECOND, STATIC, THIRD, Box, mean_speed
+from vibro.core.buffers import Doubles
+from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, hypotenuse
+
+__all__ = ["least_speed"]
+
+_NEWTON: Final = 60  # steps at most; each starts where they converge from one side
+_SETTLED: Final = 1e-13  # [rad] last step
+_MOST_SLIDES: Final = 64  # until a body that rests again and again has been at the same rest twice
+_DIRECT: Final = 8  # slides without a rest, after which the cycle without rest is looked for
+_WAIT: Final = 200  # cycles until the body has come as close to that cycle as its later neighbour
+_LATER: Final = 1e-2  # [1] of the last change of phase, by which that neighbour starts later, at first
+_LEAST_DELAY: Final = 1e-12  # [rad]
+_DELAYS: Final = 16  # times that a delay is made four times as long
+# [1] Rounding of a path, over the largest push: that of the terms that cancel in it.
+_ROUNDING: Final = 1e-14
+
+
+class Side(NamedTuple):
+    """Push on a body in one direction: ``up sin q - drag`` where sin q > 0, else ``down sin q - drag``.
+
+    ``lead`` is added to a phase to give q.
+    """
+
+    up: float
+    down: float
+    lead: float
+    drag: float
+
+
+class _Path(NamedTuple):
+    """A slide: its length [rad], NaN where it never ends, and its path."""
+
+    length: float
+    path: float
+
+
+class _Body(NamedTuple):
+    """Slides forward and back, each in its own phase, and the windows in which a rest ends."""
+
+    forward: Side
+    back: Side
+    opens_forward: float
+    forward_window: float
+    opens_back: float
+    back_window: float
+
+
+def least_speed(box: Box, lows: Doubles, highs: Doubles, row: int) -> float:
+    """Bound the speeds of the bodies of a box, a row of ends, from below; -inf without a bound [m/s]."""
+    place = AXES * row
+    mu_low, mu_high = lows[place + STATIC], highs[place + STATIC]
+    least = max(lows[place + KINETIC], box.ratio_low * mu_low)
+    most = min(highs[place + KINETIC], box.ratio_high * mu_high)
+    if least > most:
+        return INF  # no body
+    if box.ratio_high > 0.0:
+        mu_low = max(mu_low, least / box.ratio_high)
+    if not _scale(box, lows, place) > 0.0:
+        return -INF
+    forward, back = (
+        _side(box, lows, highs, place, 1.0, most),
+        _turned(_side(box, lows, highs, place, -1.0, least)),
+    )
+    held = _side(box, lows, highs, place, 1.0, mu_high)
+    released = _turned(_side(box, lows, highs, place, -1.0, mu_low))
+    if forward.drag < 0.0 or back.drag < 0.0 or held.drag <= 0.0 or released.drag <= 0.0:
+        return -INF  # steep: a slide need not end
+    body = _Body(forward, back, _opens(held), _window(held), _opens(released), _window(released))
+    path = _path(body)
+    if body.forward_window > 0.0 or body.back_window > 0.0:
+        path -= _ROUNDING * (forward.up + forward.down + back.up + forward.drag)
+    ends = lows if path > 0.0 else highs
+    return mean_speed(box, ends[place + LOAD], path * (ends[place + FIRST] if box.ellipse else 1.0))
+
+
+def _scale(box: Box, ends: Doubles, place: int) -> float:
+    """Return the load that pushes are counted in: of an ellipse that along the trough."""
+    return ends[place + LOAD] * (ends[place + FIRST] if box.ellipse else 1.0)
+
+
+def _side(box: Box, lows: Doubles, highs: Doubles, place: int, sigma: float, mu: float) -> Side:
+    """Return the least push on bodies of a box that slide forward (sigma = 1) or back (-1)."""
+    way, first, last = box.way, lows[place + FIRST], highs[place + FIRST]
+    drag = _most_drag(lows[place + BETA], highs[place + BETA], way, sigma * mu)
+    drag /= _scale(box, lows if drag > 0.0 else highs, place)
+    if box.ellipse:
+        flat, steep = lows[place + SECOND] / last, highs[place + SECOND] / first
+        phase, width = (
+            0.5 * (lows[place + THIRD] + highs[place + THIRD]),
+            highs[place + THIRD] - lows[place + THIRD],
+        )
+        middle = 0.5 * (flat + steep)
+        level, across = way + sigma * mu * middle * math.cos(phase), sigma * mu * middle * math.sin(phase)
+        amplitude = hypotenuse(level, across)
+        # how far the arrow of another shape's sine ends from that of the middle one
+        apart = mu * (0.5 * (steep - flat) + 2.0 * middle * math.sin(0.25 * width))
+        return Side(amplitude, amplitude, math.atan2(across, level), drag + apart)
+    one = way * math.cos(first) + sigma * mu * math.sin(first)
+    two = way * math.cos(last) + sigma * mu * math.sin(last) if last != first else one
+    weak, strong = min(one, two), max(one, two)
+    if way * sigma > 0.0 and first < math.atan(mu) < last:  # the angle of friction pushes most
+        top = math.sqrt(1.0 + mu * mu)
+        weak, strong = min(weak, way * top), max(strong, way * top)
+    if weak >= 0.0:
+        return Side(weak, strong, 0.0, drag)
+    if strong <= 0.0:
+        return Side(-strong, -weak, PI, drag)
+    middle, apart = 0.5 * (weak + strong), 0.5 * (strong - weak)
+    return Side(abs(middle), abs(middle), 0.0 if middle >= 0.0 else PI, drag + apart)
+
+
+def _most_drag(low: float, high: float, way: float, friction: float) -> float:
+    """Return the largest weight down the trough plus friction, of the trough angles in a range."""
+    one = way * math.sin(low) + friction * math.cos(low)
+    if low == high:
+        return one
+    two = way * math.sin(high) + friction * math.cos(high)
+    if friction > 0.0 and low < math.atan2(way, friction) < high:
+        return math.sqrt(1.0 + friction * friction)
+    return max(one, two)
+
+
+def _turned(side: Side) -> Side:
+    """Look at a push back as one that drives: half a turn later in its own phase."""
+    return Side(side.down, side.up, side.lead - PI, -side.drag)
+
+
+def _opens(held: Side) -> float:
+    """Return the phase, in a turn, at which the push exceeds static friction."""
+    start = math.asin(held.drag / held.up) if held.up > held.drag else QUARTER
+    phase = start - held.lead
+    return phase - TURN * math.floor(phase / TURN)
+
+
+def _window(held: Side) -> float:
+    """Return how long the push exceeds static friction [rad]."""
+    return PI - 2.0 * math.asin(held.drag / held.up) if held.up > held.drag else 0.0
+
+
+def _next(opens: float, window: float, phase: float) -> float:
+    """Return when a rest ends that begins at a phase, if this window ends it."""
+    if window <= 0.0:
+        return INF
+    last = opens + TURN * math.floor((phase - opens) / TURN)
+    return phase if phase < last + window else last + TURN
+
+
+def _slide(side: Side, phase: float) -> _Path:
+    """_Path from rest, or from a turn of the way, by half turns of the own phase.
+
+    Newton's steps start in each where the speed's curvature makes them converge from one side.
+    """
+    q = phase + side.lead
+    q -= TURN * math.floor((q + QUARTER) / TURN)  # from where it is pushed: around a quarter of a turn
+    up, down, drag = side.up, side.down, side.drag
+    cosine, rest = math.cos(q), PI - q
+    speed = up * (1.0 + cosine) - drag * rest
+    if speed <= 0.0:
+        s = 0.0  # back from half a turn, where the speed is concave
+        for _ in range(_NEWTON):
+            step = (up * (cosine + math.cos(s)) - drag * (rest - s)) / (drag - up * math.sin(s))
+            s -= step
+            if abs(step) <= _SETTLED:
+                break
+        length = max(rest - s, 0.0)
+        path = up * (cosine * length - math.sin(s) + math.sin(q)) - 0.5 * drag * length * length
+        return _Path(length, path)
+    path = up * (cosine * rest + math.sin(q)) - 0.5 * drag * rest * rest
+    after = speed - 2.0 * down - drag * PI
+    if after <= 0.0:
+        s = QUARTER  # where the speed turns from concave to convex
+        for _ in range(_NEWTON):
+            pull = down * math.sin(s) + drag
+            if pull <= 0.0:
+                break
+            step = (speed - down * (1.0 - math.cos(s)) - drag * s) / pull
+            s += step
+            if abs(step) <= _SETTLED:
+                break
+        return _Path(rest + s, path + s * (speed - 0.5 * drag * s) - down * (s - math.sin(s)))
+    path += PI * (speed - 0.5 * drag * PI) - down * PI
+    turn = math.asin(drag / up) if drag < up else QUARTER  # where the speed is least
+    if drag <= 0.0 or after + up * (1.0 - math.cos(turn)) - drag * turn > 0.0:
+        return _Path(NAN, NAN)
+    s = 0.0  # before the least speed it is convex
+    for _ in range(_NEWTON):
+        pull = drag - up * math.sin(s)
+        if pull <= 0.0:
+            break
+        step = (after + up * (1.0 - math.cos(s)) - drag * s) / pull
+        s += step
+        if abs(step) <= _SETTLED:
+            break
+    return _Path(rest + PI + s, path + s * (after - 0.5 * drag * s) + up * (s - math.sin(s)))
+
+
+def _path(body: _Body) -> float:
+    """Follow the body from rest at phase 0 until its cycles repeat; return the path of one, or -inf."""
+    phase, path, slides, direct = 0.0, 0.0, 0, 0
+    known_forward, known_back = NAN, NAN  # paths at which the body has left a rest
+    before, last = NAN, NAN  # phases of the last two slides forward without a rest
+    while slides < _MOST_SLIDES:
+        ahead = _next(body.opens_forward, body.forward_window, phase)
+        behind = _next(body.opens_back, body.back_window, phase)
+        if ahead == INF and behind == INF:
+            return 0.0
+        forward = ahead <= behind
+        begin = ahead if forward else behind
+        if begin > phase:  # from a rest
+            direct = 0
+            known = known_forward if forward else known_back
+            if not math.isnan(known):
+                return path - known
+            if forward:
+                known_forward = path
+            else:
+                known_back = path
+        elif forward:
+            if direct >= _DIRECT:
+                return _without_rest(body, before, last - TURN, begin - 2.0 * TURN)
+            before, last = last, begin
+        found = _slide(body.forward if forward else body.back, begin)
+        if math.isnan(found.length):
+            return -INF
+        path += found.path if forward else -found.path
+        phase = begin + found.length
+        slides += 1
+        direct += 1
+    return -INF
+
+
+class _Turn(NamedTuple):
+    """A slide forward and back without a rest: how much earlier the next one starts, and the path.
+
+    ``earlier`` is NaN where the body rests.
+    """
+
+    earlier: float
+    path: float
+
+
+def _cycle(body: _Body, phase: float) -> _Turn:
+    forth = _slide(body.forward, phase)
+    turn = phase + forth.length
+    if _next(body.opens_back, body.back_window, turn) != turn:
+        return _Turn(NAN, NAN)
+    back = _slide(body.back, turn)
+    end = turn + back.length
+    if _next(body.opens_forward, body.forward_window, end) != end:
+        return _Turn(NAN, NAN)
+    return _Turn(phase + TURN - end, forth.path - back.path)
+
+
+def _without_rest(body: _Body, first: float, second: float, third: float) -> float:
+    """Bound the path of a cycle that never rests, from the phases of three slides forward, less whole turns.
+
+    A body that starts later is slower. If it starts earlier a cycle later, it only gets faster, and so does
+    every body that is not behind it: its first cycle is a bound.
+    """
+    change, bend = third - second, (third - second) - (second - first)
+    limit = third - change * change / bend if bend != 0.0 else third
+    delay = _LATER * abs(change) + _LEAST_DELAY
+    for _ in range(_DELAYS):
+        later = limit + delay
+        cycle = _cycle(body, later)
+        if cycle.earlier >= 0.0:
+            phase = third
+            for _ in range(_WAIT):
+                if phase <= later:
+                    return cycle.path
+                phase -= _cycle(body, phase).earlier
+            return -INF
+        delay *= 4.0
+    return -INF
