@@ -21,8 +21,9 @@ __all__ = ["least_speed"]
 
 _NEWTON: Final = 60  # steps at most; each starts where they converge from one side
 _SETTLED: Final = 1e-13  # [rad] last step
-_MOST_SLIDES: Final = 64  # until a body that rests again and again has been at the same rest twice
-_DIRECT: Final = 8  # slides without a rest, after which the cycle without rest is looked for
+_MOST_SLIDES: Final = 400  # until a cycle repeats
+_DIRECT: Final = 6  # slides without a rest, after which the cycle without rest is looked for
+_STEADY: Final = 1e-3  # [rad] last change of phase at which it is near enough
 _WAIT: Final = 200  # cycles until the body has come as close to that cycle as its later neighbour
 _LATER: Final = 1e-2  # [1] of the last change of phase, by which that neighbour starts later, at first
 _LEAST_DELAY: Final = 1e-12  # [rad]
@@ -214,7 +215,7 @@ def _path(body: _Body) -> float:
     """Follow the body from rest at phase 0 until its cycles repeat; return the path of one, or -inf."""
     phase, path, slides, direct = 0.0, 0.0, 0, 0
     known_forward, known_back = NAN, NAN  # paths at which the body has left a rest
-    before, last = NAN, NAN  # phases of the last two slides forward without a rest
+    before, last, now = NAN, NAN, NAN  # phases of the last slides forward without a rest, of this turn
     while slides < _MOST_SLIDES:
         ahead = _next(body.opens_forward, body.forward_window, phase)
         behind = _next(body.opens_back, body.back_window, phase)
@@ -232,9 +233,9 @@ def _path(body: _Body) -> float:
             else:
                 known_back = path
         elif forward:
-            if direct >= _DIRECT:
-                return _without_rest(body, before, last - TURN, begin - 2.0 * TURN)
-            before, last = last, begin
+            before, last, now = last + TURN, now + TURN, begin
+            if direct >= _DIRECT and abs(now - last) <= _STEADY:
+                return _without_rest(body, before, last, now)
         found = _slide(body.forward if forward else body.back, begin)
         if math.isnan(found.length):
             return -INF
@@ -256,6 +257,8 @@ class _Turn(NamedTuple):
 
 
 def _cycle(body: _Body, phase: float) -> _Turn:
+    if _next(body.opens_forward, body.forward_window, phase) != phase:
+        return _Turn(NAN, NAN)
     forth = _slide(body.forward, phase)
     turn = phase + forth.length
     if _next(body.opens_back, body.back_window, turn) != turn:
@@ -268,7 +271,7 @@ def _cycle(body: _Body, phase: float) -> _Turn:
 
 
 def _without_rest(body: _Body, first: float, second: float, third: float) -> float:
-    """Bound the path of a cycle that never rests, from the phases of three slides forward, less whole turns.
+    """Bound the path of a cycle that never rests, from the phases of three slides forward, of one turn.
 
     A body that starts later is slower. If it starts earlier a cycle later, it only gets faster, and so does
     every body that is not behind it: its first cycle is a bound.

@@ -219,7 +219,7 @@ def searched(
         at = box.coordinates(points.kept(np.arange(speeds.size) == i))
         found.append(taken(box, at, fast=fast, flight=False, seen=seen, highest=highest))
         speed = -found[i].speed if fast else found[i].speed
-        if not speed > speeds[i] + TOLERANCES.searched * abs(speeds[i]):
+        if not speed > speeds[i] or math.isclose(speed, speeds[i], rel_tol=TOLERANCES.searched):
             return found[i], certificate
     return found[0], certificate
 
