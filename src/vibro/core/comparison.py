@@ -21,13 +21,10 @@ __all__ = ["least_speed"]
 
 _NEWTON: Final = 60  # steps at most; each starts where they converge from one side
 _SETTLED: Final = 1e-13  # [rad] last step
-_MOST_SLIDES: Final = 400  # until a cycle repeats
-_DIRECT: Final = 6  # slides without a rest, after which the cycle without rest is looked for
-_STEADY: Final = 1e-3  # [rad] last change of phase at which it is near enough
-_WAIT: Final = 200  # cycles until the body has come as close to that cycle as its later neighbour
-_LATER: Final = 1e-2  # [1] of the last change of phase, by which that neighbour starts later, at first
-_LEAST_DELAY: Final = 1e-12  # [rad]
-_DELAYS: Final = 16  # times that a delay is made four times as long
+_MOST_SLIDES: Final = 200  # until a cycle repeats
+_DIRECT: Final = 4  # slides without a rest, after which the cycle without rest is looked for
+_TURNS: Final = 100  # cycles that are followed on the way to it
+_NEAR: Final = 1e-5  # [rad] by which its slides forward may come earlier from cycle to cycle
 # [1] Rounding of a path, over the largest push: that of the terms that cancel in it.
 _ROUNDING: Final = 1e-14
 
@@ -215,7 +212,6 @@ def _path(body: _Body) -> float:
     """Follow the body from rest at phase 0 until its cycles repeat; return the path of one, or -inf."""
     phase, path, slides, direct = 0.0, 0.0, 0, 0
     known_forward, known_back = NAN, NAN  # paths at which the body has left a rest
-    before, last, now = NAN, NAN, NAN  # phases of the last slides forward without a rest, of this turn
     while slides < _MOST_SLIDES:
         ahead = _next(body.opens_forward, body.forward_window, phase)
         behind = _next(body.opens_back, body.back_window, phase)
@@ -232,10 +228,11 @@ def _path(body: _Body) -> float:
                 known_forward = path
             else:
                 known_back = path
-        elif forward:
-            before, last, now = last + TURN, now + TURN, begin
-            if direct >= _DIRECT and abs(now - last) <= _STEADY:
-                return _without_rest(body, before, last, now)
+        elif forward and direct >= _DIRECT:
+            steady = _without_rest(body, begin)
+            if not math.isnan(steady):
+                return steady
+            direct = 0
         found = _slide(body.forward if forward else body.back, begin)
         if math.isnan(found.length):
             return -INF
@@ -270,24 +267,34 @@ def _cycle(body: _Body, phase: float) -> _Turn:
     return _Turn(phase + TURN - end, forth.path - back.path)
 
 
-def _without_rest(body: _Body, first: float, second: float, third: float) -> float:
-    """Bound the path of a cycle that never rests, from the phases of three slides forward, of one turn.
+def _without_rest(body: _Body, phase: float) -> float:
+    """Bound the path of a cycle that never rests, from the phase of a slide forward; NaN where it rests.
 
     A body that starts later is slower. If it starts earlier a cycle later, it only gets faster, and so does
-    every body that is not behind it: its first cycle is a bound.
+    every body that is not behind it: the path of its first cycle is a bound. If the body itself gets slower
+    such a start is looked for by the Illinois method.
     """
-    change, bend = third - second, (third - second) - (second - first)
-    limit = third - change * change / bend if bend != 0.0 else third
-    delay = _LATER * abs(change) + _LEAST_DELAY
-    for _ in range(_DELAYS):
-        later = limit + delay
-        cycle = _cycle(body, later)
-        if cycle.earlier >= 0.0:
-            phase = third
-            for _ in range(_WAIT):
-                if phase <= later:
-                    return cycle.path
-                phase -= _cycle(body, phase).earlier
-            return -INF
-        delay *= 4.0
-    return -INF
+    low, high, below, above = phase, phase, _cycle(body, phase), _cycle(body, phase)
+    if above.earlier >= 0.0:  # it gets faster itself
+        for _ in range(_TURNS):
+            if not above.earlier > _NEAR:
+                break
+            high -= above.earlier
+            above = _cycle(body, high)
+        return above.path
+    step = -below.earlier
+    while above.earlier < 0.0:
+        step *= 2.0
+        high = phase + step
+        above = _cycle(body, high)
+    behind, ahead = below.earlier, above.earlier
+    for _ in range(_TURNS):
+        if not above.earlier > _NEAR:
+            break
+        middle = high - (high - low) * (ahead / (ahead - behind))
+        found = _cycle(body, middle)
+        if found.earlier >= 0.0:
+            high, above, ahead, behind = middle, found, found.earlier, 0.5 * behind
+        else:
+            low, behind, ahead = middle, found.earlier, 0.5 * ahead
+    return above.path
