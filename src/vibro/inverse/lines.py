@@ -65,7 +65,7 @@ class _Effort(Effort):
 
 
 _IN_CONTACT: Final = _Effort(
-    angles=65, rounds=9, loads=129, population=6, generations=80, climbs=5, width=0.0, margins=33,
+    angles=65, rounds=9, loads=129, population=6, generations=80, climbs=5, width=1e-13, margins=33,
     margin=1e-6, scale=1e-6, exchanges=8,
 )  # fmt: skip
 _FLYING: Final = _Effort(
@@ -78,6 +78,8 @@ _BOUNCING: Final = _Effort(
     margin=3e-2, scale=3e-2, exchanges=1,
 )  # fmt: skip
 
+_IN_WINDOW: Final = 9  # loads between which a speed is looked for near those of other angles
+_BESIDE: Final = 1e-6  # [1] of a load, least distance of the window's ends from them
 _MISSED: Final = 1e6  # [1] against the load of settings that miss the speed
 _AT_REST: Final = 1e6  # [m/s] against the speed of settings at which no part moves
 _KEPT: Final = 3  # angles to look around in each round
@@ -246,9 +248,13 @@ class LineOptimiser(Exchange):
         """Return the setting of least load that reaches a speed, for the current scenarios."""
         found = []
         for choice in self._ranges:
+            known = (np.zeros(0), np.zeros(0))  # angles and loads
 
             def value(angles: Floats, choice: Range = choice) -> Floats:
-                loads = self._first_load(angles, target, choice)
+                nonlocal known
+                loads = self._first_loads(angles, target, choice, *known)
+                order = np.argsort(all_angles := np.append(known[0], angles))
+                known = all_angles[order], np.append(known[1], loads)[order]
                 if np.isfinite(loads).all():
                     return -loads
                 # The angles that reach the speed may all lie between two of the grid. The speed at the
@@ -264,8 +270,34 @@ class LineOptimiser(Exchange):
                 found.append((float(load[0]), _optimum(setting, speed)))
         return min(found, key=lambda pair: pair[0])[1] if found else None
 
-    def _first_load(self, angles: Floats, target: float, choice: Range) -> Floats:
-        """Least loads that reach a speed at drive angles; inf where none does."""
+    def _first_loads(
+        self, angles: Floats, target: float, choice: Range, known: Floats, loads: Floats
+    ) -> Floats:
+        """Least loads that reach a speed at drive angles, given those at others, in ascending order.
+
+        The load is looked for near those of both neighbours; over all loads where it is not there.
+        """
+        if not known.size:
+            return self._first_load(angles, target, choice)
+        after = np.clip(np.searchsorted(known, angles), 1, known.size - 1)
+        ends = np.array([loads[after - 1], loads[after]])
+        low, high = ends.min(axis=0), ends.max(axis=0)
+        margin = high - low + _BESIDE * high
+        found = np.full(angles.size, np.inf)
+        near = np.isfinite(margin)
+        if near.any():
+            window = (low - margin)[near], (high + margin)[near]
+            found[near] = self._first_load(angles[near], target, choice, window)
+            near[near] = found[near] > window[0]  # else a load below the window may reach it too
+        lost = ~(near & np.isfinite(found))
+        if lost.any():
+            found[lost] = self._first_load(angles[lost], target, choice)
+        return found
+
+    def _first_load(
+        self, angles: Floats, target: float, choice: Range, window: tuple[Floats, Floats] | None = None
+    ) -> Floats:
+        """Least loads that reach a speed at drive angles, between two where given; inf where none does."""
         tops = self._tops(angles, choice, 1.0)
         boxes = self._question.box(_unit(angles[:, None]))
         # below the onset of the last body no speed is guaranteed
@@ -273,20 +305,25 @@ class LineOptimiser(Exchange):
         bottom = np.maximum(onset[:, 0], self._reach(choice)[0])
         if not self._monotone:
             bottom = np.maximum(bottom, _SLOWEST_LOAD * tops)
+        if window is not None:
+            bottom, tops = np.maximum(bottom, window[0]), np.minimum(tops, window[1])
         bottom = np.minimum(bottom, tops)
         if self._monotone:
             grid = np.column_stack([bottom, tops])
         else:
-            coordinates = np.linspace(0.0, 1.0, self._closely.loads)
+            coordinates = np.linspace(0.0, 1.0, self._closely.loads if window is None else _IN_WINDOW)
             grid = bottom[:, None] * (tops / bottom)[:, None] ** coordinates
             entries = self._entries(angles)
             beside = np.hstack([entries * (1.0 - TOLERANCES.beside), entries * (1.0 + TOLERANCES.beside)])
-            grid = np.sort(np.hstack([grid, np.clip(beside, bottom[:, None], tops[:, None])]), axis=1)
+            beside = np.clip(beside, bottom[:, None], tops[:, None])
+            inside = np.any((beside > bottom[:, None]) & (beside < tops[:, None]), axis=0)
+            grid = np.sort(np.hstack([grid, beside[:, inside]]), axis=1)
 
         def value(rows: NDArray[np.intp], loads: Floats) -> Floats:
             return self._value(angles[rows], loads, choice, 1.0)
 
-        return first_crossing(value, grid, target, climbs=self._closely.climbs, relative=self._closely.width)
+        climbs = self._closely.climbs if window is None else 0
+        return first_crossing(value, grid, target, climbs=climbs, relative=self._closely.width)
 
     def _entries(self, angles: Floats) -> Floats:
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""

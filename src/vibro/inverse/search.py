@@ -26,6 +26,7 @@ _KEPT: Final = 8  # best points, around which more are sampled
 _AROUND: Final = 0.1  # standard deviation of these in the first round
 _CLOSER: Final = 0.4  # factor on it from round to round
 
+_SECTIONS: Final = 7  # of a bracket that are looked at in one call
 _PEAK: Final = 17  # points around a peak between two points of the grid
 
 
@@ -91,7 +92,11 @@ def first_crossing(
 
     known = np.flatnonzero(np.isfinite(high))
     high[known], _ = close_in(
-        lambda x: (value(known, x[:, 0]) - target)[:, None], high[known], low[known], relative=relative
+        lambda x: (value(np.repeat(known, _SECTIONS), x.ravel()) - target).reshape(x.shape),
+        high[known],
+        low[known],
+        relative=relative,
+        sections=_SECTIONS,
     )
     return high
 
