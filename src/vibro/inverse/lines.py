@@ -281,14 +281,13 @@ class LineOptimiser(Exchange):
             return self._first_load(angles, target, choice)
         after = np.clip(np.searchsorted(known, angles), 1, known.size - 1)
         ends = np.array([loads[after - 1], loads[after]])
-        low, high = ends.min(axis=0), ends.max(axis=0)
-        margin = high - low + _BESIDE * high
         found = np.full(angles.size, np.inf)
-        near = np.isfinite(margin)
+        near = np.isfinite(ends).all(axis=0)
         if near.any():
-            window = (low - margin)[near], (high + margin)[near]
-            found[near] = self._first_load(angles[near], target, choice, window)
-            near[near] = found[near] > window[0]  # else a load below the window may reach it too
+            low, high = ends[:, near].min(axis=0), ends[:, near].max(axis=0)
+            margin = high - low + _BESIDE * high
+            found[near] = self._first_load(angles[near], target, choice, (low - margin, high + margin))
+            near[near] = found[near] > low - margin  # else a load below may reach it too
         lost = ~(near & np.isfinite(found))
         if lost.any():
             found[lost] = self._first_load(angles[lost], target, choice)
