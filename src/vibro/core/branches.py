@@ -40,7 +40,7 @@ class Cover(NamedTuple):
     speed: Doubles
 
 
-def cover(box: Box, out: Cover, gap: float, most: int) -> int:
+def cover(box: Box, out: Cover, gap: float, least: float, most: int) -> int:
     """Divide a box where its bound is least, until that is close to the slowest body that was met.
 
     Parameters
@@ -49,8 +49,9 @@ def cover(box: Box, out: Cover, gap: float, most: int) -> int:
         The box.
     out : Cover
         Room for ``most`` boxes, with a body that is known.
-    gap : float
-        Distance of bound and body that is close, over the speed [1].
+    gap, least : float
+        Distance of bound and body that is close: over the speed [1], or over this speed where it is less
+        [m/s].
     most : int
         Most boxes.
 
@@ -65,7 +66,7 @@ def cover(box: Box, out: Cover, gap: float, most: int) -> int:
     count = 1
     while count < most:
         row, speed = out.heap[0], out.speed[0]
-        if out.bound[row] >= speed - gap * abs(speed):
+        if out.bound[row] >= speed - gap * max(abs(speed), least):
             break
         axis = _axis(box, out, row)
         if axis < 0:

@@ -69,8 +69,6 @@ def least_speed(box: Box, lows: Doubles, highs: Doubles, row: int) -> float:
         return INF  # no body
     if box.ratio_high > 0.0:
         mu_low = max(mu_low, least / box.ratio_high)
-    if not _scale(box, lows, place) > 0.0:
-        return -INF
     forward, back = (
         _side(box, lows, highs, place, 1.0, most),
         _turned(_side(box, lows, highs, place, -1.0, least)),
@@ -82,32 +80,36 @@ def least_speed(box: Box, lows: Doubles, highs: Doubles, row: int) -> float:
     body = _Body(forward, back, _opens(held), _window(held), _opens(released), _window(released))
     path = _path(body)
     if body.forward_window > 0.0 or body.back_window > 0.0:
-        path -= _ROUNDING * (forward.up + forward.down + back.up + forward.drag)
+        path -= _ROUNDING * (forward.up + forward.down + back.up + back.down)
     ends = lows if path > 0.0 else highs
-    return mean_speed(box, ends[place + LOAD], path * (ends[place + FIRST] if box.ellipse else 1.0))
+    unit = ends[place + FIRST] if _counts_along(box, lows, place) else 1.0
+    return mean_speed(box, ends[place + LOAD], path * unit)
 
 
-def _scale(box: Box, ends: Doubles, place: int) -> float:
-    """Return the load that pushes are counted in: of an ellipse that along the trough."""
-    return ends[place + LOAD] * (ends[place + FIRST] if box.ellipse else 1.0)
+def _counts_along(box: Box, lows: Doubles, place: int) -> bool:
+    """Whether pushes are counted in the load times the amplitude along the trough of an ellipse."""
+    return box.ellipse and lows[place + FIRST] > 0.0
 
 
 def _side(box: Box, lows: Doubles, highs: Doubles, place: int, sigma: float, mu: float) -> Side:
     """Return the least push on bodies of a box that slide forward (sigma = 1) or back (-1)."""
     way, first, last = box.way, lows[place + FIRST], highs[place + FIRST]
     drag = _most_drag(lows[place + BETA], highs[place + BETA], way, sigma * mu)
-    drag /= _scale(box, lows if drag > 0.0 else highs, place)
+    drag /= lows[place + LOAD] if drag > 0.0 else highs[place + LOAD]
     if box.ellipse:
-        flat, steep = lows[place + SECOND] / last, highs[place + SECOND] / first
+        flat, steep = lows[place + SECOND], highs[place + SECOND]
+        if _counts_along(box, lows, place):
+            drag /= first if drag > 0.0 else last
+            flat, steep, first, last = flat / last, steep / first, 1.0, 1.0
         phase, width = (
             0.5 * (lows[place + THIRD] + highs[place + THIRD]),
             highs[place + THIRD] - lows[place + THIRD],
         )
-        middle = 0.5 * (flat + steep)
-        level, across = way + sigma * mu * middle * math.cos(phase), sigma * mu * middle * math.sin(phase)
+        middle, along = 0.5 * (flat + steep), 0.5 * way * (first + last)
+        level, across = along + sigma * mu * middle * math.cos(phase), sigma * mu * middle * math.sin(phase)
         amplitude = hypotenuse(level, across)
         # how far the arrow of another shape's sine ends from that of the middle one
-        apart = mu * (0.5 * (steep - flat) + 2.0 * middle * math.sin(0.25 * width))
+        apart = 0.5 * (last - first) + mu * (0.5 * (steep - flat) + 2.0 * middle * math.sin(0.25 * width))
         return Side(amplitude, amplitude, math.atan2(across, level), drag + apart)
     one = way * math.cos(first) + sigma * mu * math.sin(first)
     two = way * math.cos(last) + sigma * mu * math.sin(last) if last != first else one

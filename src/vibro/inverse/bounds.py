@@ -27,13 +27,14 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["GAP", "Slowest", "slowest_in_contact"]
+__all__ = ["GAP", "Slowest", "least_speed", "slowest_in_contact"]
 
 #: [1] Distance of what is proved from the slowest body that is small enough, over its speed.
 GAP: Final = 1e-3
 _POPULATION: Final = 64
 _GENERATIONS: Final = 100
 _SEED: Final = 1
+_SMALL: Final = 1e-2  # [1] share of the trough's largest speed
 _BETTER: Final = 1e-12  # [1] by which a body that the bounds have met must be slower, to start anew
 
 
@@ -96,7 +97,7 @@ def slowest_in_contact(
     lows, highs, bounds, heap = (np.empty(shape) for shape in ((boxes, AXES), (boxes, AXES), boxes, boxes))
     met, speed = np.vstack([points[0]] * 2), speeds[:1].copy()
     room = tuple(map(solver.row, (lows, highs, bounds, heap.view(np.int64), met, speed)))
-    count = solver.cover(scene, room, GAP, boxes)
+    count = solver.cover(scene, room, GAP, least_speed(box), boxes)
     lows, highs, bounds = lows[:count], highs[:count], bounds[:count]
     if speed[0] < speeds[0] - _BETTER * abs(speeds[0]):
         near = np.argsort(bounds)[: _POPULATION - 1]
@@ -107,6 +108,13 @@ def slowest_in_contact(
     columns = [0, *range(1, 1 + len(box.shape)), *range(BETA, AXES)]
     ends = (dict(zip(names, x[:, columns].T, strict=True)) for x in (lows, highs))
     return Slowest(_points(box, points), speeds, Certificate(*ends, -bounds if fast else bounds))
+
+
+def least_speed(box: UncertaintySet) -> float:
+    """Return a share of the trough's largest speed: speeds of a single box below it are alike small [m/s]."""
+    sizes = [high for name, (_, high) in box.shape.items() if name.endswith("amplitude")]
+    amplitude = box.factor[1] * max(sizes, default=1.0)
+    return float(_SMALL * 2.0 * math.pi * box.frequency[1] * amplitude)
 
 
 def _spans(box: UncertaintySet) -> Floats:

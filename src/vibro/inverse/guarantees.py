@@ -10,6 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.inverse.bands import uncertainty_set
+from vibro.inverse.bounds import least_speed
 from vibro.inverse.extremes import Extreme, Seen, look_around, sampled, searched, speeds_of, taken
 from vibro.inverse.proofs import back_slip_load, is_braked, steeper_is_slower
 from vibro.inverse.tolerances import TOLERANCES
@@ -142,7 +143,8 @@ def bound(
     extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
     if certificate is not None:
         proved = float(certificate.bound.max() if fast else certificate.bound.min())
-        is_close = extreme.speed == proved or abs(proved - extreme.speed) <= _CLOSE * abs(extreme.speed)
+        size = max(abs(extreme.speed), least_speed(box))
+        is_close = extreme.speed == proved or abs(proved - extreme.speed) <= _CLOSE * size
         return Bound(extreme, "proved" if is_close else "searched", proved, certificate)
     hopping = sampled(box, fast=fast, seen=seen)
     key = (lambda e: -e.speed) if fast else (lambda e: e.speed)
