@@ -15,9 +15,10 @@ from vibro import Regime, Scene
 from vibro.inverse import guarantees
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.extremes import Extreme, Seen
-from vibro.inverse.guarantees import Bound, _limit, bound, guarantee_of
+from vibro.inverse.guarantees import BOXES, BRIEF, Bound, _limit, bound, guarantee_of
 from vibro.inverse.proofs import back_slip_load
 from vibro.limits import CriticalLoads, critical_loads
+from vibro.results.designs import Certificate
 
 INF, NAN = math.inf, math.nan
 OVAL: dict[str, Any] = {
@@ -30,20 +31,63 @@ def extreme(speed: float, scene: Scene | None = None) -> Extreme:
     return Extreme(speed, np.zeros((5, 1)), scene or scene_with())
 
 
+def boxed(*bounds: float) -> Certificate:
+    """Certificate of boxes of which only the bounds count."""
+    return Certificate({}, {}, np.array(bounds))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("speed", "least", "proof"),
+    [
+        (0.1, 0.1, "proved"), (0.1, 0.0991, "proved"), (0.1, 0.0989, "searched"),
+        (-0.1, -0.1009, "proved"), (-0.1, -0.1011, "searched"), (0.0, 0.0, "proved"),
+        (0.1, -INF, "searched"),
+        # of 1 % of the trough's largest speed, 1.885 mm/s, where the body is slower than that
+        (0.0, -1.884e-5, "proved"), (0.0, -1.886e-5, "searched"), (1e-3, 0.98116e-3, "proved"),
+        (-1e-3, -1.01884e-3, "proved"), (-1e-3, -1.01886e-3, "searched"),
+    ],
+)  # fmt: skip
+def test_a_bound_within_a_hundredth_proves_a_speed(
+    speed: float, least: float, proof: str, side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The least of all boxes of the slowest body, the largest of the fastest one."""
+    certificate = boxed(*(side * x for x in (0.2, least, 0.3)))
+    monkeypatch.setattr(guarantees, "searched", lambda *_, **__: (extreme(side * speed), certificate))
+    box = uncertainty_set(scene_with(amplitude=2e-3), {"static_friction": (0.7, 0.74)})
+    found = bound(box, fast=side < 0.0, seen=Seen(), boxes=BRIEF)
+    assert (found.extreme.speed, found.proof, found.proved) == (side * speed, proof, side * least)
+    assert found.certificate is certificate
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_body_without_a_speed_proves_that_nothing_is_guaranteed(
+    side: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Boxes bound a body that runs away forward from below, though it counts as the slowest."""
+    monkeypatch.setattr(guarantees, "searched", lambda *_, **__: (extreme(-side * INF), boxed(0.1)))
+    box = uncertainty_set(scene_with(amplitude=2e-3), {"static_friction": (0.7, 0.74)})
+    found = bound(box, fast=side < 0.0, seen=Seen(), boxes=BRIEF)
+    assert found[1:] == ("proved", -side * INF, None)
+
+
 @pytest.mark.parametrize(
     ("scene", "proof"),
     [
         (scene_with(), "corners"),
-        (scene_with(amplitude=4e-3), "corners"),
-        (Scene(**OVAL), "searched"),
+        (scene_with(amplitude=4e-3), "sampled"),
+        (Scene(**OVAL), "corners"),
         (Scene(**(OVAL | {"normal_amplitude": 6e-4})), "sampled"),
     ],
 )
 @pytest.mark.parametrize("fast", [False, True])
 def test_the_proof_of_a_single_body(scene: Scene, proof: str, fast: bool) -> None:
-    found = bound(uncertainty_set(scene, {}), fast=fast, seen=Seen())
+    found = bound(uncertainty_set(scene, {}), fast=fast, seen=Seen(), boxes=BRIEF)
     assert found.proof == proof
-    assert found.extreme.speed == float(vibro.solve(scene).mean_velocity)
+    speed = float(vibro.solve(scene).mean_velocity)
+    assert found.extreme.speed == speed
+    assert found.proved == pytest.approx(NAN if proof == "sampled" else speed, rel=0.0, nan_ok=True)
+    assert found.certificate is None
 
 
 @pytest.mark.parametrize(
@@ -58,21 +102,22 @@ def test_the_proof_of_a_single_body(scene: Scene, proof: str, fast: bool) -> Non
 def test_of_a_box_that_hops_the_more_extreme_body_counts(
     contact: float, hopping: float, fast: bool, expected: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(guarantees, "searched", lambda *_, **__: extreme(contact))
+    monkeypatch.setattr(guarantees, "searched", lambda *_, **__: (extreme(contact), None))
     monkeypatch.setattr(guarantees, "sampled", lambda *_, **__: extreme(hopping))
     box = uncertainty_set(scene_with(amplitude=4e-3), {"static_friction": (0.7, 0.74)})
-    found = bound(box, fast=fast, seen=Seen())
+    found = bound(box, fast=fast, seen=Seen(), boxes=BRIEF)
     assert (found.extreme.speed, found.proof) == (expected, "sampled")
+    assert math.isnan(found.proved)
 
 
-@pytest.mark.parametrize(("factor", "proof"), [(1.0, "corners"), (1.0 - 1e-12, "searched"), (1.5, "corners")])
+@pytest.mark.parametrize(("factor", "proof"), [(1.0, "corners"), (1.0 - 1e-12, "proved"), (1.5, "corners")])
 def test_at_the_load_of_back_slip_no_body_slips_back_yet(
     factor: float, proof: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     box = uncertainty_set(scene_with(), {"static_friction": (0.7, 0.74)})
     monkeypatch.setattr(guarantees, "back_slip_load", lambda box: box.load[1] * factor)
-    monkeypatch.setattr(guarantees, "searched", lambda *_, **__: extreme(0.1))
-    assert bound(box, fast=False, seen=Seen()).proof == proof
+    monkeypatch.setattr(guarantees, "searched", lambda *_, **__: (extreme(0.1), boxed(0.1)))
+    assert bound(box, fast=False, seen=Seen(), boxes=BRIEF).proof == proof
 
 
 BELOW, ABOVE = 0.04, 0.03
@@ -162,15 +207,21 @@ def test_the_onset_of_forward_slip_is_a_limit_of_its_speed() -> None:
 def test_every_number_of_a_guarantee_has_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
     slow, fast = scene_with(amplitude=1e-3), scene_with(amplitude=2e-3)
 
-    def bounds(box: Any, *, fast: bool, seen: Seen) -> Bound:
+    def bounds(box: Any, *, fast: bool, seen: Seen, boxes: int) -> Bound:
+        asked.append(boxes)
+        seen.samples += 11
         seen.excluded += 3
         seen.coexists |= fast
         seen.regimes = {Regime.NO_SLIP, Regime.HOPPING}
         return (
-            Bound(extreme(0.2, scenes[1]), "sampled") if fast else Bound(extreme(0.1, scenes[0]), "corners")
+            Bound(extreme(0.2, scenes[1]), "sampled", 0.21, most)
+            if fast
+            else Bound(extreme(0.1, scenes[0]), "corners", 0.09, least)
         )
 
     scenes = slow, fast
+    asked: list[int] = []
+    least, most = boxed(0.09), boxed(0.21)
     monkeypatch.setattr(guarantees, "bound", bounds)
     monkeypatch.setattr(guarantees, "_limit", lambda end: f"limit of {end.speed:g}")
     found = guarantee_of(uncertainty_set(slow, {}))
@@ -178,7 +229,10 @@ def test_every_number_of_a_guarantee_has_its_place(monkeypatch: pytest.MonkeyPat
     assert (found.min_limit, found.max_limit) == ("limit of 0.1", "limit of 0.2")
     assert (found.proof_min, found.proof_max) == ("corners", "sampled")
     assert found.regimes == frozenset({Regime.NO_SLIP, Regime.HOPPING})
-    assert (found.coexists, found.excluded) == (True, 6)
+    assert (found.proved_min, found.proved_max) == (0.09, 0.21)
+    assert found.certificate_min is least
+    assert found.certificate_max is most
+    assert (found.coexists, found.excluded, found.samples, asked) == (True, 6, 22, [BOXES, BOXES])
     for place, scene in ((found.min_at, slow), (found.max_at, fast)):
         assert place == {name: float(value) for name, value in scene.arrays()._asdict().items()}
 
@@ -194,7 +248,7 @@ def test_the_fastest_body_where_none_slips_back(angles: tuple[float, float]) -> 
         "friction_ratio": (0.8, 0.9), "trough_angle": (0.0, 0.03),
     }  # fmt: skip
     box = uncertainty_set(scene, bands)
-    found = bound(box, fast=True, seen=Seen())
+    found = bound(box, fast=True, seen=Seen(), boxes=BRIEF)
     assert float(box.load[1]) <= float(back_slip_load(box))
     grid = np.linspace(*angles, 2001)
     fields: dict[str, Any] = {

@@ -50,7 +50,7 @@ def test_an_ellipse_that_is_a_line_has_the_lines_guarantee(amplitude: float) -> 
     assert ellipse.speed_min == pytest.approx(line.speed_min, rel=1e-8, abs=1e-12)
     assert ellipse.speed_max == pytest.approx(line.speed_max, rel=1e-8)
     assert ellipse.regimes == line.regimes
-    assert (ellipse.proof_min, ellipse.proof_max) == ("searched", "searched")
+    assert (ellipse.proof_min, ellipse.proof_max) == ("proved", "proved")
 
 
 @settings(max_examples=3)
@@ -120,7 +120,7 @@ def test_a_scene_without_bands_is_solved() -> None:
     found = vibro.guarantee(scene())
     speed = float(vibro.solve(scene()).mean_velocity)
     assert found.speed_min == found.speed_max == speed
-    assert (found.proof_min, found.proof_max) == ("searched", "searched")
+    assert (found.proof_min, found.proof_max) == ("corners", "corners")
     assert found.min_at == {name: float(x) for name, x in scene().arrays()._asdict().items()}
 
 

@@ -173,7 +173,7 @@ def test_designs_hold_as_they_are_printed() -> None:
         assert 1e3 * holds.speed_min == pytest.approx(design.speed_min_mm_s, rel=1e-9)
         assert 1e3 * holds.speed_min >= 30.0
         assert design.throw_number_max == pytest.approx(1e-3 * design.normal_amplitude_mm / UNIT, rel=1e-9)
-        assert design.proof == "searched"
+        assert design.proof == "proved"
         assert design.margin is not None
         assert design.margin >= 1.0
 

@@ -12,7 +12,7 @@ from helpers.scenes import replaced, scene_with
 
 import vibro
 from vibro import Regime, Scene, Status
-from vibro.inverse import extremes
+from vibro.inverse import bounds, extremes
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.extremes import (
     ANY_LANDING,
@@ -26,6 +26,7 @@ from vibro.inverse.extremes import (
     speeds_of,
     taken,
 )
+from vibro.inverse.guarantees import BRIEF
 
 INF, NAN = math.inf, math.nan
 HOPPING = {"amplitude": (8e-3, 12e-3), "frequency": (12.0, 15.0)}
@@ -156,7 +157,7 @@ def test_of_the_frequencies_of_a_load_the_extreme_one_is_taken(conveys: str, fas
     assert found.speed == pytest.approx(np.max(speeds) if fast else np.min(speeds), rel=1e-9)
     assert float(np.ravel(vibro.solve(found.scene).mean_velocity)[0]) == found.speed
     every = np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
-    best = searched(box, fast=fast, hops=False, seen=Seen(), seeds=1)
+    best, _ = searched(box, fast=fast, boxes=BRIEF, seen=Seen())
     ends = [taken(box, every[:, [i]], fast=fast, flight=False, seen=Seen()).speed for i in range(2)]
     extreme = max(found.speed, *ends) if fast else min(found.speed, *ends)
     assert (best.speed >= extreme - 1e-12) if fast else (best.speed <= extreme + 1e-12)
@@ -189,7 +190,7 @@ def test_parts_run_away_where_the_trough_is_steeper_than_kinetic_friction(
     trough = sorted((side * math.radians(14.0), -side * math.radians(5.0)))
     scene = scene_with(static_friction=0.4, kinetic_friction=0.3)
     box = uncertainty_set(scene, {"kinetic_friction": (least, 0.3), "trough_angle": tuple(trough)})
-    assert extremes._may_run_away(box) is runs
+    assert bounds._may_run_away(box) is runs
 
 
 @pytest.mark.parametrize("fast", [False, True])
@@ -232,7 +233,7 @@ def test_the_slowest_body_is_on_the_steepest_trough(fast: bool) -> None:
     """Where parts slip back, but none runs away: beside a grid of frictions and troughs."""
     scene, troughs = scene_with(amplitude=2e-3), (-0.02, 0.03)
     bands: dict[str, Any] = {"trough_angle": troughs, "static_friction": (0.7, 0.78)}
-    best = searched(uncertainty_set(scene, bands), fast=fast, hops=False, seen=Seen(), seeds=1)
+    best, _ = searched(uncertainty_set(scene, bands), fast=fast, boxes=BRIEF, seen=Seen())
     assert best.coordinates[2].tolist() == [0.0 if fast else 1.0]
     friction, trough = np.meshgrid(np.linspace(0.7, 0.78, 201), np.linspace(*troughs, 21))
     speeds = vibro.solve(replaced(scene, static_friction=friction, trough_angle=trough)).mean_velocity

@@ -104,7 +104,7 @@ def test_no_sample_beats_a_box_of_everything(trough: float) -> None:
         "friction_ratio": (0.7, 0.9),
     }
     found = vibro.guarantee(scene, **bands)
-    assert found.proof_min == found.proof_max == "searched"
+    assert found.proof_min == found.proof_max == "proved"
     assert_not_beaten(Boxed(scene, bands), found)
 
 
@@ -166,7 +166,7 @@ def test_corners_find_what_a_search_finds(trough: float) -> None:
     assert quick.proof_min == "corners"
     with mock.patch.object(guarantees, "is_braked", return_value=False):  # so that it has to search
         slow = vibro.guarantee(scene, **bands)
-    assert slow.proof_min == slow.proof_max == "searched"
+    assert slow.proof_min == slow.proof_max == "proved"
     assert quick.speed_min == pytest.approx(slow.speed_min, rel=1e-9)
     assert quick.speed_max == pytest.approx(slow.speed_max, rel=1e-9)
 
@@ -183,7 +183,7 @@ def test_the_fastest_drive_angle_may_lie_inside_its_band() -> None:
     assert found.speed_min == 0.0
     assert fastest <= found.speed_max * (1 + 1e-9)
     assert found.speed_max == pytest.approx(fastest, rel=1e-6)
-    assert found.proof_max == "searched"
+    assert found.proof_max == "proved"
     assert found.regimes == {Regime.NO_SLIP, Regime.FORWARD_SLIP}
 
 
@@ -394,7 +394,8 @@ def test_nothing_is_guaranteed_where_some_part_runs_away(amplitude: float) -> No
     )
     found = vibro.guarantee(scene, kinetic_friction=(0.15, 0.3))
     assert (found.speed_min, found.speed_max) == (-math.inf, math.inf)
-    assert (found.proof_min, found.proof_max) == ("searched", "searched")
+    assert (found.proof_min, found.proof_max) == ("proved", "proved")
+    assert (found.proved_min, found.proved_max) == (-math.inf, math.inf)
     held = vibro.guarantee(scene, kinetic_friction=(0.26, 0.3))
     assert 0.0 < held.speed_min < held.speed_max < math.inf
 

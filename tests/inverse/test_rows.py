@@ -31,8 +31,9 @@ CONTENT: dict[str, Any] = {
 }
 BOUNDS: dict[str, Any] = {
     "speed_min": 0.02, "speed_max": 0.05, "min_at": {}, "max_at": {}, "min_limit": "", "max_limit": "",
-    "regimes": frozenset({Regime.FORWARD_SLIP}), "proof_min": "searched", "proof_max": "corners",
-    "coexists": True, "excluded": 7,
+    "regimes": frozenset({Regime.FORWARD_SLIP}), "proof_min": "proved", "proof_max": "corners",
+    "proved_min": 0.0199, "proved_max": 0.05, "certificate_min": None, "certificate_max": None,
+    "coexists": True, "samples": 0, "excluded": 7,
 }  # fmt: skip
 
 
@@ -157,7 +158,7 @@ def test_every_number_of_a_row_has_its_column(monkeypatch: pytest.MonkeyPatch) -
         "amplitude_low_mm": 0.9, "amplitude_high_mm": 1.3, "low_set_by": "onset", "high_set_by": "hop",
         "margin": 2.5, "throw_number_max": 1.1 * load * math.sin(math.radians(20.0)),
         "set_by": "limit at 2.5",
-        "frequency_needed_hz": None, "amplitude_needed_mm": None, "proof": "searched", "coexists": True,
+        "frequency_needed_hz": None, "amplitude_needed_mm": None, "proof": "proved", "coexists": True,
         "excluded": 7, "along_amplitude_mm": None,
     }  # fmt: skip
     for name, value in expected.items():

@@ -215,6 +215,19 @@ def test_points_lie_at_shares_of_every_band() -> None:
     assert points.kinetic_friction == pytest.approx([0.3, 0.4, 0.3])
 
 
+@pytest.mark.parametrize("is_ratio", [False, True])
+@pytest.mark.parametrize("box", [line_box, oval_box])
+def test_points_have_the_coordinates_that_they_were_made_of(box: Any, is_ratio: bool) -> None:
+    """A coordinate of a band without a width is 0."""
+    made = box(static_friction=(0.2, 0.8), is_ratio=is_ratio)
+    shares = np.linspace(0.0, 1.0, 9) * np.ones((len(made.axes), 1))
+    shares[-1] = shares[-1, ::-1]
+    expected = np.where(made.varies[:, None], shares, 0.0)
+    if not is_ratio:
+        expected[-1, 0] = 0.0  # at the least static friction there is one kinetic friction alone
+    np.testing.assert_allclose(made.coordinates(made.points(shares)), expected, atol=1e-14)
+
+
 def test_points_of_an_ellipse_keep_their_axes_apart() -> None:
     shares = np.array([[0.0], [1.0], [1.0], [0.0], [0.5], [1.0], [0.0]])
     points = oval_box().points(shares)

@@ -106,8 +106,8 @@ def slowest_in_contact(
         lows[:, BETA], highs[:, BETA] = trough
     names = ("load", *box.shape, "trough_angle", "static_friction", "kinetic_friction")
     columns = [0, *range(1, 1 + len(box.shape)), *range(BETA, AXES)]
-    ends = (dict(zip(names, x[:, columns].T, strict=True)) for x in (lows, highs))
-    return Slowest(_points(box, points), speeds, Certificate(*ends, -bounds if fast else bounds))
+    below, above = (dict(zip(names, x[:, columns].T, strict=True)) for x in (lows, highs))
+    return Slowest(_points(box, points), speeds, Certificate(below, above, -bounds if fast else bounds))
 
 
 def least_speed(box: UncertaintySet) -> float:

@@ -83,7 +83,7 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     ...                     static_friction=0.74, kinetic_friction=0.57)
     >>> g = vibro.guarantee(scene, amplitude=(0.99 * 1.195e-3, 1.01 * 1.195e-3))
     >>> print(f"{1e3 * g.speed_min:.4f} to {1e3 * g.speed_max:.4f} mm/s, {g.proof_min}; {g.max_limit}")
-    27.0464 to 29.0414 mm/s, searched; from below the load at which back slip begins
+    27.0464 to 29.0414 mm/s, proved; from below the load at which back slip begins
     """
     return guarantee_of(uncertainty_set(scene, bands))
 
@@ -141,6 +141,8 @@ def bound(
         if fastest is not None:
             return _cornered(fastest)
     extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
+    if certificate is not None and math.isinf(extreme.speed):  # one body without a speed proves it
+        return Bound(extreme, "proved", extreme.speed)
     if certificate is not None:
         proved = float(certificate.bound.max() if fast else certificate.bound.min())
         size = max(abs(extreme.speed), least_speed(box))
