@@ -81,7 +81,7 @@ def test_a_box_without_width_is_a_scene(box: Boxed) -> None:
 @given(boxes(forward=True, drifts=True))
 def test_no_sample_beats_corners(box: Boxed) -> None:
     found = vibro.guarantee(box.scene, **box.bands)
-    assert found.proof_min == "corners"
+    assert {found.proof_min, found.proof_max} <= {"corners", "proved"}
     assert max(found.regimes) <= Regime.FORWARD_SLIP
     assert_not_beaten(box, found)
 
@@ -158,7 +158,6 @@ def test_corners_find_what_a_search_finds(trough: float) -> None:
     scene = scene_with(amplitude=0.9e-3, trough_angle=math.radians(trough))
     bands = {
         "amplitude": about(0.9e-3, 1),
-        "drive_angle": deg(18, 22),
         "static_friction": (0.7, 0.8),
         "friction_ratio": (0.7, 0.8),
     }
@@ -420,7 +419,7 @@ def test_either_end_of_the_drive_angles_may_be_the_slowest(
     """The speed rises with the drive angle, then falls."""
     scene = scene_with(amplitude=0.8e-3, drive_angle=math.radians(angles[0]))
     found = vibro.guarantee(scene, drive_angle=deg(*angles), static_friction=(0.7, 0.74))
-    assert found.proof_min == "corners"
+    assert found.proof_min == "proved"
     assert math.degrees(found.min_at["drive_angle"]) == pytest.approx(slowest)
     steps = np.radians(np.linspace(*angles, 21))
     speeds = vibro.solve(replaced(scene, drive_angle=steps)).mean_velocity

@@ -34,6 +34,12 @@ BOXES: Final = 8000
 #: The same where a slower body alone is sought.
 BRIEF: Final = 400
 _CLOSE: Final = 1e-2  # [1] distance of what is proved from the speed, over it, that counts as proved
+# Coordinates of the slowest and the fastest body on a line where none slips back: the slowest is the roughest
+# and least driven one, on the steepest trough.
+_CORNERS: Final = (
+    np.array([[0.0], [0.0], [1.0], [1.0], [1.0]]),
+    np.array([[1.0], [0.0], [0.0], [0.0], [0.0]]),
+)
 # Loads at which the speed may jump, and how the report names them.
 _JUMPS: Final = {
     "back_slip": "back slip begins",
@@ -69,11 +75,11 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
 
     Notes
     -----
-    If the drive moves along a line and no body slips back or hops, the speed is monotone, so that both
-    bounds lie at corners of the box (``corners``; theory.md, section 14). Otherwise bodies in contact are
-    searched by differential evolution, and bounded by boxes that cover the set (``proved``); where even 8000
-    of them leave more than 1 % it is ``searched``. Hopping bodies are sampled (``sampled``). The regimes are
-    those of all bodies that were solved. If a body's motion has no short period, its mean speed is widened
+    If the drive moves along a line of a known angle and no body slips back or hops, the speed is monotone, so
+    that both bounds lie at corners of the box (``corners``; theory.md, section 14). Otherwise bodies in contact
+    are searched by differential evolution, and bounded by boxes that cover the set (``proved``); where even
+    8000 of them leave more than 1 % it is ``searched``. Hopping bodies are sampled (``sampled``). The regimes
+    are those of all bodies that were solved. If a body's motion has no short period, its mean speed is widened
     by three standard errors.
 
     Examples
@@ -135,11 +141,7 @@ def bound(
         only = taken(box, np.zeros((len(box.axes), 1)), fast=fast, flight=True, seen=seen, highest=highest)
         return _cornered(only) if not hops else Bound(only, "sampled", math.nan)
     if box.space.proves and not hops and _is_monotone(box):
-        if not fast:
-            return _cornered(_slowest_forward(box, seen))
-        fastest = _fastest_forward(box, seen)
-        if fastest is not None:
-            return _cornered(fastest)
+        return _cornered(taken(box, _CORNERS[fast], fast=fast, flight=False, seen=seen))
     extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
     if certificate is not None and math.isinf(extreme.speed):  # one body without a speed proves it
         return Bound(extreme, "proved", extreme.speed)
@@ -163,30 +165,13 @@ def _cornered(extreme: Extreme) -> Bound:
 
 
 def _is_monotone(box: UncertaintySet) -> bool:
-    """Whether the speed is proved monotone along every band: no body slips back or runs away."""
-    slips_forward = float(box.load[1]) <= float(back_slip_load(box))
-    return slips_forward and is_braked(box) and steeper_is_slower(box)
+    """Whether the speed is proved monotone along every band: no body slips back or runs away.
 
-
-def _slowest_forward(box: UncertaintySet, seen: Seen) -> Extreme:
-    """Return the slowest body where none slips back: the roughest and least driven, on the steepest trough.
-
-    The speed rises, then falls, with the drive angle: one of its two ends.
+    Along the drive angle it is not: there it rises, then falls.
     """
-    coordinates = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 1.0], [1.0, 1.0]])
-    found = [taken(box, coordinates[:, [i]], fast=False, flight=False, seen=seen) for i in range(2)]
-    return min(found, key=lambda extreme: extreme.speed)
-
-
-def _fastest_forward(box: UncertaintySet, seen: Seen) -> Extreme | None:
-    """Return the fastest body where none slips back; None where it may lie between two drive angles."""
-    (low, high), point = box.shape["drive_angle"], box.points(np.array([[1.0], [0.0], [0.0], [0.0], [0.0]]))
-    first, last = (math.atan(float(mu[0])) for mu in (point.kinetic_friction, point.static_friction))
-    if max(low, first) < min(high, last):
-        return None
-    coordinates = np.array([[1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
-    found = [taken(box, coordinates[:, [i]], fast=True, flight=False, seen=seen) for i in range(2)]
-    return max(found, key=lambda extreme: extreme.speed)
+    low, high = box.shape["drive_angle"]
+    slips_forward = float(box.load[1]) <= float(back_slip_load(box))
+    return bool(low == high) and slips_forward and is_braked(box) and steeper_is_slower(box)
 
 
 def _place(scene: Scene) -> dict[str, float]:
