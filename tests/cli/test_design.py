@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
+import re
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -507,6 +512,43 @@ def test_what_is_wrong_ends_before_anything_is_computed(run: Run, monkeypatch: p
     assert run("design", "none.toml").exit_code == 1
     assert run("design").exit_code == 2
     assert list(Path().iterdir()) == [Path("bad.toml")]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_a_terminal_is_never_silent_for_long(tmp_path: Path) -> None:
+    """The bar names the search and is drawn again and again, while the answer alone goes to stdout."""
+    import pty
+
+    question = tmp_path / "known.toml"
+    drive = '[[drive]]\nname = "motor"\namplitude_mm = 3\nfrequency_hz = 15\ndrive_angle_deg = 25\n'
+    scene = '[scene]\nstatic_friction = "0.7:0.78"\nkinetic_friction = 0.57\n'
+    question.write_text(f"{scene}{drive}[goal]\nspeed_mm_s = 10\n", encoding="utf-8")
+    terminal, end = pty.openpty()
+    with subprocess.Popen(
+        [sys.executable, "-m", "vibro", "design", str(question)],
+        stdout=subprocess.PIPE, stderr=end, env={**os.environ, "TERM": "xterm", "COLUMNS": "100"},
+    ) as process:  # fmt: skip
+        os.close(end)
+        shown, times = b"", [time.monotonic()]
+        while True:
+            try:
+                piece = os.read(terminal, 4096)
+            except OSError:  # Linux: the other end is closed
+                break
+            if not piece:
+                break
+            shown += piece
+            times.append(time.monotonic())
+        assert process.stdout is not None
+        answer = process.stdout.read()
+    os.close(terminal)
+    assert process.returncode == 0
+    assert answer.startswith(b"goal  ")
+    # what is over within a tenth of a second may not be drawn
+    assert re.search(rb"motor: (fastest|gentlest|safest), hopping allowed", shown)
+    assert b"0:00:0" in shown
+    # two seconds, and as long again on a busy machine
+    assert max(later - sooner for sooner, later in itertools.pairwise(times)) < 4.0
 
 
 def test_help_has_the_options_that_apply_alone(run: Run) -> None:
