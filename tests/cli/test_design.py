@@ -434,6 +434,19 @@ def test_the_nearest_drive_is_told_in_stroke(run: Run, monkeypatch: pytest.Monke
     assert "motor 4.649 mm/s back slip 2.9 Hz, 60.8 mm stroke at 45 deg" in lines
 
 
+@pytest.mark.parametrize(
+    ("throw", "above"), [(1.0, "the first part hops"), (1.01, "parts hop otherwise, and too slowly")]
+)
+def test_where_parts_hop_already_the_window_ends_at_other_hops(
+    throw: float, above: str, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known()
+    design = replace(SAFEST, throw_number_max=throw, high_set_by="hop")
+    found(monkeypatch, answered(True, *rows("motor", "forward-slip", gentlest=design)))
+    (window,) = (x for x in squeezed(run("design", "known.toml").stdout) if x.startswith("amplitude 2.46"))
+    assert window.endswith(f"; above, {above}")
+
+
 def test_a_drive_with_one_setting_has_no_window(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     known()
     only = replace(

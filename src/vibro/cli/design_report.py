@@ -57,6 +57,7 @@ _BEYOND: Final[Mapping[str, str]] = {
     "tip": "the first part lifts an edge",
     "unconfirmed": "no amplitude is confirmed",
 }
+_OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop within the window too
 _PROOFS: Final[Mapping[str, str]] = {
     "corners": "speeds are monotone along every band (measured over drive angles, else proven)",
     "searched": "bounds found by searches with several seeds, and checked by looking for a worse part",
@@ -332,7 +333,8 @@ def _window(design: Design) -> str:
     if design.window_mm is None:
         return "none keeps the goal"
     low, high = design.window_mm
-    below, above = (_BEYOND.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
+    beyond = {**_BEYOND, "hop": _OTHER_HOPS} if (design.throw_number_max or 0.0) > 1.0 else _BEYOND
+    below, above = (beyond.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
     # rounded inwards, but not past the design itself
     own = design.nominal_mm or low
     first = _exact(own) if float(bound(low, upper=True)) > own else bound(low, upper=True)
