@@ -76,7 +76,7 @@ def test_half_of_the_friction_grid_is_infeasible() -> None:
 
 
 def test_every_nut_is_conveyed(tmp_path: Path) -> None:
-    result = run("design", EXAMPLES / "design_nut.toml", "-o", f"{tmp_path}/")
+    result = run("design", EXAMPLES / "design_nut.toml", "--digits", 9, "-o", f"{tmp_path}/")
     assert result.exit_code == 0, result.stderr
     names = {f"design_nut-design{end}" for end in (".csv", ".json", "-regime.png", "-speed.png", "-band.png")}
     assert {path.name for path in tmp_path.iterdir()} == names
@@ -89,15 +89,23 @@ def test_every_nut_is_conveyed(tmp_path: Path) -> None:
     assert "safest with forward-slip at most" in result.stdout
 
 
-def test_the_feeder_cannot_and_the_readme_says_how_far_it_gets() -> None:
-    result = run("design", EXAMPLES / "design_feeder.toml")
+def closest(*options: object) -> str:
+    """What is said of the feeder's goal, which no drive meets."""
+    result = run("design", EXAMPLES / "design_feeder.toml", *options)
     assert result.exit_code == 4, result.stderr
-    said = result.stdout.split("\n\n")[1]
+    return result.stdout.split("\n\n")[1]
+
+
+def test_the_feeder_cannot_and_the_readme_says_how_far_it_gets() -> None:
+    said = closest()
     (shown,) = re.findall(r"```text\n(largest guaranteed.*?)```", README, flags=re.DOTALL)
     number = r"\d+\.\d+"
     assert re.sub(number, "#", " ".join(said.split())) == re.sub(number, "#", " ".join(shown.split()))
-    found, printed = ([float(x) for x in re.findall(number, text)] for text in (said, shown))
-    assert found == pytest.approx(printed, rel=2e-3)
+    given, printed, found = (
+        [float(x) for x in re.findall(number, text)] for text in (said, shown, closest("--digits", 9))
+    )
+    assert given == pytest.approx(printed, rel=2e-3)
+    assert given == pytest.approx(found, rel=1e-2)
     # what sampled optimisers of hopping find may differ by as much; what was published is at least reached
     assert found[:2] == pytest.approx([4.64, 6.22], abs=5e-3)
     assert found[5:7] == pytest.approx([15.48, 20.72], abs=5e-3)

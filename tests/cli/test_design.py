@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import json
 import os
+import re
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 from helpers.commands import Run, rows_of
@@ -21,6 +27,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from vibro.inverse.specs import Spec
+
+
+class Asked(NamedTuple):
+    """A question, as the search for its answer takes it."""
+
+    spec: Spec
+    digits: int
+    goal_only: bool
+
 
 QUESTION = """
 [scene]
@@ -90,24 +105,27 @@ def answer(*, met: bool) -> DesignResult:
     )
     found = [
         *rows("motor", "forward-slip", **(all_three if met else {"fastest": slow})),
+        *rows("magnet", "forward-slip"),
         *rows("motor", "back-slip", fastest=replace(slow, speed_min_mm_s=6.22, proof="searched")),
         *rows("motor", "hopping", gentlest=hopping, fastest=hopping, safest=hopping),
-        *rows("magnet", "forward-slip"),
         *rows("magnet", "back-slip"),
         *rows("magnet", "hopping"),
     ]
     return answered(met, *found)
 
 
-def found(monkeypatch: pytest.MonkeyPatch, result: DesignResult) -> list[Spec]:
+def found(monkeypatch: pytest.MonkeyPatch, result: DesignResult) -> list[Asked]:
     """Have every question answered so; return the list of those that are asked."""
-    asked: list[Spec] = []
+    asked: list[Asked] = []
 
-    def find(spec: Spec, tell: Callable[[int, int], None]) -> DesignResult:
-        asked.append(spec)
+    def find(
+        spec: Spec, tell: Callable[[int, int, str], None], *, digits: int, goal_only: bool
+    ) -> DesignResult:
+        asked.append(Asked(spec, digits, goal_only))
         for done in (0, 4, 18):
-            tell(done, 18)
-        return result
+            tell(done, 18, "motor: gentlest, forward-slip at most")
+        kept = [d for d in result.designs if not goal_only or d.highest_regime == "forward-slip"]
+        return answered(result.met, *kept)
 
     monkeypatch.setattr(designs_module, "find_designs", find)
     return asked
@@ -150,8 +168,16 @@ def test_the_report_of_a_goal_that_is_met(ask: Callable[..., Any]) -> None:
     # Every digit of a setting; a guarantee is never rounded up, nor what no part exceeds rounded down.
     setting = "2.80763335 10 45 1.12989 45.2939 48.45 51.8958 7.39704 back slip corners"
     assert lines[head + 3 : head + 5] == ["forward-slip at most (the goal)", f"gentlest {setting}"]
-    assert "magnet: amplitude up to 0.8 mm, frequency 50 Hz or 100 Hz, drive angle 20 deg" in lines
-    assert lines.count("gentlest - - - - - - - - - -") == 4
+    magnet = lines.index("magnet: amplitude up to 0.8 mm, frequency 50 Hz or 100 Hz, drive angle 20 deg")
+    assert lines[magnet + 1] == "forward-slip at most (the goal): no speed is guaranteed"
+    # the answer comes first, and then what nobody asked for
+    others = lines.index("Other regimes than the goal's, for comparison (--only goal leaves them out):")
+    assert head < magnet < lines.index("1 % more changes the nominal speed by") < others
+    assert all(i > others for i, line in enumerate(lines) if line.startswith(("back-slip", "hopping")))
+    assert lines[others + 2] == "motor"
+    assert lines[others + 5] == "back-slip at most: less than 30 mm/s"
+    assert lines[others + 6].startswith("fastest 2.80763335 10 45 1.12989 6.22 ")
+    assert lines[others + 7] == "hopping allowed"
     assert "chosen motor, safest with forward-slip at most: 2.80763335 mm, 10 Hz, 45 deg" in lines
     window = "2.46844 ... 3 mm keep the goal; below, the slowest part gets too slow; above, the drive ends"
     assert f"amplitude {window}" in lines
@@ -182,6 +208,7 @@ def test_the_report_of_a_goal_that_no_drive_meets(ask: Callable[..., Any]) -> No
     first = lines.index(head)
     assert lines[first + 1] == "motor 4.649 mm/s back slip 6.22 mm/s 228 mm/s 2.9 Hz, 30.4 mm at 45 deg"
     assert lines[first + 2] == "magnet nothing - nothing nothing -"
+    assert "forward-slip at most (the goal): less than 30 mm/s" in lines
     assert any(line.startswith("closest motor, fastest with forward-slip at most: ") for line in lines)
     assert "amplitude none keeps the goal" in lines
     assert "margin none: the goal is not met" in lines
@@ -319,21 +346,174 @@ def test_a_folder_takes_the_questions_name(ask: Callable[..., Any]) -> None:
         (1.0, "1: all bands and drifts may be that many times as wide"),
         (10.0, "10 or more: all bands and drifts may be that many times as wide"),
         (0.5, "0.5: all bands and drifts would have to be that share as wide"),
-        (None, "none: nothing is uncertain"),
     ],
 )
 def test_the_margin_in_words(
     run: Run, monkeypatch: pytest.MonkeyPatch, margin: float | None, text: str
 ) -> None:
-    known = (
-        QUESTION.replace('"0.7:0.78"', "0.74")
-        .replace('"0.5:0.6"', "0.55")
-        .replace("_percent = 5", "_percent = 0")
-    )
-    Path("known.toml").write_text(known, encoding="utf-8")
+    Path("nut.toml").write_text(QUESTION, encoding="utf-8")
     design = replace(SAFEST, margin=margin)
     found(monkeypatch, answered(True, *rows("motor", "forward-slip", safest=design, gentlest=design)))
-    assert f"margin {text}" in squeezed(run("design", "known.toml").stdout)
+    assert f"margin {text}" in squeezed(run("design", "nut.toml").stdout)
+
+
+def known(**changes: str) -> None:
+    """Write the question with a single part and no drift to ``known.toml``, with other changes."""
+    text = QUESTION.replace('"0.7:0.78"', "0.74").replace('"0.5:0.6"', "0.55").replace("t = 5", "t = 0")
+    for old, new in changes.items():
+        text = text.replace(f"{old} = 3\n", f"{new}\n")
+    Path("known.toml").write_text(text, encoding="utf-8")
+
+
+def test_where_nothing_is_uncertain_the_gentlest_is_chosen(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No design is safer than another, and one part has one speed."""
+    known()
+    gentle = replace(SAFEST, amplitude_mm=2.3, margin=None)
+    design = replace(SAFEST, margin=None)
+    answer = rows("motor", "forward-slip", gentlest=gentle, fastest=design, safest=design)
+    found(monkeypatch, answered(True, *answer))
+    lines = squeezed(run("design", "known.toml").stdout)
+    head = lines.index("amplitude frequency angle accel. guaranteed set by proof")
+    assert lines[head + 2 : head + 5] == [
+        "forward-slip at most (the goal)",
+        "gentlest 2.3 10 45 1.12989 45.2939 back slip corners",
+        "fastest 2.80763335 10 45 1.12989 45.2939 back slip corners",
+    ]
+    assert not any(line.startswith("safest") for line in lines)
+    assert "chosen motor, gentlest with forward-slip at most: 2.3 mm, 10 Hz, 45 deg" in lines
+    assert "margin none: no band and no drift is given" in lines
+
+
+def test_every_cost_has_a_number_or_a_reason(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    known()
+    for amplitude, last in (
+        (2.3, "trough angle, 1 deg more -"),
+        (0.01, "trough angle, 1 deg more rests: no"),
+    ):
+        design = replace(SAFEST, amplitude_mm=amplitude, margin=None)
+        found(monkeypatch, answered(True, *rows("motor", "forward-slip", gentlest=design)))
+        lines = squeezed(run("design", "known.toml").stdout)
+        costs = lines[lines.index("1 % more changes the nominal speed by") + 1 :]
+        assert len(costs) >= 6
+        assert costs[5].startswith(last)
+        assert not any("nan" in line or "unknown" in line for line in costs)
+
+
+def test_a_question_in_stroke_is_answered_in_stroke(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And a number that was given is written as it was given."""
+    known(amplitude_mm="stroke_mm = 6.00000001")
+    sizes: dict[str, Any] = {"amplitude_mm": None, "amplitude_low_mm": None, "amplitude_high_mm": None}
+    sizes |= {"stroke_mm": 5.615, "stroke_low_mm": 4.937, "stroke_high_mm": 6.0}
+    design = replace(SAFEST, margin=None, **sizes)
+    found(monkeypatch, answered(True, *rows("motor", "forward-slip", gentlest=design, fastest=design)))
+    lines = squeezed(run("design", "known.toml", "-o", "known").stdout)
+    assert lines[6].startswith("motor: stroke up to 6.00000001 mm, frequency 10 ... 30 Hz")
+    assert lines[7].startswith("stroke frequency angle")
+    assert lines[10].startswith("gentlest 5.615 10 45")
+    assert "chosen motor, gentlest with forward-slip at most: 5.615 mm stroke, 10 Hz, 45 deg" in lines
+    ends = "4.937 ... 6 mm keep the goal; below, the slowest part gets too slow; above, the drive ends"
+    assert f"stroke {ends}" in lines
+    costs = lines[lines.index("1 % more changes the nominal speed by") + 1 :]
+    assert costs[0].startswith("stroke +")
+    assert not any(line.startswith("amplitude") for line in lines if "magnet" not in line)
+    table = rows_of(Path("known.csv").read_text(encoding="utf-8"))
+    assert [name for name in table[0] if "stroke" in name or "amplitude" in name] == [
+        "stroke_mm", "stroke_low_mm", "stroke_high_mm", "stroke_needed_mm",
+    ]  # fmt: skip
+    assert table[0]["stroke_mm"] == "5.615"
+
+
+def test_the_nearest_drive_is_told_in_stroke(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    known(amplitude_mm="stroke_mm = 6")
+    slow = replace(
+        SAFEST, amplitude_mm=None, stroke_mm=5.615, speed_min_mm_s=4.649, margin=None,
+        frequency_needed_hz=2.9, stroke_needed_mm=60.8,
+    )  # fmt: skip
+    found(monkeypatch, answered(False, *rows("motor", "forward-slip", fastest=slow)))
+    lines = squeezed(run("design", "known.toml", "--only", "goal").stdout)
+    assert "motor 4.649 mm/s back slip 2.9 Hz, 60.8 mm stroke at 45 deg" in lines
+
+
+@pytest.mark.parametrize(
+    ("throw", "above"), [(1.0, "the first part hops"), (1.01, "parts hop otherwise, and too slowly")]
+)
+def test_where_parts_hop_already_the_window_ends_at_other_hops(
+    throw: float, above: str, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known()
+    design = replace(SAFEST, throw_number_max=throw, high_set_by="hop")
+    found(monkeypatch, answered(True, *rows("motor", "forward-slip", gentlest=design)))
+    (window,) = (x for x in squeezed(run("design", "known.toml").stdout) if x.startswith("amplitude 2.46"))
+    assert window.endswith(f"; above, {above}")
+
+
+def test_a_drive_with_one_setting_has_no_window(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    known()
+    only = replace(
+        SAFEST, amplitude_low_mm=2.80763335, amplitude_high_mm=2.80763335, low_set_by="limit",
+        high_set_by="limit",
+    )  # fmt: skip
+    found(monkeypatch, answered(True, *rows("motor", "forward-slip", gentlest=only)))
+    lines = squeezed(run("design", "known.toml").stdout)
+    assert "amplitude 2.80763335 mm, all that the drive can do, keeps the goal" in lines
+
+
+@pytest.mark.parametrize("met", [True, False])
+def test_other_regimes_can_be_left_out(
+    met: bool, ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = found(monkeypatch, answer(met=met))
+    result = run("design", "nut.toml", "--only", "goal", "-o", "nut")
+    assert result.exit_code == (0 if met else 4)
+    assert [call.goal_only for call in asked] == [True]
+    assert not any(word in result.stdout for word in ("hopping", "back-slip", "Other regimes"))
+    if not met:
+        head = "largest guaranteed forward-slip at most set by nearest drive that meets the goal"
+        assert head in squeezed(result.stdout)
+    table = rows_of(Path("nut.csv").read_text(encoding="utf-8"))
+    designs = json.loads(Path("nut.json").read_text(encoding="utf-8"))["designs"]
+    for written in (table, designs):
+        assert {row["highest_regime"] for row in written} == {"forward-slip"}
+        assert len(written) == 6
+    assert run("design", "nut.toml", "--only", "hopping").exit_code == 2
+
+
+@pytest.mark.parametrize(("typed", "digits"), [((), 4), (("--digits", 9), 9), (("--digits", 15), 15)])
+def test_the_digits_of_settings(
+    typed: tuple[Any, ...], digits: int, ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = found(monkeypatch, answer(met=True))
+    assert run("design", "nut.toml", *typed).exit_code == 0
+    assert [(call.digits, call.goal_only) for call in asked] == [(digits, False)]
+
+
+@pytest.mark.parametrize("typed", ["0", "16", "4.5", "few"])
+def test_a_wrong_number_of_digits_is_refused(
+    typed: str, ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = found(monkeypatch, answer(met=True))
+    result = run("design", "nut.toml", "--digits", typed)
+    assert (result.exit_code, result.stdout, asked) == (2, "", [])
+    assert "--digits" in result.stderr
+
+
+def test_a_bar_says_what_is_searched(
+    ask: Callable[..., Any], run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a terminal; elsewhere nothing but the answer is written."""
+    told: list[tuple[Any, ...]] = []
+
+    @contextlib.contextmanager
+    def progress(self: Any, label: str, total: int | None) -> Iterator[Callable[..., None]]:
+        told.append((label, total))
+        yield lambda *done: told.append(done)
+
+    monkeypatch.setattr("vibro.cli.console.Console.progress", progress)
+    assert ask("-o", "nut").exit_code == 0
+    what = "motor: gentlest, forward-slip at most"
+    assert told == [
+        ("searching", None), (0, what, 18), (4, what, 18), (18, what, 18), ("drawing", None),
+    ]  # fmt: skip
 
 
 def test_what_is_wrong_ends_before_anything_is_computed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -347,9 +527,57 @@ def test_what_is_wrong_ends_before_anything_is_computed(run: Run, monkeypatch: p
     assert list(Path().iterdir()) == [Path("bad.toml")]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_a_terminal_is_never_silent_for_long(tmp_path: Path) -> None:
+    """The bar names the search and is drawn again and again, while the answer alone goes to stdout."""
+    import pty
+
+    question = tmp_path / "known.toml"
+    drive = '[[drive]]\nname = "motor"\namplitude_mm = 3\nfrequency_hz = 15\ndrive_angle_deg = 25\n'
+    scene = '[scene]\nstatic_friction = "0.7:0.78"\nkinetic_friction = 0.57\n'
+    question.write_text(f"{scene}{drive}[goal]\nspeed_mm_s = 10\n", encoding="utf-8")
+    terminal, end = pty.openpty()
+    with subprocess.Popen(
+        [sys.executable, "-m", "vibro", "design", str(question)],
+        stdout=subprocess.PIPE, stderr=end, env={**os.environ, "TERM": "xterm", "COLUMNS": "100"},
+    ) as process:  # fmt: skip
+        os.close(end)
+        shown, times = b"", [time.monotonic()]
+        while True:
+            try:
+                piece = os.read(terminal, 4096)
+            except OSError:  # Linux: the other end is closed
+                break
+            if not piece:
+                break
+            shown += piece
+            times.append(time.monotonic())
+        assert process.stdout is not None
+        answer = process.stdout.read()
+    os.close(terminal)
+    assert process.returncode == 0
+    assert answer.startswith(b"goal  ")
+    # what is over within a tenth of a second may not be drawn
+    assert re.search(rb"motor: (fastest|gentlest|safest), hopping allowed", shown)
+    assert b"0:00:0" in shown
+    # two seconds, and as long again on a busy machine
+    assert max(later - sooner for sooner, later in itertools.pairwise(times)) < 4.0
+
+
 def test_help_has_the_options_that_apply_alone(run: Run) -> None:
     text = run("design", "--help").stdout
-    for option in ("-o", "--json", "--format", "--excel", "--decimal-comma", "--force", "-q", "--debug"):
+    for option in (
+        "--only",
+        "--digits",
+        "-o",
+        "--json",
+        "--format",
+        "--excel",
+        "--decimal-comma",
+        "--force",
+        "-q",
+        "--debug",
+    ):
         assert option in text
     for option in ("-A", "--mu-s", "--length", "SCENE.toml", "--flight"):
         assert option not in text

@@ -80,6 +80,8 @@ def answered(met: bool, *designs: Design) -> DesignResult:
     for design in designs:
         space = SPACES[Line if design.drive_angle_deg is not None else Ellipse]
         values = {knob: getattr(design, QUANTITIES[knob].column) for knob in space.knobs}
+        if design.stroke_mm is not None:
+            values["amplitude"] = design.stroke_mm / 2.0
         known = {knob: QUANTITIES[knob].to_si(x) for knob, x in values.items() if x is not None}
         settings.append(space.setting(**known) if known.keys() == values.keys() else None)
     return DesignResult(met, designs, tuple(settings))

@@ -18,15 +18,16 @@ from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
+from vibro.inverse.rounding import DIGITS
 from vibro.inverse.spaces import SPACES
 from vibro.results.designs import Design
 
 ORDER = ("forward-slip", "back-slip", "hopping")
 
 
-def rows(question: dict[str, Any]) -> dict[tuple[str, str], Design]:
+def rows(question: dict[str, Any], digits: int = DIGITS) -> dict[tuple[str, str], Design]:
     """Designs of the only drive, by regime and kind."""
-    return {(d.highest_regime, d.design): d for d in vibro.design(question).designs}
+    return {(d.highest_regime, d.design): d for d in vibro.design(question, digits=digits).designs}
 
 
 def optimiser(question: dict[str, Any], highest: Regime = Regime.BACK_SLIP) -> LineOptimiser:
@@ -93,9 +94,15 @@ VERTEX = one_drive(
 
 
 def test_designs_at_a_vertex_and_what_is_printed_of_them() -> None:
-    found = rows(VERTEX)
-    gentlest = found["back-slip", "gentlest"]
-    assert gentlest.acceleration_g == pytest.approx(0.846747, rel=1e-5)
+    least = {}
+    for digits, spread in ((9, 1e-5), (4, 2e-3)):
+        found = rows(VERTEX, digits)
+        gentlest = found["back-slip", "gentlest"]
+        assert gentlest.acceleration_g == pytest.approx(0.846747, rel=spread)
+        least[digits] = gentlest.acceleration_g or math.nan
+        settings = (gentlest.amplitude_mm, gentlest.frequency_hz, gentlest.drive_angle_deg)
+        assert all(x is not None and float(f"{x:.{digits}g}") == x for x in settings)
+    assert least[9] < least[4]
     assert found["back-slip", "safest"].margin is not None
     assert found["back-slip", "safest"].margin > 9.7
     for (regime, _), design in found.items():
@@ -190,15 +197,16 @@ def test_the_nearest_drive_meets_the_goal() -> None:
     drive = {"amplitude_mm": 0.8, "frequency_hz": 50, "drive_angle_deg": "5:60", "acceleration_g": 1.2}
     goal = {"speed_mm_s": 80, "highest_regime": "forward-slip"}
     question = {"scene": scene, "drive": [drive], "goal": goal}
-    result = vibro.design(question)
-    assert not result.met
-    nearest = result.designs[1]
-    assert nearest.set_by == "back slip"
-    assert nearest.frequency_needed_hz == pytest.approx(2.90252154972701, rel=1e-6)
-    drive |= {"amplitude_mm": nearest.amplitude_needed_mm, "frequency_hz": nearest.frequency_needed_hz}
-    best = optimiser(question, Regime.FORWARD_SLIP).fastest()
-    assert best is not None
-    assert best.speed >= 0.08
+    for digits, spread in ((9, 1e-6), (4, 1e-3)):
+        result = vibro.design(question, digits=digits, only="goal")
+        assert not result.met
+        nearest = result.designs[1]
+        assert nearest.set_by == "back slip"
+        assert nearest.frequency_needed_hz == pytest.approx(2.90252154972701, rel=spread)
+        needed = {"amplitude_mm": nearest.amplitude_needed_mm, "frequency_hz": nearest.frequency_needed_hz}
+        best = optimiser({**question, "drive": [drive | needed]}, Regime.FORWARD_SLIP).fastest()
+        assert best is not None
+        assert best.speed >= 0.08
 
 
 @pytest.mark.parametrize(
@@ -258,3 +266,100 @@ def test_a_drive_that_can_do_no_less_is_at_its_limit() -> None:
     scene = {"static_friction": "0.315:0.377", "friction_ratio": "0.7:0.9"}
     drive = {"amplitude_mm": "1.51:1.51", "frequency_hz": 20, "drive_angle_deg": 15}
     assert rows(one_drive(scene, drive, 10))["back-slip", "gentlest"].set_by == "limit"
+
+
+KNOWN: dict[str, Any] = {
+    "scene": {"static_friction": 0.5, "kinetic_friction": 0.4},
+    "drive": [
+        {"name": "magnet", "stroke_mm": 1.1, "frequency_hz": 50, "drive_angle_deg": "10:40"},
+        {"name": "motor", "amplitude_mm": 3, "frequency_hz": "1160rpm", "drive_angle_deg": 30},
+    ],
+    "goal": {"speed_mm_s": 5, "highest_regime": "forward-slip"},
+}
+
+
+@pytest.mark.parametrize("digits", [3, 4, 6])
+def test_few_digits_hold_as_printed(digits: int) -> None:
+    """With no more than were asked for here, and a guarantee that is of the printed setting."""
+    result = vibro.design(KNOWN, digits=digits, only="goal")
+    assert result.met
+    assert len(result.designs) == 6
+    for design in result.designs:
+        amplitude = design.amplitude_mm if design.stroke_mm is None else design.stroke_mm / 2
+        assert amplitude is not None
+        assert design.frequency_hz in (50.0, 19.3333333333333)  # as given
+        assert design.drive_angle_deg is not None
+        for value in (design.nominal_mm, design.drive_angle_deg):
+            assert value is not None
+            assert float(f"{value:.{digits}g}") == value
+        cycle = vibro.solve(
+            vibro.Scene(
+                amplitude=1e-3 * amplitude,
+                frequency=design.frequency_hz,
+                drive_angle=math.radians(design.drive_angle_deg),
+                static_friction=0.5,
+                kinetic_friction=0.4,
+            )
+        )
+        assert cycle.regime == Regime.FORWARD_SLIP
+        assert float(cycle.mean_velocity) >= 5e-3
+        assert design.speed_min_mm_s == pytest.approx(1e3 * float(cycle.mean_velocity), rel=1e-12)
+
+
+def test_fewer_digits_lose_little() -> None:
+    """Of acceleration and speed about as much as one step of the last digit is worth."""
+    fine, coarse = (vibro.design(KNOWN, digits=n, only="goal").designs for n in (9, 4))
+    for best, printed in zip(fine, coarse, strict=True):
+        assert (best.drive, best.design, best.set_by) == (printed.drive, printed.design, printed.set_by)
+        name = "acceleration_g" if best.design == "gentlest" else "speed_min_mm_s"
+        sign = 1.0 if best.design == "gentlest" else -1.0
+        lost = sign * (getattr(printed, name) / getattr(best, name) - 1.0)
+        assert 0.0 <= lost < 3e-3
+
+
+def test_with_known_frictions_the_gentlest_of_all_drives_is_shown() -> None:
+    result = vibro.design(KNOWN, only="goal")
+    chosen = chosen_of(read_spec(KNOWN), result)
+    assert chosen is not None
+    least = min(d.acceleration_g or math.inf for d in result.designs if d.design == "gentlest")
+    assert (chosen.design.design, chosen.design.acceleration_g) == ("gentlest", least)
+    assert chosen.design is next(d for d in result.designs if d.drive == "motor")
+    assert not any(isinstance(cost, str) for cost in chosen.costs.values())
+
+
+def test_a_question_in_stroke_is_answered_in_stroke() -> None:
+    """The drive that was given an amplitude keeps it; the same question in amplitude has the same answer."""
+    result = vibro.design(KNOWN, only="goal")
+    magnet, motor = result.designs[0], result.designs[3]
+    for design, other in ((magnet, "amplitude"), (motor, "stroke")):
+        assert [getattr(design, f"{other}{end}_mm") for end in ("", "_low", "_high", "_needed")] == [None] * 4
+    assert magnet.window_mm is not None
+    assert magnet.stroke_mm is not None
+    assert magnet.window_mm[0] <= magnet.stroke_mm <= magnet.window_mm[1]
+    names = [column.name for column in result.columns]
+    assert names[3:5] == ["amplitude_mm", "stroke_mm"]
+    alone = {**KNOWN, "drive": KNOWN["drive"][:1]}
+    in_stroke = vibro.design(alone, only="goal", digits=9)
+    assert not any("amplitude" in column.name for column in in_stroke.columns)
+    halved = {"amplitude_mm": 0.55, "frequency_hz": 50, "drive_angle_deg": "10:40"}
+    in_amplitude = vibro.design({**KNOWN, "drive": [halved]}, only="goal", digits=9)
+    assert not any("stroke" in column.name for column in in_amplitude.columns)
+    for one, two in zip(in_stroke.designs, in_amplitude.designs, strict=True):
+        assert one.window_mm == pytest.approx([2 * x for x in two.window_mm or ()], rel=1e-8)
+        assert one.nominal_mm == pytest.approx(2 * (two.nominal_mm or 0.0), rel=1e-8)
+
+
+def test_the_goals_regime_alone_has_the_same_answer() -> None:
+    whole = vibro.design(KNOWN)
+    alone = vibro.design(KNOWN, only="goal")
+    assert whole.designs[:6] == alone.designs
+    assert len(whole.designs) == 18
+    assert {d.highest_regime for d in whole.designs[6:]} == {"back-slip", "hopping"}
+
+
+@pytest.mark.parametrize("digits", [0, 16, 4.0, True, "4"])
+def test_a_wrong_number_of_digits_is_refused(digits: Any) -> None:
+    with pytest.raises(vibro.VibroError, match=r"digits = .*must be a whole number from 1 to 15"):
+        vibro.design(KNOWN, digits=digits)
+    with pytest.raises(vibro.VibroError, match="only = 'all': must be 'goal' or None"):
+        vibro.design(KNOWN, only="all")  # type: ignore[arg-type]

@@ -21,7 +21,7 @@ from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.pictured import setting_fields, speed_band
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.rows import Finder, find
+from vibro.inverse.rows import Finder, Rounded, find
 from vibro.inverse.spaces import Setting
 from vibro.inverse.windows import Family, window_of
 from vibro.results.designs import Design, DesignResult
@@ -250,7 +250,7 @@ def test_a_design_that_conveys_nothing_has_no_traverse_time_and_no_nearest_drive
     question = asked(one_drive({**LOOSE["scene"], "trough_length_mm": 600}, LOOSE["drive"][0], 20.0))
     setting = Setting(5e-4, 2e-4, math.radians(-50.0), 25.0)
     resting = replace(guarantee_of(question.box(setting)), speed_min=speed)
-    found = Found(setting, (0.5, 0.2, -50.0, 25.0), resting)
+    found = Rounded(setting, (0.5, 0.2, -50.0, 25.0), resting)
     row = Finder(question, EllipseOptimiser(question), {"fastest": found}).row("fastest")
     assert row.speed_min_mm_s == 1e3 * speed
     assert row.traverse_time_max_s is None
@@ -323,12 +323,13 @@ def test_the_nearest_drive_meets_the_goal() -> None:
         "frequency_hz": 50,
     }
     question = asked(one_drive({"static_friction": "0.35:0.45", "friction_ratio": 0.9}, drive, 80.0))
-    row = find(question, {}).row("fastest")
-    assert row.frequency_needed_hz is not None
-    assert row.amplitude_needed_mm is not None
-    x, y = row.amplitude_needed_mm / 1e3, 0.4 * row.amplitude_needed_mm / 1e3
-    setting = Setting(x, y, math.radians(-60.0), row.frequency_needed_hz)
-    assert guarantee_of(question.box(setting)).speed_min == pytest.approx(0.08, rel=1e-6)
+    for digits, most in ((9, 0.08 * (1 + 1e-6)), (4, 0.08 * (1 + 2e-3))):
+        row = find(question, {}, digits).row("fastest")
+        assert row.frequency_needed_hz is not None
+        assert row.amplitude_needed_mm is not None
+        x, y = row.amplitude_needed_mm / 1e3, 0.4 * row.amplitude_needed_mm / 1e3
+        setting = Setting(x, y, math.radians(-60.0), row.frequency_needed_hz)
+        assert 0.08 <= guarantee_of(question.box(setting)).speed_min <= most
 
 
 def test_largest_amplitudes_keep_to_the_acceleration() -> None:

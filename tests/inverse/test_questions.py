@@ -130,7 +130,7 @@ def test_a_scenario_on_a_drop_stays_just_past_it(amplitude: float) -> None:
 
 def test_loads_of_the_chosen_design_are_of_the_first_and_the_last_part() -> None:
     spec = read_spec({**LINE, "drive": [{"amplitude_mm": 1, "frequency_hz": 15, "drive_angle_deg": 20}]})
-    chosen = chosen_of(spec, find_designs(spec))
+    chosen = chosen_of(spec, find_designs(spec, goal_only=True))
     assert chosen is not None
     box = asked(LINE).box(chosen.setting)
     grid = np.array(np.meshgrid(*[[0.0, 0.5, 1.0]] * 5)).reshape(5, -1)
@@ -276,8 +276,9 @@ class Known:
         self.speeds = speeds
         self.asked: list[Any] = []
 
-    def __call__(self, question: Question, calmer: Any) -> Any:
+    def __call__(self, question: Question, calmer: Any, digits: int, tell: Any) -> Any:
         place = question.drive.name, question.highest
+        tell("gentlest")
         self.asked.append((*place, dict(calmer)))
         speed = self.speeds.get(place)
         bounds: Any = None
@@ -293,22 +294,61 @@ class Known:
 TWO = {**LINE, "drive": [{**LINE["drive"][0], "name": name} for name in "ab"]}
 
 
+REGIMES = [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING]
+
+
 def test_every_regime_takes_over_the_designs_of_the_lower_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    regimes = [Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING]
-    known = Known({(name, regime): 4.0 for name in "ab" for regime in regimes[1:]})
+    known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES[1:]})
     monkeypatch.setattr(designs, "find", known)
-    progress: list[Any] = []
-    result = find_designs(read_spec(TWO), lambda *done: progress.append(done))
-    assert [(name, highest) for name, highest, _ in known.asked] == [(n, r) for n in "ab" for r in regimes]
-    assert progress == [(3, 18), (6, 18), (9, 18), (12, 18), (15, 18), (18, 18)]
-    # a drive begins anew
-    assert [bool(calmer) for *_, calmer in known.asked] == [False, False, True] * 2
-    amplitude = known.asked[2][2]["safest"].setting[0] / line(1e-3)[0]
+    result = find_designs(read_spec(TWO))
+    calmer = {(name, regime): found for name, regime, found in known.asked}
+    assert len(calmer) == len(known.asked) == 6
+    for name in "ab":  # a drive begins anew
+        assert [bool(calmer[name, regime]) for regime in REGIMES] == [False, False, True]
+    amplitude = calmer["a", Regime.HOPPING]["safest"].setting[0] / line(1e-3)[0]
     assert amplitude == pytest.approx(3.0)
-    assert [d.design for d in result.designs] == [*KINDS] * 6
-    settings = [None if s is None else s[0] / line(1e-3)[0] for s in result.settings]
-    assert settings == pytest.approx([None] * 3 + [3.0] * 3 + [4.0] * 3 + [None] * 3 + [3.0] * 3 + [4.0] * 3)
     assert not result.met
+
+
+def test_the_goals_regime_is_searched_and_told_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside lower ones, whose designs are candidates; designs of each regime come with their settings."""
+    known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES[1:]})
+    monkeypatch.setattr(designs, "find", known)
+    progress: list[tuple[int, int, str]] = []
+    result = find_designs(read_spec(TWO), lambda *done: progress.append(done))
+    low, goal, high = REGIMES
+    searched = [("a", low), ("a", goal), ("b", low), ("b", goal), ("a", high), ("b", high)]
+    assert [(name, highest) for name, highest, _ in known.asked] == searched
+    words = {low: "forward-slip at most", goal: "back-slip at most", high: "hopping allowed"}
+    assert progress == [
+        *(
+            (3 * i + 1, 18, f"{name}: gentlest, {words[highest]}")
+            for i, (name, highest) in enumerate(searched)
+        ),
+        (18, 18, ""),
+    ]
+    told = [("a", goal), ("b", goal), ("a", low), ("a", high), ("b", low), ("b", high)]
+    assert [(d.drive, d.highest_regime, d.design) for d in result.designs] == [
+        (name, highest.label, kind) for name, highest in told for kind in KINDS
+    ]
+    settings = [None if s is None else s[0] / line(1e-3)[0] for s in result.settings]
+    sizes = {low: None, goal: 3.0, high: 4.0}
+    assert settings == pytest.approx([sizes[highest] for _, highest in told for _ in KINDS])
+
+
+@pytest.mark.parametrize(("goal", "searched"), [("forward-slip", 1), ("back-slip", 2), ("hopping", 3)])
+def test_other_regimes_than_the_goals_can_be_left_out(
+    goal: str, searched: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = Known({(name, regime): 4.0 for name in "ab" for regime in REGIMES})
+    monkeypatch.setattr(designs, "find", known)
+    spec = read_spec({**TWO, "goal": {"speed_mm_s": 5, "highest_regime": goal}})
+    progress: list[Any] = []
+    result = find_designs(spec, lambda *done: progress.append(done), goal_only=True)
+    assert {d.highest_regime for d in result.designs} == {goal}
+    assert len(result.designs) == len(result.settings) == 6
+    assert [highest for _, highest, _ in known.asked] == REGIMES[:searched] * 2
+    assert {total for _, total, _ in progress} == {6 * searched}
 
 
 @pytest.mark.parametrize(
@@ -326,13 +366,20 @@ def test_a_goal_is_met_within_its_regime(speeds: Any, met: bool, monkeypatch: py
     assert find_designs(read_spec(TWO)).met is met
 
 
-@pytest.mark.parametrize(("met", "kind"), [(True, "safest"), (False, "fastest")])
-def test_what_is_shown_is_the_safest_or_else_the_fastest_within_the_goal(met: bool, kind: str) -> None:
-    spec = read_spec(TWO)
+@pytest.mark.parametrize(
+    ("met", "bands", "kind"),
+    [(True, True, "safest"), (True, False, "gentlest"), (False, True, "fastest"), (False, False, "fastest")],
+)
+def test_what_is_shown_is_the_safest_if_anything_is_uncertain(met: bool, bands: bool, kind: str) -> None:
+    """Else the gentlest: the safest would be the drive's limit. The fastest if the goal is not met."""
+    spec = read_spec(
+        TWO if bands else {**TWO, "scene": {"static_friction": 0.74, "friction_ratio": 0.77}, "drift": {}}
+    )
+    assert spec.has_bands is bands
     rows = [
         Design(
             drive=name, highest_regime=regime, design=each, amplitude_mm=amplitude, frequency_hz=15.0,
-            drive_angle_deg=20.0, speed_min_mm_s=speed,
+            drive_angle_deg=20.0, speed_min_mm_s=speed, acceleration_g=3.0 - amplitude,
         )
         for name, amplitude in (("a", 1.0), ("b", 2.0))
         for regime, speed in (("forward-slip", 9.0), ("back-slip", amplitude), ("hopping", 9.0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +32,11 @@ def refusal(content: Any) -> InputError:
     return caught.value
 
 
-def line(name: str, amplitude: Span, frequency: Any, drive_angle: Any, *acceleration: float) -> Drive:
+def line(
+    name: str, amplitude: Span, frequency: Any, drive_angle: Any, acceleration: float = math.inf
+) -> Drive:
     choices = {"amplitude": (amplitude,), "frequency": frequency, "drive_angle": drive_angle}
-    return Drive(name, Line, choices, *acceleration)
+    return Drive(name, Line, choices, acceleration)
 
 
 def test_a_question_is_read_exactly(tmp_path: Path) -> None:
@@ -49,7 +52,12 @@ def test_a_question_is_read_exactly(tmp_path: Path) -> None:
         },
         drives=(
             line("magnet", (0.0, 0.0008), ((50.0, 50.0), (100.0, 100.0)), ((deg(10), deg(40)),), 4.0),
-            line("drive 2", (0.0005, 0.003), ((15.0, 25.0),), ((deg(20), deg(20)), (deg(30.5), deg(30.5)))),
+            replace(
+                line(
+                    "drive 2", (0.0005, 0.003), ((15.0, 25.0),), ((deg(20), deg(20)), (deg(30.5), deg(30.5)))
+                ),
+                in_stroke=True,
+            ),
         ),
         goal=Goal(0.08, Regime.FORWARD_SLIP, 0.1, 0.4),
         drift=Drift(0.05, 0.01, deg(1), deg(0.5)),

@@ -6,7 +6,10 @@ import math
 
 import pytest
 
-from vibro.inverse.rounding import moved, nearest, rounded, within
+from vibro.drives import Line
+from vibro.inverse.rounding import DIGITS, more_digits, moved, nearest, rounded, roundings, setting_of, within
+from vibro.inverse.spaces import SPACES, Setting
+from vibro.inverse.specs import Drive
 
 
 @pytest.mark.parametrize(
@@ -26,7 +29,8 @@ def test_an_end_of_a_range_keeps_fifteen_digits() -> None:
     ("name", "value", "expected"),
     [
         ("drive_angle", 0.0123456789012, 0.0123456789),  # never negative: nine digits
-        ("normal_phase", -64.1234567891, -64.123457),  # may be 0: six decimals
+        ("normal_phase", -64.1234567891, -64.1234568),  # may be 0: seven decimals
+        ("normal_phase", -1.23456789012, -1.2345679),
         ("normal_phase", 2e-9, 0.0),
     ],
 )
@@ -59,3 +63,69 @@ def test_values_move_by_steps_of_their_last_digit(
 
 def test_zero_has_no_last_digit_to_move_by() -> None:
     assert moved(0.0, 9, 3, up=True) == 0.0
+
+
+def test_more_digits_follow_few_ones_in_small_steps() -> None:
+    assert more_digits(DIGITS) == [4, 5, 6, 7, 9, 12, 15]
+    assert more_digits(9) == [9, 12, 15]
+    assert more_digits(8) == [8, 9, 12, 15]
+    assert more_digits(15) == [15]
+
+
+def drive(*, in_stroke: bool = False, **choices: tuple[float, float]) -> Drive:
+    spans = {"amplitude": (0.0, 3e-3), "frequency": (10.0, 58.0 / 3.0), "drive_angle": (0.1, 0.7)} | choices
+    return Drive("motor", Line, {knob: (span,) for knob, span in spans.items()}, in_stroke=in_stroke)
+
+
+def line(amplitude: float, frequency: float = 15.0, drive_angle: float = 0.35) -> Setting:
+    return SPACES[Line].setting(amplitude=amplitude, frequency=frequency, drive_angle=drive_angle)
+
+
+@pytest.mark.parametrize("digits", [4, 6, 9])
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("in_stroke", [True, False])
+def test_one_unit_of_the_last_digit_is_a_small_share_of_every_knob(
+    digits: int, up: bool, in_stroke: bool
+) -> None:
+    own = drive(in_stroke=in_stroke)
+    found = [*roundings(own, line(1.23456789e-3, 14.87654321, 0.3123456789), digits, up=up)]
+    assert len(set(found)) == len(found)
+    for printed in found:
+        for value in printed:
+            assert float(f"{value:.{digits}g}") == value
+        setting = setting_of(own, printed)
+        size, frequency, angle = SPACES[Line].turned(setting).values()
+        near = 5 * 10.0 ** (1 - digits)
+        assert size == pytest.approx(1.23456789e-3, rel=2 * near)
+        assert frequency == pytest.approx(14.87654321, rel=near)
+        assert angle == pytest.approx(0.3123456789, rel=near)
+        load = size * frequency**2 / (1.23456789e-3 * 14.87654321**2)
+        inwards = load - 1.0 if up else 1.0 - load
+        assert -near < inwards < near
+
+
+def test_a_stroke_has_few_digits_itself() -> None:
+    """Not the amplitude: half of a stroke may have a digit more."""
+    printed = next(roundings(drive(in_stroke=True), line(1.23456e-3), 4, up=False))
+    assert printed == (2.47, 15.0, 20.05)
+    assert SPACES[Line].amplitude(setting_of(drive(in_stroke=True), printed)) == pytest.approx(1.235e-3)
+
+
+def test_what_the_user_gave_keeps_its_digits() -> None:
+    """A single value, and an end of a range at which the optimum is."""
+    at_end = drive(frequency=(10.0, 58.0 / 3.0))
+    beside, below = (
+        next(roundings(at_end, line(3e-3, 58.0 / 3.0 * (1.0 - short)), 4, up=False))
+        for short in (1e-12, 1e-8)
+    )
+    assert beside[:2] == (3.0, 19.3333333333333)
+    assert below[1] == 19.33
+    fixed = drive(frequency=(58.0 / 3.0,) * 2)
+    assert {printed[1] for printed in roundings(fixed, line(1e-3, 58.0 / 3.0), 4, up=True)} == {
+        19.3333333333333
+    }
+
+
+def test_where_two_constraints_meet_the_angle_moves_too() -> None:
+    angles = [printed[2] for printed in roundings(drive(), line(1.2345e-3), 4, up=True)]
+    assert list(dict.fromkeys(angles)) == [20.05, 20.06, 20.04, 20.07, 20.03, 20.08, 20.02]

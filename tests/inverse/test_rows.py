@@ -13,11 +13,12 @@ from helpers.questions import changed
 import vibro
 from vibro import Regime
 from vibro.inverse import rows
-from vibro.inverse.exchange import Found, Optimum
+from vibro.inverse.exchange import Optimum
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.rows import Finder, _nearest_drive
+from vibro.inverse.rounding import more_digits
+from vibro.inverse.rows import Finder, Rounded
 from vibro.inverse.spaces import Setting
 from vibro.results.designs import Guarantee, Interval
 
@@ -45,12 +46,14 @@ def asked(**changes: Any) -> Question:
 SINGLE = {"static_friction": 0.74, "kinetic_friction": 0.57}
 
 
-def found_at(amplitude: float = 1.0, *, margin: float | None = None, by: Any = None, **bounds: Any) -> Found:
+def found_at(
+    amplitude: float = 1.0, *, margin: float | None = None, by: Any = None, **bounds: Any
+) -> Rounded:
     """A design of an amplitude [mm] with a known guarantee."""
     question = asked()
     angle = math.radians(20.0)
     setting = question.space.setting(amplitude=1e-3 * amplitude, frequency=15.0, drive_angle=angle)
-    return Found(setting, (amplitude, 15.0, 20.0), Guarantee(**(BOUNDS | bounds)), margin, by)
+    return Rounded(setting, (amplitude, 15.0, 20.0), Guarantee(**(BOUNDS | bounds)), margin, by)
 
 
 class Optimiser:
@@ -73,14 +76,14 @@ class Optimiser:
     def first_cap(self) -> str:
         return "tip"
 
-    def least_set_by(self, found: Found) -> str:
+    def least_set_by(self, found: Rounded) -> str:
         return "onset"
 
-    def limit(self, found: Found, scale: float) -> str:
+    def limit(self, found: Rounded, scale: float) -> str:
         return f"limit at {scale:g}"
 
-    def margin(self, setting: Setting, target: float) -> Any:
-        self.asked.append((float(np.hypot(*setting[:2])), target))
+    def margin(self, setting: Any, target: float) -> Any:
+        self.asked.append((float(np.hypot(*setting[:2])) if isinstance(setting, tuple) else setting, target))
         return self.answers["margin"]
 
     def fastest(self) -> Any:
@@ -93,21 +96,18 @@ class Optimiser:
         self.asked.append(target)
         return self.answers.get("least", lambda _: None)(target)
 
-    def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
-        self.asked.append((digits, up))
-        yield from self.answers["roundings"]
-
     def holds(self, setting: Setting, target: float) -> Any:
-        return self.answers["holds"]
+        self.asked.append(target)
+        return self.answers["holds"] and self.answers.get("speed", target) >= target
 
     def is_allowed(self, setting: Setting) -> Any:
         return self.answers["is_allowed"]
 
-    def keeps_to_regime(self, found: Found) -> Any:
+    def keeps_to_regime(self, found: Rounded) -> Any:
         return self.answers["keeps"]
 
 
-def finder(optimiser: Any = None, found: dict[str, Found] | None = None, **changes: Any) -> Finder:
+def finder(optimiser: Any = None, found: dict[str, Rounded] | None = None, **changes: Any) -> Finder:
     known: Any = optimiser or Optimiser()
     return Finder(asked(**changes), known, found or {})
 
@@ -127,6 +127,30 @@ def finder(optimiser: Any = None, found: dict[str, Found] | None = None, **chang
 def test_what_sets_a_design(kind: str, speed: float, margin: float | None, expected: str) -> None:
     designs = {kind: found_at(speed_min=speed, margin=margin)}
     assert finder(found=designs).set_by(kind) == expected
+
+
+@pytest.mark.parametrize(
+    ("kind", "speed", "expected"),
+    [("fastest", 0.02, "limit of 2 mm at 1"), ("gentlest", 0.01, "speed"), ("gentlest", 0.02, "onset")],
+)
+def test_what_sets_a_design_is_told_of_the_optimum_and_not_of_its_rounding(
+    kind: str, speed: float, expected: str
+) -> None:
+    class Told(Optimiser):
+        def limit(self, found: Any, scale: float) -> str:
+            return f"limit of {1e3 * np.hypot(*found.setting[:2]):g} mm at {scale:g}"
+
+    optimum = Optimum(found_at(2.0).setting, speed)
+    designs = {kind: replace(found_at(1.9, speed_min=0.0101), optimum=optimum)}
+    assert finder(Told(), found=designs).set_by(kind) == expected
+
+
+@pytest.mark.parametrize(("throw", "expected"), [(0.99, "onset"), (1.01, "speed")])
+def test_a_gentlest_design_that_hops_is_not_set_by_the_onset(throw: float, expected: str) -> None:
+    """Its speed jumps past the target where the hops change."""
+    amplitude = throw * 1e3 * 9.81 / (2 * math.pi * 15.0) ** 2 / math.sin(math.radians(20.0))
+    designs = {"gentlest": found_at(amplitude, speed_min=0.02)}
+    assert finder(found=designs).set_by("gentlest") == expected
 
 
 def test_without_a_design_what_prevents_it_is_told_of_the_fastest() -> None:
@@ -191,29 +215,66 @@ def test_what_is_not_finite_is_left_out(
     assert level.row("fastest").traverse_time_max_s is None
 
 
-@pytest.mark.parametrize(
-    ("speed", "needs"), [(0.05, False), (0.04, False), (0.039, True), (0.0, False), (-0.1, False)]
-)
-def test_the_nearest_drive_has_the_load_at_a_lower_frequency(speed: float, needs: bool) -> None:
-    frequency, amplitude = _nearest_drive(2.0, 30.0, speed, 0.04)
-    if not needs:
-        assert (frequency, amplitude) == (None, None)
-        return
+SLOW: dict[str, Any] = {"scene": SINGLE, "goal": {"speed_mm_s": 10}}
+
+
+def slow_finder(digits: int) -> tuple[Finder, Rounded]:
+    """A design that moves a single part at half the speed of the goal."""
+    question = asked(**SLOW)
+    setting = question.space.setting(amplitude=0.78e-3, frequency=15.0, drive_angle=math.radians(20.0))
+    known = guarantee_of(question.box(setting))
+    goal = {"speed_mm_s": 2e3 * known.speed_min}
+    by: Any = Optimiser()
+    return Finder(asked(scene=SINGLE, goal=goal), by, {}, digits), Rounded(setting, (0.78, 15.0, 20.0), known)
+
+
+@pytest.mark.parametrize("digits", [3, 4, 6, 9])
+def test_the_nearest_drive_meets_the_goal_as_printed(digits: int) -> None:
+    search, found = slow_finder(digits)
+    frequency, amplitude = search._nearest_drive(found, 0.78, 15.0)
     assert frequency is not None
     assert amplitude is not None
-    exact = 30.0 * speed / 0.04
-    assert exact * (1 - 2.1e-8) <= frequency <= exact * (1 - 1e-8)
-    load = 2.0 * 30.0**2
-    assert load * (1 - 1e-8) <= amplitude * frequency**2 <= load  # it does not exceed the load
-    assert float(f"{frequency:.9g}") == frequency
-    assert float(f"{amplitude:.9g}") == amplitude
+    for value in (frequency, amplitude):
+        assert float(f"{value:.{digits}g}") == value
+    assert 7.5 * (1 - 20 * 10.0**-digits) <= frequency <= 7.5
+    load = 0.78 * 15.0**2
+    assert load * (1 - 10.0 ** (1 - digits)) <= amplitude * frequency**2 <= load * (1 + 1e-15)
+    there = search.question.space.setting(
+        amplitude=1e-3 * amplitude, frequency=frequency, drive_angle=math.radians(20.0)
+    )
+    assert guarantee_of(search.question.box(there)).speed_min >= search.target
+
+
+def test_a_design_that_meets_the_goal_or_conveys_nothing_has_no_nearest_drive() -> None:
+    search, found = slow_finder(4)
+    for speed in (search.target, 2 * search.target, 0.0, -0.1, -math.inf):
+        known = replace(found, guarantee=replace(found.guarantee, speed_min=speed))
+        assert search._nearest_drive(known, 0.78, 15.0) == (None, None)
 
 
 def test_a_row_of_a_slow_design_has_the_nearest_drive(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rows, "window_of", lambda *_: None)
-    row = finder(found={"fastest": found_at(speed_min=0.005)}).row("fastest")
-    assert row.frequency_needed_hz == pytest.approx(7.5, rel=3e-8)
-    assert row.amplitude_needed_mm == pytest.approx(4.0, rel=6e-8)
+    search, found = slow_finder(4)
+    row = replace(search, found={"fastest": found}).row("fastest")
+    assert (row.frequency_needed_hz, row.amplitude_needed_mm) == search._nearest_drive(found, 0.78, 15.0)
+
+
+def test_a_row_of_a_stroke_is_in_stroke(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rows, "window_of", lambda *_: WINDOW)
+    drive = [{"stroke_mm": "1:6", "frequency_hz": 15, "drive_angle_deg": "10:40"}]
+    found = replace(found_at(), printed=(2.0, 15.0, 20.0))
+    row = finder(found={"safest": found}, drive=drive).row("safest")
+    assert (row.amplitude_mm, row.amplitude_low_mm, row.amplitude_high_mm) == (None, None, None)
+    assert (row.stroke_mm, row.nominal_mm) == (2.0, 2.0)
+    assert row.window_mm == (row.stroke_low_mm, row.stroke_high_mm) == pytest.approx((1.8, 2.6))
+    slow, known = slow_finder(4)
+    stroked = finder(found={}, scene=SINGLE, goal={"speed_mm_s": 1e3 * slow.target}, drive=drive)
+    known = replace(known, printed=(1.56, 15.0, 20.0))
+    row = replace(stroked, found={"fastest": known}).row("fastest")
+    needed = slow._nearest_drive(known, 0.78, 15.0)
+    assert needed[1] is not None
+    assert row.stroke_needed_mm == pytest.approx(2 * needed[1], rel=2e-3)
+    assert row.amplitude_needed_mm is None
 
 
 @pytest.mark.parametrize(("kind", "best"), [("fastest", "quick"), ("gentlest", "small"), ("safest", "wide")])
@@ -263,56 +324,137 @@ def test_margins_are_carried_over(
     assert finder(optimiser, scene=SINGLE)._with_margin(given) is given  # nothing varies
 
 
-ROUNDINGS = [(1.2, 15.0, 20.0), (1.1, 15.0, 20.0)]
+@pytest.fixture
+def tried(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, bool]]:
+    """Have every setting rounded to 1.2 mm and then to 1.1 mm; record the digits and the direction."""
+    asked_for: list[tuple[int, bool]] = []
+
+    def roundings(_: Any, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
+        asked_for.append((digits, up))
+        yield from [(1.2, 15.0, 20.0), (1.1, 15.0, 20.0)]
+
+    monkeypatch.setattr(rows, "roundings", roundings)
+    return asked_for
 
 
-def test_the_first_rounding_that_holds_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+def first(found: Iterator[Rounded]) -> Rounded | None:
+    return next(found, None)
+
+
+def test_the_first_rounding_that_holds_is_taken(tried: list[tuple[int, bool]]) -> None:
     optimum = Optimum(found_at().setting, 0.02)
-    optimiser = Optimiser(roundings=ROUNDINGS)
-    found = finder(optimiser)._held(optimum, 0.001, up=False)
+    found = first(finder()._rounded(optimum, 4, 0.001, 0.001, up=False))
     assert found is not None
     assert found.printed == (1.2, 15.0, 20.0)
+    assert found.optimum is optimum
     assert found.setting == pytest.approx(found_at(1.2).setting)
     assert found.guarantee.speed_min == guarantee_of(asked().box(found.setting)).speed_min
-    assert optimiser.asked == [(9, False)]
-    assert finder(optimiser)._held(None, 0.001, up=False) is None
+    assert tried == [(4, False)]
+    assert first(finder()._rounded(None, 4, 0.001, 0.001, up=False)) is None
 
 
 @pytest.mark.parametrize("name", ["holds", "is_allowed", "keeps"])
-def test_a_rounding_that_breaks_a_condition_is_passed_over(name: str) -> None:
-    optimiser = Optimiser(roundings=ROUNDINGS, **{name: False})
-    assert finder(optimiser)._held(Optimum(found_at().setting, 0.02), None, up=True) is None
-    assert optimiser.asked == [(9, True), (12, True), (15, True)]
+def test_a_rounding_that_breaks_a_condition_is_passed_over(name: str, tried: list[tuple[int, bool]]) -> None:
+    optimum = Optimum(found_at().setting, 0.02)
+    optimiser = Optimiser(**{name: False}, fastest=optimum)
+    assert finder(optimiser)._fastest() is None
+    assert tried == [(digits, False) for digits in more_digits(4)] * 2
 
 
-def test_a_rounding_that_is_slower_than_the_goal_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("least", "digits"),
+    [(0.0199, [4]), (0.0197, [4, 5, 6, 7, 9, 12, 15, 4]), (0.01, [4, 5, 6, 7, 9, 12, 15, 4])],
+)
+def test_the_fastest_loses_no_speed_by_rounding_if_any_rounding_keeps_it(
+    least: float, digits: list[int], tried: list[tuple[int, bool]]
+) -> None:
+    """At most 1 % at four digits, a tenth of that at five."""
+    optimiser = Optimiser(speed=least, fastest=Optimum(found_at().setting, 0.02))
+    assert finder(optimiser)._fastest() is not None
+    assert [n for n, _ in tried] == digits
+    assert optimiser.asked[0] == pytest.approx(0.02 * 0.99)
+
+
+@pytest.mark.parametrize(
+    ("margins", "amplitude", "digits"),
+    [
+        # of the optimum, and of each rounding in turn
+        ([5.0, 4.96], 1.2, [4]),
+        ([5.0, 4.94, 4.96], 1.1, [4]),
+        ([5.0, 4.94, 4.93, 4.996], 1.2, [4, 5]),
+        ([5.0, 4.94, 4.93, 4.99, 4.90, 4.998], 1.2, [4, 5, 6, 7, 9, 12, 15]),
+    ],
+)
+def test_the_safest_loses_no_margin_by_rounding_if_any_rounding_keeps_it(
+    margins: list[float], amplitude: float, digits: list[int], tried: list[tuple[int, bool]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """At most 1 % at four digits, a tenth of that at five; else the largest margin that was met counts."""
+    left = iter(margins)
+    optimiser = Optimiser(safest=Optimum(found_at().setting, 0.02))
+    monkeypatch.setattr(optimiser, "margin", lambda *_: next(left, 1.0))
+    found = finder(optimiser)._safest()
+    assert found is not None
+    assert found.margin == max(margins[1:])
+    assert found.printed[0] == amplitude
+    assert [n for n, _ in tried] == digits
+    assert finder(Optimiser())._safest() is None
+
+
+def test_a_rounding_that_is_slower_than_the_goal_is_passed_over(
+    monkeypatch: pytest.MonkeyPatch, tried: list[tuple[int, bool]]
+) -> None:
     speeds = {1.2: 0.0099, 1.1: 0.01}
     monkeypatch.setattr(
         rows,
         "guarantee_of",
         lambda box: Guarantee(**(BOUNDS | {"speed_min": speeds[round(1e3 * box.factor[0], 6)]})),
     )
-    found = finder(Optimiser(roundings=ROUNDINGS))._held(Optimum(found_at().setting, 0.02), 0.01, up=True)
+    found = first(finder()._rounded(Optimum(found_at().setting, 0.02), 4, 0.01, 0.01, up=True))
     assert found is not None
     assert found.printed[0] == 1.1
+    assert tried == [(4, True)]
+
+
+def test_few_guarantees_are_computed_of_roundings_that_miss_their_speed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They take long where parts hop; more digits have a better chance."""
+    many = [(1.0 + 0.01 * i, 15.0, 20.0) for i in range(50)]
+    boxes: list[Any] = []
+
+    def missed(box: Any) -> Guarantee:
+        boxes.append(box)
+        return Guarantee(**(BOUNDS | {"speed_min": 0.009}))
+
+    monkeypatch.setattr(rows, "roundings", lambda *_, up: iter(many))
+    monkeypatch.setattr(rows, "guarantee_of", missed)
+    assert first(finder()._rounded(Optimum(found_at().setting, 0.02), 4, 0.01, 0.01, up=True)) is None
+    assert len(boxes) == 8
 
 
 def of(monkeypatch: pytest.MonkeyPatch, speeds: dict[float, float]) -> None:
     """Let settings of an amplitude [mm] hold as printed with some speed."""
 
-    def held(self: Finder, optimum: Any, target: Any, *, up: bool) -> Found | None:
-        if optimum is None or speeds[optimum] < (target or 0.0):
-            return None
-        return found_at(optimum, speed_min=speeds[optimum])
+    def rounded(
+        self: Finder, optimum: Any, digits: int, least: float, target: float, *, up: bool
+    ) -> Iterator[Rounded]:
+        if optimum is not None and speeds[optimum.setting] >= target:
+            yield found_at(optimum.setting, speed_min=speeds[optimum.setting])
 
-    monkeypatch.setattr(Finder, "_held", held)
+    monkeypatch.setattr(Finder, "_rounded", rounded)
+
+
+def at(amplitude: float) -> Any:
+    """An optimum of which nothing but the amplitude is known [mm]."""
+    return Optimum(amplitude, 0.0)  # type: ignore[arg-type]
 
 
 def test_designs_of_a_goal_that_is_missed_are_the_fastest_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     of(monkeypatch, {2.0: 0.0099, 1.9: 0.01, 0.8: 0.01, 1.5: 0.01})
-    optimiser = Optimiser(fastest=2.0, margin=None)
+    optimiser = Optimiser(fastest=at(2.0), margin=None)
     assert list(finder(optimiser).designs({})) == ["fastest"]
-    optimiser = Optimiser(fastest=1.9, margin=2.0, least=lambda _: 0.8, safest=1.5)
+    optimiser = Optimiser(fastest=at(1.9), margin=2.0, least=lambda _: at(0.8), safest=at(1.5))
     assert list(finder(optimiser).designs({})) == ["fastest", "gentlest", "safest"]
     assert finder(Optimiser()).designs({}) == {}
     calmer = {"fastest": found_at(), "other": found_at(2.0)}
@@ -321,11 +463,11 @@ def test_designs_of_a_goal_that_is_missed_are_the_fastest_alone(monkeypatch: pyt
 
 def test_designs_compete_with_each_other_and_with_the_lower_regime(monkeypatch: pytest.MonkeyPatch) -> None:
     of(monkeypatch, {2.0: 0.05, 0.8: 0.01, 1.5: 0.03})
-    optimiser = Optimiser(fastest=2.0, margin=2.0, least=lambda _: 0.8, safest=1.5)
+    optimiser = Optimiser(fastest=at(2.0), margin=2.0, least=lambda _: at(0.8), safest=at(1.5))
     found = finder(optimiser).designs({})
     assert [found[kind].printed[0] for kind in ("fastest", "gentlest", "safest")] == [2.0, 0.8, 1.5]
     # the fastest is the gentlest where no other holds, and the safest where nothing is uncertain
-    only = Optimiser(fastest=2.0, margin=2.0)
+    only = Optimiser(fastest=at(2.0), margin=2.0)
     assert {kind: f.printed[0] for kind, f in finder(only).designs({}).items()} == dict.fromkeys(
         ("fastest", "gentlest", "safest"), 2.0
     )
@@ -350,16 +492,41 @@ def test_no_design_is_faster_than_the_fastest(
 ) -> None:
     """Even if the search for it, among sampled bodies, found a slower one."""
     of(monkeypatch, {2.0: 0.05, 0.8: speed_of_least, 1.5: speed_of_safest})
-    found = finder(Optimiser(fastest=2.0, margin=2.0, least=lambda _: 0.8, safest=1.5)).designs({})
+    found = finder(Optimiser(fastest=at(2.0), margin=2.0, least=lambda _: at(0.8), safest=at(1.5))).designs(
+        {}
+    )
     assert found["fastest"].printed[0] == best
     assert [found[kind].guarantee.speed_min for kind in ("gentlest", "safest")][best == 1.5] == 0.07
 
 
 def test_a_higher_target_is_rounded_where_none_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     of(monkeypatch, {1.0: 0.0099, 1.1: 0.01, 1.2: 0.02})
-    optimiser = Optimiser(least=lambda target: {10: 1.0, 11: 1.1, 12: 1.2}[round(1e3 * target)])
+    optimiser = Optimiser(least=lambda target: at({10: 1.0, 11: 1.1, 12: 1.2}[round(1e3 * target)]))
     found = finder(optimiser)._least_acceleration()
     assert found is not None
     assert found.printed[0] == 1.1
+    assert found.optimum == at(1.0)  # what sets it is told of the goal's own optimum
     assert optimiser.asked == [0.01, pytest.approx(0.011)]
     assert finder(Optimiser())._least_acceleration() is None
+
+
+def test_a_target_is_raised_by_about_the_rounding_before_digits_are_added(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By 1e-3 to 1e-2 at four digits, by 1e-4 to 1e-3 at five; by anything at the last ones."""
+    asked_for: list[tuple[int, float]] = []
+
+    def rounded(self: Finder, optimum: Any, digits: int, *_: float, up: bool) -> list[Rounded]:
+        asked_for.append((digits, round(optimum / 0.01 - 1.0, 9)))
+        return []
+
+    monkeypatch.setattr(Finder, "_rounded", rounded)
+    optimiser = Optimiser(least=lambda target: target)
+    optimiser.surpluses = (0.0, 1e-6, 1e-4, 1e-2)  # type: ignore[assignment]
+    assert finder(optimiser)._least_acceleration() is None
+    by_digits = {d: [s for n, s in asked_for if n == d] for d in more_digits(4)}
+    assert by_digits == {
+        4: [0.0, 1e-2], 5: [0.0, 1e-4], 6: [0.0, 1e-4], 7: [0.0, 1e-6], 9: [0.0], 12: [0.0],
+        15: [0.0, 1e-6, 1e-4, 1e-2],
+    }  # fmt: skip
+    assert len(optimiser.asked) == 4  # each optimum is searched once

@@ -353,3 +353,29 @@ def test_numbers_that_do_not_cover_the_picture_are_refused(nut: tuple[Spec, Chos
     short = replace(data, load=data.load[:-50], speed_min=data.speed_min[:-50])
     with pytest.raises(ValueError, match="do not cover"):
         Settings(*nut, short)
+
+
+def test_a_drive_given_by_its_stroke_is_drawn_over_the_stroke(
+    nut: tuple[Spec, Chosen], pictures: dict[str, Figure]
+) -> None:
+    """The same pictures with twice the numbers, and the same settings that meet the goal."""
+    stroke = {"stroke_mm": 6, **{key: x for key, x in NUT["drive"][0].items() if key != "amplitude_mm"}}
+    numbers: dict[str, Any] = {"speed_min_mm_s": 36.0, "stroke_low_mm": 4.6474, "stroke_high_mm": 6.0}
+    spec = read_spec({**NUT, "drive": [stroke]})
+    numbers |= dict.fromkeys(("amplitude_mm", "amplitude_low_mm", "amplitude_high_mm"))
+    chosen = chosen_of(spec, answered(True, replace(nut[1].design, stroke_mm=4.9, **numbers)))
+    assert chosen is not None
+    drawn = pictures_of(spec, chosen)
+    for name in DESIGN_PICTURES:
+        axes, other = (figures[name].axes[1 if name == "band" else 0] for figures in (drawn, pictures))
+        label = axes.get_xlabel() if name == "band" else axes.get_ylabel()
+        assert label == "stroke $2A$ [mm]"
+        twice = np.array([2.0, 1.0]) if name == "band" else np.array([1.0, 2.0])
+        np.testing.assert_allclose(curve(axes, "safest design"), curve(other, "safest design") * twice)
+        if name != "band":
+            np.testing.assert_allclose(curve(axes, "drive"), curve(other, "drive") * twice, rtol=1e-3)
+    meets = (curve(only_map(figures["speed"]), "meets") for figures in (drawn, pictures))
+    np.testing.assert_allclose(next(meets), next(meets) * [1.0, 2.0], rtol=1e-3)
+    (window,) = (patch for patch in drawn["band"].axes[1].patches if patch.get_gid() == "window")
+    extent = window.get_extents().transformed(drawn["band"].axes[1].transData.inverted())
+    assert extent.intervalx == pytest.approx((4.6474, 6.0))

@@ -114,34 +114,44 @@ class Console:
         self.echo(f"warning: {text}")
 
     @contextlib.contextmanager
-    def progress(self, label: str, total: int) -> Iterator[Callable[..., None]]:
+    def progress(self, label: str, total: int | None) -> Iterator[Callable[..., None]]:
         """Show a progress bar on a terminal.
 
         Parameters
         ----------
         label : str
             What is being done.
-        total : int
-            Amount of work.
+        total : int or None
+            Amount of work; None where it is told later.
 
         Yields
         ------
         callable
-            To be called with the amount that has been done so far, and a text to stand beside it, if any.
+            To be called with the amount that has been done so far, a text to stand beside it, if any, and the
+            amount of work, if it was not known.
         """
         if not self.is_terminal:
-            yield lambda done, note="": None
+            yield lambda done, note="", total=total: None
             return
         from rich.console import Console as RichConsole
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
 
-        columns = (
+        columns = [
             TextColumn("{task.description}"),
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("{task.fields[note]}"),
-            TimeRemainingColumn(),
-        )
+            TimeElapsedColumn(),
+        ]
+        if total is not None:  # of work whose amount is known, and so its pace
+            columns += [TextColumn("left"), TimeRemainingColumn()]
         console = RichConsole(stderr=True)
 
         def show_cursor() -> None:
@@ -153,4 +163,4 @@ class Console:
 
         with Undone(show_cursor), Progress(*columns, console=console, transient=True) as bar:
             task = bar.add_task(label, total=total, note="")
-            yield lambda done, note="": bar.update(task, completed=done, note=note)
+            yield lambda done, note="", total=total: bar.update(task, completed=done, note=note, total=total)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -21,32 +22,59 @@ if TYPE_CHECKING:
 __all__ = ["NOT_MET", "design_command"]
 
 NOT_MET: Final = 4  # exit code
-_STEPS: Final = 100  # of the progress bar
+
+
+class Only(StrEnum):
+    """Which regimes are answered."""
+
+    GOAL = "goal"
+
+
+OnlyOption = Annotated[
+    Only | None,
+    typer.Option(
+        "--only", help="Leave out the designs of other regimes than the goal's.", show_default=False
+    ),
+]
+DigitsOption = Annotated[
+    str | None,
+    typer.Option(
+        "--digits",
+        metavar="1...15",
+        help="Significant digits of settings [default: 4]; those that do not hold so have more.",
+        show_default=False,
+    ),
+]
 
 
 def design_command(
     context: typer.Context,
     options: Options,
     source: Annotated[Path, typer.Argument(metavar="SPEC.toml", help="The question.", show_default=False)],
+    only: OnlyOption = None,
+    digits: DigitsOption = None,
     formats: FormatOption = "png",
 ) -> int:
     """Find drive settings that convey every part at least as fast as asked for, whatever its friction.
 
     The question says what is known of the parts and the trough, as bands lo:hi, what each drive can do and
-    may drift, and the goal. Drives move along a line or an ellipse. For every drive and highest regime there
-    are three designs: the gentlest that meets the goal, the fastest, and the safest. With -o they go to
-    STEM.csv and STEM.json too, and there are pictures of one of them. The exit code is 4 if no drive meets
-    the goal: what comes closest is printed.
+    may drift, and the goal. Drives move along a line or an ellipse. For every drive there are three designs
+    within the goal's highest regime: the gentlest that meets the goal, the fastest, and the safest. Those
+    within the other regimes follow. With -o they go to STEM.csv and STEM.json too, and there are pictures of
+    one of them. The exit code is 4 if no drive meets the goal: what comes closest is printed.
     """
     from vibro.cli.design_report import design_report
+    from vibro.cli.request import whole_number
     from vibro.cli.series import SeriesOutput
     from vibro.files.publication import json_text
-    from vibro.inverse.designs import chosen_of, find_designs
+    from vibro.inverse.designs import checked_digits, chosen_of, find_designs
     from vibro.inverse.reading import read_spec
+    from vibro.inverse.rounding import DIGITS
     from vibro.plots.design import DESIGN_PICTURES
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
+    count = DIGITS if digits is None else checked_digits("--digits", whole_number("--digits", digits))
     spec = read_spec(source)
     with SeriesOutput(
         f"{spec.name}-design",
@@ -58,12 +86,22 @@ def design_command(
         console=console,
         reads=[source],
     ) as output:
-        with console.progress("searching", _STEPS) as report:
-            result = find_designs(spec, lambda done, total: report(_STEPS * done // max(total, 1)))
-        chosen = chosen_of(spec, result)
+        with console.progress("searching", None) as report:
+            result = find_designs(
+                spec,
+                lambda done, total, what: report(done, what, total),
+                digits=count,
+                goal_only=only is Only.GOAL,
+            )
+            chosen = chosen_of(spec, result)
+
+        def draw() -> dict[str, Figure]:
+            with console.progress("drawing", None):
+                return _figures(spec, chosen)
+
         output.write(
             lambda: {"": _columns(result)},
-            lambda: _figures(spec, chosen),
+            draw,
             _content(source, result) if options.output else {},
         )
     if not output.takes_stdout:

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Final
 
 from vibro.cli.report import aligned, bound
 from vibro.core.codes import Regime
+from vibro.inverse.designs import at_most
+from vibro.inverse.rows import KINDS
 from vibro.quantities import LENGTH, QUANTITIES, SPEED
 from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from vibro.inverse.designs import Chosen
     from vibro.inverse.specs import Drive, Spec
@@ -21,28 +23,29 @@ __all__ = ["design_report"]
 
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 _NEARLY: Final = 0.999  # throw number of a setting that is about to hop
+_NOTHING: Final = 1e-6  # [%] of speed: above the rounding of finite differences
 _NONE: Final = "-"
 # Heads of a setting, by its knobs.
 _HEAD_OF: Final = {
     "amplitude": "amplitude",
+    "stroke": "stroke",
     "along_amplitude": "along",
     "normal_amplitude": "normal",
     "normal_phase": "phase",
     "frequency": "frequency",
     "drive_angle": "angle",
 }
-_HEADS: Final = tuple(
-    zip(
-        ("accel.", "[g]"),
-        ("guaranteed", "[mm/s]"),
-        ("nominal", "[mm/s]"),
-        ("largest", "[mm/s]"),
-        ("margin", ""),
-        ("set by", ""),
-        ("proof", ""),
-        strict=True,
-    )
-)
+# Heads of what follows from it, with their units.
+_HEADS: Final = {
+    "accel.": "[g]",
+    "guaranteed": "[mm/s]",
+    "nominal": "[mm/s]",
+    "largest": "[mm/s]",
+    "margin": "",
+    "set by": "",
+    "proof": "",
+}
+_OF_BANDS: Final = ("nominal", "largest", "margin")  # heads that say nothing of a single part
 _MOST_MARGIN: Final = 10.0
 # What happens beyond the end of a window of amplitudes.
 _BEYOND: Final[Mapping[str, str]] = {
@@ -54,6 +57,7 @@ _BEYOND: Final[Mapping[str, str]] = {
     "tip": "the first part lifts an edge",
     "unconfirmed": "no amplitude is confirmed",
 }
+_OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop within the window too
 _PROOFS: Final[Mapping[str, str]] = {
     "corners": "speeds are monotone along every band (measured over drive angles, else proven)",
     "searched": "bounds found by searches with several seeds, and checked by looking for a worse part",
@@ -76,15 +80,20 @@ def design_report(spec: Spec, result: DesignResult, chosen: Chosen | None) -> st
     Returns
     -------
     str
-        Settings with all their digits, so that typed in they hold; other numbers with at most six, and bounds
-        among them rounded so that they hold too.
+        The answer first, then what other regimes would give. Settings with all their digits, so that typed in
+        they hold; other numbers with at most six, and bounds among them rounded so that they hold too.
     """
+    highest = spec.goal.highest_regime
     parts = [_question(spec, result)]
     if not result.met:
         parts.append(_closest(spec, result))
-    parts += [_table(drive, spec, result) for drive in spec.drives]
+    parts += [f"{_limits(drive)}\n{_table(drive, spec, result, [highest])}" for drive in spec.drives]
     if chosen is not None:
         parts += _chosen(spec, chosen, met=result.met)
+    answered = {design.highest_regime for design in result.designs}
+    if others := [regime for regime in _REGIMES if regime is not highest and regime.label in answered]:
+        parts.append("Other regimes than the goal's, for comparison (--only goal leaves them out):")
+        parts += [f"{drive.name}\n{_table(drive, spec, result, others)}" for drive in spec.drives]
     parts += _remarks(result)
     return "\n\n".join(parts)
 
@@ -108,7 +117,7 @@ def _goal(spec: Spec) -> str:
         parts[0] += (
             f", {number(LENGTH.from_si(spec.length), 'mm')} in {number(spec.length / goal.speed, 's')}"
         )
-    parts.append(_at_most(goal.highest_regime))
+    parts.append(at_most(goal.highest_regime))
     if math.isfinite(goal.impact_speed):
         parts.append(f"impacts of at most {_speed(goal.impact_speed)}")
     if math.isfinite(goal.flight_fraction):
@@ -118,18 +127,19 @@ def _goal(spec: Spec) -> str:
     return "; ".join(parts)
 
 
-def _at_most(regime: Regime) -> str:
-    return "hopping allowed" if regime is Regime.HOPPING else f"{regime.label} at most"
-
-
 def _speed(speed: float) -> str:
     return number(SPEED.from_si(speed), SPEED.unit)
 
 
 def _span(name: str, span: tuple[float, float]) -> str:
     quantity = QUANTITIES[name]
-    ends = dict.fromkeys(number(quantity.from_si(end)) for end in span)
+    ends = dict.fromkeys(_given(quantity.from_si(end)) for end in span)
     return f"{quantity.label} {' ... '.join(ends)} {quantity.unit}".rstrip()
+
+
+def _given(value: float) -> str:
+    """Write a number as it was given: nobody writes more than 15 digits."""
+    return f"{value:.15g}"
 
 
 def _trough(spec: Spec) -> list[str]:
@@ -163,15 +173,17 @@ def _of(result: DesignResult, kind: str, regime: Regime) -> list[Design]:
 def _closest(spec: Spec, result: DesignResult) -> str:
     """Say what each drive reaches, what the next regimes would give, and which drive would do."""
     highest = spec.goal.highest_regime
-    higher = [regime for regime in _REGIMES if regime > highest]
+    answered = {design.highest_regime for design in result.designs}
+    higher = [regime for regime in _REGIMES if regime > highest and regime.label in answered]
     nearest = "nearest drive that meets the goal"
-    rows = [("largest guaranteed", _at_most(highest), "set by", *(r.label for r in higher), nearest)]
+    rows = [("largest guaranteed", at_most(highest), "set by", *(r.label for r in higher), nearest)]
     others = [{d.drive: d for d in _of(result, "fastest", regime)} for regime in higher]
     for design in _of(result, "fastest", highest):
         needed = _NONE
-        if design.frequency_needed_hz is not None and design.amplitude_needed_mm is not None:
-            frequency, amplitude = _exact(design.frequency_needed_hz), _exact(design.amplitude_needed_mm)
-            needed = f"{frequency} Hz, {amplitude} mm"
+        if design.frequency_needed_hz is not None:
+            size = _exact(design.amplitude_needed_mm or design.stroke_needed_mm)
+            stroke = " stroke" if design.stroke_needed_mm is not None else ""
+            needed = f"{_exact(design.frequency_needed_hz)} Hz, {size} mm{stroke}"
             if design.drive_angle_deg is not None:
                 needed += f" at {_exact(design.drive_angle_deg)} deg"
             else:
@@ -186,24 +198,42 @@ def _least(design: Design) -> str:
     return "nothing" if speed is None else bound(speed, SPEED.unit, upper=False)
 
 
-def _table(drive: Drive, spec: Spec, result: DesignResult) -> str:
-    designs = [d for d in result.designs if d.drive == drive.name]
-    knobs = [QUANTITIES[knob] for knob in drive.space.knobs]
-    setting = {knob.column: (_HEAD_OF[knob.name], f"[{knob.unit}]") for knob in knobs}
-    heads = [
-        ("", *first, *others)
-        for first, others in zip(zip(*setting.values(), strict=True), _HEADS, strict=True)
-    ]
-    lines = iter(aligned([*heads, *(_row(design, setting) for design in designs)]).splitlines())
-    written = [_limits(drive), *(next(lines) for _ in heads)]
-    regime = ""
-    for design, line in zip(designs, lines, strict=True):
-        if design.highest_regime != regime:
-            regime = design.highest_regime
-            goal = " (the goal)" if regime == spec.goal.highest_regime.label else ""
-            written.append(f"{_at_most(_regime(regime))}{goal}")
-        written.append(line)
+def _table(drive: Drive, spec: Spec, result: DesignResult, regimes: Sequence[Regime]) -> str:
+    """Write the designs of a drive within some regimes; those that do not exist are left out."""
+    heads = {_HEAD_OF[name]: f"[{QUANTITIES[name].unit}]" for name in drive.told} | _HEADS
+    shown = [head for head in heads if spec.has_bands or head not in _OF_BANDS]
+    # where nothing is uncertain no design is safer than another
+    kinds = KINDS if spec.has_bands else KINDS[:2]
+    found = {
+        regime: [
+            d
+            for d in result.designs
+            if (d.drive, d.highest_regime) == (drive.name, regime.label) and d.design in kinds
+        ]
+        for regime in regimes
+    }
+    designs = [d for group in found.values() for d in group if d.frequency_hz is not None]
+    rows = [["", *shown], ["", *(heads[head] for head in shown)]]
+    for design in designs:
+        cells = _cells(design, drive)
+        rows.append([f"  {design.design}", *(cells[head] for head in shown)])
+    lines = iter(aligned(rows).splitlines())
+    written = [next(lines), next(lines)] if designs else []
+    for regime, group in found.items():
+        goal = " (the goal)" if regime is spec.goal.highest_regime else ""
+        written.append(f"{at_most(regime)}{goal}{_missed(spec, group)}")
+        written += [next(lines) for design in group if design.frequency_hz is not None]
     return "\n".join(written)
+
+
+def _missed(spec: Spec, designs: Sequence[Design]) -> str:
+    """Say if designs do not guarantee the speed of the goal, or none at all."""
+    fastest = next((d for d in designs if d.design == "fastest"), None)
+    if fastest is None or fastest.frequency_hz is None:
+        why = f", set by {fastest.set_by}" if fastest and fastest.set_by else ""
+        return f": no speed is guaranteed{why}"
+    met = any(d.design == "gentlest" and d.frequency_hz is not None for d in designs)
+    return "" if met else f": less than {_speed(spec.goal.speed)}"
 
 
 def _regime(label: str) -> Regime:
@@ -213,10 +243,11 @@ def _regime(label: str) -> Regime:
 def _limits(drive: Drive) -> str:
     """Say what a drive can do."""
     parts = []
-    for name in drive.space.knobs:
-        label, spans = QUANTITIES[name].label, drive.choices[name]
-        if name == "amplitude" and spans[0][0] == 0.0:
-            parts.append(f"amplitude up to {number(LENGTH.from_si(spans[0][1]), 'mm')}")
+    for knob, name in zip(drive.space.knobs, drive.told, strict=True):
+        label, scale = QUANTITIES[name].label, drive.told_per_amplitude if knob == "amplitude" else 1.0
+        spans = [(low * scale, high * scale) for low, high in drive.choices[knob]]
+        if knob == "amplitude" and spans[0][0] == 0.0:
+            parts.append(f"{label} up to {_given(LENGTH.from_si(spans[0][1]))} mm")
             continue
         parts.append(f"{label} {' or '.join(_span(name, span).removeprefix(f'{label} ') for span in spans)}")
     if math.isfinite(drive.acceleration):
@@ -224,18 +255,18 @@ def _limits(drive: Drive) -> str:
     return f"{drive.name}: {', '.join(parts)}"
 
 
-def _row(design: Design, setting: Iterable[str]) -> tuple[str, ...]:
-    return (
-        f"  {design.design}",
-        *(_exact(getattr(design, name)) for name in setting),
-        _rounded(design.acceleration_g, upper=True),
-        _rounded(design.speed_min_mm_s, upper=False),
-        _NONE if design.speed_nominal_mm_s is None else number(design.speed_nominal_mm_s),
-        _rounded(design.speed_max_mm_s, upper=True),
-        _rounded(design.margin, upper=False),
-        design.set_by or _NONE,
-        design.proof or _NONE,
-    )
+def _cells(design: Design, drive: Drive) -> dict[str, str]:
+    """Write the numbers of a design, by their heads."""
+    setting = {_HEAD_OF[name]: _exact(getattr(design, QUANTITIES[name].column)) for name in drive.told}
+    return setting | {
+        "accel.": _rounded(design.acceleration_g, upper=True),
+        "guaranteed": _rounded(design.speed_min_mm_s, upper=False),
+        "nominal": _NONE if design.speed_nominal_mm_s is None else number(design.speed_nominal_mm_s),
+        "largest": _rounded(design.speed_max_mm_s, upper=True),
+        "margin": _rounded(design.margin, upper=False),
+        "set by": design.set_by or _NONE,
+        "proof": design.proof or _NONE,
+    }
 
 
 def _exact(value: float | None) -> str:
@@ -249,7 +280,8 @@ def _rounded(value: float | None, *, upper: bool) -> str:
 def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
     design = chosen.design
     if design.drive_angle_deg is not None:
-        setting = f"{_exact(design.amplitude_mm)} mm, {_exact(design.frequency_hz)} Hz, "
+        stroke = " stroke" if design.stroke_mm is not None else ""
+        setting = f"{_exact(design.nominal_mm)} mm{stroke}, {_exact(design.frequency_hz)} Hz, "
         setting += f"{_exact(design.drive_angle_deg)} deg"
     else:
         setting = (
@@ -259,9 +291,9 @@ def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
     facts = [
         (
             "chosen" if met else "closest",
-            f"{design.drive}, {design.design} with {_at_most(_regime(design.highest_regime))}: {setting}",
+            f"{design.drive}, {design.design} with {at_most(_regime(design.highest_regime))}: {setting}",
         ),
-        ("amplitude", _window(design)),
+        (_size(design), _window(design)),
         ("margin", _margin(spec, design)),
     ]
     if design.traverse_time_max_s is not None:
@@ -269,7 +301,7 @@ def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
     if design.throw_number_max is not None:
         facts.append(("throw number", f"at most {bound(design.throw_number_max, upper=True)}"))
     loads = [(what, number(load)) for what, load in chosen.loads.items()]
-    costs = [(_input(name), _cost(cost)) for name, cost in chosen.costs.items()]
+    costs = [(_input(name, _size(design)), _cost(cost)) for name, cost in chosen.costs.items()]
     return [
         aligned(facts, right=False),
         aligned([("", "load now / load at which"), *loads]),
@@ -277,35 +309,47 @@ def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
     ]
 
 
-def _input(field: str) -> str:
+def _size(design: Design) -> str:
+    """Name the quantity in which the amplitudes of a design are told."""
+    return "amplitude" if design.stroke_mm is None else "stroke"
+
+
+def _input(field: str, size: str) -> str:
     name = field.removesuffix("_deg").replace("_", " ")
+    if name == "amplitude":
+        return size
     return name if name == field.replace("_", " ") else f"{name}, 1 deg more"
 
 
-def _cost(cost: float) -> str:
-    return f"{cost:+.3g} %" if math.isfinite(cost) else "unknown"
+def _cost(cost: float | str) -> str:
+    """Write a sensitivity, which is 0 where rounding alone is left of it, or why there is none."""
+    if isinstance(cost, str):
+        return cost
+    return f"{cost:+.3g} %" if abs(cost) > _NOTHING else "0 %"
 
 
 def _window(design: Design) -> str:
     """Say which amplitudes keep the guarantee at the same frequency and drive angle."""
-    low, high = design.amplitude_low_mm, design.amplitude_high_mm
-    if low is None or high is None:
+    if design.window_mm is None:
         return "none keeps the goal"
-    below, above = (_BEYOND.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
+    low, high = design.window_mm
+    beyond = {**_BEYOND, "hop": _OTHER_HOPS} if (design.throw_number_max or 0.0) > 1.0 else _BEYOND
+    below, above = (beyond.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
     # rounded inwards, but not past the design itself
     own = design.nominal_mm or low
     first = _exact(own) if float(bound(low, upper=True)) > own else bound(low, upper=True)
     last = _exact(own) if float(bound(high, upper=False)) < own else bound(high, upper=False)
     along = " along, the normal one in proportion," if design.along_amplitude_mm else ""
-    ends = f"{first} ... {last} mm{along}"
-    return f"{ends} keep the goal; below, {below}; above, {above}"
+    if (first, design.low_set_by, design.high_set_by) == (last, "limit", "limit"):
+        return f"{first} mm, all that the drive can do, keeps the goal"
+    return f"{first} ... {last} mm{along} keep the goal; below, {below}; above, {above}"
 
 
 def _margin(spec: Spec, design: Design) -> str:
     """Say how much wider all that is unknown may be."""
     margin = design.margin
     if margin is None:
-        return "none: the goal is not met" if spec.has_bands else "none: nothing is uncertain"
+        return "none: the goal is not met" if spec.has_bands else "none: no band and no drift is given"
     if not _drift(spec) and _NEARLY < (design.throw_number_max or 0.0) <= 1.0:
         edge = "; no drift of the drive is asked for, and it stands where parts begin to hop"
         return f"{bound(margin, upper=False)}: all bands may be that many times as wide{edge}"

@@ -3,27 +3,38 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.core.codes import Regime, Status
 from vibro.drives import Ability
 from vibro.errors import Problem, SceneError
 from vibro.scene import Scene
 from vibro.slopes import displacement_gradient
 from vibro.steady import solve
 
+if TYPE_CHECKING:
+    from vibro.results.steady import SteadyCycle
+
 __all__ = ["speed_costs"]
 
 _STEP: Final = 1e-5  # [1, rad] step of the finite differences
-# Inputs of a scene with an elliptical drive, and whether each is an angle.
+# Slopes below and above a setting differ by less than this share of the larger one where the speed is smooth.
+_SMOOTH: Final = 0.05
+_JUMP: Final = 100.0  # [%/%] a steeper slope over one step is a jump: beside an onset slopes reach some tens
+# Inputs of a scene, and whether each is an angle of which 1 % may be nothing.
+_OF_LINES: Final = {
+    "amplitude": False, "frequency": False, "drive_angle": False, "static_friction": False,
+    "kinetic_friction": False, "trough_angle": True,
+}  # fmt: skip
 _OF_ELLIPSES: Final = {
     "along_amplitude": False, "normal_amplitude": False, "normal_phase": True, "frequency": False,
     "static_friction": False, "kinetic_friction": False, "trough_angle": True,
 }  # fmt: skip
 
 
-def speed_costs(scene: Scene) -> dict[str, float]:
+def speed_costs(scene: Scene) -> dict[str, float | str]:
     """Return by how many percent the mean speed changes for a small change of each input.
 
     Parameters
@@ -33,13 +44,13 @@ def speed_costs(scene: Scene) -> dict[str, float]:
 
     Returns
     -------
-    dict of str to float
+    dict of str to float or str
         ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change for
         1 % more of it, d ln v / d ln x; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
         instead of amplitude and drive angle. ``trough_angle_deg`` and ``normal_phase_deg``: change for 1 deg
         more, since 1 % of an angle near 0 is nothing. Positive values mean faster, also for a body that is
-        conveyed backwards. All are NaN if the body rests, slides to and fro without being conveyed, hops, or
-        has no steady cycle [%].
+        conveyed backwards [%]. A text says why there is no number: the body rests, is not conveyed, runs away
+        or hops irregularly, or its speed jumps or bends at the scene.
 
     Raises
     ------
@@ -48,15 +59,21 @@ def speed_costs(scene: Scene) -> dict[str, float]:
 
     Notes
     -----
-    Lines use the closed form, Eq. (51), ellipses finite differences. The values hold within the pattern of
-    the scene, not across the jumps where slip begins or back slip enters.
+    Lines in contact use the closed form, Eq. (51), which holds within the pattern of the scene, not across
+    the jumps where slip begins or back slip enters. Ellipses and bodies that hop use finite differences,
+    and have a number where these agree below and above the scene.
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    if not scene.arrays().can(Ability.PROOF):
-        return _differences(scene)
-    cycle = solve(scene, flight=False)
-    displacement = float(cycle.displacement_per_cycle / scene.scale) or math.nan
+    is_line = scene.arrays().can(Ability.PROOF)
+    inputs = _OF_LINES if is_line else _OF_ELLIPSES
+    names = {name: name + "_deg" * is_angle for name, is_angle in inputs.items()}
+    cycle = solve(scene)
+    if why := _why_none(cycle):
+        return dict.fromkeys(names.values(), why)
+    if not is_line or cycle.regime == Regime.HOPPING:
+        return {key: _difference(scene, name, inputs[name]) for name, key in names.items()}
+    displacement = float(cycle.displacement_per_cycle / scene.scale)
     gradient = displacement_gradient(scene, cycle.pattern_code)
     change = {name: float(slope) / displacement for name, slope in gradient._asdict().items()}
     angles_and_frictions = ("drive_angle", "static_friction", "kinetic_friction")
@@ -68,17 +85,35 @@ def speed_costs(scene: Scene) -> dict[str, float]:
     }
 
 
-def _differences(scene: Scene) -> dict[str, float]:
-    """Return ``speed_costs`` of an elliptical drive by central differences; NaN where the pattern changes."""
-    fields = {name: float(value) for name, value in scene.arrays()._asdict().items()}
-    costs = {}
-    for name, is_angle in _OF_ELLIPSES.items():
-        step = _STEP if is_angle else _STEP * fields[name]
-        values = fields[name] + step * np.array([-1.0, 0.0, 1.0])
-        beside: dict[str, Any] = {**fields, name: values}
-        cycle = solve(Scene.allowing_infeasible(**beside), flight=False)
-        low, middle, high = cycle.mean_velocity
-        is_smooth = middle != 0.0 and len(set(cycle.pattern_code.tolist())) == 1
-        slope = float((high - low) / (2.0 * _STEP * middle)) if is_smooth else math.nan
-        costs[name + "_deg" * is_angle] = 100.0 * math.radians(slope) if is_angle else slope
-    return costs
+def _why_none(cycle: SteadyCycle) -> str:
+    """Return why the speed of a cycle has no sensitivities; empty where it may have some."""
+    status = Status(int(cycle.status))
+    if status is Status.AVERAGED:
+        return "hops: irregular"
+    if not status.answered:
+        return "runs away" if status is Status.RUNAWAY else f"no speed: {status.label}"
+    if cycle.regime == Regime.NO_SLIP:
+        return "rests: no speed to change"
+    return "" if cycle.mean_velocity != 0.0 else "slides to and fro: no speed to change"
+
+
+def _difference(scene: Scene, name: str, is_angle: bool) -> float | str:
+    """Return the change of the speed with one input by finite differences, or why it is not smooth there."""
+    fields: dict[str, Any] = {name: float(value) for name, value in scene.arrays()._asdict().items()}
+    value = fields[name]
+    step = _STEP if is_angle else _STEP * value
+    cycle = solve(Scene.allowing_infeasible(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
+    # at mu_d = mu_s both slopes are taken on the side that can be
+    possible = np.asarray(cycle.status) != Status.INFEASIBLE
+    first = 1 if possible[1] and possible[3] else 0 if possible[1] else 2
+    at, speed = slice(first, first + 3), np.asarray(cycle.mean_velocity)
+    if np.any(np.asarray(cycle.status)[at] == Status.AVERAGED):
+        return "hops: irregular"
+    below, above = np.diff(speed[at]) / (_STEP * speed[2])
+    steepest = max(abs(below), abs(above))
+    if not steepest <= _JUMP:
+        return "jumps here"
+    if abs(above - below) > _SMOOTH * max(steepest, 1.0):
+        return "bends here"
+    slope = float(above + below) / 2.0
+    return 100.0 * math.radians(slope) if is_angle else slope

@@ -3,50 +3,61 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from vibro.core.codes import Regime
+from vibro.errors import InputError, shown
 from vibro.inverse.costs import speed_costs
 from vibro.inverse.proofs import first_ratio, last_ratio
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
-from vibro.inverse.rows import KINDS, find
+from vibro.inverse.rounding import DIGITS, MOST_DIGITS
+from vibro.inverse.rows import KINDS, SEARCHED, find
 from vibro.inverse.spaces import Setting
 from vibro.quantities import SPEED
 from vibro.results.designs import DesignResult
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
-    from vibro.inverse.exchange import Found
+    from vibro.inverse.rows import Finder
     from vibro.inverse.spaces import UncertaintySet
     from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Design
 
-__all__ = ["Chosen", "chosen_of", "design", "find_designs"]
+__all__ = ["Chosen", "at_most", "checked_digits", "chosen_of", "design", "find_designs"]
 
 _REGIMES: Final = (Regime.FORWARD_SLIP, Regime.BACK_SLIP, Regime.HOPPING)
 
 
-def design(spec: str | os.PathLike[str] | Mapping[str, Any]) -> DesignResult:
+def design(
+    spec: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    digits: int = DIGITS,
+    only: Literal["goal"] | None = None,
+) -> DesignResult:
     """Find the drive settings that guarantee a speed to every part of a box of bands.
 
     Parameters
     ----------
     spec : path or mapping
         A TOML file, or a mapping with its keys; docs/design.md lists them.
+    digits : int, optional
+        Significant digits of settings, from 1 to 15. A setting that does not hold with so few has more.
+    only : {"goal"}, optional
+        Leaves out the designs of other regimes than the goal's.
 
     Returns
     -------
     DesignResult
-        For every drive and each of the regimes forward-slip, back-slip and hopping: the gentlest, the fastest
-        and the safest design.
+        For every drive the gentlest, the fastest and the safest design within the goal's highest regime, then
+        those within each other one of forward-slip, back-slip and hopping.
 
     Raises
     ------
     InputError
-        If the question is invalid; it lists every problem.
+        If the question or an argument is invalid; it lists every problem of the question.
     FileError
         If the file cannot be read.
 
@@ -57,33 +68,80 @@ def design(spec: str | os.PathLike[str] | Mapping[str, Any]) -> DesignResult:
     ...     "scene": {"static_friction": "0.7:0.78", "kinetic_friction": "0.5:0.6"},
     ...     "drive": [{"amplitude_mm": 3, "frequency_hz": "10:30", "drive_angle_deg": "5:45"}],
     ...     "goal": {"speed_mm_s": 30, "highest_regime": "forward-slip"},
-    ... })
+    ... }, only="goal")
     >>> gentlest = result.designs[0]
-    >>> print(result.met, f"{gentlest.acceleration_g:.6f} g, {gentlest.amplitude_mm:.5f} mm")
-    True 0.965580 g, 2.39937 mm
+    >>> print(result.met, f"{gentlest.acceleration_g:.4f} g, {gentlest.amplitude_mm} mm")
+    True 0.9658 g, 2.4 mm
     """
-    return find_designs(read_spec(spec))
+    if only not in (None, "goal"):
+        raise InputError(f"only = {shown(only)}: must be 'goal' or None")
+    return find_designs(read_spec(spec), digits=checked_digits("digits", digits), goal_only=only is not None)
 
 
-def find_designs(spec: Spec, tell: Callable[[int, int], None] | None = None) -> DesignResult:
-    """Find the designs of a checked question; ``tell(done, total)`` reports the progress."""
-    designs: list[Design] = []
-    settings: list[tuple[float, ...] | None] = []
-    total = len(spec.drives) * len(_REGIMES) * len(KINDS)
+def at_most(regime: Regime) -> str:
+    """Say what a highest regime allows."""
+    return "hopping allowed" if regime is Regime.HOPPING else f"{regime.label} at most"
+
+
+def checked_digits(name: str, digits: object) -> int:
+    """Return a number of digits; raises InputError, which calls it by a name, if it is none."""
+    if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= MOST_DIGITS:
+        raise InputError(f"{name} = {shown(digits)}: must be a whole number from 1 to {MOST_DIGITS}")
+    return digits
+
+
+def find_designs(
+    spec: Spec,
+    tell: Callable[[int, int, str], None] = lambda *_: None,
+    *,
+    digits: int = DIGITS,
+    goal_only: bool = False,
+) -> DesignResult:
+    """Find the designs of a checked question.
+
+    ``tell(done, total, what)`` reports how many searches are done, and what is searched. With ``goal_only``
+    the designs of other regimes are left out.
+    """
+    highest = spec.goal.highest_regime
+    # designs of lower regimes are candidates for those of the goal's
+    regimes = [regime for regime in _REGIMES if regime <= highest or not goal_only]
+    total = len(spec.drives) * len(regimes) * len(KINDS)
+    finders: dict[tuple[str, Regime], Finder] = {}
+
+    def search(drive: Drive, regime: Regime) -> None:
+        done, where = len(finders) * len(KINDS), at_most(regime)
+        calmer = finders.get((drive.name, Regime(regime - 1)))
+        finders[drive.name, regime] = find(
+            Question(spec, drive, regime),
+            calmer.found if calmer else {},
+            digits,
+            lambda kind: tell(done + SEARCHED.index(kind), total, f"{drive.name}: {kind}, {where}"),
+        )
+
+    def rows(drive: Drive, regime: Regime) -> Iterator[tuple[Design, tuple[float, ...] | None]]:
+        finder = finders[drive.name, regime]
+        for kind in KINDS:
+            yield finder.row(kind), finder.found[kind].setting if kind in finder.found else None
+
+    found: list[tuple[Design, tuple[float, ...] | None]] = []
     for drive in spec.drives:
-        calmer: Mapping[str, Found] = {}
-        for regime in _REGIMES:
-            finder = find(Question(spec, drive, regime), calmer)
-            calmer = finder.found
-            designs += [finder.row(kind) for kind in KINDS]
-            settings += [calmer[kind].setting if kind in calmer else None for kind in KINDS]
-            if tell:
-                tell(len(designs), total)
-    target, highest = spec.goal.speed, spec.goal.highest_regime.label
+        for regime in regimes:
+            if regime <= highest:
+                search(drive, regime)
+        found += rows(drive, highest)
+    for drive in spec.drives if not goal_only else ():
+        for regime in regimes:
+            if regime > highest:
+                search(drive, regime)
+            if regime is not highest:
+                found += rows(drive, regime)
+    tell(total, total, "")
+    designs, settings = zip(*found, strict=True)
     met = any(
-        d.highest_regime == highest and (d.speed_min_mm_s or 0.0) >= SPEED.from_si(target) for d in designs
+        d.highest_regime == highest.label and (d.speed_min_mm_s or 0.0) >= SPEED.from_si(spec.goal.speed)
+        for d in designs
     )
-    return DesignResult(met, tuple(designs), tuple(settings))
+    return DesignResult(met, designs, settings)
 
 
 @dataclass(frozen=True)
@@ -95,26 +153,29 @@ class Chosen:
     drive : Drive
         Its drive.
     design : Design
-        The safest of the best drive within the goal's regime; if no drive meets the goal, the fastest.
+        Within the goal's regime the safest of all drives; the gentlest where nothing is uncertain, and the
+        fastest where no drive meets the goal.
     setting : Setting
         In SI units and radians.
     loads : dict of str to float
         Load of the setting over the critical load of the first, or the last, body [1].
-    costs : dict of str to float
-        Change of the nominal speed for a change of 1 % (angles: 1 deg) of each input, by field [%].
+    costs : dict of str to float or str
+        Change of the nominal speed for a change of 1 % (angles: 1 deg) of each input, by field [%]; why there
+        is none, if so.
     """
 
     drive: Drive
     design: Design
     setting: Setting
     loads: dict[str, float]
-    costs: dict[str, float]
+    costs: dict[str, float | str]
 
 
 def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     """Return the design that the report shows; None if no design guarantees any speed."""
     highest = spec.goal.highest_regime
-    wanted = "safest" if result.met else "fastest"
+    # where nothing is uncertain no design is safer than another, and the safest would be the drive's limit
+    wanted = "fastest" if not result.met else "safest" if spec.has_bands else "gentlest"
     rows = [
         (d, setting, drive)
         for drive in spec.drives
@@ -123,7 +184,12 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
     ]
     if not rows:
         return None
-    best, values, drive = max(rows, key=lambda row: (row[0].margin or 0.0, row[0].speed_min_mm_s or 0.0))
+
+    def merit(row: tuple[Design, tuple[float, ...], Drive]) -> tuple[float, float]:
+        design, speed = row[0], row[0].speed_min_mm_s or 0.0
+        return (-(design.acceleration_g or 0.0) if wanted == "gentlest" else design.margin or 0.0), speed
+
+    best, values, drive = max(rows, key=merit)
     question, setting = Question(spec, drive, highest), Setting(*values)
     costs = speed_costs(question.nominal_scene(setting))
     return Chosen(drive, best, setting, _loads(question.box(setting)), costs)

@@ -61,11 +61,12 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
     goal = spec.goal
     # an ellipse's load exceeds that of its motion along the trough
     share = amplitude * float(setting.frequency) ** 2 / unit / float(question.load(setting))
+    told = chosen.drive.told_per_amplitude
     return SettingFields(
-        amplitude=question.space.leading(setting),
-        limits_mm=(LENGTH.from_si(limits[0]), LENGTH.from_si(limits[1])),
+        amplitude="stroke" if chosen.drive.in_stroke else question.space.leading(setting),
+        limits_mm=(LENGTH.from_si(told * limits[0]), LENGTH.from_si(told * limits[1])),
         most_load=chosen.drive.acceleration * share,
-        amplitude_mm=(LENGTH.from_si(amplitudes[0]), LENGTH.from_si(amplitudes[1])),
+        amplitude_mm=(LENGTH.from_si(told * amplitudes[0]), LENGTH.from_si(told * amplitudes[1])),
         frequency_hz=frequencies,
         load=loads,
         speed_min=SPEED.from_si(_least(counted(slow, fast=False))),
@@ -95,14 +96,12 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (counted(solve(boxes.scene(points, fast=which)), fast=which) for which in (False, True))
     middle = question.nominal_scene(setting.scaled(amplitudes / amplitude))
-    design = chosen.design
-    window = design.amplitude_low_mm, design.amplitude_high_mm
     return SpeedBand(
-        amplitude_mm=LENGTH.from_si(amplitudes),
+        amplitude_mm=LENGTH.from_si(chosen.drive.told_per_amplitude * amplitudes),
         speed_min=SPEED.from_si(_least(slow)),
         speed_nominal=SPEED.from_si(solve(middle).mean_velocity),
         speed_max=SPEED.from_si(_most(fast)),
-        window_mm=None if window[0] is None or window[1] is None else (window[0], window[1]),
+        window_mm=chosen.design.window_mm,
     )
 
 

@@ -158,7 +158,7 @@ def _drive(table: Table, usual_name: str) -> Drive:
     found = {knob: values.get(knob, usual.get(knob, (0.0, 0.0))) for knob in SPACES[kind].knobs}
     choices = {knob: ends if knob in _SEVERAL else (ends,) for knob, ends in found.items()}
     most = values.get("acceleration", Drive.acceleration)
-    return Drive(values.get("name", usual_name), kind, choices, most)
+    return Drive(values.get("name", usual_name), kind, choices, most, in_stroke="stroke" in values)
 
 
 def _keys(names: Sequence[str]) -> list[str]:

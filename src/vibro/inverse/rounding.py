@@ -4,23 +4,103 @@ from __future__ import annotations
 
 import math
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from itertools import product
 from typing import TYPE_CHECKING, Final
 
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
-    from vibro.inverse.specs import Span
+    from collections.abc import Iterator
 
-__all__ = ["moved", "rounded", "within"]
+    from vibro.inverse.spaces import Setting
+    from vibro.inverse.specs import Drive, Span
 
-_SPELLED: Final = 15  # digits that reproduce every value that a user gives
+__all__ = ["DIGITS", "MOST_DIGITS", "more_digits", "moved", "rounded", "roundings", "setting_of", "within"]
+
+#: Digits of printed settings: one unit of the last of four is at most 0.1 % of a value, as fine as a person
+#: sets a drive.
+DIGITS: Final = 4
+#: Digits that reproduce every value that a user gives.
+MOST_DIGITS: Final = 15
+_MORE: Final = (5, 6, 7, 9, 12, MOST_DIGITS)  # where a setting with fewer does not hold
+_NUDGES: Final = 4  # steps of the last digit that knobs may be moved
+_AT_END: Final = (
+    1e-9  # relative: above the rounding of an optimum at an end, below all digits that are chosen
+)
+
+
+def more_digits(digits: int) -> list[int]:
+    """Return numbers of digits to try in turn until a setting holds."""
+    return [digits, *(more for more in _MORE if more > digits)]
+
+
+def roundings(drive: Drive, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
+    """Return settings rounded to some digits in the units and quantities of the user, the nearest first.
+
+    Every knob stays within its nearest range. Amplitudes keep the load at the rounded frequency, up to some
+    steps inwards: upwards or downwards.
+    """
+    turned = {knob: float(x) for knob, x in drive.space.turned(setting).items()}
+    names = dict(zip(turned, drive.told, strict=True))
+    scales = {knob: drive.told_per_amplitude if knob == "amplitude" else 1.0 for knob in turned}
+    values = {knob: float(QUANTITIES[names[knob]].from_si(x * scales[knob])) for knob, x in turned.items()}
+    nearest_ends = {knob: drive.nearest(knob, x) for knob, x in turned.items()}
+    ends = {knob: (low * scales[knob], high * scales[knob]) for knob, (low, high) in nearest_ends.items()}
+
+    def kept(knob: str, value: float) -> float:
+        return within(value, names[knob], ends[knob], digits)
+
+    # where two constraints meet, one knob beside the optimum may leave room between them for the others
+    beside = {
+        knob: [kept(knob, x) for x in (values[knob], *_beside(values[knob], digits))]
+        for knob in turned
+        if not knob.endswith("amplitude")
+    }
+    sizes, step = [knob for knob in turned if knob not in beside], 1 if up else -1
+    nudges = [*product(range(-step, step * _NUDGES, step), repeat=len(sizes))]
+    seen = set()
+    for others in product(*map(dict.fromkeys, beside.values())):
+        printed = dict.fromkeys(turned, 0.0) | dict(zip(beside, others, strict=True))
+        growth = (values["frequency"] / printed["frequency"]) ** 2
+        for steps in nudges:
+            for knob, n in zip(sizes, steps, strict=True):
+                printed[knob] = kept(knob, moved(values[knob] * growth, digits, n, up=up))
+            found = tuple(printed.values())
+            if found not in seen:
+                seen.add(found)
+                yield found
+
+
+def _beside(value: float, digits: int) -> Iterator[float]:
+    """Return values some steps of the last digit above and below, the nearest first."""
+    size = abs(value)
+    for n in range(1, _NUDGES):
+        for steps in (n, -n):
+            yield math.copysign(moved(size, digits, steps, up=False), value)
+
+
+def setting_of(drive: Drive, printed: tuple[float, ...]) -> Setting:
+    """Return the setting of knobs as they are printed."""
+    told = zip(drive.space.knobs, drive.told, printed, strict=True)
+    knobs = {knob: QUANTITIES[name].to_si(x) for knob, name, x in told}
+    if drive.in_stroke:
+        knobs["amplitude"] /= drive.told_per_amplitude
+    return drive.space.setting(**knobs)
 
 
 def within(value: float, name: str, ends: Span, digits: int) -> float:
-    """Round a value in users' units, but not beyond its range; one that may be 0 is rounded to decimals."""
+    """Round a value in users' units, but not beyond its range, whose ends are kept as they were given.
+
+    One that may be 0 has no more decimals than a value from 10 to 100 with that many digits.
+    """
     quantity = QUANTITIES[name]
-    low, high = (nearest(float(quantity.from_si(end)), _SPELLED) for end in ends)
-    value = round(value, digits - 3) if quantity.allowed.low < 0.0 else nearest(value, digits)
+    low, high = (nearest(float(quantity.from_si(end)), MOST_DIGITS) for end in ends)
+    for end in (low, high):
+        if math.isclose(value, end, rel_tol=_AT_END):
+            return end
+    value = nearest(value, digits)
+    if quantity.allowed.low < 0.0:
+        value = round(value, digits - 2)
     return min(max(value, low), high)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.drives import Ellipse, Line
@@ -11,7 +13,7 @@ from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
-from vibro.inverse.rounding import rounded
+from vibro.inverse.rounding import DIGITS, more_digits, moved, nearest, rounded, roundings, setting_of
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.inverse.windows import window_of
 from vibro.quantities import QUANTITIES, SPEED
@@ -19,19 +21,31 @@ from vibro.results.designs import Design
 from vibro.steady import solve
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from vibro.inverse.exchange import Exchange, Optimum
     from vibro.inverse.questions import Question
 
-__all__ = ["KINDS", "Finder", "find"]
+__all__ = ["KINDS", "SEARCHED", "Finder", "find"]
 
 KINDS: Final = ("gentlest", "fastest", "safest")
-_DIGITS: Final = (9, 12, 15)  # of printed settings; more where a setting with fewer does not hold
+#: The same in the order in which they are searched.
+SEARCHED: Final = ("fastest", "gentlest", "safest")
+_MISSED: Final = 8  # roundings of one number of digits whose guarantee may miss a speed
+_MARGINS: Final = 4  # roundings of one number of digits whose margin is searched
+_COARSEST: Final = 1e-5  # relative: above the resolution of all margins in contact
+_LOWERED: Final = 10  # steps of the last digit by which the frequency of the nearest drive may be lowered
 _OPTIMISERS: Final[Mapping[type, Callable[[Question], Exchange]]] = {
     Line: LineOptimiser,
     Ellipse: EllipseOptimiser,
 }
+
+
+@dataclass(frozen=True)
+class Rounded(Found):
+    """A setting as it is printed, and the optimum that was rounded."""
+
+    optimum: Optimum | None = None
 
 
 @dataclass(frozen=True)
@@ -44,13 +58,16 @@ class Finder:
         Drive, goal and bands.
     optimiser : Exchange
         Finds optimal settings; it keeps the scenarios that it met.
-    found : mapping of str to Found
+    found : mapping of str to Rounded
         The designs by their kind; those that do not exist are left out.
+    digits : int
+        Of printed settings; there are more where a setting with fewer does not hold.
     """
 
     question: Question
     optimiser: Exchange
-    found: Mapping[str, Found]
+    found: Mapping[str, Rounded]
+    digits: int = DIGITS
 
     @property
     def target(self) -> float:
@@ -62,10 +79,18 @@ class Finder:
         found, optimiser = self.found.get(kind), self.optimiser
         if found is None:
             return optimiser.first_cap() if kind == "fastest" else None
-        if kind == "gentlest":
-            enough = self.target * (1.0 + TOLERANCES.at)
-            return optimiser.least_set_by(found) if found.guarantee.speed_min > enough else "speed"
-        return optimiser.limit(found, found.margin or 1.0 if kind == "safest" else 1.0)
+        if kind == "safest" and found.margin:
+            return optimiser.limit(found, found.margin)
+        # an optimum is at its constraint, from which rounding moves the setting
+        setting, speed = found.optimum or (found.setting, found.guarantee.speed_min)
+        best = replace(found, setting=setting)
+        if kind != "gentlest":
+            return optimiser.limit(best, 1.0)
+        if speed <= self.target * (1.0 + TOLERANCES.at):
+            return "speed"
+        least = optimiser.least_set_by(best)
+        # where parts hop, the speed may jump past the target
+        return "speed" if least == "onset" and self.question.box(setting).may_hop else least
 
     def row(self, kind: str) -> Design:
         """Return a design as a row of a table; without a design the row has only what prevents it."""
@@ -78,46 +103,50 @@ class Finder:
         )
         if found is None:
             return row
-        g, goal, length = found.guarantee, question.spec.goal, question.spec.length
-        columns = (QUANTITIES[knob].column for knob in question.space.knobs)
+        g, length, drive = found.guarantee, question.spec.length, question.drive
+        columns = (QUANTITIES[name].column for name in drive.told)
         settings: dict[str, Any] = dict(zip(columns, found.printed, strict=True))
         row = replace(row, **settings)
-        window, speed = window_of(question, found), g.speed_min
-        needed, stroke = _nearest_drive(row.nominal_mm or 0.0, settings["frequency_hz"], speed, goal.speed)
+        speed, size = g.speed_min, "stroke" if drive.in_stroke else "amplitude"
+        needed = self._nearest_drive(found, row.nominal_mm or 0.0, settings["frequency_hz"])
+        sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{size}_needed_mm": needed[1]}
+        if window := window_of(question, found):
+            scale = drive.told_per_amplitude
+            sizes |= {f"{size}_low_mm": _mm(scale * window.low), "low_set_by": window.low_set_by}
+            sizes |= {f"{size}_high_mm": _mm(scale * window.high), "high_set_by": window.high_set_by}
         return replace(
             row,
+            **sizes,
             acceleration_g=float(question.load(found.setting)),
             speed_min_mm_s=_mm(speed),
             speed_nominal_mm_s=_mm(float(solve(question.nominal_scene(found.setting)).mean_velocity)),
             speed_max_mm_s=_mm(g.speed_max),
             traverse_time_max_s=length / speed if length is not None and speed > 0.0 else None,
-            amplitude_low_mm=None if window is None else _mm(window.low),
-            amplitude_high_mm=None if window is None else _mm(window.high),
-            low_set_by=None if window is None else window.low_set_by,
-            high_set_by=None if window is None else window.high_set_by,
             margin=found.margin,
             throw_number_max=question.box(found.setting).throw_number,
-            frequency_needed_hz=needed,
-            amplitude_needed_mm=stroke,
             proof=g.proof_min,
             coexists=g.coexists,
             excluded=g.excluded,
         )
 
-    def designs(self, calmer: Mapping[str, Found]) -> dict[str, Found]:
-        """Find the designs, by their kind."""
+    def designs(
+        self, calmer: Mapping[str, Rounded], tell: Callable[[str], None] = lambda _: None
+    ) -> dict[str, Rounded]:
+        """Find the designs, by their kind; ``tell(kind)`` says which is searched."""
         if not self.optimiser.has_more():
             return dict(calmer)
-        fastest = self._best("fastest", self._held(self.optimiser.fastest(), None, up=False), calmer)
+        tell("fastest")
+        fastest = self._best("fastest", self._fastest(), calmer)
         if fastest is None:
             return {}
         if fastest.guarantee.speed_min < self.target:
             return {"fastest": fastest}
+        tell("gentlest")
         gentlest = self._best("gentlest", self._least_acceleration(), calmer, fastest)
         assert gentlest is not None
+        tell("safest")
         if self.question.spec.has_bands:
-            best = self._held(self.optimiser.safest(self.target), self.target, up=False)
-            safest = self._best("safest", best, calmer, fastest, gentlest)
+            safest = self._best("safest", self._safest(), calmer, fastest, gentlest)
         else:
             safest = fastest
         assert safest is not None
@@ -125,33 +154,85 @@ class Finder:
         fastest = max(fastest, gentlest, safest, key=lambda design: design.guarantee.speed_min)
         return {"fastest": fastest, "gentlest": gentlest, "safest": safest}
 
-    def _least_acceleration(self) -> Found | None:
+    def _fastest(self) -> Rounded | None:
+        """Return the fastest setting that holds as printed.
+
+        Few digits might lose speed: just past the load at which back slip enters, it drops. So roundings that
+        keep nearly all of it are taken first.
+        """
+        optimum = self.optimiser.fastest()
+        speed = 0.0 if optimum is None else max(optimum.speed, 0.0)
+        for share in (1.0, 0.0):
+            for digits in more_digits(self.digits):
+                least = share * speed * (1.0 - 10.0 ** (2 - digits))
+                for found in self._rounded(optimum, digits, least, 0.0, up=False):
+                    return found
+        return None
+
+    def _safest(self) -> Rounded | None:
+        """Return the setting of the largest margin that holds as printed, with nearly that margin."""
+        optimum, best = self.optimiser.safest(self.target), None
+        if optimum is None:
+            return None
+        widest = self.optimiser.margin(optimum.setting, self.target) or 0.0
+        for digits in more_digits(self.digits):
+            for found in islice(self._rounded(optimum, digits, self.target, self.target, up=False), _MARGINS):
+                best = self._best("safest", found, {}, *filter(None, [best]))
+                if best and (best.margin or 0.0) >= widest * (1.0 - max(10.0 ** (2 - digits), _COARSEST)):
+                    return best
+        return best
+
+    def _rounded(
+        self, optimum: Optimum | None, digits: int, least: float, target: float, *, up: bool
+    ) -> Iterator[Rounded]:
+        """Yield the roundings whose scenarios reach one speed, and whose guarantee reaches another."""
+        if optimum is None:
+            return
+        drive, missed = self.question.drive, 0
+        for printed in roundings(drive, optimum.setting, digits, up=up):
+            setting = setting_of(drive, printed)
+            if not self.optimiser.holds(setting, least) or not self.optimiser.is_allowed(setting):
+                continue
+            found = Rounded(setting, printed, guarantee_of(self.question.box(setting)), optimum=optimum)
+            if found.guarantee.speed_min >= target and self.optimiser.keeps_to_regime(found):
+                yield found
+            else:
+                missed += 1
+            if missed == _MISSED:
+                return
+
+    def _least_acceleration(self) -> Rounded | None:
         """Return the least-acceleration setting that holds as printed.
 
-        Where the speed just reaches the target and back slip just enters, no rounded setting holds. Then the
-        optimum for a slightly higher target is rounded.
+        Where the speed just reaches the target and back slip just enters, no rounded setting may hold. Then
+        the optimum for a slightly higher target is rounded: by about as much as the rounding changes it, or
+        in the end by whatever it takes.
         """
-        for surplus in self.optimiser.surpluses:
-            optimum = self.optimiser.least_acceleration(self.target * (1.0 + surplus))
-            if found := self._held(optimum, self.target, up=True):
-                return found
+        best = cache(lambda surplus: self.optimiser.least_acceleration(self.target * (1.0 + surplus)))
+        ladder = more_digits(self.digits)
+        for digits in ladder:
+            step = 10.0 ** (1 - digits)
+            for surplus in self.optimiser.surpluses:
+                if not surplus or step <= surplus <= 10.0 * step or digits == ladder[-1]:
+                    for found in self._rounded(best(surplus), digits, self.target, self.target, up=True):
+                        return replace(found, optimum=best(0.0))
         return None
 
     def _best(
-        self, kind: str, new: Found | None, calmer: Mapping[str, Found], *others: Found
-    ) -> Found | None:
+        self, kind: str, new: Rounded | None, calmer: Mapping[str, Rounded], *others: Rounded
+    ) -> Rounded | None:
         """Return the best of some designs, with its margin; None without any."""
         known = [found for found in (new, calmer.get(kind), *others) if found is not None]
         if kind == "safest":
             known = [self._with_margin(found) for found in known]
-        merits: dict[str, Callable[[Found], float]] = {
+        merits: dict[str, Callable[[Rounded], float]] = {
             "fastest": lambda found: found.guarantee.speed_min,
             "gentlest": lambda found: -float(self.question.load(found.setting)),
             "safest": lambda found: found.margin or 0.0,
         }
         return self._with_margin(max(known, key=merits[kind])) if known else None
 
-    def _with_margin(self, found: Found) -> Found:
+    def _with_margin(self, found: Rounded) -> Rounded:
         """Add the margin of a design: at least 1 where it meets the goal."""
         if found.optimiser is self.optimiser or not self.question.spec.has_bands:
             return found
@@ -160,49 +241,52 @@ class Finder:
             margin = max(margin or 1.0, found.margin or 1.0, 1.0)
         return replace(found, margin=margin, optimiser=self.optimiser)
 
-    def _held(self, optimum: Optimum | None, target: float | None, *, up: bool) -> Found | None:
-        """Round a setting inwards, so that it holds as printed; None if no rounding holds."""
-        if optimum is None:
-            return None
-        least, space = target or 0.0, self.question.space
-        for digits in _DIGITS:
-            for printed in self.optimiser.roundings(optimum.setting, digits, up=up):
-                pairs = zip(space.knobs, printed, strict=True)
-                setting = space.setting(**{knob: QUANTITIES[knob].to_si(x) for knob, x in pairs})
-                if not self.optimiser.holds(setting, least) or not self.optimiser.is_allowed(setting):
+    def _nearest_drive(
+        self, found: Rounded, size: float, frequency: float
+    ) -> tuple[float, float] | tuple[None, None]:
+        """Return frequency and amplitude, or stroke, of the nearest drive that meets the goal [Hz, mm].
+
+        At one load the speed is proportional to 1/f. The amplitude is rounded down, so that the load is not
+        exceeded, and the frequency is lowered until the goal is met. None if the goal is met already, and if
+        the drive conveys nothing.
+        """
+        speed = found.guarantee.speed_min
+        if speed >= self.target or not speed > 0.0:
+            return None, None
+        for digits in more_digits(self.digits):
+            for steps in range(_LOWERED):
+                needed = nearest(moved(frequency * speed / self.target, digits, -steps, up=False), digits)
+                larger = rounded(size * (frequency / needed) ** 2, digits, down=True)
+                # a lower load is slower, and mostly by more than its own share
+                if speed * larger * needed < self.target * size * frequency:
                     continue
-                found = Found(setting, printed, guarantee_of(self.question.box(setting)))
-                if found.guarantee.speed_min >= least and self.optimiser.keeps_to_regime(found):
-                    return found
-        return None
+                setting = found.setting.scaled(larger / size)._replace(frequency=needed)
+                if guarantee_of(self.question.box(setting)).speed_min >= self.target:
+                    return needed, larger
+        return None, None
 
 
-def find(question: Question, calmer: Mapping[str, Found]) -> Finder:
+def find(
+    question: Question,
+    calmer: Mapping[str, Rounded],
+    digits: int = DIGITS,
+    tell: Callable[[str], None] = lambda _: None,
+) -> Finder:
     """Find the gentlest, the fastest and the safest setting that hold as they are printed.
 
     Parameters
     ----------
     question : Question
         Drive, goal and bands.
-    calmer : mapping of str to Found
+    calmer : mapping of str to Rounded
         The designs within a lower regime, which are candidates here too.
+    digits : int, optional
+        Of printed settings.
+    tell : callable, optional
+        ``tell(kind)`` says which design is searched.
     """
-    finder = Finder(question, _OPTIMISERS[question.drive.kind](question), {})
-    return replace(finder, found=finder.designs(calmer))
-
-
-def _nearest_drive(
-    amplitude: float, frequency: float, speed: float, goal: float
-) -> tuple[float | None, float | None]:
-    """Return frequency and amplitude of the nearest drive that meets the goal, as rounded [Hz, mm].
-
-    At one load the speed is proportional to 1/f. None if the goal is met, and if the drive conveys nothing.
-    """
-    if speed >= goal or not speed > 0.0:
-        return None, None
-    needed = rounded(frequency * speed / goal * (1.0 - TOLERANCES.spare), _DIGITS[0], down=True)
-    stroke = rounded(amplitude * (frequency / needed) ** 2, _DIGITS[0], down=True)
-    return needed, stroke
+    finder = Finder(question, _OPTIMISERS[question.drive.kind](question), {}, digits)
+    return replace(finder, found=finder.designs(calmer, tell))
 
 
 def _mm(value: float) -> float | None:

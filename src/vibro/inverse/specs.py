@@ -37,12 +37,15 @@ class Drive:
         value [SI]. Of the frequency and of the drive angle of a line there may be several.
     acceleration : float
         Largest acceleration along the path over g [1]; inf without a limit.
+    in_stroke : bool
+        Whether the amplitude of a line was given as its stroke, and is told so.
     """
 
     name: str
     kind: type[Line] | type[Ellipse]
     choices: Mapping[str, tuple[Span, ...]]
     acceleration: float = math.inf
+    in_stroke: bool = False
 
     @property
     def space(self) -> Space:
@@ -53,6 +56,18 @@ class Drive:
     def frequency(self) -> tuple[Span, ...]:
         """All ranges of its frequency [Hz]."""
         return self.choices["frequency"]
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Names of the quantities in which its knobs are told: a stroke where the question has one."""
+        return tuple(
+            "stroke" if self.in_stroke and knob == "amplitude" else knob for knob in self.space.knobs
+        )
+
+    @property
+    def told_per_amplitude(self) -> float:
+        """Ratio of what is told, a stroke or an amplitude, to the amplitude [1]."""
+        return 2.0 if self.in_stroke else 1.0
 
     def span(self, knob: str) -> Span:
         """Return the range of a knob that has one [SI]."""

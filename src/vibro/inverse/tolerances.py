@@ -34,8 +34,6 @@ class Tolerances(NamedTuple):
         The same over ``at``, where a design is scaled instead of a body.
     at : float
         From a limit, within which a design stands at it: the coarsest margins are found to 1e-6.
-    spare : float
-        Of the frequency of the nearest drive that would do, for the rounding of its printed amplitude.
     nearly : float
         Share of a limit on landings that counts as reached: landings are sampled.
     drop : float
@@ -61,7 +59,6 @@ class Tolerances(NamedTuple):
     jump: float = 1e-6
     fall: float = 1e-4
     at: float = 1e-6
-    spare: float = 1e-8
     nearly: float = 0.98
     drop: float = 1e-6
     past_drop: float = 1e-9

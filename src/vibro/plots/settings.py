@@ -149,14 +149,16 @@ class Settings:
             raise ValueError(f"loads {self.data.load[[0, -1]]} do not cover the settings' {shown}")
 
     def load(self, amplitude: Any, frequency: Any) -> Floats:
-        """G = A w^2 / g."""
+        """G = A w^2 / g, of an amplitude or a stroke as the drive's are told [mm]."""
         w = 2.0 * math.pi * frequency
-        return np.asarray(LENGTH.to_si(amplitude) * w**2 / self.spec.gravity)
+        size = LENGTH.to_si(amplitude) / self.chosen.drive.told_per_amplitude
+        return np.asarray(size * w**2 / self.spec.gravity)
 
     def amplitude(self, load: float) -> float:
-        """Amplitude at which the chosen frequency has a load [mm]."""
+        """Amplitude, or stroke, at which the chosen frequency has a load [mm]."""
         w = 2.0 * math.pi * float(self.point[0, 0])
-        return float(LENGTH.from_si(load * self.spec.gravity / w**2))
+        size = load * self.spec.gravity / w**2
+        return float(LENGTH.from_si(size * self.chosen.drive.told_per_amplitude))
 
     def speed(self, amplitude: Any, frequency: Any) -> Floats:
         """Guaranteed speed; NaN where none is guaranteed [mm/s]."""

@@ -145,6 +145,7 @@ class Design:
     highest_regime: str = _column("", "highest regime allowed")
     design: str = _column("", "gentlest, fastest or safest")
     amplitude_mm: float | None = _optional("mm", "nominal amplitude")
+    stroke_mm: float | None = _optional("mm", "nominal stroke, where the question gives strokes")
     frequency_hz: float | None = _optional("Hz", "nominal frequency")
     drive_angle_deg: float | None = _optional("deg", "nominal drive angle")
     along_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse along the trough")
@@ -161,6 +162,8 @@ class Design:
     amplitude_high_mm: float | None = _optional(
         "mm", "up to this nominal amplitude, or that along the trough, the guarantee holds"
     )
+    stroke_low_mm: float | None = _optional("mm", "from this nominal stroke on the guarantee holds")
+    stroke_high_mm: float | None = _optional("mm", "up to this nominal stroke the guarantee holds")
     low_set_by: str | None = _optional("", "what ends it below")
     high_set_by: str | None = _optional("", "what ends it above")
     margin: float | None = _optional("", "factor by which all bands and drifts may grow about their middles")
@@ -168,14 +171,25 @@ class Design:
     set_by: str | None = _optional("", "what keeps the design from being better")
     frequency_needed_hz: float | None = _optional("Hz", "frequency of the nearest drive that meets the goal")
     amplitude_needed_mm: float | None = _optional("mm", "its amplitude, or that along the trough")
+    stroke_needed_mm: float | None = _optional("mm", "its stroke")
     proof: str | None = _optional("", "corners, searched or sampled")
     coexists: bool | None = _optional("", "whether some disturbed part of the box can settle elsewhere")
     excluded: int | None = _optional("", "sampled points without a speed, left out")
 
     @property
     def nominal_mm(self) -> float | None:
-        """The amplitude that windows and pictures vary: of an ellipse that along the trough, if any."""
-        return self.amplitude_mm or self.along_amplitude_mm or self.normal_amplitude_mm
+        """Amplitude or stroke that windows and pictures vary: of an ellipse that along the trough, if any."""
+        return self.stroke_mm or self.amplitude_mm or self.along_amplitude_mm or self.normal_amplitude_mm
+
+    @property
+    def window_mm(self) -> tuple[float, float] | None:
+        """Amplitudes, or strokes, that keep the guarantee; None if none does."""
+        low, high = (
+            (self.amplitude_low_mm, self.amplitude_high_mm)
+            if self.stroke_mm is None
+            else (self.stroke_low_mm, self.stroke_high_mm)
+        )
+        return None if low is None or high is None else (low, high)
 
 
 #: The columns of a table of designs, in order, of all kinds of drives.
@@ -184,9 +198,13 @@ DESIGN_COLUMNS: Final = tuple(
 )
 
 
-_OF_LINES: Final = ("amplitude_mm", "drive_angle_deg")
-_OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg")
-_OF_DRIVES: Final = _OF_LINES + _OF_ELLIPSES
+# Columns that only some designs have.
+_SIZES: Final = ("amplitude_low_mm", "amplitude_high_mm", "amplitude_needed_mm")
+_OF_LINES: Final = ("amplitude_mm", "drive_angle_deg", *_SIZES)
+_OF_STROKES: Final = (
+    "stroke_mm", "drive_angle_deg", "stroke_low_mm", "stroke_high_mm", "stroke_needed_mm",
+)  # fmt: skip
+_OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", *_SIZES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +216,8 @@ class DesignResult:
     met : bool
         Whether some drive guarantees the goal within its highest regime.
     designs : tuple of Design
-        For every drive and regime the gentlest, the fastest and the safest design.
+        For every drive and regime the gentlest, the fastest and the safest design; those of the goal's
+        regime first.
     settings : tuple of tuple of float, or None
         Of each design the motion of the trough, in full precision: its amplitudes along and normal to it [m],
         the phase by which the latter leads [rad], and the frequency [Hz].
@@ -210,11 +229,12 @@ class DesignResult:
 
     @property
     def columns(self) -> tuple[DesignColumn, ...]:
-        """Columns of its table; those of lines and of ellipses only if some design uses them."""
-        used = {name for d in self.designs for name in _OF_DRIVES if getattr(d, name) is not None}
-        if not used & set(_OF_ELLIPSES):  # where there is no design, as for lines
-            used |= set(_OF_LINES)
-        return tuple(c for c in DESIGN_COLUMNS if c.name in used or c.name not in _OF_DRIVES)
+        """Columns of its table; those of lines, of strokes and of ellipses only if some design uses them."""
+        kinds = (_OF_LINES, _OF_STROKES, _OF_ELLIPSES)
+        used = [kind for kind in kinds if any(getattr(d, kind[0]) is not None for d in self.designs)]
+        shown = {name for kind in used or [_OF_LINES] for name in kind}  # without a design as for lines
+        left_out = {name for kind in kinds for name in kind} - shown
+        return tuple(column for column in DESIGN_COLUMNS if column.name not in left_out)
 
     def to_dict(self) -> dict[str, Any]:
         """Return what ``vibro design --json`` prints."""
@@ -234,7 +254,7 @@ class SettingFields:
     Attributes
     ----------
     amplitude : str
-        Which amplitude it is: a name of a quantity.
+        Which amplitude it is, or the stroke: a name of a quantity.
     limits_mm, most_load : pair of float, float
         Amplitudes, and the largest load, that the drive can reach.
     amplitude_mm, frequency_hz : pair of float
