@@ -50,7 +50,7 @@ _ROUNDS: Final = 3  # of samples closer to the extreme ones
 
 @dataclass
 class Seen:
-    """Regimes and other events at all points solved so far, and the number of sampled bodies that hop."""
+    """Regimes and other events at all points solved so far, and how many even samples hop."""
 
     regimes: set[Regime] = field(default_factory=set)
     coexists: bool = False
@@ -239,13 +239,14 @@ def sampled(box: UncertaintySet, *, fast: bool, seen: Seen) -> Extreme:
         costs = np.full(x.shape[1], np.nan)
         hops = box.hops(points)
         if hops.any():
-            seen.samples += int(hops.sum())
             scene = box.scene(points.kept(hops), fast=fast)
             costs[hops] = side * speeds_of(scene, fast=fast, flight=True, seen=seen)
             seen.excluded += int(np.count_nonzero(np.isnan(costs[hops])))
         return costs
 
-    coordinates = np.hstack([corners(free)[free], sobol(int(free.sum()), first, _SEED)])
+    even = sobol(int(free.sum()), first, _SEED)
+    seen.samples = int(box.hops(box.points(placed(free, even))).sum())
+    coordinates = np.hstack([corners(free)[free], even])
     x, best = scatter(cost, coordinates, more=2**more, rounds=_ROUNDS, seed=_SEED)
     at = placed(free, x)
     if math.isnan(best):

@@ -119,6 +119,7 @@ class Finder:
             **sizes,
             acceleration_g=float(question.load(found.setting)),
             speed_min_mm_s=_mm(speed),
+            speed_proved_mm_s=_mm(g.proved_min),
             speed_nominal_mm_s=_mm(float(solve(question.nominal_scene(found.setting)).mean_velocity)),
             speed_max_mm_s=_mm(g.speed_max),
             traverse_time_max_s=length / speed if length is not None and speed > 0.0 else None,
@@ -126,6 +127,7 @@ class Finder:
             throw_number_max=question.box(found.setting).throw_number,
             proof=g.proof_min,
             coexists=g.coexists,
+            samples=g.samples,
             excluded=g.excluded,
         )
 

@@ -94,8 +94,7 @@ class Guarantee:
     coexists : bool
         Whether a disturbed body can settle elsewhere at some point of the search.
     samples : int
-        Bodies that hop of which the bounds are the extreme ones: of n samples none was slower, so that with
-        95 % confidence a body drawn at random is slower with a chance of 3 / n at most.
+        Bodies that hop, spread evenly over the box, none of which is slower or faster than the bounds.
     excluded : int
         Points that hop whose speed could not be found; they are left out.
     """
@@ -153,6 +152,7 @@ class Design:
     normal_phase_deg: float | None = _optional("deg", "nominal phase by which the latter leads")
     acceleration_g: float | None = _optional("g", "nominal peak acceleration of the drive over gravity")
     speed_min_mm_s: float | None = _optional("mm/s", "guaranteed speed")
+    speed_proved_mm_s: float | None = _optional("mm/s", "speed that no part falls short of, by proof")
     speed_nominal_mm_s: float | None = _optional("mm/s", "speed in the middle of all bands")
     speed_max_mm_s: float | None = _optional("mm/s", "speed that no part exceeds")
     traverse_time_max_s: float | None = _optional("s", "trough length over the guaranteed speed")
@@ -172,8 +172,9 @@ class Design:
     frequency_needed_hz: float | None = _optional("Hz", "frequency of the nearest drive that meets the goal")
     amplitude_needed_mm: float | None = _optional("mm", "its amplitude, or that along the trough")
     stroke_needed_mm: float | None = _optional("mm", "its stroke")
-    proof: str | None = _optional("", "corners, searched or sampled")
+    proof: str | None = _optional("", "corners, proved, searched or sampled")
     coexists: bool | None = _optional("", "whether some disturbed part of the box can settle elsewhere")
+    samples: int | None = _optional("", "evenly sampled parts that hop, none of which is slower")
     excluded: int | None = _optional("", "sampled points without a speed, left out")
 
     @property
