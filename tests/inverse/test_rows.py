@@ -376,6 +376,18 @@ def test_the_fastest_loses_no_speed_by_rounding_if_any_rounding_keeps_it(
 
 
 @pytest.mark.parametrize(
+    ("speed", "least"), [(0.0101, 0.01), (0.01, 0.01), (0.01 * (1 - 1e-12), 0.0099), (0.0102, 0.010098)]
+)
+def test_no_rounding_of_the_fastest_loses_a_goal_that_it_meets(
+    speed: float, least: float, tried: list[tuple[int, bool]]
+) -> None:
+    """The goal is 10 mm/s; at four digits 1 % may be lost, if that is not the goal."""
+    optimiser = Optimiser(fastest=Optimum(found_at().setting, speed))
+    finder(optimiser)._fastest()
+    assert optimiser.asked[0] == pytest.approx(least, rel=1e-11)
+
+
+@pytest.mark.parametrize(
     ("margins", "amplitude", "digits"),
     [
         # of the optimum, and of each rounding in turn

@@ -159,15 +159,16 @@ class Finder:
     def _fastest(self) -> Rounded | None:
         """Return the fastest setting that holds as printed.
 
-        Few digits might lose speed: just past the load at which back slip enters, it drops. So roundings that
-        keep nearly all of it are taken first.
+        Few digits might lose speed, as it drops just past the load at which back slip enters, and even the
+        goal. So roundings that keep the goal and nearly all of the speed are taken first.
         """
         optimum = self.optimiser.fastest()
         speed = 0.0 if optimum is None else max(optimum.speed, 0.0)
-        for share in (1.0, 0.0):
+        for nearly in (True, False):
+            goal = self.target if nearly and speed >= self.target else 0.0
             for digits in more_digits(self.digits):
-                least = share * speed * (1.0 - 10.0 ** (2 - digits))
-                for found in self._rounded(optimum, digits, least, 0.0, up=False):
+                least = max(goal, speed * (1.0 - 10.0 ** (2 - digits))) if nearly else 0.0
+                for found in self._rounded(optimum, digits, least, goal, up=False):
                     return found
         return None
 
