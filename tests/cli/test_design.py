@@ -68,6 +68,7 @@ SAFEST = Design(
     drive_angle_deg=45.0,
     acceleration_g=1.129883,
     speed_min_mm_s=45.29399999,
+    speed_proved_mm_s=45.25,
     speed_nominal_mm_s=48.45,
     speed_max_mm_s=51.89570001,
     traverse_time_max_s=13.2468,
@@ -101,7 +102,15 @@ def answer(*, met: bool) -> DesignResult:
     )  # fmt: skip
     all_three = {"gentlest": SAFEST, "fastest": SAFEST, "safest": SAFEST}
     hopping = replace(
-        SAFEST, speed_min_mm_s=228.0, set_by="limit", margin=12.0, proof="sampled", coexists=True, excluded=7
+        SAFEST,
+        speed_min_mm_s=228.0,
+        set_by="limit",
+        margin=12.0,
+        proof="sampled",
+        coexists=True,
+        excluded=7,
+        samples=2000,
+        speed_proved_mm_s=None,
     )
     found = [
         *rows("motor", "forward-slip", **(all_three if met else {"fastest": slow})),
@@ -166,7 +175,7 @@ def test_the_report_of_a_goal_that_is_met(ask: Callable[..., Any]) -> None:
     limits = "amplitude up to 3 mm, frequency 10 ... 30 Hz, drive angle 5 ... 45 deg, acceleration up to 4 g"
     head = lines.index(f"motor: {limits}")
     # Every digit of a setting; a guarantee is never rounded up, nor what no part exceeds rounded down.
-    setting = "2.80763335 10 45 1.12989 45.2939 48.45 51.8958 7.39704 back slip corners"
+    setting = "2.80763335 10 45 1.12989 45.2939 45.25 48.45 51.8958 7.39704 back slip corners"
     assert lines[head + 3 : head + 5] == ["forward-slip at most (the goal)", f"gentlest {setting}"]
     magnet = lines.index("magnet: amplitude up to 0.8 mm, frequency 50 Hz or 100 Hz, drive angle 20 deg")
     assert lines[magnet + 1] == "forward-slip at most (the goal): no speed is guaranteed"
@@ -190,6 +199,8 @@ def test_the_report_of_a_goal_that_is_met(ask: Callable[..., Any]) -> None:
     assert costs[0].startswith("amplitude +")
     assert costs[5].startswith("trough angle, 1 deg more -")
     assert any(line.startswith("sampled: ") for line in lines)
+    chance = "one drawn at random is with a chance of at most 0.15 % (confidence 95 %)"
+    assert f"samples: of 2000 hopping parts, spread evenly, none is slower: {chance}" in lines
     settles = "disturbed parts can settle into another motion than those from rest: motor, hopping, gentlest"
     assert any(line.startswith(settles) for line in lines)
     assert any(

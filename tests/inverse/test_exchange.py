@@ -1,4 +1,4 @@
-"""The exchange of scenarios with an optimiser whose answers are known: roundings, margins, repetitions."""
+"""The exchange of scenarios with an optimiser whose answers are known: limits, margins, repetitions."""
 
 from __future__ import annotations
 
@@ -88,43 +88,6 @@ def asked(content: dict[str, Any], highest: Regime = Regime.BACK_SLIP, **more: A
 def line(amplitude: float, frequency: float = 15.0, angle_deg: float = 20.0) -> Setting:
     (space,) = (space for space in SPACES.values() if space.proves)
     return space.setting(amplitude=amplitude, frequency=frequency, drive_angle=math.radians(angle_deg))
-
-
-@pytest.mark.parametrize(
-    ("up", "sizes"),
-    [(False, [0.95, 0.94, 0.93, 0.92, 0.91]), (True, [0.94, 0.95, 0.96, 0.97, 0.98])],
-)
-def test_amplitudes_move_inwards_from_one_step_outside(up: bool, sizes: list[float]) -> None:
-    found = [*Known(asked(LINE)).roundings(line(0.945e-3), 2, up=up)]
-    assert [a for a, _, _ in found] == pytest.approx(sizes)
-    assert {(f, angle) for _, f, angle in found} == {(15.0, 20.0)}
-
-
-def test_roundings_stay_within_the_drive() -> None:
-    found = [a for a, *_ in Known(asked(LINE)).roundings(line(1.2449e-3), 3, up=True)]
-    assert found == pytest.approx([1.24, 1.25, 1.25, 1.25, 1.25])
-    found = [a for a, *_ in Known(asked(LINE)).roundings(line(0.5055e-3), 2, up=False)]
-    assert found == pytest.approx([0.51, 0.5, 0.5, 0.5, 0.5])
-
-
-@pytest.mark.parametrize(("frequency", "printed"), [(12.4, 12.0), (15.3, 15.0), (23.456, 23.5), (26.0, 25.0)])
-def test_a_frequency_stays_in_its_range_and_amplitudes_keep_the_load(
-    frequency: float, printed: float
-) -> None:
-    *_, (amplitude, rounded, _) = Known(asked(LINE)).roundings(line(0.9e-3, frequency), 3, up=True)
-    assert rounded == printed
-    least = 0.9 * (frequency / printed) ** 2
-    assert amplitude == pytest.approx(math.ceil(least * 1e3) / 1e3 + 0.003, abs=1e-9) or least > 1.0
-    assert 0.9 * (frequency / printed) ** 2 <= amplitude <= least + 0.05
-
-
-def test_both_amplitudes_of_an_ellipse_are_moved() -> None:
-    setting = Setting(1.2345e-3, 0.56789e-3, math.radians(-50.123456789), 25.0)
-    found = [*Known(asked(OVAL)).roundings(setting, 3, up=True)]
-    along, normal, phases, frequencies = zip(*found, strict=True)
-    assert along == pytest.approx(np.repeat([1.23, 1.24, 1.25, 1.26, 1.27], 5))
-    assert normal == pytest.approx(np.tile([0.567, 0.568, 0.569, 0.57, 0.571], 5))
-    assert (set(phases), set(frequencies)) == ({-50.1}, {25.0})
 
 
 @pytest.mark.parametrize(

@@ -76,13 +76,6 @@ def test_designs_that_hop_end_at_a_throw_number_of_ten_drift_included() -> None:
     assert question.box(line(amplitude)).throw_number == pytest.approx(10.0, rel=1e-9)
 
 
-def test_a_rounded_frequency_keeps_the_load() -> None:
-    setting = line(1e-3, frequency=14.5)
-    printed = next(iter(LineOptimiser(asked(LINE)).roundings(setting, 9, up=False)))
-    assert printed[1] == 15.0
-    assert printed[0] == pytest.approx((14.5 / 15.0) ** 2, rel=2e-8)
-
-
 def test_a_margin_ends_where_bands_exceed_the_regime() -> None:
     optimiser = LineOptimiser(asked(LINE, Regime.FORWARD_SLIP))
     fastest = optimiser.fastest()

@@ -370,8 +370,8 @@ def _remarks(result: DesignResult) -> list[str]:
     lines = [f"{name}: {text}" for name, text in _PROOFS.items() if name in proofs]
     if samples := min((d.samples for d in result.designs if d.samples), default=0):
         lines.append(
-            f"samples: of {samples} hopping parts, spread evenly, none is slower: one drawn at random is with a "
-            f"chance of at most {100.0 * _UNSEEN / samples:.2g} % (confidence 95 %)"
+            f"samples: of {samples} hopping parts, spread evenly, none is slower: one drawn at random is "
+            f"with a chance of at most {100.0 * _UNSEEN / samples:.2g} % (confidence 95 %)"
         )
     if coexists := _all_called(d for d in result.designs if d.coexists):
         lines.append(f"disturbed parts can settle into another motion than those from rest: {coexists}")

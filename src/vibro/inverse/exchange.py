@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from itertools import product
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -16,16 +15,14 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.inverse.extremes import Seen, least_of
 from vibro.inverse.guarantees import BRIEF, bound
-from vibro.inverse.rounding import moved, within
 from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.search import evolve, scatter
 from vibro.inverse.spaces import Setting
 from vibro.inverse.tolerances import TOLERANCES
-from vibro.quantities import QUANTITIES
 from vibro.roots import close_in
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
@@ -42,7 +39,6 @@ MOST_MARGIN: Final = 10.0
 SEED: Final = 1
 SCATTERED: Final = 4  # ratio of the sampled settings in the first round to those in each later round
 _STEPS: Final = 60  # iterations at most of the root search
-_NUDGES: Final = 4  # steps of the last digit that amplitudes may be moved inwards
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,23 +121,6 @@ class Exchange(ABC):
     @abstractmethod
     def limit(self, found: Found, scale: float) -> str:
         """Return the name of a setting's active constraint, with bands scaled by a factor."""
-
-    def roundings(self, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
-        """Return settings rounded to some digits in users' units, from the nearest one inwards.
-
-        Every knob stays within its nearest range. Amplitudes keep the load at the rounded frequency.
-        """
-        turned = {knob: float(x) for knob, x in self._question.space.turned(setting).items()}
-        spans = {knob: self._question.drive.nearest(knob, x) for knob, x in turned.items()}
-        values = {knob: float(QUANTITIES[knob].from_si(x)) for knob, x in turned.items()}
-        printed = {knob: within(x, knob, spans[knob], digits) for knob, x in values.items()}
-        growth = (values["frequency"] / printed["frequency"]) ** 2
-        sizes, step = [knob for knob in turned if knob.endswith("amplitude")], 1 if up else -1
-        for steps in product(range(-step, step * _NUDGES, step), repeat=len(sizes)):
-            for knob, n in zip(sizes, steps, strict=True):
-                size = moved(values[knob] * growth, digits, n, up=up)
-                printed[knob] = within(size, knob, spans[knob], digits)
-            yield tuple(printed.values())
 
     def is_allowed(self, setting: Setting) -> bool:
         """Return whether the drive's acceleration allows a setting."""
