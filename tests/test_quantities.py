@@ -81,6 +81,9 @@ def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expec
     assert float(exact_number(text, quantity)) == expected
 
 
+PAIRS = "vibro friction lists pairs of materials"
+
+
 @pytest.mark.parametrize(
     ("name", "text", "problem", "hint"),
     [
@@ -96,7 +99,13 @@ def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expec
         ("frequency", "", "not a number", "write it like 1.5Hz"),
         ("amplitude", "1.2.3", "not a number", "write it like 1.5mm"),
         ("amplitude", "1,2", "not a number", "write a decimal point: 1.2"),
-        ("static_friction", "abc", "not a number", "write it like 0.5"),
+        (
+            "static_friction",
+            "abc",
+            "not a number",
+            f"write it like 0.5; {PAIRS}",
+        ),
+        ("friction_ratio", "steel on steel", "not a number", "write it like 0.5"),
         ("amplitude", "1_000", "not a number", "write it like 1.5mm"),
     ],
 )

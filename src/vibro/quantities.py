@@ -39,8 +39,8 @@ __all__ = [
     "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC", "IN_GRAVITIES",
     "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS", "PERCENT", "PER_MINUTE",
     "PITCH", "PURE", "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE",
-    "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "checked_number", "drive_of", "exact_number",
-    "find_quantity", "kinetic_friction", "nearest_double", "scene_fields",
+    "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "catalogue_hint", "checked_number", "drive_of",
+    "exact_number", "find_quantity", "kinetic_friction", "nearest_double", "scene_fields",
 ]  # fmt: skip
 
 
@@ -236,6 +236,7 @@ START_VELOCITY: Final = Quantity("start_velocity", SPEED)
 # Possessive, so that the time of a refusal grows with the length of a text and not with its square.
 _NUMBER = re.compile(r"([+-]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][+-]?+\d++)?+)\s*+([^\W\d_].*|[\u00b0%])?")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)(?![a-z])", re.IGNORECASE)
+_CATALOGUED: Final = ("static_friction", "kinetic_friction")
 # More digits than this are no number that somebody measured or computed: those of every double fit.
 _LONGEST: Final = 1000  # characters
 _ONE: Final = (1, 1)
@@ -417,4 +418,15 @@ def _number_hint(text: str, quantity: Quantity) -> str:
     comma = re.fullmatch(r"([+-]?\d+),(\d+)\s*(\D*)", text)
     if comma and text.isprintable() and len(text) <= _HINTED:
         return f"write a decimal point: {comma[1]}.{comma[2]}{comma[3]}"
-    return f"write it like 1.5{quantity.unit}" if quantity.unit else "write it like 0.5"
+    if quantity.unit:
+        return f"write it like 1.5{quantity.unit}"
+    return catalogue_hint(text, quantity) or "write it like 0.5"
+
+
+def catalogue_hint(text: str, quantity: Quantity) -> str:
+    """Return what the catalogue says of friction that is given by its materials; else an empty text."""
+    if quantity.name not in _CATALOGUED or not text.strip()[:1].isalpha():
+        return ""
+    from vibro.friction_catalogue import number_hint
+
+    return number_hint(text, quantity.name)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from vibro.inverse.catalogue import rows
+from vibro.friction_catalogue import rows
 
 if TYPE_CHECKING:
     from helpers.commands import Run

@@ -19,7 +19,7 @@ from vibro.errors import InputError
 from vibro.files.descriptions import DESIGN_FILE, FILES, SCENE_FILE, FileKind
 from vibro.files.json_schema import VERSION, schema_of
 from vibro.files.scene_files import read_scene_file
-from vibro.inverse.catalogue import rows
+from vibro.friction_catalogue import rows
 from vibro.inverse.reading import read_spec
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))

@@ -81,6 +81,16 @@ def test_files_from_windows_are_read(tmp_path: Path, text: bytes) -> None:
         ),
         ('[scene]\nfrequency_hz = "3000rpm"', "without quotes", "write frequency_hz = 50"),
         ('[scene]\nstatic_friction = "0,74"', "without quotes", "write static_friction = 0.74"),
+        (
+            '[scene]\nstatic_friction = "brass on steel"',
+            "without quotes",
+            "brass on steel has 0.35 (d",
+        ),
+        (
+            '[map]\nkinetic_friction = "wood on steel"',
+            "not a number",
+            "wood on steel has 0.3:0.6 (d",
+        ),
         ("[scene]\namplitude_mm = true", "must be a number", "write amplitude_mm = 1.5"),
         ("[scene]\namplitude_mm = [1, 2]", "must be a number", "write amplitude_mm = 1.5"),
         ("[scene]\namplitude_mm = nan", "[scene] amplitude = nan: must be a finite number", ""),
@@ -215,3 +225,28 @@ def test_wild_keys_are_cut_and_take_no_time(tmp_path: Path, text: str) -> None:
 def test_a_path_that_no_system_has(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="cannot read"):
         read_scene_file(tmp_path / "a\0b.toml")
+
+
+QUESTION = "[scene]\nstatic_friction = 0.3\n[goal]\nspeed_mm_s = 80\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "is_question"),
+    [
+        (f"{QUESTION}[[drive]]\nfrequency_hz = 50", True),
+        (f"{QUESTION}[drive]\nfreqency_hz = 50\n[drif]\n", True),  # with slips too
+        (f"{QUESTION}[drive]\n[map]\n", True),
+        (f"{QUESTION}[drive]\n[map]\namplitude_mm = 1\nfrequency_hz = 50", True),
+        (QUESTION, False),  # a scene that has a goal, as nothing is chosen from
+        ("[[drive]]\namplitude_mm = 1", False),
+    ],
+)
+def test_a_question_of_vibro_design_is_told_from_a_scene(
+    tmp_path: Path, text: str, is_question: bool
+) -> None:
+    path = written(tmp_path, text)
+    with pytest.raises(InputError) as caught:
+        read_scene_file(path)
+    told = f"{path}: this is a question of vibro design: parts, drives and a goal"
+    assert (caught.value.problems == (told,)) is is_question
+    assert (caught.value.hint == f"run vibro design {path}") is is_question

@@ -329,6 +329,24 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert wrong.hint == "write a decimal point: speed_mm_s = 0.5"
 
 
+@pytest.mark.parametrize(
+    ("text", "is_scene"),
+    [
+        ("[scene]\nstatic_friction = 0.3\n[map]\n", True),
+        ("[scene]\nstatic_friction = 0.3\namplitude_mm = 1\n", True),
+        ("[scene]\nstatic_friction = 0.3\namplitude_mm = 1\n[goal]\n", False),  # as near to either
+        ("[scene]\nstatic_friction = 0.3\n", False),
+    ],
+)
+def test_a_scene_is_told_from_a_question(tmp_path: Path, text: str, is_scene: bool) -> None:
+    path = tmp_path / "nut.toml"
+    path.write_text(text, encoding="utf-8")
+    wrong = refusal(path)
+    told = f"{path}: this is a scene of vibro: a drive, a trough and a part"
+    assert (wrong.problems == (told,)) is is_scene
+    assert (wrong.hint == f"run vibro solve {path}") is is_scene
+
+
 @pytest.mark.parametrize("source", [None, 3, ["a"], b"feeder.toml"])
 def test_a_source_that_is_no_path_and_no_mapping(source: Any) -> None:
     assert "must be a path, or a mapping with the tables of a question" in str(refusal(source))

@@ -11,7 +11,7 @@ from vibro.cli.options import DebugOption, JsonOption, VersionOption  # typer re
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from vibro.inverse.catalogue import Row
+    from vibro.friction_catalogue import Row
 
 __all__ = ["friction_command"]
 
@@ -33,7 +33,7 @@ def friction_command(
     In a question of vibro design a row is named static_friction = "steel on steel, dry, Lust".
     """
     from vibro.files.publication import json_text
-    from vibro.inverse.catalogue import find
+    from vibro.friction_catalogue import find
 
     found = find(" ".join(pair or ()))
     if json:
@@ -54,7 +54,7 @@ def _content(row: Row) -> dict[str, Any]:
 def _print_table(found: Sequence[Row]) -> None:
     """Print the rows, and below them what is known of each source."""
     from vibro.cli.report import aligned
-    from vibro.inverse.catalogue import band_text
+    from vibro.friction_catalogue import band_text
 
     cells = [
         (row.pair, row.condition, band_text(row.static_friction), band_text(row.kinetic_friction), row.source)

@@ -44,10 +44,11 @@ class TableKind(NamedTuple):
 
 
 class FileKind(NamedTuple):
-    """A kind of file: its name, its description, and its tables by name."""
+    """A kind of file: its name, its description, the command that takes it first, and its tables by name."""
 
     name: str
     meaning: str
+    command: str
     tables: dict[str, TableKind]
 
 
@@ -101,7 +102,7 @@ def _axis(quantity: Quantity) -> Entry:
 
 # fmt: off
 #: Input of the commands that take a scene.
-SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", {
+SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", "solve", {
     "scene": TableKind("[scene]", "the operating point: one value each", _by_key(
         *map(_value, BY_COLUMN.values()),
         _harmonics("along_amplitude", "amplitudes of all harmonics along the trough, from the first on"),
@@ -114,7 +115,7 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
 })
 
 #: Input of ``vibro design``; static friction must be positive, since without it no body rests.
-DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, drives and a goal", {
+DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, drives and a goal", "design", {
     "scene": TableKind("[scene]", "what is known of the parts and the trough", _by_key(
         _entry(form.FRICTION, "static_friction", "static friction of the parts", "needed", "0.3:0.5",
                allowed=_POSITIVE),

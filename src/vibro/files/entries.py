@@ -13,7 +13,7 @@ import numpy as np
 
 from vibro.axes import axis_of, parse_axis
 from vibro.errors import InputError, shown
-from vibro.quantities import MOST_HARMONICS, exact_number, nearest_double
+from vibro.quantities import MOST_HARMONICS, catalogue_hint, exact_number, nearest_double
 from vibro.reals import NotRealError, real_number
 
 if TYPE_CHECKING:
@@ -171,7 +171,8 @@ def _value(quantity: Quantity, value: Any) -> AxisSpec:
         return axis_of(value, quantity)
     hint = f"write {quantity.column} = 1.5"
     if isinstance(value, str):
-        hint = "axes belong in the table [map]" if ":" in value else _as_number(value, quantity) or hint
+        hint = _as_number(value, quantity) or catalogue_hint(value, quantity) or hint
+        hint = "axes belong in the table [map]" if ":" in value else hint
     raise _refusal(quantity, value, "must be a number, without quotes", hint)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from vibro.axes import AxisSpec, axis_of
 from vibro.errors import InputError, Problems
 from vibro.files.descriptions import SCENE_FILE
-from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_unknown_tables
+from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -55,9 +55,11 @@ def read_scene_file(path: Path) -> SceneFile:
     FileError
         If the file cannot be read.
     InputError
-        If it is not TOML, or has invalid keys or values; the message names all of them.
+        If it is not TOML, is a question of ``vibro design``, or has invalid keys or values; the message
+        names all of them.
     """
     content = read_toml(path)
+    refuse_other_kinds(content, SCENE_FILE, path)
     problems = Problems(f"{path}: ")
     refuse_unknown_tables(content, SCENE_FILE, problems)
     tables: dict[str, dict[str, AxisSpec]] = {}

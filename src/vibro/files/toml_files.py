@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import MOST_TOLD, FileError, InputError, cut, shown
+from vibro.files.descriptions import FILES
 from vibro.files.nearby import suggestion
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from vibro.errors import Problems
     from vibro.files.descriptions import FileKind
 
-__all__ = ["ABSENT", "Table", "read_toml", "refuse_unknown_tables"]
+__all__ = ["ABSENT", "Table", "read_toml", "refuse_other_kinds", "refuse_unknown_tables"]
 
 #: Stands for a table that a file does not have.
 ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
@@ -140,6 +141,27 @@ class Table:
     def example(self, *keys: str) -> str:
         """Return an example line for the first of some keys that has one."""
         return next(entry.shown for key in keys if (entry := self._entries[key]).example is not None)
+
+
+def refuse_other_kinds(content: Mapping[str, Any], file: FileKind, path: Path) -> None:
+    """Refuse a file of another kind as a whole: one that has its tables, and fewer unknown names in it."""
+    for other in FILES.values():
+        required = {name for name, kind in other.tables.items() if kind.required}
+        if required <= content.keys() and _count_unknown(content, other) < _count_unknown(content, file):
+            raise InputError(f"{path}: this is {other.meaning}", hint=f"run vibro {other.command} {path}")
+
+
+def _count_unknown(content: Mapping[str, Any], file: FileKind) -> int:
+    """Count the tables and keys that a kind of file does not have."""
+    count = 0
+    for name, given in content.items():
+        if name in file.tables:
+            tables = given if isinstance(given, list) else [given]
+            keys = (key for table in tables if isinstance(table, Mapping) for key in table)
+            count += sum(key not in file.tables[name].entries for key in keys)
+        else:
+            count += 1
+    return count
 
 
 def refuse_unknown_tables(content: Mapping[Any, Any], file: FileKind, problems: Problems) -> None:

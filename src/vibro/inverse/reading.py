@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.drives import Ellipse, Line
 from vibro.errors import InputError, Problems, shown
 from vibro.files.descriptions import DESIGN_FILE
-from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_unknown_tables
-from vibro.inverse.catalogue import static_row
+from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
+from vibro.friction_catalogue import static_row
 from vibro.inverse.spaces import SPACES
 from vibro.inverse.specs import Drift, Drive, Goal, Spec
 from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from vibro.files.entries import Span
-    from vibro.inverse.catalogue import Row
+    from vibro.friction_catalogue import Row
 
 __all__ = ["read_spec"]
 
@@ -55,7 +55,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
     FileError
         If the file cannot be read.
     InputError
-        If something is wrong; everything is named, each with its table and key.
+        If something is wrong; everything is named, each with its table and key. Of a scene file that alone.
 
     Examples
     --------
@@ -72,7 +72,9 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> Spec:
     if not isinstance(source, str | os.PathLike):
         raise InputError(f"{shown(source)}: must be a path, or a mapping with the tables of a question")
     path = Path(source)
-    return _spec(read_toml(path), path.stem, Problems(f"{path}: "))
+    content = read_toml(path)
+    refuse_other_kinds(content, DESIGN_FILE, path)
+    return _spec(content, path.stem, Problems(f"{path}: "))
 
 
 def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:

@@ -8,7 +8,7 @@ from importlib.resources import files
 import pytest
 
 from vibro.errors import InputError
-from vibro.inverse.catalogue import Row, band_text, find, rows, static_row
+from vibro.friction_catalogue import Row, band_text, find, number_hint, rows, static_row
 
 
 def test_every_row_has_a_source_and_bands_that_can_be() -> None:
@@ -27,7 +27,7 @@ def test_every_row_has_a_source_and_bands_that_can_be() -> None:
 
 
 def test_values_are_those_of_the_table() -> None:
-    text = files("vibro.inverse").joinpath("friction_catalogue.csv").read_text(encoding="utf-8")
+    text = files("vibro").joinpath("friction_catalogue.csv").read_text(encoding="utf-8")
     assert '\nsteel on steel,dry,0.12,0.60,0.08,0.50,"Lust CDA3000' in text
     row = static_row("steel on steel, dry, Lust")
     assert (row.static_friction, row.kinetic_friction) == ((0.12, 0.6), (0.08, 0.5))
@@ -147,3 +147,29 @@ def test_a_list_has_the_rows_of_the_pair_by_the_shortest_name_of_their_source() 
         ("greased", "mu_s 0.12:0.35, mu_d 0.04:0.25"),
     ):
         assert f'write "steel on steel, {condition}, Lust CDA3000 Engineering Guide" for {bands}' in lines
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "hint"),
+    [
+        (
+            " Steel  on STEEL",
+            "static_friction",
+            "steel on steel has 0.12:0.8 (dry), 0.12:0.35 (greased): choose from it;"
+            " vibro friction steel on steel names sources",
+        ),
+        (
+            "steel on steel",
+            "kinetic_friction",
+            "steel on steel has 0.08:0.7 (dry), 0.04:0.25 (greased), 0.58 (unspecified): choose from it;"
+            " vibro friction steel on steel names sources",
+        ),
+        ("PTFE on steel", "static_friction", "give a number: the catalogue has no static friction of PTFE"),
+        ("steel on plastik", "static_friction", "did you mean 'steel on plastic' or 'steel on steel' or"),
+        ("qqq", "static_friction", "write it like 0.5; vibro friction lists pairs of materials"),
+    ],
+)  # fmt: skip
+def test_materials_in_place_of_a_number_are_answered_with_what_is_printed(
+    text: str, field: str, hint: str
+) -> None:
+    assert number_hint(text, field).startswith(hint)

@@ -20,7 +20,7 @@ from vibro.errors import InputError, shown
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-__all__ = ["Row", "band_text", "find", "rows", "static_row"]
+__all__ = ["Row", "band_text", "find", "number_hint", "rows", "static_row"]
 
 Span = tuple[float, float]
 
@@ -55,7 +55,7 @@ class Row:
 @cache
 def rows() -> tuple[Row, ...]:
     """Return the catalogue."""
-    table = files("vibro.inverse").joinpath(_TABLE).read_text(encoding="utf-8")
+    table = files("vibro").joinpath(_TABLE).read_text(encoding="utf-8")
     return tuple(
         Row(
             pair=line["pair"],
@@ -158,14 +158,53 @@ def static_row(text: str) -> Row:
     return with_static[0]
 
 
+def number_hint(text: str, field: str) -> str:
+    """Return what the catalogue says about a pair of materials that was given in place of a number.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``steel on steel``.
+    field : str
+        ``static_friction`` or ``kinetic_friction``.
+
+    Returns
+    -------
+    str
+        For each condition the band that holds those of all sources, which disagree too much for vibro to
+        choose; for an unknown pair the nearest ones.
+
+    Examples
+    --------
+    >>> print(number_hint("wood on steel", "static_friction"))
+    wood on steel has 0.45:0.75 (dry): choose from it; vibro friction wood on steel names sources
+    """
+    of_pair = [row for row in rows() if _folded(row.pair) == _folded(text)]
+    if not of_pair:
+        return _nearest(text) or "write it like 0.5; vibro friction lists pairs of materials"
+    bands: dict[str, Span] = {}
+    for row in of_pair:
+        if own := getattr(row, field):
+            known = (*own, *bands.get(row.condition, ()))
+            bands[row.condition] = min(known), max(known)
+    pair, label = of_pair[0].pair, field.replace("_", " ")
+    if not bands:
+        return f"give a number: the catalogue has no {label} of {pair}"
+    said = ", ".join(f"{band_text(band)} ({condition})" for condition, band in bands.items())
+    return f"{pair} has {said}: choose from it; vibro friction {pair} names sources"
+
+
 def _unknown_pair(text: str) -> InputError:
     pairs = dict.fromkeys(row.pair for row in rows())
-    close = difflib.get_close_matches(_folded(text)[:60], pairs, n=3, cutoff=0.3)
-    if close:
-        hint = f"did you mean {' or '.join(map(repr, close))}? vibro friction lists all pairs"
-    else:
-        hint = f"its pairs are {', '.join(pairs)}"
+    hint = _nearest(text) or f"its pairs are {', '.join(pairs)}"
     return InputError(f"{shown(text)}: no such pair in the catalogue of friction", hint=hint)
+
+
+def _nearest(text: str) -> str:
+    """Suggest the pairs nearest to a text; empty if none is near."""
+    pairs = dict.fromkeys(row.pair for row in rows())
+    close = difflib.get_close_matches(_folded(text)[:60], pairs, n=3, cutoff=0.3)
+    return f"did you mean {' or '.join(map(repr, close))}? vibro friction lists all pairs" if close else ""
 
 
 def _listed(several: Sequence[Row]) -> str:
