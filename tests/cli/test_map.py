@@ -106,6 +106,37 @@ def test_json_is_the_sidecar_on_stdout(run: Run) -> None:
 HOPS = ("map", "-A", "0.5:6:3", "-f", "15,25", *NUT_ANGLE_AND_FRICTION, "-o", "hop")
 
 
+CLIMB = ("map", "-A", "1:3:5", "--trough-angle", "0:20:3", "-f", "15", *NUT_ANGLE_AND_FRICTION)
+
+
+def test_the_fastest_cells_are_told_last(run: Run) -> None:
+    result = run(*CLIMB, "-o", "-")
+    rows = [row for row in rows_of(result.stdout) if row["mean_velocity_mm_s"]]
+    rows.sort(key=lambda row: float(row["mean_velocity_mm_s"]))
+    told = [
+        f"{name}: {float(row['mean_velocity_mm_s']):.6g} mm/s at amplitude {row['amplitude_mm']} mm,"
+        f" trough angle {row['trough_angle_deg']} deg"
+        for name, row in (("fastest", rows[-1]), ("fastest backwards", rows[0]))
+    ]
+    assert result.stderr.splitlines()[-2:] == told
+    assert run(*CLIMB, "-o", "wide", "--table", "parquet", "--part-cells", "4").exit_code == 0
+    assert run("map", "wide", "-o", "again").stderr.splitlines()[-2:] == told
+    for sidecar in ("wide/_SUCCESS", "again.json"):
+        peaks = json.loads(Path(sidecar).read_text(encoding="utf-8"))["peaks"]
+        assert [repr(peak["mean_velocity_mm_s"]) for peak in peaks.values()] == [
+            row["mean_velocity_mm_s"] for row in (rows[-1], rows[0])
+        ]
+
+
+@pytest.mark.parametrize(
+    "args", [("-A", "0.01:0.02"), ("-A", "1:2", "--accuracy", "regimes"), ("-A", "1:2", "-a", "0")]
+)
+def test_without_motion_forwards_no_cell_is_the_fastest(run: Run, args: tuple[str, ...]) -> None:
+    result = run("map", "-f", "15", *NUT_ANGLE_AND_FRICTION, *args, "-o", "-")
+    assert result.exit_code == 0
+    assert "fastest" not in result.stderr
+
+
 def test_pictures_of_flight_on_request(run: Run) -> None:
     from PIL import Image
 

@@ -146,6 +146,7 @@ def check_success(folder: Path, solved: Sweep, digest: str) -> None:
     told = json.loads((folder / "_SUCCESS").read_text(encoding="utf-8"))
     lines = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in paths]
     frame = solved.to_frame()
+    check_peaks(told.pop("peaks"), frame)
     assert told == {
         "cells": len(frame),
         "parts": len(paths),
@@ -157,6 +158,19 @@ def check_success(folder: Path, solved: Sweep, digest: str) -> None:
     assert told["digest"] == digest
     names = {path.name for path in folder.iterdir()}
     assert names == {"_SUCCESS", "manifest.json", *(path.name for path in paths)}
+
+
+def check_peaks(told: dict[str, dict[str, float]], frame: pd.DataFrame) -> None:
+    """Look whether the fastest cells that the last file names are the first such rows of the table."""
+    speed = frame["mean_velocity_mm_s"].astype(float)
+    error = frame["mean_velocity_error_mm_s"].astype(float).fillna(0.0)
+    sure = speed[np.isfinite(speed) & (speed.abs() > 3.0 * error)]
+    ways = {"fastest": sure[sure > 0.0], "fastest_backwards": -sure[sure < 0.0]}
+    assert told.keys() == {name for name, speeds in ways.items() if len(speeds)}
+    for name, peak in told.items():
+        row = frame.to_dict("records")[int(ways[name].index[int(ways[name].argmax())])]
+        shared = [column for column in peak if column in frame and column != "mean_velocity_error_mm_s"]
+        assert [peak[column] for column in shared] == [row[column] for column in shared]
 
 
 def test_the_sweeps_have_cells_of_every_kind(sweeps: dict[str, Sweep]) -> None:

@@ -20,7 +20,7 @@ from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import records
 from vibro.sweeps.csv_sink import provenance, write_rows
-from vibro.sweeps.one_scene import OneScene
+from vibro.sweeps.one_scene import OneScene, estimate, number
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
 
@@ -46,6 +46,7 @@ __all__ = [
     "count",
     "make_grid",
     "table_stream",
+    "tell_peaks",
     "write_sweep",
 ]
 
@@ -156,7 +157,7 @@ def write_sweep(
         stream = table_stream(json=options.json)
         with console.progress("solving", grid.size) as report:
             tally = write_rows(grid, table.columns, form, stream, report, look)
-        return conclude(tally, grid.size, console)
+        return conclude(tally, grid, console)
 
     names = pictures.names if pictures else ()
     formats = pictures.formats if pictures else ()
@@ -176,7 +177,7 @@ def write_sweep(
         content = files.finish(provenance(grid, table, tally), pictures.saver() if pictures else None)
     if options.json:
         print(json_text(content))
-    return conclude(tally, grid.size, console)
+    return conclude(tally, grid, console)
 
 
 def answer_sweep(
@@ -203,7 +204,7 @@ def answer_sweep(
             print(between, json.dumps(cell, allow_nan=False), sep="", end="")
             between = ",\n"
     print("\n]")
-    return conclude(tally, grid.size, console)
+    return conclude(tally, grid, console)
 
 
 def answer_one(
@@ -309,8 +310,17 @@ def byte_count(number: float) -> str:
     return f"{number:.3g} PB"
 
 
-def conclude(tally: Tally, size: int, console: Console) -> int:
+def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
+    """Tell which cells of a sweep are conveyed fastest, forwards and backwards."""
+    for name, peak in tally.peaks.items():
+        speed = estimate(peak.speed, peak.error, "mm/s")
+        place = [f"{axis.label} {number(peak.values[axis.name], axis.unit)}" for axis in grid.axes.values()]
+        console.echo(f"{name.replace('_', ' ')}: {speed} at {', '.join(place)}")
+
+
+def conclude(tally: Tally, grid: Grid, console: Console) -> int:
     """Tell how it went, and return the exit code."""
+    size = grid.size
     for status in Status:
         if status is not Status.OK and tally.status[status]:
             cells = "cell" if size == 1 else f"of {count(size)} cells"
@@ -319,4 +329,5 @@ def conclude(tally: Tally, size: int, console: Console) -> int:
         for regime in Regime:
             if tally.regime[regime]:
                 console.echo(f"{regime.label or 'no regime':>12} {tally.regime[regime] / size:7.1%}")
+        tell_peaks(tally, grid, console)
     return _UNRESOLVED if tally.status[Status.UNRESOLVED] else 0

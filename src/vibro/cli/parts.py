@@ -181,7 +181,7 @@ def write_parted(
         print(
             json_text({"folder": str(folder), "parts": len(summary.sizes), "bytes": summary.size, **content})
         )
-    return conclude(summary.tally, cells, console), summary.tally
+    return conclude(summary.tally, plan.grid, console), summary.tally
 
 
 def _draw(files: PartSet, pictures: Pictures | None, content: Mapping[str, Any]) -> list[str]:

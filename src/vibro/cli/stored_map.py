@@ -62,7 +62,7 @@ def map_stored(
         If the folder cannot be read, or the files cannot be written.
     """
     from vibro.cli.friction_window import friction_window
-    from vibro.cli.output import Pictures
+    from vibro.cli.output import Pictures, tell_peaks
     from vibro.files.part_sets import MANIFEST
     from vibro.files.publication import Publication, json_text
     from vibro.files.stems import output_stem
@@ -118,6 +118,7 @@ def map_stored(
         origin = {"folder": str(folder), "fingerprint": parts.plan.fingerprint}
         content = {"sweep": origin, **provenance(grid, parts.plan.table, parts.tally)}
         whole = files.finish(content, Pictures(names, wanted, draw).saver())
+    tell_peaks(parts.tally, grid, console)
     if said:
         console.echo(said)
     if options.json:

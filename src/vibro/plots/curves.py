@@ -30,6 +30,7 @@ from vibro.plots.lines import (
     stretches,
     write_name,
 )
+from vibro.plots.peaks import draw_peaks
 from vibro.plots.style import (
     CURVES,
     INK,
@@ -156,6 +157,10 @@ def curve_figure(
             _say_why_empty(a, curves)
         if a in named:
             a.set_ylabel(label)
+    if picture == "speed":
+        drawn = [(a, curve.fields.panel) for a, label, curves in panels if label == first for curve in curves]
+        varying = (view.x, view.curves, view.facet)
+        draw_peaks([a for a, _ in drawn], [panel for _, panel in drawn], varying, legend)
     figure.align_ylabels(named)
     if view.curves is not None:
         _add_key(key, facets[0])

@@ -23,6 +23,7 @@ from vibro.plots.frame import (
     settle,
 )
 from vibro.plots.labels import outline
+from vibro.plots.peaks import draw_peaks
 from vibro.plots.style import (
     AVERAGED_LABEL,
     BACKWARDS_HATCH,
@@ -140,6 +141,8 @@ def line_figure(picture: str, result: SweepResult, fields: Fields, level: float 
         for point in operating_points(result, fields.panel):
             height = np.interp(point[0], fields.panel.x.values, values)
             mark_operating_point(a, np.array([[point[0], height]]), legend)
+        if picture == "speed" and a is axes[0]:
+            draw_peaks([a], [fields.panel], [fields.panel.x], legend)
         finish_numbers(a, picture, values, level if a is axes[0] else None)
     scale_axis(strip.xaxis, fields.panel.x)
     axes[-1].set_xlabel(axis_label(fields.panel.x))

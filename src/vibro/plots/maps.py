@@ -9,6 +9,7 @@ import numpy as np
 
 from vibro.plots.frame import map_frame, mark_operating_point, operating_points, settle
 from vibro.plots.layers import MapLayers
+from vibro.plots.peaks import draw_peaks
 from vibro.plots.scales import Scale, scale_of, time_scale
 from vibro.plots.style import BACKWARDS_HATCH, BACKWARDS_LABEL, CURVES, number_text
 
@@ -65,7 +66,7 @@ def speed_map(result: SweepResult, fields: list[Fields], level: float | None = N
     if level is not None:
         for layers, numbers in zip(maps, speeds, strict=True):
             layers.draw_level(numbers, level, f"{number_text(level)} mm/s")
-    return _finish(figure, result, maps)
+    return _finish(figure, result, maps, peaks=True)
 
 
 def impact_map(result: SweepResult, fields: list[Fields]) -> Figure:
@@ -153,7 +154,12 @@ def colour_bar(figure: Figure, maps: list[MapLayers], scale: Scale, label: str) 
 
 
 def _finish(
-    figure: Figure, result: SweepResult, maps: list[MapLayers], curves: Iterable[str] = CURVES
+    figure: Figure,
+    result: SweepResult,
+    maps: list[MapLayers],
+    curves: Iterable[str] = CURVES,
+    *,
+    peaks: bool = False,
 ) -> Figure:
     """Draw the common top layers of maps, fix the layout, and write the words."""
     marked: dict[str, dict[str, Any]] = {}
@@ -162,6 +168,11 @@ def _finish(
         layers.hatch_doubtful()
         layers.draw_curves(curves)
         mark_operating_point(layers.axes, point, marked)
+    if peaks:
+        panels = [layers.fields.panel for layers in maps]
+        facet = result.axes.get(panels[0].facet or "")
+        found = draw_peaks([m.axes for m in maps], panels, (panels[0].x, panels[0].y, facet), marked)
+        points = [np.concatenate(pair) for pair in zip(points, found, strict=True)]
     place_words(figure, maps, points, marked)
     return figure
 

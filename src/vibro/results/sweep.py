@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.quantities import AMPLITUDES, scene_fields
+from vibro.quantities import AMPLITUDES, QUANTITIES, SPEED, scene_fields
 from vibro.scene import Scene
 
 if TYPE_CHECKING:
@@ -23,10 +23,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Block", "Column", "SweepResult", "at_rest", "spread", "where_motion_begins"]
+__all__ = ["Block", "Column", "Peak", "SweepResult", "at_rest", "peaks", "spread", "where_motion_begins"]
 
 # The load grows with the first two; critical loads depend on none of these.
 _LAST_MOVES_FIRST: Final = ("amplitude", "frequency", "restitution")
+_SIGMAS: Final = 3.0  # standard errors by which a mean may be off
+_WAYS: Final = {"fastest": 1.0, "fastest_backwards": -1.0}
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,22 @@ class Block:
         return self.cycle.status.shape
 
 
+class Peak(NamedTuple):
+    """The cell that is conveyed fastest, forwards or backwards.
+
+    Attributes
+    ----------
+    speed, error : float
+        Mean conveying speed, and its standard error; 0 where it is exact [mm/s].
+    values : dict of str to float
+        Quantities of the cell by name, in the user's units.
+    """
+
+    speed: float
+    error: float
+    values: dict[str, float]
+
+
 @dataclass(frozen=True, eq=False)
 class SweepResult:
     """A solved grid, as pictures need it.
@@ -167,6 +185,34 @@ def spread(
     for i, (axis, part) in enumerate(zip(axes.values(), box, strict=True)):
         values[axis.name] = axis.values[part].reshape([-1 if j == i else 1 for j in range(len(axes))])
     return values
+
+
+def peaks(speed: Floats, error: Floats, values: Mapping[str, Any]) -> dict[str, Peak]:
+    """Find the cells that are conveyed fastest.
+
+    Parameters
+    ----------
+    speed, error : float array
+        Mean speed of each cell and its standard error; NaN where unknown [m/s].
+    values : mapping of str to float or array
+        Quantities by name, in the user's units; broadcastable to the shape of the speeds.
+
+    Returns
+    -------
+    dict of str to Peak
+        ``fastest`` and ``fastest_backwards``, as far as any cell is known to move that way; of equally fast
+        cells the first.
+    """
+    error = np.nan_to_num(error)
+    known = np.where(np.isfinite(speed) & (np.abs(speed) > _SIGMAS * error), speed, 0.0)
+    of_cells = {name: np.broadcast_to(values[name], known.shape) for name in QUANTITIES if name in values}
+    found = {}
+    for name, way in _WAYS.items():
+        place = np.unravel_index(np.argmax(way * known), known.shape)
+        if way * known[place] > 0.0:
+            here = {of: float(cells[place]) for of, cells in of_cells.items()}
+            found[name] = Peak(SPEED.from_si(float(known[place])), SPEED.from_si(float(error[place])), here)
+    return found
 
 
 def at_rest(cycle: SteadyCycle) -> NDArray[np.bool_]:

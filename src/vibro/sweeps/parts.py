@@ -283,7 +283,10 @@ def _write(sink: HashedFile, plan: Plan, part: int, row_groups: Iterable[Any], t
     with open_writer(sink, schema_of(plan.table.columns)) as writer:
         for cells in row_groups:
             writer.write_table(cells, ROW_GROUP)
-        writer.add_key_value_metadata({_FOOTER: json.dumps({**place_of(plan, part), **tally.told()})})
+        footer = {**place_of(plan, part), **tally.told()}
+        # Parquet has no checksum of its footer.
+        footer["sha256"] = hashlib.sha256(json.dumps(footer).encode()).hexdigest()
+        writer.add_key_value_metadata({_FOOTER: json.dumps(footer)})
 
 
 class _Solved:

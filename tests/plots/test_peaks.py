@@ -1,0 +1,98 @@
+"""Marks of the fastest in pictures of speeds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from helpers.drawn import curve, legend, maps_of, only_map, sweep
+
+from vibro.plots import map_figures
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibro.results.sweep import SweepResult
+
+MARKS = ("fastest", "fastest_backwards")
+
+
+def told(figure: Figure) -> list[str]:
+    return [text for text in legend(figure) if text.startswith("fastest")]
+
+
+def marked(figure: Figure) -> list[tuple[int, str]]:
+    """Return the panels that have marks, and which."""
+    lines = [(i, line.get_gid()) for i, axes in enumerate(maps_of(figure)) for line in axes.lines]
+    return [(i, str(gid)) for i, gid in lines if gid in MARKS]
+
+
+def test_a_map_marks_its_fastest_cell(nut: SweepResult, pictures: dict[str, Figure]) -> None:
+    speed = 1e3 * nut.cycle.mean_velocity  # over amplitude and frequency
+    i, j = np.unravel_index(np.nanargmax(speed), speed.shape)
+    amplitude, frequency = nut.axes["amplitude"].values[i], nut.axes["frequency"].values[j]
+    figure = pictures["speed"]
+    np.testing.assert_array_equal(curve(only_map(figure), "fastest"), [[frequency, amplitude]])
+    place = f"$A$ = {amplitude:.5g} mm, $f$ = {frequency:.5g} Hz"
+    assert told(figure) == [f"fastest: {speed[i, j]:.5g} mm/s at {place}"]
+    for name in ("regime", "traverse"):
+        assert told(pictures[name]) == []
+
+
+def test_words_keep_clear_of_marks(pictures: dict[str, Figure]) -> None:
+    axes = only_map(pictures["speed"])
+    point = axes.transData.transform(curve(axes, "fastest"))[0]
+    assert not any(text.get_window_extent().contains(*point) for text in axes.texts)
+
+
+def test_where_transport_reverses_the_fastest_backwards_is_marked_too(
+    climb: SweepResult, climb_pictures: dict[str, Figure]
+) -> None:
+    figure = climb_pictures["speed"]
+    speed = 1e3 * climb.cycle.mean_velocity
+    forwards, backwards = told(figure)
+    assert forwards.startswith(f"fastest: {np.nanmax(speed):.5g} mm/s at $A$ = ")
+    assert backwards.startswith(f"fastest backwards: \N{MINUS SIGN}{-np.nanmin(speed):.5g} mm/s at $A$ = ")
+    assert marked(figure) == [(0, "fastest"), (0, "fastest_backwards")]
+
+
+def test_of_facets_only_the_fastest_is_marked_and_its_value_told(facets: dict[str, Figure]) -> None:
+    figure = facets["speed"]
+    ((panel, _),) = marked(figure)
+    (text,) = told(figure)
+    assert text.endswith(f", {maps_of(figure)[panel].get_title()}")
+
+
+def test_a_line_is_marked_at_its_top(one_axis: SweepResult, line_pictures: dict[str, Figure]) -> None:
+    figure = line_pictures["speed"]
+    speed = 1e3 * one_axis.cycle.mean_velocity
+    top = int(np.nanargmax(speed))
+    amplitude = one_axis.axes["amplitude"].values[top]
+    assert told(figure) == [f"fastest: {speed[top]:.5g} mm/s at $A$ = {amplitude:.5g} mm"]
+    _, speeds, displacements = figure.axes
+    np.testing.assert_allclose(curve(speeds, "fastest"), [[amplitude, speed[top]]], rtol=1e-15)
+    assert not [line for line in displacements.lines if line.get_gid() in MARKS]
+
+
+@pytest.mark.parametrize(
+    ("axes", "place"),
+    [
+        ({"amplitude": "0.1:1", "frequency": "15,25"}, "$A$ = 1 mm, $f$ = 25 Hz"),
+        ({"amplitude": "0.5,1", "frequency": "15,25"}, "$A$ = 1 mm, $f$ = 25 Hz"),
+        (
+            {"amplitude": "0.1:1", "frequency": "15,25", "drive_angle": "10,15,20"},
+            "$A$ = 1 mm, $f$ = 25 Hz, $\\alpha$ = 20\N{DEGREE SIGN}",
+        ),
+    ],
+)
+def test_of_several_curves_the_fastest_is_marked_once(axes: dict[str, Any], place: str) -> None:
+    figure = map_figures(sweep(points=41, **axes), ["speed"])["speed"]
+    (text,) = told(figure)
+    assert text.endswith(f" mm/s at {place}")
+    assert len(marked(figure)) == 1
+
+
+def test_where_nothing_moves_nothing_is_marked() -> None:
+    figure = map_figures(sweep(points=31, amplitude="0.01:0.02", frequency="5:10"), ["speed"])["speed"]
+    assert (told(figure), marked(figure)) == ([], [])
