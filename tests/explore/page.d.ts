@@ -36,7 +36,7 @@ type HistoryHeader = {
 type HistoryAnswer = Packed<HistoryHeader>;
 
 type PointAnswer = {
-  state: State; title: string; regime: string; colour: string; speed: string; guaranteed: string; tables: string;
+  state: State; title: string; regime: string; colour: string; speed: string; guaranteed: string; unproved: boolean; tables: string;
   bands: State[];
   command: string; apart: string; toml: string;
 };

@@ -6,7 +6,9 @@ import json
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from helpers.commands import rows_of
 from helpers.packed import state_of, table_of, unpacked
 
 import vibro
+from vibro.explore import bands
 from vibro.explore.answers import Answers
 from vibro.explore.controls import CONTROLS, drives_of
 from vibro.explore.state import initial_state
@@ -35,10 +38,56 @@ def test_what_holds_for_bands_is_told(answers: Answers) -> None:
     assert least == pytest.approx(1e3 * box.speed_min, rel=1e-5)
     assert "no bands" in point["apart"]
     plain = answers.point(state_of())
-    assert (plain["guaranteed"], plain["apart"]) == ("", "")
-    wide = answers.point(state_of(static_friction_band="0.3:1.2"))["guaranteed"]
-    assert wide.startswith("from ")
-    assert "no least speed is proved" in wide
+    assert (plain["guaranteed"], plain["unproved"], plain["apart"]) == ("", False, "")
+
+
+def test_where_no_speed_is_proved_one_is_searched_for(answers: Answers) -> None:
+    state = state_of(static_friction_band="0.6:0.8", friction_ratio_band="0.7:0.8", frequency_hz="18")
+    point = answers.point(state)
+    assert (point["guaranteed"], point["unproved"]) == ("back-slip, least speed not proved here", True)
+    assert not answers.point(state_of(static_friction_band="0.7:0.75"))["unproved"]
+    box = vibro.guarantee(state.point.scene(), static_friction=(0.6, 0.8), friction_ratio=(0.7, 0.8))
+    least, most = (f"{1e3 * speed:.6g} mm/s (proved)" for speed in (box.proved_min, box.proved_max))
+    assert (box.proof_min, box.proof_max) == ("proved", "proved")
+    assert answers.guarantee(state) == {"text": f"back-slip, at least {least}, at most {most}"}
+
+
+def test_of_a_searched_speed_what_is_proved_is_told_too(
+    answers: Answers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def guarantee(scene: vibro.Scene, **of: Any) -> Any:
+        found = vibro.guarantee(scene, **of)
+        return replace(found, proof_min="searched", proved_min=0.012, excluded=3)
+
+    monkeypatch.setattr(bands, "guarantee", guarantee)
+    text = answers.guarantee(state_of(static_friction_band="0.62:0.8", frequency_hz="18"))["text"]
+    assert " mm/s (searched; 12 proved), at most " in text
+    assert text.endswith(", 3 bodies of unknown speed left out")
+
+
+def test_a_search_is_kept_for_another_view_and_not_for_another_band(
+    answers: Answers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[dict[str, Any]] = []
+
+    def guarantee(scene: vibro.Scene, **bands_of: Any) -> Any:
+        asked.append(bands_of)
+        return vibro.guarantee(scene, **bands_of)
+
+    monkeypatch.setattr(bands, "guarantee", guarantee)
+    query = {"static_friction_band": "0.61:0.79", "frequency_hz": "18"}
+    texts = [answers.guarantee(state_of(**query, **more))["text"] for more in ({}, {"view": "speed"})]
+    assert texts[0] == texts[1]
+    assert len(asked) == 1
+    other = {"follow": "0", "kinetic_friction_band": "0.5:0.6"}
+    assert answers.guarantee(state_of(**query, **other))["text"] != texts[0]
+    assert asked[1] == {"static_friction": (0.61, 0.79), "kinetic_friction": (0.5, 0.6)}
+
+
+def test_where_bodies_run_away_the_search_says_so(answers: Answers) -> None:
+    state = state_of(static_friction_band="0.3:0.8", trough_angle_deg="-30")
+    assert answers.point(state)["unproved"]
+    assert answers.guarantee(state)["text"] == "forward-slip, a body runs away or has no steady motion"
 
 
 @pytest.mark.parametrize(

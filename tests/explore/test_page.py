@@ -225,6 +225,28 @@ def test_bands_have_two_handles_that_do_not_pass(open_page: Open) -> None:
     expect(page).to_have_url(re.compile("#(?!.*band)"))
 
 
+def test_where_no_speed_is_proved_the_operating_point_is_searched(open_page: Open) -> None:
+    page = open_page("#view=speed&frequency_hz=18&static_friction_band=0.6:0.8")
+    bounds = re.compile(r"^back-slip, at least 3\d\.\d+ mm/s \(proved\), at most 3\d\.\d+ mm/s \(proved\)$")
+    told = page.locator("#guaranteed")
+    expect(told).to_have_text(bounds)
+    expect(page.locator("#stage")).to_contain_text("not proved here")
+    expect(page.locator("#notes")).to_contain_text("Largest that is proved here: ")
+    searches = asked(page, "guarantee")
+    enter(page, FREQUENCY, "13")
+    expect(told).to_have_text(re.compile(r"^forward-slip, at least [\d.]+ mm/s$"))
+    assert not searches
+    enter(page, FREQUENCY, "19")
+    expect(told).to_have_text(bounds)
+    expect(page.locator("#says")).to_have_text(bounds)
+    assert len(searches) == 1
+    page.route("**/guarantee?*", lambda route: None)  # it takes long
+    enter(page, FREQUENCY, "18.5")
+    expect(told).to_have_text("back-slip, least speed not proved here: searching …")
+    page.locator("#bands").uncheck()
+    expect(told).to_be_empty()
+
+
 def test_bands_are_typed_and_that_of_the_ratio_becomes_one_of_kinetic_friction(open_page: Open) -> None:
     page = open_page()
     page.locator("#bands").check()

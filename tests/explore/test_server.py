@@ -41,6 +41,10 @@ class HeldAnswers(FakeAnswers):
         self._wait("advance" if advance else "map")
         return b""
 
+    def guarantee(self, state: Any) -> dict[str, Any]:
+        self._wait("guarantee")
+        return {}
+
     def table(self, state: Any) -> Iterator[bytes]:
         for number in range(3):
             self._wait(f"table {number}")
@@ -196,21 +200,21 @@ def test_requests_touch_no_files(known: TestClient, opened: list[str]) -> None:
 
 
 def test_work_takes_turns() -> None:
-    """Work on maps and on tables is done by one at a time and holds up nothing else."""
+    """Work on maps, on tables and on guarantees is done by one at a time and holds up nothing else."""
     answers = HeldAnswers()
     app = application(answers)
     cookie = session(app)
 
     async def ask() -> None:
-        slow = [Asked(app, path, cookie) for path in 3 * ["/map?advance=1", "/table.csv"]]
-        await until(lambda: len(answers.begun) == 2)
+        slow = [Asked(app, path, cookie) for path in 3 * ["/map?advance=1", "/table.csv", "/guarantee"]]
+        await until(lambda: len(answers.begun) == 3)
         quick = Asked(app, "/point", cookie)
         await quick.ended()
         assert quick.status == 200
         maps = [Asked(app, "/map", cookie) for _ in range(10)]
-        await until(lambda: len(answers.begun) == 2 + 4)
+        await until(lambda: len(answers.begun) == 3 + 4)
         await asyncio.sleep(0.05)
-        assert sorted(answers.begun) == ["advance", *4 * ["map"], "table 0"]
+        assert sorted(answers.begun) == ["advance", "guarantee", *4 * ["map"], "table 0"]
         answers.go.set()
         for asked in slow + maps:
             await asked.ended()

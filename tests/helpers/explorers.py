@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 PORT = 8765
 HOST = f"127.0.0.1:{PORT}"
 TOKEN = "the-token"
-STATES = ("/map", "/map?advance=1", "/point", "/history", "/table.csv")
+STATES = ("/map", "/map?advance=1", "/point", "/guarantee", "/history", "/table.csv")
 ROUTES = ("/", "/static/index.html", "/schema", *STATES)
 
 
@@ -32,6 +32,9 @@ class FakeAnswers:
 
     def point(self, state: Any) -> dict[str, Any]:
         return {"state": state}
+
+    def guarantee(self, state: Any) -> dict[str, Any]:
+        return {"text": repr(state)}
 
     def history(self, state: Any) -> bytes:
         return repr(state).encode()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.codes import Regime, Status
-from vibro.explore.bands import certain_of
+from vibro.explore.bands import certain_of, searched_text
 from vibro.explore.controls import CONTROLS, DRIVES, drives_of
 from vibro.explore.histories import packed_history
 from vibro.explore.levels import MapCells
@@ -78,6 +78,10 @@ class Answers:
     def point(self, state: State) -> dict[str, Any]:
         """Return the report on the operating point, as JSON values."""
         return point_of(state)
+
+    def guarantee(self, state: State) -> dict[str, Any]:
+        """Return the searched bounds on the speed of all bodies in the bands, as JSON values."""
+        return {"text": searched_text(state)}
 
     def history(self, state: State) -> bytes:
         """Return the motion of the operating point, as ``packed_history`` does."""

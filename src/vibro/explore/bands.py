@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
 
 from vibro.core.codes import Regime
 from vibro.inverse.certain import Certain, certain
+from vibro.inverse.guarantees import guarantee
+from vibro.quantities import scene_fields
+from vibro.scene import Scene
 from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
     from vibro.explore.state import State
     from vibro.inverse.specs import Span
-    from vibro.scene import Scene
 
-__all__ = ["bands_if", "box_of", "certain_of", "extreme_frictions", "guaranteed_text", "is_outside"]
+__all__ = [
+    "bands_if",
+    "box_of",
+    "certain_of",
+    "extreme_frictions",
+    "guaranteed_text",
+    "is_outside",
+    "searched_text",
+]
+
+_KEPT: Final = 64  # searches, a second each: a change of the view asks again
 
 
 def certain_of(state: State, scene: Scene) -> Certain | None:
@@ -79,17 +93,45 @@ def is_outside(state: State) -> bool:
     return any(not low <= own[name] <= high for name, (low, high) in state.bands.items())
 
 
-def guaranteed_text(state: State) -> str:
-    """Describe the guarantees at the operating point; empty without bands."""
+def guaranteed_text(state: State) -> tuple[str, bool]:
+    """Describe what is proved at the operating point, empty without bands; and whether no least speed is."""
     found = certain_of(state, state.point.scene())
     if found is None:
-        return ""
-    lowest, highest = (Regime(int(code)) for code in (found.lowest, found.highest))
-    regimes = lowest.label if lowest is highest else f"from {lowest.label or 'no regime'} to {highest.label}"
+        return "", False
     speed = 1e3 * float(found.speed_min)
-    least = (
-        f"at least {number(speed, 'mm/s')}"
-        if speed == speed
-        else "no least speed is proved (vibro.guarantee searches for it)"
-    )
-    return f"{regimes}, {least}"
+    is_open = math.isnan(speed)
+    least = "least speed not proved here" if is_open else f"at least {number(speed, 'mm/s')}"
+    return f"{_regimes(found)}, {least}", is_open
+
+
+def searched_text(state: State) -> str:
+    """Search for the guaranteed speeds at the operating point, and describe them; takes up to seconds."""
+    static, second, is_ratio = box_of(state)
+    found = certain_of(state, state.point.scene())
+    regimes = [] if found is None else [_regimes(found)]
+    return ", ".join([*regimes, _searched(tuple(state.point.fixed.items()), static, second, is_ratio)])
+
+
+def _regimes(found: Certain) -> str:
+    lowest, highest = (Regime(int(code)) for code in (found.lowest, found.highest))
+    return lowest.label if lowest is highest else f"from {lowest.label or 'no regime'} to {highest.label}"
+
+
+@lru_cache(_KEPT)
+def _searched(fixed: tuple[tuple[str, float], ...], static: Span, second: Span, is_ratio: bool) -> str:
+    ratio_or_own = {"friction_ratio" if is_ratio else "kinetic_friction": second}
+    found = guarantee(Scene(**scene_fields(dict(fixed))), static_friction=static, **ratio_or_own)
+    said = []
+    for end, speed, proof, proved in (
+        ("least", found.speed_min, found.proof_min, found.proved_min),
+        ("most", found.speed_max, found.proof_max, found.proved_max),
+    ):
+        speed = proved if proof == "proved" else speed
+        also = f"; {number(1e3 * proved)} proved" if proof == "searched" and math.isfinite(proved) else ""
+        if math.isfinite(speed):
+            said.append(f"at {end} {number(1e3 * speed, 'mm/s')} ({proof}{also})")
+    if len(said) < 2:
+        said.append("a body runs away or has no steady motion")
+    if found.excluded:
+        said.append(f"{found.excluded} bodies of unknown speed left out")
+    return ", ".join(said)

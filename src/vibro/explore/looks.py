@@ -89,7 +89,7 @@ _NAMES: Final = {
     "coexists": (COEXISTS_LABEL, (Regime.NO_SLIP,)),
     "preview": ("preview, not exact yet", (_GREY,)),
     "unknown": ("not computed yet", (_NO_ANSWER,)),
-    "unproved": ("no speed is guaranteed", (_NO_ANSWER,)),
+    "unproved": ("not proved here", (_NO_ANSWER,)),
     "either": ("either regime, or one between, as friction may be", (Regime.FORWARD_SLIP, Regime.BACK_SLIP)),
     "misses": ("slower than the target speed, or hops", (_GREY,)),
 }

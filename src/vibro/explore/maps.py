@@ -310,6 +310,7 @@ class _Drawn:
         unit = _UNITS[self._state.view]
         so_far = "" if self._exact.all() else " so far"
         what = "Shortest" if is_time else "Largest"
+        what += " that is proved" if self.certain is not None and self._state.view in _OF_SPEED else ""
         return f"{what} here{so_far}: {number_text(numbers[row, column])} {unit}".rstrip() + f", at {where}."
 
     def notes(self) -> list[str]:

@@ -37,8 +37,9 @@ def point_of(state: State) -> dict[str, Any]:
     dict
         JSON values: ``state`` in full; ``title``, and of that the ``regime`` with its ``colour`` and the
         ``speed``; ``tables`` with what ``vibro solve`` prints, as HTML; ``guaranteed``, for all bodies in the
-        bands; ``bands``, with kinetic friction given by itself, and following static friction;
-        ``command`` and ``toml``, which make the same map, and ``apart``, how their maps differ from it.
+        bands, and whether their least speed is ``unproved``; ``bands``, with kinetic friction given by
+        itself, and following static friction; ``command`` and ``toml``, which make the same map, and
+        ``apart``, how their maps differ from it.
     """
     grid = Grid({}, state.point.fixed, state.point.length)
     (block,) = sweep_blocks(grid)
@@ -49,6 +50,7 @@ def point_of(state: State) -> dict[str, Any]:
         told = one.why_never() if time is None else estimate(time, time * one.relative_error, "s")
         facts.append(("traverse time", told))
     speed = dict(facts).get("mean speed", "")
+    guaranteed, is_open = guaranteed_text(state)
     return {
         "state": dict(state.texts),
         "title": ", ".join(filter(None, (one.regime.label, speed))),
@@ -58,7 +60,8 @@ def point_of(state: State) -> dict[str, Any]:
         "tables": _table("What the body does", [(), *facts])
         + _table("What begins when", beginnings(one))
         + _table("Phases of a steady cycle", phase_rows(one)),
-        "guaranteed": guaranteed_text(state),
+        "guaranteed": guaranteed,
+        "unproved": is_open,
         "bands": [bands_if(state, follows=follows) for follows in (False, True)],
         "command": command_of(state),
         "apart": _APART if state.bands else "",

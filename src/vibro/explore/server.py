@@ -140,6 +140,7 @@ class _Routes:
         self._read = read
         self._files = _page_files()
         self._quick, self._advancing, self._tables = _Turns(_QUICK), _Turns(1), _Turns(1)
+        self._searches = _Turns(1)
 
     def routes(self) -> list[Route]:
         """List them."""
@@ -149,6 +150,7 @@ class _Routes:
             Route("/schema", self._schema),
             Route("/map", self._map),
             Route("/point", self._point),
+            Route("/guarantee", self._guarantee),
             Route("/history", self._history),
             Route("/table.csv", self._table),
         ]
@@ -175,6 +177,10 @@ class _Routes:
     async def _point(self, request: Request) -> Response:
         state = self._read(query_of(request.scope))
         return JSONResponse(await self._quick.take(request, lambda: self._answers.point(state)))
+
+    async def _guarantee(self, request: Request) -> Response:
+        state = self._read(query_of(request.scope))
+        return JSONResponse(await self._searches.take(request, lambda: self._answers.guarantee(state)))
 
     async def _history(self, request: Request) -> Response:
         state = self._read(query_of(request.scope))

@@ -10,7 +10,7 @@ import { createStore } from "./state.js";
 
 const TEXTS = /** @type {const} */ (["regime", "speed", "guaranteed", "command", "apart", "toml"]); // of the point
 const HEAD_START = 150; // [ms] that the question for a new map has at most before the others
-const CALM = 150; // [ms] without a change after which a map is refined
+const CALM = 150; // [ms] without a change after which a map is refined, and guarantees are searched for
 
 function say(/** @type {string} */ text, where = "says") {
   if (place(where).textContent !== text) place(where).textContent = text;
@@ -26,11 +26,13 @@ function start(/** @type {Schema} */ schema) {
   let isTold = true; // how the last finished change ended has been said
   let changed = 0; // [ms] when the state last did
   let refining = 0; // the timer of the next refinement
+  let searching = 0; // the timer of the next search
   let motion = /** @type {HistoryAnswer | null} */ (null);
 
   const map = createLane("map", unpack, (/** @type {MapAnswer} */ answer) => (view.show(answer), refine()), tell);
   const past = createLane("history", unpack, (answer) => drawHistory((motion = answer)), tell);
   const point = createLane("point", (response) => response.json(), showPoint, tell);
+  const search = createLane("guarantee", (response) => response.json(), showSearched, tell);
 
   /** @param {State} patch @param {string} control @param {boolean} isFinished */
   function change(patch, control, isFinished) {
@@ -70,7 +72,7 @@ function start(/** @type {Schema} */ schema) {
 
   /** Show all problems. @param {boolean} isRefused */
   function tell(isRefused) {
-    const lanes = [map, past, point];
+    const lanes = [map, past, point, search];
     say(lanes.find((lane) => lane.trouble)?.trouble ?? "", "gone");
     if (map.problems.length) asked = null; // to be asked again once the state is mended
     const problems = new Map(lanes.flatMap((lane) => lane.problems).map((problem) => [problem.text, problem]));
@@ -89,13 +91,23 @@ function start(/** @type {Schema} */ schema) {
     place("chip").style.backgroundColor = answer.colour;
     document.title = `${answer.title} – vibro`;
     place("tables").innerHTML = answer.tables;
+    clearTimeout(searching);
     if (query !== store.query()) return;
+    if (answer.unproved) say(`${answer.guaranteed}: searching …`, "guaranteed");
+    if (answer.unproved) searching = setTimeout(() => search.ask(store.query()), CALM);
     store.adopt(answer);
     if (asked !== null) asked = store.mapKey();
     renderControls();
     view.put();
     if (!isTold && !view.dragging) say([answer.title, answer.guaranteed].filter(Boolean).join(", "));
     isTold = true;
+  }
+
+  /** @param {{ text: string }} answer @param {string} query */
+  function showSearched(answer, query) {
+    if (query !== store.query()) return;
+    say(answer.text, "guaranteed");
+    say(answer.text);
   }
 
   /** Take over the state of the address. */
