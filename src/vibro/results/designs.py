@@ -110,8 +110,8 @@ class Guarantee:
     proof_max: str
     proved_min: float
     proved_max: float
-    certificate_min: Certificate | None
-    certificate_max: Certificate | None
+    certificate_min: Certificate | None = field(repr=False)
+    certificate_max: Certificate | None = field(repr=False)
     coexists: bool
     samples: int
     excluded: int
