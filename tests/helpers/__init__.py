@@ -15,6 +15,7 @@ Records and questions:
     made_records      records of motions that the engines walk (shares the records' containers)
     made_tables       small tables of measurements, as text
     boxed             boxes of bands for inverse design, drawn and sampled
+    certificates      a checker of certificates that computes its own bounds (shares nothing)
     questions         a question of inverse design, and changes to it
     wild              wild input for every reader
 Sweeps and files:

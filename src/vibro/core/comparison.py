@@ -25,7 +25,7 @@ _MOST_SLIDES: Final = 200  # until a cycle repeats
 _DIRECT: Final = 4  # slides without a rest, after which the cycle without rest is looked for
 _TURNS: Final = 100  # cycles that are followed on the way to it
 _NEAR: Final = 1e-5  # [rad] by which its slides forward may come earlier from cycle to cycle
-# [1] Rounding of a path, over the largest push: that of the terms that cancel in it.
+# [1] Rounding of a path and of static friction, over the largest push: that of terms that cancel in them.
 _ROUNDING: Final = 1e-14
 
 
@@ -77,6 +77,9 @@ def least_speed(box: Box, lows: Doubles, highs: Doubles, row: int) -> float:
     released = _turned(_side(box, lows, highs, place, -1.0, mu_low))
     if forward.drag < 0.0 or back.drag < 0.0 or held.drag <= 0.0 or released.drag <= 0.0:
         return -INF  # steep: a slide need not end
+    rounding = _ROUNDING * (held.up + held.down + released.up + released.down + held.drag + released.drag)
+    held = held._replace(drag=held.drag + rounding)  # else a rest might end, or go on, that does not
+    released = released._replace(drag=released.drag - rounding)
     body = _Body(forward, back, _opens(held), _window(held), _opens(released), _window(released))
     path = _path(body)
     if body.forward_window > 0.0 or body.back_window > 0.0:
@@ -213,7 +216,8 @@ def _slide(side: Side, phase: float) -> _Path:
 def _path(body: _Body) -> float:
     """Follow the body from rest at phase 0 until its cycles repeat; return the path of one, or -inf."""
     phase, path, slides, direct = 0.0, 0.0, 0, 0
-    known_forward, known_back = NAN, NAN  # paths at which the body has left a rest
+    known_forward, known_back = NAN, NAN  # paths at which the body has left a rest, and phases
+    left_forward, left_back = NAN, NAN
     while slides < _MOST_SLIDES:
         ahead = _next(body.opens_forward, body.forward_window, phase)
         behind = _next(body.opens_back, body.back_window, phase)
@@ -225,11 +229,12 @@ def _path(body: _Body) -> float:
             direct = 0
             known = known_forward if forward else known_back
             if not math.isnan(known):
-                return path - known
+                turns = (begin - (left_forward if forward else left_back)) / TURN
+                return (path - known) / math.floor(turns + 0.5)  # rounding can bring more than one
             if forward:
-                known_forward = path
+                known_forward, left_forward = path, begin
             else:
-                known_back = path
+                known_back, left_back = path, begin
         elif forward and direct >= _DIRECT:
             steady = _without_rest(body, begin)
             if not math.isnan(steady):
