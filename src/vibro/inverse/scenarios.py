@@ -33,6 +33,7 @@ _LOAD: Final = 0  # the axis of the load
 _ALONG: Final = ("static_friction", "second_friction", "drive_angle")
 _LOADS: Final = np.linspace(0.0, 1.0, 5)  # shares of the load's band at which slowest bodies join
 _PAST: Final = 1.0 + TOLERANCES.past_drop
+_SECTIONS: Final = 3  # of its bracket that are looked at in one call
 _WIDTH: Final = 2.0**-40  # [share of a band] to which a drop is found; ``past_drop`` is a thousand times that
 
 
@@ -128,22 +129,27 @@ def _moved_to_drops(boxes: UncertaintySet, coordinates: Floats, axes: NDArray[np
     bodies = np.arange(coordinates.shape[2])
 
     def moved(to: Floats) -> Floats:
-        there = coordinates.copy()
-        there[axes, :, bodies] = to
+        """Put each body of each box at some values, of shape (bodies, boxes, values)."""
+        count = to.shape[2]
+        there = np.repeat(coordinates, count, axis=2)
+        there[np.repeat(axes, count), :, np.arange(there.shape[2])] = np.moveaxis(to, 2, 1).reshape(
+            -1, to.shape[1]
+        )
         return there
 
     def slips(to: Floats) -> Bools:
-        return _slips_back(boxes, boxes.points(moved(to))).T
+        slip = _slips_back(boxes, boxes.points(moved(to)))
+        return np.moveaxis(slip.reshape(-1, bodies.size, to.shape[2]), 0, 1)
 
-    start, end = np.zeros(coordinates.shape[:0:-1]), np.ones(coordinates.shape[:0:-1])
-    first, last = slips(start), slips(end)
-    slipping, other = np.where(first, start, end), np.where(first, end, start)
+    ends = np.broadcast_to((0.0, 1.0), (*coordinates.shape[:0:-1], 2))
+    first, last = np.moveaxis(slips(ends), 2, 0)
+    slipping, other = np.where(first, 0.0, 1.0), np.where(first, 1.0, 0.0)
     slipping, other = close_in(
-        lambda x: np.where(slips(x[..., 0]), 1.0, -1.0)[..., None], slipping, other, absolute=_WIDTH
+        lambda x: np.where(slips(x), 1.0, -1.0), slipping, other, absolute=_WIDTH, sections=_SECTIONS
     )
     # stay clear of the drop itself, where rounding decides the side
     slipping = slipping + TOLERANCES.past_drop * ((last & ~first) - slipping)
-    return moved(np.where(first == last, coordinates[axes, :, bodies], slipping))
+    return moved(np.where(first == last, coordinates[axes, :, bodies], slipping)[..., None])
 
 
 def _drop_axis(box: UncertaintySet, coordinates: Floats) -> int:
