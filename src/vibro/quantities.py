@@ -40,7 +40,7 @@ __all__ = [
     "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS", "PERCENT", "PER_MINUTE",
     "PITCH", "PURE", "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE",
     "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "checked_number", "drive_of", "exact_number",
-    "find_quantity", "kinetic_friction", "nearest_double", "scene_fields",
+    "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "scene_fields",
 ]  # fmt: skip
 
 
@@ -370,6 +370,13 @@ def checked_number(text: str, quantity: Quantity) -> float:
         allowed = quantity.allowed.text(quantity.unit)
         raise InputError(f"{quantity.label} = {cut(text)}: must be {allowed}")
     return value
+
+
+def given_unit(text: str, quantity: Quantity) -> tuple[str, Fraction]:
+    """Return the unit that a valid number carries, and its size in the default unit, which it is without."""
+    match = _NUMBER.fullmatch(text.strip())
+    given = ((match and match[2]) or quantity.unit).casefold()
+    return next((unit, size) for unit, size in quantity.kind.sizes.items() if unit.casefold() == given)
 
 
 def nearest_double(text: str, quantity: Quantity) -> float:

@@ -72,8 +72,9 @@ PURE: Final = Kind("", "", "", {})
 PERCENT: Final = Kind("%", "", "_percent", {"%": Fraction(1)}, per_si=100.0)
 IN_GRAVITIES: Final = Kind("g", "", "_g", {"g": Fraction(1)})  # an acceleration over that of gravity
 LENGTH: Final = Kind("mm", "m", "_mm", _MILLIMETRES, per_si=1000.0)
-SPEED: Final = Kind("mm/s", "m/s", "_mm_s", {f"{unit}/s": size for unit, size in _MILLIMETRES.items()},
-                    per_si=1000.0)
+SPEED: Final = Kind("mm/s", "m/s", "_mm_s",
+                    {f"{unit}/s": size for unit, size in _MILLIMETRES.items()}
+                    | {f"{unit}/min": _MILLIMETRES[unit] / 60 for unit in ("mm", "m", "in")}, per_si=1000.0)
 FREQUENCY: Final = Kind("Hz", "Hz", "_hz",
                         {"Hz": Fraction(1), "kHz": Fraction(1000), "rpm": Fraction(1, 60),
                          "U/min": Fraction(1, 60)})

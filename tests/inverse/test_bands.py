@@ -129,4 +129,4 @@ def test_a_field_that_is_left_out_has_no_band() -> None:
     bands = {"amplitude": (1e-3, 2e-3)}
     assert uncertainty_set(scene_with(), bands).factor == (1e-3, 2e-3)
     with pytest.raises(SceneError, match=r"band 'amplitude' = .*: must be of one of frequency, drive_angle,"):
-        uncertainty_set(scene_with(), bands, leaves_out="amplitude")
+        uncertainty_set(scene_with(), bands, leaves_out=("amplitude",))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,122 +12,284 @@ import numpy as np
 from vibro.cli.report import aligned, bound
 from vibro.cli.request import request_of
 from vibro.core.codes import Regime
+from vibro.errors import InputError
 from vibro.files.publication import json_text
-from vibro.inverse.windows import feasible_amplitudes
+from vibro.inverse.extremes import counted
+from vibro.inverse.questions import MOST_THROW
+from vibro.inverse.windows import HOPS_SAMPLED, feasible_amplitudes
 from vibro.limits import critical_loads
-from vibro.quantities import DEFAULTS, LEAST_SPEED, LENGTH, QUANTITIES, SPEED, checked_number, scene_fields
+from vibro.quantities import (
+    DEFAULTS,
+    LEAST_SPEED,
+    LENGTH,
+    QUANTITIES,
+    SPEED,
+    checked_number,
+    exact_number,
+    given_unit,
+    scene_fields,
+)
 from vibro.scene import Scene
 from vibro.steady import solve
-from vibro.sweeps.one_scene import number
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+    from fractions import Fraction
+
+    from numpy.typing import NDArray
 
     from vibro.cli.options import Options
     from vibro.results.designs import Interval
 
+    Floats = NDArray[np.float64]
+
 __all__ = ["list_amplitudes"]
 
 _NOT_MET: Final = 4  # exit code
-_LINE_ALONE: Final = (
-    "--speed finds amplitudes of a drive along a line, not of an ellipse",
-    "vibro map --speed draws where an elliptical drive reaches a speed: give --along or --normal as a range",
-)
-_HIGHEST: Final = Regime.BACK_SLIP
+_MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of slivers
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
-_LEAST: Final = 1e-6  # of the largest of them, where bodies start at once
-_MOST: Final = 1e3  # of the smallest, where bodies never hop
+_LEAST: Final = 1e-6  # of the largest of them, where bodies start at once or hop
+_MOST: Final = 1e3  # times the largest critical load, where bodies never hop
 _BESIDE: Final = 1e-12
 _BEGINS: Final = {
     "speed": "the speed is reached",
-    "onset": "the body starts",
-    "back slip": "the body slips back",
+    "onset": "forward slip begins",
+    "back slip": "back slip ends",
+    "hop": "its hops change",
+    "unconfirmed": "its speed is unknown before",
 }
-_ENDS: Final = {"speed": "it gets slower", "back slip": "back slip makes it slower", "hop": "the body hops"}
+_ENDS: Final = {
+    "speed": "it gets slower",
+    "back slip": "back slip makes it slower",
+    "hop": "its hops change",
+    "unconfirmed": "its speed is unknown beyond",
+    "limit": f"throw number {MOST_THROW:g}",
+}
+_HOPS: Final = "the body hops"
 
 
-def list_amplitudes(text: str, options: Options, argv: Sequence[str]) -> int:
-    """Print the amplitudes that reach a speed in contact, and return the exit code.
+def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping: bool) -> int:
+    """Print the amplitudes that reach a speed, and return the exit code.
 
     Parameters
     ----------
     text : str
-        The speed, with or without a unit.
+        The speed, with or without a unit, in which the answer tells speeds too.
     options : Options
-        The scene; its amplitude is not given.
+        The scene. The amplitude of a line is not given; those of an ellipse give its proportion.
     argv : sequence of str
         The arguments as typed.
+    hopping : bool
+        Whether the body may hop.
 
     Raises
     ------
     InputError
-        If something is wrong or missing, or the amplitude is given.
+        If something is wrong or missing, or the amplitude of a line is given.
     FileError
         If the scene file cannot be read.
     """
     speed = checked_number(text, LEAST_SPEED)
-    request = request_of(options, argv, asked_for="amplitude", line_alone=_LINE_ALONE)
-    scene = Scene(**scene_fields({**request.fixed, "amplitude": 1.0}))  # whatever it is, it does not count
-    found = feasible_amplitudes(scene, SPEED.to_si(speed), highest_regime=_HIGHEST.label)
+    request = request_of(options, argv, asked_for="amplitude")
+    if request.has_harmonics:
+        raise InputError(
+            "--speed finds amplitudes of drives along a line or an ellipse, not of drives with harmonics",
+            hint="vibro map --speed draws where such a drive reaches a speed: give --along as a range",
+        )
+    unit, size = given_unit(text, LEAST_SPEED)
+    drive = _Drive.of(request.fixed, hopping=hopping, unit=unit, size=size)
+    found = drive.intervals(SPEED.to_si(speed))
     if options.json:
         given = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
         content = {
             "scene": given,
             LEAST_SPEED.column: speed,
-            "highest_regime": _HIGHEST.label,
+            "highest_regime": (Regime.HOPPING if hopping else Regime.BACK_SLIP).label,
             "met": bool(found),
-            "amplitudes": [_record(interval) for interval in found],
+            "amplitudes": [drive.record(interval) for interval in found],
         }
         print(json_text(content))
     else:
-        words = [
-            f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
-            for name, value in request.fixed.items()
-            if value != DEFAULTS.get(name)
-        ]
-        facts = [
-            ("scene", ", ".join(words)),
-            ("asked for", f"at least {number(speed, 'mm/s')} without hopping"),
-        ]
-        print(aligned(facts, right=False), end="\n\n")
-        print(_table(found) if found else f"no amplitude does it: {_at_best(scene)}")
+        asked = f"{float(exact_number(text, LEAST_SPEED) / size):.15g} {unit}"
+        print(aligned(drive.facts(request.fixed, asked), right=False), end="\n\n")
+        print(drive.table(found) if found else f"no amplitude does it: {drive.at_best()}")
     return 0 if found else _NOT_MET
 
 
-def _record(interval: Interval) -> dict[str, Any]:
-    high = float(LENGTH.from_si(interval.high))
-    return {
-        "amplitude_low_mm": float(LENGTH.from_si(interval.low)),
-        "amplitude_high_mm": high if math.isfinite(high) else None,
-        "low_set_by": interval.low_set_by,
-        "high_set_by": interval.high_set_by,
-    }
+@dataclass(frozen=True)
+class _Drive:
+    """The drive whose amplitude is asked for: of an ellipse along the trough, or normal to it.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene at that amplitude.
+    amplitude : float
+        That amplitude [m].
+    shares : mapping of str to float
+        Every amplitude of the drive over it, by name.
+    unit, size : str, Fraction
+        Unit of speeds, and its size [mm/s].
+    hopping : bool
+        Whether the body may hop.
+    """
+
+    scene: Scene
+    amplitude: float
+    shares: Mapping[str, float]
+    unit: str
+    size: Fraction
+    hopping: bool
+
+    @classmethod
+    def of(cls, fixed: Mapping[str, float], *, unit: str, size: Fraction, hopping: bool) -> _Drive:
+        """Return the drive of a scene's quantities, in the units outside."""
+        names = [name for name in ("along_amplitude", "normal_amplitude") if name in fixed]
+        given = fixed if names else {**fixed, "amplitude": 1.0}  # whatever it is, it does not count
+        if names and not any(fixed[name] for name in names):
+            raise InputError(
+                "along amplitude = normal amplitude = 0 mm: their proportion is that of the answer",
+                hint="give --along or --normal a value above 0",
+            )
+        scene = Scene(**scene_fields(given))
+        sizes = {name: float(getattr(scene, name)) for name in names or ["amplitude"]}
+        amplitude = next(filter(None, sizes.values()))
+        shares = {name: x / amplitude for name, x in sizes.items()}
+        return cls(scene, amplitude, shares, unit, size, hopping)
+
+    def scenes(self, amplitudes: Floats) -> Scene:
+        """Return the scenes of some amplitudes [m]."""
+        fields = self.scene.arrays()._asdict()
+        return Scene(**{**fields, **{name: amplitudes * share for name, share in self.shares.items()}})
+
+    def intervals(self, speed: float) -> list[Interval]:
+        """Return the amplitudes that reach a speed [m/s]."""
+        if math.isinf(self.limit):  # it cannot hop
+            return feasible_amplitudes(self.scene, speed)
+        highest = Regime.HOPPING.label
+        return feasible_amplitudes(self.scene, speed, highest_regime=highest, limit=self.limit)
+
+    @cached_property
+    def limit(self) -> float:
+        """Amplitude up to which hops are looked for [m]; inf where there are none, or none are asked for."""
+        throw = float(solve(self.scene, accuracy="regimes").throw_number)
+        return self.amplitude * (MOST_THROW / throw) if self.hopping and throw > 0.0 else math.inf
+
+    def facts(self, fixed: Mapping[str, float], speed: str) -> list[tuple[str, str]]:
+        """Return what is asked, as pairs of a name and a text."""
+        words = [
+            f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
+            for name, value in fixed.items()
+            if value != DEFAULTS.get(name)
+        ]
+        regime = ", hopping or not" if self.hopping else " without hopping"
+        facts = [("scene", ", ".join(words)), ("asked for", f"at least {speed}{regime}")]
+        if len(self.shares) > 1:
+            facts.append(("amplitudes", "both change together, in the proportion of the scene"))
+        if math.isfinite(self.limit):
+            count = HOPS_SAMPLED[bool(self.scene.restitution > 0.0)]
+            facts += [
+                (
+                    "hops",
+                    f"sampled at {count} amplitudes up to {self.at(self.limit)} (throw number"
+                    f" {MOST_THROW:g}): what lies between two of them may be missed",
+                ),
+                ("irregular hops", "count with their mean speed less three standard errors"),
+            ]
+        elif self.hopping:
+            facts.append(("hops", "none: the trough does not move normal to itself"))
+        return facts
+
+    def at(self, amplitude: float) -> str:
+        """Write all amplitudes for people."""
+        texts = [
+            f"{name.removesuffix('amplitude').replace('_', ' ')}{LENGTH.from_si(amplitude * share):.4g} mm"
+            for name, share in self.shares.items()
+        ]
+        return ", ".join(texts)
+
+    def record(self, interval: Interval) -> dict[str, Any]:
+        """Return an interval as JSON has it."""
+        ends = {}
+        for name, share in self.shares.items():
+            for side, end in (("low", interval.low), ("high", interval.high)):
+                value = float(LENGTH.from_si(end * share)) if share else 0.0
+                ends[f"{name}_{side}_mm"] = value if math.isfinite(value) else None
+        return {**ends, "low_set_by": interval.low_set_by, "high_set_by": interval.high_set_by}
+
+    def table(self, found: Sequence[Interval]) -> str:
+        """Return the intervals as a table, the widest ones if there are many."""
+        kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]
+        ways = [name.removesuffix("amplitude").replace("_", " ") for name in self.shares]
+        heads = [f"{way}{end} [mm]" for end in ("from", "to") for way in ways]
+        rows = [(*heads, "at its beginning", "at its end")]
+        ends = _ENDS if math.isfinite(self.limit) else {**_ENDS, "hop": _HOPS}
+        for interval in found:
+            if interval not in kept:
+                continue
+            lows, highs = zip(*(_rounded(interval, share) for share in self.shares.values()), strict=True)
+            last = ends[interval.high_set_by] if math.isfinite(interval.high) else "-"
+            rows.append((*lows, *highs, _BEGINS[interval.low_set_by], last))
+        lines = [aligned(rows, right=False)]
+        if len(found) > _MOST_ROWS:
+            lines.append(
+                f"and {len(found) - _MOST_ROWS} narrower ones, where hops are irregular: --json has all"
+            )
+        return "\n".join(lines)
+
+    def at_best(self) -> str:
+        """Say how fast the body gets where no amplitude reaches the speed."""
+        flies = math.isfinite(self.limit)
+        low, high = (_LEAST * self.limit, self.limit) if flies else self._contact()
+        if not low < high:
+            return "it moves forwards only where it hops, if at all"
+        amplitudes = np.geomspace(low, high, _SAMPLES)
+        speeds = counted(solve(self.scenes(amplitudes), flight=flies), fast=False)
+        where = f"up to a throw number of {MOST_THROW:g}" if flies else "without hopping"
+        if not np.isfinite(speeds).any():
+            return f"it has no steady motion {where}"
+        known = np.where(np.isfinite(speeds), speeds, 0.0)
+        best = int(np.argmax(known))
+        if known[best] > 0.0:
+            return f"{where} it gets about {self._fast(known[best])}, at {self.at(amplitudes[best])}"
+        least = int(np.argmin(known))
+        if not known[least] < 0.0:
+            return f"{where} it does not move"
+        back = (
+            f"{where} it moves backwards, about {self._fast(-known[least])} at {self.at(amplitudes[least])}"
+        )
+        return back + self._turned()
+
+    def _contact(self) -> tuple[float, float]:
+        """Return the amplitudes between which a body moves that does not hop; nan where there are none."""
+        loads = critical_loads(self.scene)
+        known = [float(load) for load in loads if 0.0 < float(load) < math.inf]
+        if not known:
+            return math.nan, math.nan
+        high = min((1.0 - _BESIDE) * float(loads.hop), _MOST * max(known))
+        low = min(known) if float(loads.forward_onset) else _LEAST * high
+        per_load = self.amplitude / float(self.scene.load)
+        return low * per_load, high * per_load
+
+    def _fast(self, speed: float) -> str:
+        return f"{float(SPEED.from_si(speed)) / float(self.size):.4g} {self.unit}"
+
+    def _turned(self) -> str:
+        """Say how to turn the direction of an ellipse."""
+        if len(self.shares) == 1:
+            return ""
+        phase = QUANTITIES["normal_phase"]
+        now = float(phase.from_si(float(self.scene.arrays()._asdict()["normal_phase"])))
+        turned = now - 180.0 if now > 0.0 else now + 180.0
+        return f"; {phase.options[0]} {turned:.6g} drives it the other way"
 
 
-def _table(found: Sequence[Interval]) -> str:
-    rows = [("from [mm]", "to [mm]", "at its beginning", "at its end")]
-    for interval in found:
-        ends = [float(LENGTH.from_si(end)) for end in (interval.low, interval.high)]
-        low, high = bound(ends[0], upper=True), bound(ends[1], upper=False)
-        if float(low) > float(high):  # so narrow that six digits miss it
-            low, high = map(repr, ends)
-        last = (high, _ENDS[interval.high_set_by]) if math.isfinite(ends[1]) else ("any", "-")
-        rows.append((low, last[0], _BEGINS[interval.low_set_by], last[1]))
-    return aligned(rows, right=False)
-
-
-def _at_best(scene: Scene) -> str:
-    """Say how fast a body gets that does not hop."""
-    loads, per_load = critical_loads(scene), float(scene.scale / scene.load)
-    starts, hops = (per_load * float(load) for load in (loads.forward_onset, loads.hop))
-    low = starts or _LEAST * hops
-    high = (1.0 - _BESIDE) * hops if math.isfinite(hops) else _MOST * low
-    if not 0.0 < low < high < math.inf:
-        return "it moves forwards only where it hops, if at all"
-    amplitudes = np.geomspace(low, high, _SAMPLES)
-    speeds = solve(replace(scene, amplitude=amplitudes), flight=False).mean_velocity
-    if np.isnan(speeds).all():
-        return "it has no steady motion without hopping"
-    best = int(np.nanargmax(speeds))
-    speed, amplitude = SPEED.from_si(speeds[best]), LENGTH.from_si(amplitudes[best])
-    return f"without hopping it gets about {speed:.4g} mm/s, at {amplitude:.4g} mm"
+def _rounded(interval: Interval, share: float) -> tuple[str, str]:
+    """Write both ends of an amplitude [mm] with six digits inside the interval."""
+    if not share:
+        return "0", "0"
+    ends = [float(LENGTH.from_si(end * share)) for end in interval[:2]]
+    if math.isinf(ends[1]):
+        return bound(ends[0], upper=True), "any"
+    low, high = bound(ends[0], upper=True), bound(ends[1], upper=False)
+    return (low, high) if float(low) <= float(high) else (repr(ends[0]), repr(ends[1]))

@@ -67,11 +67,15 @@ def solve_command(
         typer.Option(
             "--speed",
             metavar="SPEED",
-            help="Instead list the amplitudes that convey at least so fast without hopping [mm/s]; the exit"
-            " code is 4 if there are none.",
+            help="Instead list the amplitudes that convey at least so fast [mm/s], such as 5m/min; the exit"
+            " code is 4 if there are none. Both amplitudes of an ellipse keep the proportion that is given.",
             show_default=False,
         ),
     ] = None,
+    hopping: Annotated[
+        bool,
+        typer.Option("--hopping", help="With --speed: the body may hop, up to a throw number of 10."),
+    ] = False,
     columns: ColumnsOption = None,
     digits: DigitsOption = None,
     pitch: PitchOption = None,
@@ -80,7 +84,8 @@ def solve_command(
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
     With -o the row of a map's table is written to STEM.csv too; --columns chooses what it holds, and what
-    --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed.
+    --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed,
+    with --hopping also those at which the body hops.
     """
     from vibro.cli.output import answer_one, make_grid
     from vibro.cli.request import question_length, request_of
@@ -102,7 +107,12 @@ def solve_command(
             "--pitch": pitch is not None,
             "--mass": mass is not None,
         }
-        return _amplitudes(speed, options, context.obj, [name for name, given in others.items() if given])
+        refused = [name for name, given in others.items() if given]
+        return _amplitudes(speed, options, context.obj, refused, hopping=hopping)
+    if hopping:
+        raise InputError(
+            "--hopping is about the amplitudes of --speed", hint="add --speed 5m/min, or leave it out"
+        )
     part = part_of(pitch, mass)
     extra = throughput_of(part)
     if stand_ratio is not None:
@@ -122,7 +132,9 @@ def solve_command(
     return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report, answer)
 
 
-def _amplitudes(speed: str, options: Options, argv: Sequence[str], others: Sequence[str]) -> int:
+def _amplitudes(
+    speed: str, options: Options, argv: Sequence[str], others: Sequence[str], *, hopping: bool
+) -> int:
     """List the amplitudes that reach a speed."""
     from vibro.cli.amplitudes import list_amplitudes
 
@@ -130,7 +142,7 @@ def _amplitudes(speed: str, options: Options, argv: Sequence[str], others: Seque
         raise InputError(
             f"--speed lists amplitudes: {', '.join(others)} means nothing to it", hint="leave it out"
         )
-    return list_amplitudes(speed, options, argv)
+    return list_amplitudes(speed, options, argv, hopping=hopping)
 
 
 def _upright(one: OneScene, stand_ratio: float) -> str:

@@ -15,7 +15,7 @@ from vibro.reals import NotRealError, real_array
 from vibro.scene import Scene, field_range, field_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
     from vibro.inverse.specs import Span
 
@@ -25,17 +25,17 @@ _PARTS: Final = ("static_friction", "friction_ratio", "kinetic_friction", "troug
 _RIGHT_ANGLE: Final = 0.5 * math.pi
 
 
-def one_point(scene: object, needs: Ability = Ability.FLIGHT) -> None:
-    """Raise unless the scene is one operating point (SceneError) whose drive has an ability (InputError)."""
+def one_point(scene: object) -> None:
+    """Raise unless the scene is one operating point (SceneError) of a line or an ellipse (InputError)."""
     if not isinstance(scene, Scene):
         raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
-    scene.arrays().require(needs)
+    scene.arrays().require(Ability.FLIGHT)
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
 
 
 def uncertainty_set(
-    scene: Scene, bands: Mapping[str, Any], *, leaves_out: str = "", needs: Ability = Ability.FLIGHT
+    scene: Scene, bands: Mapping[str, Any], *, leaves_out: Collection[str] = ()
 ) -> UncertaintySet:
     """Return the uncertainty set (box) that bands span around a scene.
 
@@ -45,22 +45,20 @@ def uncertainty_set(
         One operating point; it gives the values of fields without a band.
     bands : mapping of str to pair of float
         By field name, in SI units and radians.
-    leaves_out : str
-        A field that must not have a band.
-    needs : Ability
-        Ability that the drive must have.
+    leaves_out : collection of str
+        Fields that must not have a band.
 
     Raises
     ------
     SceneError
         If the scene is more than one operating point or a band is invalid; it lists every problem.
     InputError
-        If the drive lacks an ability.
+        If the drive lacks ``Ability.FLIGHT``.
     """
-    one_point(scene, needs)
+    one_point(scene)
     space = SPACES[type(scene.arrays())]
     banded = (*space.knobs, *_PARTS)
-    known = [name for name in banded if name != leaves_out]
+    known = [name for name in banded if name not in leaves_out]
     problems = []
     given: dict[str, Span] = {}
     for name, band in bands.items():

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.drives import Ability
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, Problem, SceneError, shown
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.extremes import ANY_LANDING, Extreme, Landings, Seen, counted, least_of
 from vibro.inverse.guarantees import BRIEF, bound
@@ -23,6 +22,7 @@ from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.spaces import inside
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import critical_loads
+from vibro.quantities import AMPLITUDES
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
 from vibro.roots import close_in
@@ -40,7 +40,14 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Family", "feasible_amplitudes", "number", "positive", "regime_of", "span_of", "window_of"]
+__all__ = [
+    "HOPS_SAMPLED", "Family", "feasible_amplitudes", "number", "positive", "regime_of", "span_of",
+    "window_of",
+]  # fmt: skip
+
+#: Amplitudes at which a single body that may hop is solved, without and with restitution: bounces take up to
+#: a hundred times as long. Its speed jumps with the amplitude, so that more samples find more slivers alone.
+HOPS_SAMPLED: Final[Mapping[bool, int]] = {False: 32769, True: 4097}
 
 # Bodies that never hop are scanned up to this factor on the largest critical load, or up to this one on the
 # target speed: far beyond the critical loads the speed is proportional to the amplitude.
@@ -73,8 +80,12 @@ class _Detail(NamedTuple):
     edge: float
 
 
-# For one body, for a box in contact, for plastic hops, and for bounces, which are slow to solve.
+# For one body in contact, and for its hops: between these the speed jumps, and has no smooth extrema.
 _ONE: Final = _Detail(4097, 3, 0.0, 0, 0, 0.0)
+_ONE_HOPS: Final = {
+    bounces: _Detail(count, 0, 1e-9 if bounces else 0.0, 0, 0, 0.0) for bounces, count in HOPS_SAMPLED.items()
+}
+# For a box in contact, for plastic hops, and for bounces, which are slow to solve.
 _BOX: Final = _Detail(257, 3, 0.0, 6, 5, 1e-10)
 _FLYING: Final = _Detail(129, 1, 1e-9, 2, 2, 1e-4)
 _BOUNCING: Final = _Detail(33, 0, 1e-4, 1, 1, 1e-2)
@@ -119,36 +130,47 @@ def feasible_amplitudes(
     Parameters
     ----------
     scene : Scene
-        One operating point; its own amplitude is ignored.
+        One operating point. The amplitude of a line is ignored. Of an ellipse the proportion of both
+        amplitudes counts, which change together: ``along_amplitude`` is found, or ``normal_amplitude`` where
+        that is 0.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"back-slip", "forward-slip", "hopping"}, optional
         Highest regime that may occur anywhere in the box.
     limit : float, optional
-        Largest nominal amplitude [m]; it must be finite where bodies may hop.
+        Largest nominal amplitude [m], of an ellipse the one that is found; it must be finite where bodies may
+        hop.
     amplitude_percent : float, optional
-        Drift of the amplitude from its nominal value, either way, in per cent.
+        Drift of the amplitude from its nominal value, either way, in per cent; both amplitudes of an ellipse
+        drift together.
     **bands
-        As for ``vibro.guarantee``, except the amplitude.
+        As for ``vibro.guarantee``, except amplitudes.
 
     Returns
     -------
     list of Interval
         Closed intervals by rising amplitude [m], with the constraint at each end; empty if no amplitude
-        guarantees the speed.
+        guarantees the speed, as where bodies move backwards.
 
     Raises
     ------
     SceneError
-        If the scene is more than one operating point, or a band is invalid.
+        If the scene is more than one operating point, both amplitudes of an ellipse are 0, or a band is
+        invalid.
     InputError
-        If the drive does not move along a line (it lacks ``Ability.PROOF``), or another argument is invalid.
+        If the drive has harmonics (it lacks ``Ability.FLIGHT``), or another argument is invalid.
 
     Notes
     -----
     The least speed of some scenarios is computed over the amplitude, with every critical load and extremum,
     and its crossings of the target are found to rounding. ``vibro.guarantee`` then confirms whole intervals;
     slower bodies that it finds join the scenarios.
+
+    The speed of hopping bodies jumps with the amplitude, and where their motion is irregular it does so
+    everywhere. A single body is solved at 32769 amplitudes, at 4097 if it bounces; what lies between two of
+    them may be missed (tests/inverse/test_windows.py compares with finer scans). A mean of
+    irregular motion counts less three standard errors. With ``highest_regime="forward-slip"`` intervals end
+    where back slip first begins, also where larger amplitudes of an ellipse end it again.
 
     Examples
     --------
@@ -159,6 +181,13 @@ def feasible_amplitudes(
     ...     print(f"{1e3 * i.low:.6f} to {1e3 * i.high:.6f} mm, from {i.low_set_by} to {i.high_set_by}")
     1.177843 to 1.190299 mm, from speed to back slip
     1.233006 to 3.229052 mm, from speed to hop
+
+    An ellipse that is three times as long as high, in its own proportion:
+
+    >>> bowl = vibro.Scene(along_amplitude=3e-3, normal_amplitude=1e-3, normal_phase=math.radians(-60),
+    ...                    frequency=25, static_friction=0.4, kinetic_friction=0.3)
+    >>> for i in vibro.feasible_amplitudes(bowl, 0.02):
+    ...     print(f"{1e3 * i.low:.6f} to {1e3 * i.high:.6f} mm along, from {i.low_set_by} to {i.high_set_by}")
     """
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
@@ -168,9 +197,24 @@ def feasible_amplitudes(
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
     if highest is Regime.HOPPING and math.isinf(largest):
         raise InputError("limit = inf: must be finite where bodies may hop", hint="give limit=")
-    box = uncertainty_set(scene, bands, leaves_out="amplitude", needs=Ability.PROOF)
-    family = Family(replace(box, factor=(1.0, 1.0)), percent / 100.0)
-    return family.intervals(target, highest, largest)
+    box = _of_amplitudes(uncertainty_set(scene, bands, leaves_out=AMPLITUDES))
+    return Family(box, percent / 100.0).intervals(target, highest, largest)
+
+
+def _of_amplitudes(box: UncertaintySet) -> UncertaintySet:
+    """Return the box of a factor that is the amplitude [m]: of an ellipse along the trough, or normal to it.
+
+    Raises
+    ------
+    SceneError
+        If both amplitudes of an ellipse are 0.
+    """
+    given = {name: ends[0] for name, ends in box.shape.items() if name in AMPLITUDES}
+    size = next(filter(None, given.values()), 1.0)
+    if given and not any(given.values()):
+        raise SceneError(tuple(Problem(name, "0 m", "> 0 m, or the other amplitude is") for name in given))
+    shares = {name: (x / size, x / size) for name, x in given.items()}
+    return replace(box, factor=(1.0, 1.0), shape={**box.shape, **shares})
 
 
 def span_of(question: Question, setting: Setting) -> tuple[float, float]:
@@ -265,15 +309,18 @@ class Family:
         top_by = min(caps, key=lambda name: caps[name])
         top = caps[top_by]
         one = self.across(1.0, 1.0)
+        flies = highest is Regime.HOPPING
         started = last_ratio(one, Regime.FORWARD_SLIP)
+        if flies and not one.space.proves:
+            # an ellipse may throw bodies forward at loads that are too low for forward slip
+            started = max(started, one.throw_number)
         start = 1.0 / started if started > 0.0 else math.inf
         wide = bool(one.varies.any())
-        flies = highest is Regime.HOPPING
         bounces = flies and self.template.restitution > 0.0
         if wide:
             detail = _BOUNCING if bounces else _FLYING if flies else _BOX
         else:
-            detail = _FLYING if bounces else _ONE
+            detail = _ONE_HOPS[bounces] if flies else _ONE
         scenarios = Scenarios.fixed(corners(one.varies))
         endless = math.isinf(top)  # without hops there is no largest amplitude
         if endless:
@@ -533,10 +580,14 @@ class _Scan:
     def _set_by(self, inside: float, outside: float) -> str:
         """Return the constraint between an amplitude that reaches the target and one that misses it."""
         speed = self._speeds(np.array([inside, outside]))
+        if np.isnan(speed[1]).all():
+            return "unconfirmed"
         body = int(np.nanargmin(speed[1]))
         if abs(speed[0, body] - speed[1, body]) <= TOLERANCES.jump * abs(speed[0, body]):
             return "speed"
         regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
         if Regime.HOPPING in regimes:
             return "hop"
-        return "onset" if outside < inside else "back slip"
+        if outside < inside and regimes[0] >= regimes[1]:  # else a larger ellipse ends back slip
+            return "onset"
+        return "back slip"
