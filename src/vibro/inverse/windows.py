@@ -54,7 +54,7 @@ HOPS_SAMPLED: Final[Mapping[bool, int]] = {False: 32769, True: 4097}
 _BEYOND: Final = 1e3
 _FASTER: Final = 2.0
 _CLOSER: Final = 33  # amplitudes of each refinement around an extremum of the speed
-_STEEP: Final = 100.0  # [% of speed for 1 % of amplitude] between two amplitudes; a jump is steeper
+_STEEP: Final = 100.0  # largest change of a speed that is no jump, over that of the amplitude, both relative
 _PAST_EDGE: Final = 1e-8  # relative distance beyond an end at which the speed has jumped
 
 
@@ -525,7 +525,10 @@ class _Scan:
             np.where(holds[edges], grid[edges + 1], grid[edges]),
             detail.end,
         )
-        ends = [(x, self._set_by(x, y)) for x, y in zip(holding.tolist(), failing.tolist(), strict=True)]
+        ends = [
+            (x, self._set_by(x, y, detail.end))
+            for x, y in zip(holding.tolist(), failing.tolist(), strict=True)
+        ]
         if holds[0]:
             ends.insert(0, (float(grid[0]), "onset"))
         if holds[-1]:
@@ -580,14 +583,16 @@ class _Scan:
 
         return close_in(surplus, holding, failing, relative=width)
 
-    def _set_by(self, inside: float, outside: float) -> str:
-        """Return the constraint between an amplitude that reaches the target and one that misses it."""
+    def _set_by(self, inside: float, outside: float, width: float = 0.0) -> str:
+        """Return the constraint between an amplitude that reaches the target and one that misses it.
+
+        ``width`` is their largest relative distance.
+        """
         speed = self._speeds(np.array([inside, outside]))
         if np.isnan(speed[1]).all():
             return "unconfirmed"
         body = int(np.nanargmin(speed[1]))
-        least_jump = TOLERANCES.jump + _STEEP * abs(1.0 - outside / inside)
-        if abs(speed[0, body] - speed[1, body]) <= least_jump * abs(speed[0, body]):
+        if abs(speed[0, body] - speed[1, body]) <= max(TOLERANCES.jump, _STEEP * width) * abs(speed[0, body]):
             return "speed"
         regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
         if Regime.HOPPING in regimes:
