@@ -19,6 +19,7 @@ from vibro.quantities import (
     DURATION,
     ELLIPTICAL,
     HARMONIC,
+    LEAST_SPEED,
     LINEAR,
     MASS,
     QUANTITIES,
@@ -28,6 +29,7 @@ from vibro.quantities import (
     checked_number,
     exact_number,
     find_quantity,
+    given_unit,
     kinetic_friction,
 )
 from vibro.scene import Scene
@@ -75,6 +77,9 @@ def test_a_number_is_read_in_the_default_unit(name: str, text: str, expected: fl
         (MASS, "10lb", 4.5359237),  # the international pound
         (START_VELOCITY, "0.02m/s", 20.0),
         (START_VELOCITY, "2in/s", 50.8),
+        (LEAST_SPEED, "6m/min", 100.0),
+        (LEAST_SPEED, "600 MM/min", 10.0),
+        (LEAST_SPEED, "60in/min", 25.4),
     ],
 )
 def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expected: float) -> None:
@@ -82,6 +87,14 @@ def test_quantities_of_a_run_have_units_too(quantity: Quantity, text: str, expec
 
 
 PAIRS = "vibro friction lists pairs of materials"
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "size"),
+    [("5", "mm/s", 1), ("5 M/MIN", "m/min", Fraction(50, 3)), (" 2e3um/s ", "um/s", Fraction(1, 1000))],
+)
+def test_the_unit_of_a_number_is_found(text: str, unit: str, size: Fraction) -> None:
+    assert given_unit(text, LEAST_SPEED) == (unit, size)
 
 
 @pytest.mark.parametrize(

@@ -153,8 +153,6 @@ def test_extreme_ratios_are_those_of_a_fine_grid() -> None:
 
 
 def test_what_is_not_known_of_ellipses_is_refused() -> None:
-    with pytest.raises(InputError, match="a drive along an ellipse: closed forms and proved bounds"):
-        vibro.feasible_amplitudes(scene(), 0.01)
     with pytest.raises(SceneError, match="along_amplitude, normal_amplitude, normal_phase"):
         vibro.guarantee(scene(), amplitude=(1e-3, 2e-3))
     with pytest.raises(SceneError, match="normal_amplitude"):

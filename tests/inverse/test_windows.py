@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from helpers.boxed import Boxed, boxes, with_fields
 from helpers.scenes import replaced, scene_with
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 import vibro
 from vibro import InputError, Regime, SceneError, feasible_amplitudes, solve
@@ -23,6 +24,11 @@ from vibro.inverse.windows import window_of
 from vibro.results.designs import Interval
 
 NUT = scene_with()
+BOWL = vibro.Scene(
+    along_amplitude=3e-3, normal_amplitude=1e-3, normal_phase=math.radians(-60.0), frequency=25.0,
+    static_friction=0.4, kinetic_friction=0.3,
+)  # fmt: skip
+Floats = NDArray[np.float64]
 
 
 def least(scene: vibro.Scene, amplitude: float, bands: Any, percent: float = 0.0) -> tuple[float, Regime]:
@@ -159,6 +165,192 @@ def test_arguments_that_cannot_be_are_refused(options: dict[str, Any], message: 
 def test_a_band_of_the_amplitude_is_refused() -> None:
     with pytest.raises(SceneError, match="band 'amplitude'"):
         vibro.feasible_amplitudes(NUT, 0.02, amplitude=(1e-3, 2e-3))
+    for name in ("along_amplitude", "normal_amplitude"):
+        bands: dict[str, Any] = {name: (1e-3, 2e-3)}
+        with pytest.raises(SceneError, match=f"band '{name}' .* of one of normal_phase, frequency"):
+            vibro.feasible_amplitudes(BOWL, 0.02, **bands)
+
+
+class Scan(NamedTuple):
+    """A scene that is solved at many amplitudes, both amplitudes of an ellipse in their proportion."""
+
+    scene: vibro.Scene
+    amplitudes: Floats
+
+    def at(self, amplitudes: Any) -> vibro.SteadyCycle:
+        x, y = (float(a or 0.0) for a in (self.scene.along_amplitude, self.scene.normal_amplitude))
+        size = x or y
+        one = {"along_amplitude": amplitudes * (x / size), "normal_amplitude": amplitudes * (y / size)}
+        return solve(replaced(self.scene, **one))
+
+    def speeds(self, amplitudes: Any) -> Floats:
+        """Means of irregular motion less three standard errors."""
+        cycle = self.at(np.asarray(amplitudes))
+        error = np.where(cycle.status == vibro.Status.AVERAGED, cycle.mean_velocity_error, 0.0)
+        return np.asarray(cycle.mean_velocity - 3.0 * error)
+
+
+def ellipse(seed: int, most_throw: float, restitution: float = 0.0) -> Scan:
+    """Draw an elliptical drive, level or inclined, and amplitudes up to a throw number."""
+    rng = np.random.default_rng(seed)
+    x, y = rng.choice([1.0, 1.0, 1.0, 0.0]), rng.uniform(0.05, 1.5)
+    mu_s = rng.uniform(0.1, 1.0)
+    scene = vibro.Scene(
+        along_amplitude=1e-3 * x, normal_amplitude=1e-3 * y, normal_phase=rng.uniform(-math.pi, math.pi),
+        frequency=rng.uniform(8.0, 60.0), static_friction=mu_s, kinetic_friction=mu_s * rng.uniform(0.5, 1.0),
+        trough_angle=rng.choice([0.0, rng.uniform(-0.2, 0.2)]), restitution=restitution,
+    )  # fmt: skip
+    top = most_throw * 1e-3 * (x or y) / float(solve(scene, accuracy="regimes").throw_number)
+    return Scan(scene, np.linspace(0.0, top, 20001)[1:-1])
+
+
+def fastest(speeds: Floats) -> float:
+    return float(np.max(np.nan_to_num(speeds), initial=1e-6))
+
+
+def covered(amplitudes: Floats, intervals: list[Interval]) -> NDArray[np.bool_]:
+    inside = np.zeros(amplitudes.size, bool)
+    for i in intervals:
+        inside |= (i.low <= amplitudes) & (amplitudes <= i.high)
+    return inside
+
+
+@pytest.mark.parametrize("share", [0.03, 0.5, 0.97])
+def test_ellipses_are_followed_through_every_jump(share: float) -> None:
+    """Ends are those of the last double; between them, and outside, every amplitude of a fine scan agrees."""
+    for seed in range(40):
+        scan = ellipse(seed, 1.0)
+        speeds = scan.speeds(scan.amplitudes)
+        speed = share * fastest(speeds)
+        found = feasible_amplitudes(scan.scene, speed)
+        assert np.array_equal(speeds >= speed, covered(scan.amplitudes, found)), seed
+        for i in found:
+            assert np.all(scan.speeds(i[:2]) >= speed), seed
+            assert scan.speeds(np.nextafter(i.low, 0.0)) < speed
+            if i.high_set_by == "hop":
+                regimes = scan.at(np.array([i.high, i.high * (1 + 1e-9)])).regime
+                assert (regimes[0] < Regime.HOPPING, regimes[1]) == (True, Regime.HOPPING)
+            else:
+                assert scan.speeds(np.nextafter(i.high, 1.0)) < speed
+
+
+def test_hops_of_ellipses_are_followed_but_for_slivers() -> None:
+    """Of 30 scenes those of regular hops agree at every amplitude; irregular ones differ in 0.2 % at most."""
+    agree = 0
+    for seed in range(30):
+        scan = ellipse(seed, 10.0)
+        speeds = scan.speeds(scan.amplitudes)
+        speed = 0.4 * fastest(speeds)
+        limit = float(scan.amplitudes[-1])
+        found = feasible_amplitudes(scan.scene, speed, highest_regime="hopping", limit=limit)
+        differs = np.count_nonzero((speeds >= speed) != covered(scan.amplitudes, found))
+        assert differs <= 2e-3 * speeds.size, seed
+        agree += differs == 0
+        for i in found:
+            assert np.all(scan.speeds(i[:2]) >= speed), seed
+            assert scan.speeds(np.nextafter(i.low, 0.0)) < speed
+            assert i.high == limit or not scan.speeds(np.nextafter(i.high, 1.0)) >= speed
+    assert agree >= 24
+
+
+def test_bounces_of_ellipses_hold_at_their_ends() -> None:
+    for seed in (5, 8):
+        scan = ellipse(seed, 4.0, restitution=0.3)
+        limit = float(scan.amplitudes[-1])
+        speed = 0.5 * fastest(scan.speeds(scan.amplitudes[::40]))
+        found = feasible_amplitudes(scan.scene, speed, highest_regime="hopping", limit=limit)
+        assert found, seed
+        for i in found:
+            assert np.all(scan.speeds(i[:2]) >= speed), seed
+            assert i.low_set_by != "limit"
+
+
+def test_an_ellipse_may_throw_bodies_forward_that_do_not_slip_forward() -> None:
+    """Down a decline, nearly at opposite phases, forward slip begins at 1.85 times the load of hopping."""
+    scene = vibro.Scene(
+        along_amplitude=1e-3, normal_amplitude=1.24e-3, normal_phase=-3.137944, frequency=20.0,
+        static_friction=0.60755, kinetic_friction=0.529337, trough_angle=-0.235187, restitution=0.7,
+    )  # fmt: skip
+    slips = 1e-3 * float(vibro.critical_loads(scene).forward_onset / scene.load)
+    scan = Scan(scene, np.linspace(0.5 * slips, 0.99 * slips, 100))
+    speed = 0.5 * fastest(scan.speeds(scan.amplitudes))
+    assert speed > 5e-3
+    found = feasible_amplitudes(scene, speed, highest_regime="hopping", limit=0.99 * slips)
+    assert found
+    assert np.all(scan.speeds([end for i in found for end in i[:2]]) >= speed)
+    assert feasible_amplitudes(scene, speed, limit=0.99 * slips) == []
+
+
+def test_an_ellipse_that_is_a_line_has_the_lines_amplitudes() -> None:
+    x, y = math.cos(math.radians(20.0)), math.sin(math.radians(20.0))
+    same = vibro.Scene(
+        along_amplitude=7e-3 * x, normal_amplitude=7e-3 * y, frequency=15.0, static_friction=0.74,
+        kinetic_friction=0.57,
+    )  # fmt: skip
+    for highest in ("forward-slip", "back-slip", "hopping"):
+        lines = feasible_amplitudes(NUT, 0.02815, highest_regime=highest, limit=4e-3)
+        found = feasible_amplitudes(same, 0.02815, highest_regime=highest, limit=4e-3 * x)
+        assert [i[2:] for i in found] == [i[2:] for i in lines]
+        ends = [end * x for i in lines for end in i[:2]]
+        assert [end for i in found for end in i[:2]] == pytest.approx(ends, rel=1e-11)
+
+
+def test_bands_and_drift_of_an_ellipse_are_guaranteed() -> None:
+    bands: dict[str, Any] = {"static_friction": (0.35, 0.45), "normal_phase": (-1.2, -0.9)}
+    (found,) = feasible_amplitudes(BOWL, 0.03, amplitude_percent=3.0, **bands)
+    assert (found.low_set_by, found.high_set_by) == ("speed", "hop")
+
+    def slowest(amplitude: float) -> float:
+        frictions, phases, drifts = np.meshgrid(
+            np.linspace(0.35, 0.45, 21), np.linspace(-1.2, -0.9, 21), [0.97, 1.0, 1.03]
+        )
+        cycle = solve(
+            replaced(
+                BOWL, along_amplitude=drifts * amplitude, normal_amplitude=drifts * amplitude / 3.0,
+                static_friction=frictions, normal_phase=phases,
+            )
+        )  # fmt: skip
+        return float(np.min(np.where(cycle.regime == Regime.HOPPING, -1.0, cycle.mean_velocity)))
+
+    # the slowest parts lie at corners, which the grid has
+    assert slowest(found.low * (1 + 1e-9)) >= 0.03
+    assert 0.0 < slowest(found.low * (1 - 1e-6)) < 0.03
+    assert slowest(found.high) >= 0.03
+    assert slowest(found.high * (1 + 1e-9)) == -1.0
+
+
+def test_amplitudes_of_an_ellipse_are_along_the_trough_or_normal_to_it() -> None:
+    flat = with_fields(BOWL, normal_amplitude=0.0, trough_angle=math.radians(-5))
+    (found,) = feasible_amplitudes(flat, 0.05)
+    assert math.isinf(found.high)
+    along = Scan(flat, np.array([found.low]))
+    assert along.speeds(found.low) == pytest.approx(0.05, rel=1e-9)
+    upright = with_fields(BOWL, along_amplitude=0.0, trough_angle=math.radians(-3))
+    (found,) = feasible_amplitudes(upright, 3e-4, limit=3.9e-4)
+    assert found[1:] == (3.9e-4, "speed", "limit")
+    assert Scan(upright, np.array([found.low])).speeds(found.low) == pytest.approx(3e-4, rel=1e-9)
+    still = with_fields(BOWL, along_amplitude=0.0, normal_amplitude=0.0)
+    with pytest.raises(SceneError, match="along_amplitude = 0 m: must be > 0 m, or the other amplitude"):
+        feasible_amplitudes(still, 0.05)
+
+
+def test_a_body_that_an_ellipse_conveys_backwards_reaches_no_speed() -> None:
+    back = with_fields(BOWL, normal_phase=math.radians(120.0))
+    assert feasible_amplitudes(BOWL, 0.05)
+    assert feasible_amplitudes(back, 1e-6) == []
+    assert solve(with_fields(back, along_amplitude=9e-4, normal_amplitude=3e-4)).mean_velocity < -0.05
+
+
+def test_back_slip_that_ends_again_begins_a_window() -> None:
+    """On a decline steeper than the angle of kinetic friction, at 0.49 mm."""
+    scene = vibro.Scene(
+        along_amplitude=1e-3, normal_amplitude=0.7009e-3, normal_phase=3.11133, frequency=20.0,
+        static_friction=0.816185, kinetic_friction=0.35913, trough_angle=-0.418498,
+    )  # fmt: skip
+    (found,) = feasible_amplitudes(scene, 0.02)
+    assert found.low_set_by == "back slip"
+    regimes = Scan(scene, np.zeros(0)).at(np.array([found.low * (1 - 1e-9), found.low])).regime
+    assert regimes.tolist() == [Regime.BACK_SLIP, Regime.FORWARD_SLIP]
 
 
 @pytest.mark.parametrize("drive_angle", [0.0, 1e-9])

@@ -69,6 +69,24 @@ def test_parts_that_slip_back_are_those_of_low_static_friction() -> None:
     assert found == pytest.approx(0.5, abs=1e-3)
 
 
+@pytest.mark.parametrize("name", ["normal_phase", "along_amplitude", "normal_amplitude", "static_friction"])
+def test_bands_of_an_ellipse_are_uniform(name: str) -> None:
+    """Beside a fine grid of the band."""
+    fields: dict[str, Any] = {
+        "along_amplitude": 9e-4, "normal_amplitude": 3e-4, "normal_phase": -1.05, "frequency": 25.0,
+        "static_friction": 0.4, "kinetic_friction": 0.3,
+    }  # fmt: skip
+    low, high = {"normal_phase": (-2.5, 1.0), "static_friction": (0.3, 0.6)}.get(name, (1e-4, 9e-4))
+    grid = vibro.Scene(**{**fields, name: np.linspace(low, high, 20001)})
+    cycle = vibro.solve(grid)
+    target = float(np.nanquantile(cycle.mean_velocity, 0.6))
+    assert target > 0.0
+    for highest in (Regime.BACK_SLIP, Regime.HOPPING):
+        counts = (cycle.mean_velocity >= target) & (cycle.regime <= highest)
+        found = share(vibro.Scene(**fields), target, highest, **{name: (low, high)})
+        assert found == pytest.approx(float(np.mean(counts)), abs=1e-3)
+
+
 U, V = np.array([0.0, 0.25, 0.5, 1.0]), np.array([0.0, 0.5, 1.0, 0.5])
 
 

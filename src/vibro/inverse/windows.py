@@ -54,6 +54,7 @@ HOPS_SAMPLED: Final[Mapping[bool, int]] = {False: 32769, True: 4097}
 _BEYOND: Final = 1e3
 _FASTER: Final = 2.0
 _CLOSER: Final = 33  # amplitudes of each refinement around an extremum of the speed
+_STEEP: Final = 100.0  # largest change of a speed that is no jump, over that of the amplitude, both relative
 _PAST_EDGE: Final = 1e-8  # relative distance beyond an end at which the speed has jumped
 
 
@@ -83,7 +84,7 @@ class _Detail(NamedTuple):
 # For one body in contact, and for its hops: between these the speed jumps, and has no smooth extrema.
 _ONE: Final = _Detail(4097, 3, 0.0, 0, 0, 0.0)
 _ONE_HOPS: Final = {
-    bounces: _Detail(count, 0, 1e-9 if bounces else 0.0, 0, 0, 0.0) for bounces, count in HOPS_SAMPLED.items()
+    bounces: _Detail(count, 0, 1e-5 if bounces else 0.0, 0, 0, 0.0) for bounces, count in HOPS_SAMPLED.items()
 }
 # For a box in contact, for plastic hops, and for bounces, which are slow to solve.
 _BOX: Final = _Detail(257, 3, 0.0, 6, 5, 1e-10)
@@ -167,10 +168,11 @@ def feasible_amplitudes(
     slower bodies that it finds join the scenarios.
 
     The speed of hopping bodies jumps with the amplitude, and where their motion is irregular it does so
-    everywhere. A single body is solved at 32769 amplitudes, at 4097 if it bounces; what lies between two of
-    them may be missed (tests/inverse/test_windows.py compares with finer scans). A mean of
-    irregular motion counts less three standard errors. With ``highest_regime="forward-slip"`` intervals end
-    where back slip first begins, also where larger amplitudes of an ellipse end it again.
+    everywhere. A single body is solved at 32769 amplitudes, or at 4097 if it bounces, when ends are found to
+    1e-5; what lies between two of them may be missed (tests/inverse/test_windows.py compares with other
+    amplitudes). A mean of irregular motion counts less three standard errors. With
+    ``highest_regime="forward-slip"`` intervals end where back slip first begins, also if larger amplitudes of
+    an ellipse end it again.
 
     Examples
     --------
@@ -182,12 +184,13 @@ def feasible_amplitudes(
     1.177843 to 1.190299 mm, from speed to back slip
     1.233006 to 3.229052 mm, from speed to hop
 
-    An ellipse that is three times as long as high, in its own proportion:
+    An ellipse keeps the proportion of its amplitudes, here 3 to 1:
 
     >>> bowl = vibro.Scene(along_amplitude=3e-3, normal_amplitude=1e-3, normal_phase=math.radians(-60),
     ...                    frequency=25, static_friction=0.4, kinetic_friction=0.3)
     >>> for i in vibro.feasible_amplitudes(bowl, 0.02):
     ...     print(f"{1e3 * i.low:.6f} to {1e3 * i.high:.6f} mm along, from {i.low_set_by} to {i.high_set_by}")
+    0.428533 to 1.192753 mm along, from speed to hop
     """
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
@@ -522,7 +525,10 @@ class _Scan:
             np.where(holds[edges], grid[edges + 1], grid[edges]),
             detail.end,
         )
-        ends = [(x, self._set_by(x, y)) for x, y in zip(holding.tolist(), failing.tolist(), strict=True)]
+        ends = [
+            (x, self._set_by(x, y, detail.end))
+            for x, y in zip(holding.tolist(), failing.tolist(), strict=True)
+        ]
         if holds[0]:
             ends.insert(0, (float(grid[0]), "onset"))
         if holds[-1]:
@@ -577,13 +583,16 @@ class _Scan:
 
         return close_in(surplus, holding, failing, relative=width)
 
-    def _set_by(self, inside: float, outside: float) -> str:
-        """Return the constraint between an amplitude that reaches the target and one that misses it."""
+    def _set_by(self, inside: float, outside: float, width: float = 0.0) -> str:
+        """Return the constraint between an amplitude that reaches the target and one that misses it.
+
+        ``width`` is their largest relative distance.
+        """
         speed = self._speeds(np.array([inside, outside]))
         if np.isnan(speed[1]).all():
             return "unconfirmed"
         body = int(np.nanargmin(speed[1]))
-        if abs(speed[0, body] - speed[1, body]) <= TOLERANCES.jump * abs(speed[0, body]):
+        if abs(speed[0, body] - speed[1, body]) <= max(TOLERANCES.jump, _STEEP * width) * abs(speed[0, body]):
             return "speed"
         regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
         if Regime.HOPPING in regimes:

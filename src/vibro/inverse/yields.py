@@ -34,7 +34,8 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     Parameters
     ----------
     scene : Scene
-        One operating point; it gives the values of fields without a band.
+        One operating point of a drive along a line or an ellipse; it gives the values of fields without a
+        band.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"forward-slip", "back-slip", "hopping"}

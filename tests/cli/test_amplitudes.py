@@ -1,0 +1,178 @@
+"""``vibro solve --speed``: amplitudes along lines and ellipses, in contact and with hops."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from helpers.commands import NUT, Run
+
+BOWL = ("--along", "3", "--normal", "1", "-f", "25", "--mu-s", ".4", "--mu-d", ".3")
+
+
+def test_the_amplitudes_that_reach_a_speed(run: Run) -> None:
+    scene = NUT[2:]
+    result = run("solve", *scene, "--speed", "0.02815m/s")
+    assert (result.exit_code, result.stderr) == (0, "")
+    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
+    assert lines[1] == "asked for at least 0.02815 m/s without hopping"
+    # Published: 1.177843 to 1.190299 mm and 1.233006 to 3.229052 mm; rounded inwards.
+    assert lines[4:] == [
+        "1.17785 1.19029 the speed is reached back slip makes it slower",
+        "1.23301 3.22905 the speed is reached the body hops",
+    ]
+    answer = json.loads(run("solve", *scene, "--speed", "28.15", "--json").stdout)
+    assert (answer["met"], answer["speed_mm_s"], answer["highest_regime"]) == (True, 28.15, "back-slip")
+    assert "amplitude_mm" not in answer["scene"]
+    for interval in answer["amplitudes"]:
+        for end in ("amplitude_low_mm", "amplitude_high_mm"):
+            cycle = json.loads(run("solve", *scene, "-A", repr(interval[end]), "--json").stdout)
+            assert cycle["mean_velocity_mm_s"] >= 28.15 * (1.0 - 1e-12)
+            assert cycle["regime"] != "hopping"
+
+
+@pytest.mark.parametrize(
+    ("speed", "told"), [("5m/min", "5 m/min"), ("3.97 M/MIN", "3.97 m/min"), ("83", "83 mm/s")]
+)
+def test_speeds_are_told_in_the_unit_of_the_question(run: Run, speed: str, told: str) -> None:
+    unit = told.split()[1]
+    lines = run("solve", *NUT[2:], "--speed", speed).stdout.splitlines()
+    assert " ".join(lines[1].split()) == f"asked for at least {told} without hopping"
+    fast = {"m/min": 30, "mm/s": 500}[unit]
+    best = {"m/min": "7.396 m/min", "mm/s": "123.3 mm/s"}[unit]
+    last = run("solve", *NUT[2:], "--speed", f"{fast}{unit}").stdout.splitlines()[-1]
+    assert last == f"no amplitude does it: without hopping it gets about {best}, at 3.229 mm"
+    answer = json.loads(run("solve", *NUT[2:], "--speed", "6m/min", "--json").stdout)
+    assert answer["speed_mm_s"] == 100.0
+
+
+def test_hopping_goes_on_to_a_throw_number_of_10(run: Run) -> None:
+    result = run("solve", *NUT[2:], "--speed", "50m/min", "--hopping")
+    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
+    assert lines[1] == "asked for at least 50 m/min, hopping or not"
+    assert lines[2].startswith("hops sampled at 32769 amplitudes up to 32.29 mm (throw number 10):")
+    assert [line.split()[:2] for line in lines[6:]] == [
+        ["9.50335", "14.2365"], ["16.7411", "24.9105"], ["26.439", "32.2905"],
+    ]  # fmt: skip
+    assert lines[-1].endswith("the speed is reached throw number 10")
+    answer = json.loads(run("solve", *NUT[2:], "--speed", "50m/min", "--hopping", "--json").stdout)
+    assert answer["highest_regime"] == "hopping"
+    last = answer["amplitudes"][-1]
+    cycle = json.loads(run("solve", *NUT[2:], "-A", repr(last["amplitude_high_mm"]), "--json").stdout)
+    assert cycle["throw_number"] == pytest.approx(10.0, rel=1e-12)
+    assert last["high_set_by"] == "limit"
+    bouncing = run("solve", *NUT[2:], "--restitution", "0.3", "--speed", "1000m/min", "--hopping")
+    assert bouncing.exit_code == 4
+    assert "sampled at 4097 amplitudes" in bouncing.stdout
+    assert "no amplitude does it: up to a throw number of 10 it gets about" in bouncing.stdout
+
+
+def test_irregular_hops_fill_no_screen(run: Run) -> None:
+    scene = (*BOWL, "--restitution", "0.2", "--phase", "-60")
+    lines = run("solve", *scene, "--speed", "12m/min", "--hopping").stdout.splitlines()
+    rows = lines[lines.index("") + 2 :]
+    assert len(rows) == 21
+    assert re.fullmatch(r"and \d+ narrower ones, where hops are irregular: --json has all", rows[-1])
+
+
+def test_both_amplitudes_of_an_ellipse_keep_their_proportion(run: Run) -> None:
+    scene = (*BOWL, "--phase", "-60")
+    result = run("solve", *scene, "--speed", "5m/min")
+    assert (result.exit_code, result.stderr) == (0, "")
+    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
+    assert lines[2] == "amplitudes both change together, in the proportion of the scene"
+    assert lines[4:] == [
+        "along from [mm] normal from [mm] along to [mm] normal to [mm] at its beginning at its end",
+        "0.922276 0.307426 1.19275 0.397584 the speed is reached the body hops",
+    ]
+    (found,) = json.loads(run("solve", *scene, "--speed", "5m/min", "--json").stdout)["amplitudes"]
+    for end in ("low", "high"):
+        x, y = (found[f"{way}_amplitude_{end}_mm"] for way in ("along", "normal"))
+        assert x == pytest.approx(3.0 * y, rel=1e-15)
+        at = ("--along", repr(x), "--normal", repr(y), *scene[4:])
+        cycle = json.loads(run("solve", *at, "--json").stdout)
+        assert cycle["mean_velocity_mm_s"] >= 250.0 / 3.0 * (1.0 - 1e-12)
+        assert cycle["regime"] != "hopping"
+
+
+def test_an_ellipse_that_conveys_backwards_is_turned(run: Run) -> None:
+    result = run("solve", *BOWL, "--phase", "120", "--speed", "5m/min")
+    assert result.exit_code == 4
+    assert result.stdout.splitlines()[-1] == (
+        "no amplitude does it: without hopping it moves backwards, about 7.495 m/min at along 1.193 mm,"
+        " normal 0.3976 mm; --phase -60 drives it the other way"
+    )
+    assert run("solve", *BOWL, "--phase", "-60", "--speed", "5m/min").exit_code == 0
+
+
+def test_an_amplitude_of_an_ellipse_may_be_0(run: Run) -> None:
+    friction = ("-f", "25", "--mu-s", ".4", "--mu-d", ".3")
+    down = run("solve", "--along", "0", "--normal", "1", *friction, "--beta", "-3", "--speed", "0.3mm/s")
+    assert down.stdout.splitlines()[-1].split()[:4] == ["0", "0.386308", "0", "0.397039"]
+    flat = run("solve", "--along", "1", "--normal", "0", *friction, "--beta", "-10", "--speed", "20")
+    assert flat.stdout.splitlines()[-1].split()[1:4] == ["0", "any", "0"]
+    none = run("solve", "--along", "0", "--normal", "0", *friction, "--speed", "20")
+    assert none.exit_code == 2
+    assert none.stderr.splitlines()[0].startswith("error: along amplitude = normal amplitude = 0 mm: ")
+
+
+def test_harmonics_are_refused(run: Run) -> None:
+    result = run("solve", *BOWL, "--along-2", "1", "--speed", "5")
+    assert result.exit_code == 2
+    assert "not of drives with harmonics\nhint: vibro map --speed draws" in result.stderr
+
+
+def test_hopping_is_about_amplitudes(run: Run) -> None:
+    result = run("solve", *NUT, "--hopping")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith("error: --hopping is about the amplitudes of --speed\nhint: ")
+
+
+def test_a_speed_that_no_amplitude_reaches(run: Run) -> None:
+    result = run("solve", *NUT[2:], "--speed", "500")
+    assert result.exit_code == 4
+    # what the amplitude of the hop limit gives
+    best = "no amplitude does it: without hopping it gets about 123.3 mm/s, at 3.229 mm"
+    assert result.stdout.splitlines()[-1] == best
+    answer = json.loads(run("solve", *NUT[2:], "--speed", "500", "--json").stdout)
+    assert (answer["met"], answer["amplitudes"]) == (False, [])
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (("-a", "0", "--trough-angle", "-20"), "any"),
+        (("--mu-s", "0", "--mu-d", "0"), "it moves forwards only where it hops, if at all"),
+        (("--trough-angle", "-55"), "it has no steady motion without hopping"),
+        (("--trough-angle", "29"), "without hopping it moves backwards, about 193.3 mm/s at 2.824 mm\n"),
+        (("-a", "0"), "without hopping it does not move"),
+        (("-a", "0", "--hopping"), "none: the trough does not move normal to itself"),
+    ],
+)
+def test_speeds_of_odd_scenes(run: Run, changes: tuple[str, ...], said: str) -> None:
+    result = run("solve", *NUT[2:], *changes, "--speed", "5")
+    assert result.exit_code == (0 if said == "any" else 4)
+    assert said in result.stdout
+
+
+def test_an_amplitude_is_not_given_where_it_is_asked_for(run: Run) -> None:
+    for option in ("-A", "--stroke"):
+        result = run("solve", *NUT[2:], option, "1", "--speed", "20")
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert "is given, and asked for" in result.stderr
+    scene = Path(__file__).parents[2] / "examples" / "safety_nut.toml"  # whose own amplitude does not count
+    assert json.loads(run("solve", scene, "--speed", "28.15", "--json").stdout)["met"]
+    result = run("solve", "--speed", "20")
+    assert result.exit_code == 2
+    assert "amplitude" not in result.stderr
+
+
+@pytest.mark.parametrize("more", [("--coexist",), ("-o", "x"), ("--stand-ratio", "1"), ("--flight", "off")])
+def test_amplitudes_take_no_other_options(run: Run, more: tuple[str, ...]) -> None:
+    result = run("solve", *NUT[2:], "--speed", "20", *more)
+    assert result.exit_code == 2
+    assert f"{more[0]} means nothing to it" in result.stderr
+    assert run("solve", *NUT[2:], "--speed", "0").exit_code == 2
+    assert run("solve", *NUT[2:], "--speed", "20Hz").exit_code == 2
