@@ -11,6 +11,7 @@ Scenes and loads:
     hopping_bodies    loads of bodies that hop; rounds of ``engines.two_axis_walk`` (shares ``Loads``)
     followed          bodies stepped by the core; Newton's law by quadrature (shares the core's steps)
     solver_doors      the solver, compiled or as plain Python
+    solver_boxes      boxes of the solver's bounds, drawn, and their bodies solved (shares the record ``Box``)
 Records and questions:
     made_records      records of motions that the engines walk (shares the records' containers)
     made_tables       small tables of measurements, as text
