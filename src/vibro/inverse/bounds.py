@@ -32,7 +32,7 @@ __all__ = ["GAP", "Slowest", "least_speed", "slowest_in_contact"]
 #: [1] Distance of what is proved from the slowest body that is small enough, over its speed.
 GAP: Final = 1e-3
 _POPULATION: Final = 64
-_GENERATIONS: Final = 100
+_GENERATIONS: Final = 300
 _SEED: Final = 1
 _SMALL: Final = 1e-2  # [1] share of the trough's largest speed
 _BETTER: Final = 1e-12  # [1] by which a body that the bounds have met must be slower, to start anew
@@ -99,9 +99,10 @@ def slowest_in_contact(
     room = tuple(map(solver.row, (lows, highs, bounds, heap.view(np.int64), met, speed)))
     count = solver.cover(scene, room, GAP, least_speed(box), boxes)
     lows, highs, bounds = lows[:count], highs[:count], bounds[:count]
-    if speed[0] < speeds[0] - _BETTER * abs(speeds[0]):
+    if count == boxes or speed[0] < speeds[0] - _BETTER * abs(speeds[0]):
         near = np.argsort(bounds)[: _POPULATION - 1]
-        points, speeds = evolved(np.vstack([met[0], 0.5 * (lows[near] + highs[near])]))
+        anew = evolved(np.vstack([met[0], 0.5 * (lows[near] + highs[near])][int(speed[0] >= speeds[0]) :]))
+        points, speeds = min((points, speeds), anew, key=lambda found: found[1][0])
     if low[BETA] == high[BETA]:  # such a bound holds for flatter troughs too
         lows[:, BETA], highs[:, BETA] = trough
     names = ("load", *box.shape, "trough_angle", "static_friction", "kinetic_friction")
