@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.certificates import _bounds
 from helpers.solver_boxes import bodies, box_of, largest_speed, solver_boxes
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -60,9 +61,8 @@ def test_the_bound_of_a_single_body_is_its_speed(box: Box) -> None:
     ratios = np.array([cycle.forward_ratio[0], cycle.back_ratio[0]])
     assume(cycle.status[0] == vibro.Status.OK and np.all(np.abs(ratios - 1.0) > 1e-3))  # no jump is near
     rests = cycle.regime[0] == 0 or "_" in str(cycle.pattern[0])
-    strength = box.low[0] * (max(box.low[1:3]) if box.ellipse else 1.0) / box.low[6]
-    assume(rests or strength < 20.0)  # beyond, cycles take hundreds of turns to settle
-    slack = (1e-11 if rests else 2e-5 * max(1.0, 0.2 * strength)) * largest_speed(box)
+    assume(rests or strength(box) < 20.0)
+    slack = (1e-11 if rests else 2e-5 * max(1.0, 0.2 * strength(box))) * largest_speed(box)
     assert bound(box) == pytest.approx(box.way * float(cycle.mean_velocity[0]), rel=0.0, abs=slack)
 
 
@@ -80,6 +80,49 @@ def test_the_row_of_a_box_does_not_matter(box: Box, row: int) -> None:
     unused: Any = [math.nan] * (AXES * row)
     low, high = (unused + list(end) for end in (box.low, box.high))
     assert least_speed(box, low, high, row) == bound(box)
+
+
+def strength(box: Box) -> float:
+    """Largest push over the least friction [1]; beyond 20 cycles without rest take hundreds to settle."""
+    return box.high[0] * (max(box.high[1:3]) if box.ellipse else 1.0) / box.low[6]
+
+
+def own_bound(box: Box) -> float:
+    """The bound of the checker's comparison body."""
+    shape = (
+        ("along_amplitude", "normal_amplitude", "normal_phase") if box.ellipse else ("drive_angle", "", "")
+    )
+    names = ("load", *shape, "trough_angle", "static_friction", "kinetic_friction")
+    ends = {name: np.array([[low], [high]]) for name, low, high in zip(names, box.low, box.high, strict=True)}
+    ends.pop("", None)
+    band = {
+        "friction_ratio": (box.ratio_low, box.ratio_high), "gravity": (box.gravity,),
+        "amplitude": (box.factor_low, box.factor_high), "frequency": (box.frequency_low, box.frequency_high),
+    }  # fmt: skip
+    return float(_bounds(ends, band, box.way)[0])
+
+
+@settings(max_examples=100)
+@given(solver_boxes())
+def test_bounds_are_no_higher_than_those_of_another_program(box: Box) -> None:
+    assume(strength(box) < 20.0)
+    assert bound(box) <= own_bound(box) + 1e-11 * largest_speed(box)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_terms_that_are_at_their_worst_inside_a_band_count(way: float) -> None:
+    """At drive angles about that of friction and its complement, on troughs whose slope is 1 / mu."""
+    for drive in ((0.3, 0.8), (0.5, 0.55), (0.9, 1.2), (1.0, 1.1)):
+        for beta in (-0.45, -0.3, 0.0, 0.3, 0.45):
+            for load in (0.3, 0.6, 0.8):
+                box = line(load=(load, load), first=drive, beta=(beta, beta), way=way)
+                assert bound(box) == pytest.approx(own_bound(box), abs=2e-5 * largest_speed(box))
+    for beta in ((0.5, 0.8), (0.6, 0.65), (-0.8, 0.8)):
+        ends = sorted(way * b for b in beta)
+        steep = line(
+            load=(0.65, 0.65), beta=(ends[0], ends[1]), static=(1.5, 1.5), kinetic=(1.4, 1.4), way=way
+        )
+        assert -INF < bound(steep) == pytest.approx(own_bound(steep), abs=2e-5 * largest_speed(steep))
 
 
 LINE = [1.4, 0.35, 0.0, 0.0, 0.0, 0.74, 0.57]
