@@ -12,8 +12,9 @@ from helpers.scenes import replaced, scene_with
 
 import vibro
 from vibro import Regime, Scene
-from vibro.inverse import guarantees
+from vibro.inverse import bounds, guarantees
 from vibro.inverse.bands import uncertainty_set
+from vibro.inverse.bounds import slowest_in_contact
 from vibro.inverse.extremes import Extreme, Seen
 from vibro.inverse.guarantees import BOXES, BRIEF, Bound, _limit, bound, guarantee_of
 from vibro.inverse.proofs import back_slip_load
@@ -262,3 +263,11 @@ def test_the_fastest_body_where_none_slips_back(angles: tuple[float, float]) -> 
     assert np.max(speeds) > 0.0
     assert found.extreme.speed >= np.max(speeds) * (1 - 1e-12)
     assert found.extreme.speed == pytest.approx(np.max(speeds), rel=1e-5)
+
+
+def test_a_slower_body_that_the_boxes_meet_starts_the_evolution_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here the first population is not moved, and has missed it."""
+    monkeypatch.setattr(bounds, "_GENERATIONS", 0)
+    box = uncertainty_set(scene_with(), {"amplitude": (1.18e-3, 1.21e-3)})
+    alone, met = (slowest_in_contact(box, fast=False, boxes=boxes).speeds[0] for boxes in (1, BRIEF))
+    assert met < alone * (1.0 - 1e-9)
