@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.histories import simulate
-    from vibro.results.designs import DesignResult, Guarantee, Interval
+    from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
     from vibro.results.history import History
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from vibro.sweeps.writing import write_sweep
 
 __all__ = [
+    "Certificate",
     "DesignResult",
     "FileError",
     "Guarantee",
@@ -57,6 +58,7 @@ __all__ = [
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Certificate": "vibro.results.designs",
     "DesignResult": "vibro.results.designs",
     "FileError": "vibro.errors",
     "Guarantee": "vibro.results.designs",
