@@ -35,7 +35,7 @@ def test_solving_loads_no_library_for_tables_pictures_or_the_command_line() -> N
 
 # What each public name gives when it is called as its documentation says.
 CALLS = {
-    "Certificate": "vibro.guarantee(scene, drive_angle=(0, 1)).certificate_min.__class__ is vibro.Certificate",
+    "Certificate": "vibro.guarantee(scene, drive_angle=(0, 1)).certificate_min._fields[2] == 'bound'",
     "DesignResult": "vibro.DesignResult(True, (), ()).met",
     "FileError": "issubclass(vibro.FileError, vibro.VibroError)",
     "InputError": "issubclass(vibro.InputError, vibro.VibroError)",
