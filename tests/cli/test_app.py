@@ -299,7 +299,8 @@ def test_a_terminal_sees_progress_files_and_shares(tmp_path: Path, colour: bool)
     assert [line for line in lines if line.startswith("wrote ")] == [
         "wrote n.csv", "wrote n-speed.png", "wrote n.json",
     ]  # fmt: skip
-    shares = {line.split()[0]: float(line.split()[1].rstrip("%")) for line in lines[-4:]}
+    assert re.fullmatch(r"fastest: [\d.]+ mm/s at amplitude 4 mm", lines[-1])
+    shares = {line.split()[0]: float(line.split()[1].rstrip("%")) for line in lines[-5:-1]}
     assert set(shares) == {"no-slip", "forward-slip", "back-slip", "hopping"}
     assert sum(shares.values()) == pytest.approx(100, abs=0.3)
 

@@ -81,9 +81,9 @@ def _push(ends: Any, sigma: float, mu: Any, way: float) -> Push:
 
 
 def _unit(ends: Any) -> Any:
-    """Return the amplitude X that pushes are counted in; 1 of a line, or where it is 0."""
-    x = ends.get("along_amplitude", np.ones_like(ends["load"]))
-    return np.where(x[0] > 0, x, 1.0)
+    """Return the amplitude X that pushes are counted in; 1 of a line, or where it is 0 or less than Y."""
+    x, y = (ends.get(f"{name}_amplitude", np.ones_like(ends["load"])) for name in ("along", "normal"))
+    return np.where((x[0] > 0) & (x[0] >= y[1]), x, 1.0)
 
 
 def _paths(pushes: Any, rests: Any) -> Any:

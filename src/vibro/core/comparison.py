@@ -85,13 +85,16 @@ def least_speed(box: Box, lows: Doubles, highs: Doubles, row: int) -> float:
     if body.forward_window > 0.0 or body.back_window > 0.0:
         path -= _ROUNDING * (forward.up + forward.down + back.up + back.down)
     ends = lows if path > 0.0 else highs
-    unit = ends[place + FIRST] if _counts_along(box, lows, place) else 1.0
+    unit = ends[place + FIRST] if _counts_along(box, lows, highs, place) else 1.0
     return mean_speed(box, ends[place + LOAD], path * unit)
 
 
-def _counts_along(box: Box, lows: Doubles, place: int) -> bool:
-    """Whether pushes are counted in the load times the amplitude along the trough of an ellipse."""
-    return box.ellipse and lows[place + FIRST] > 0.0
+def _counts_along(box: Box, lows: Doubles, highs: Doubles, place: int) -> bool:
+    """Whether pushes are counted in the load times the amplitude along the trough of an ellipse.
+
+    If that is the smaller one, its band would cost more than it does by itself.
+    """
+    return box.ellipse and lows[place + FIRST] > 0.0 and lows[place + FIRST] >= highs[place + SECOND]
 
 
 def _side(box: Box, lows: Doubles, highs: Doubles, place: int, sigma: float, mu: float) -> Side:
@@ -101,7 +104,7 @@ def _side(box: Box, lows: Doubles, highs: Doubles, place: int, sigma: float, mu:
     drag /= lows[place + LOAD] if drag > 0.0 else highs[place + LOAD]
     if box.ellipse:
         flat, steep = lows[place + SECOND], highs[place + SECOND]
-        if _counts_along(box, lows, place):
+        if _counts_along(box, lows, highs, place):
             drag /= first if drag > 0.0 else last
             flat, steep, first, last = flat / last, steep / first, 1.0, 1.0
         phase, width = (
@@ -265,11 +268,11 @@ def _cycle(body: _Body, phase: float) -> _Turn:
         return _Turn(NAN, NAN)
     forth = _slide(body.forward, phase)
     turn = phase + forth.length
-    if _next(body.opens_back, body.back_window, turn) != turn:
+    if math.isnan(turn) or _next(body.opens_back, body.back_window, turn) != turn:
         return _Turn(NAN, NAN)
     back = _slide(body.back, turn)
     end = turn + back.length
-    if _next(body.opens_forward, body.forward_window, end) != end:
+    if math.isnan(end) or _next(body.opens_forward, body.forward_window, end) != end:
         return _Turn(NAN, NAN)
     return _Turn(phase + TURN - end, forth.path - back.path)
 
@@ -300,6 +303,8 @@ def _without_rest(body: _Body, phase: float) -> float:
             break
         middle = high - (high - low) * (ahead / (ahead - behind))
         found = _cycle(body, middle)
+        if math.isnan(found.earlier):
+            break
         if found.earlier >= 0.0:
             high, above, ahead, behind = middle, found, found.earlier, 0.5 * behind
         else:
