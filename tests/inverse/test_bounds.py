@@ -73,21 +73,20 @@ def test_a_body_without_a_speed_proves_that_nothing_is_guaranteed(
 
 
 @pytest.mark.parametrize(
-    ("scene", "proof"),
+    "scene",
     [
-        (scene_with(), "corners"),
-        (scene_with(amplitude=4e-3), "sampled"),
-        (Scene(**OVAL), "corners"),
-        (Scene(**(OVAL | {"normal_amplitude": 6e-4})), "sampled"),
+        scene_with(),
+        scene_with(amplitude=4e-3),
+        Scene(**OVAL),
+        Scene(**(OVAL | {"normal_amplitude": 6e-4})),
     ],
 )
 @pytest.mark.parametrize("fast", [False, True])
-def test_the_proof_of_a_single_body(scene: Scene, proof: str, fast: bool) -> None:
+def test_the_proof_of_a_single_body(scene: Scene, fast: bool) -> None:
+    """It is at its corner, also where it hops."""
     found = bound(uncertainty_set(scene, {}), fast=fast, seen=Seen(), boxes=BRIEF)
-    assert found.proof == proof
     speed = float(vibro.solve(scene).mean_velocity)
-    assert found.extreme.speed == speed
-    assert found.proved == pytest.approx(NAN if proof == "sampled" else speed, rel=0.0, nan_ok=True)
+    assert (found.extreme.speed, found.proof, found.proved) == (speed, "corners", speed)
     assert found.certificate is None
 
 

@@ -326,20 +326,12 @@ def test_without_a_load_there_is_no_speed() -> None:
 GOAL = {"speed_mm_s": 5, "highest_regime": "hopping", "impact_speed_mm_s": 900}
 
 
-@pytest.mark.parametrize(
-    ("drive", "goal", "dimensions"),
-    [
-        ({}, GOAL, 3),
-        ({}, {"speed_mm_s": 5}, 2),
-        ({"drive_angle_deg": 20}, GOAL, 2),
-        ({"drive_angle_deg": 20}, {"speed_mm_s": 5}, 1),
-    ],
-)
+@pytest.mark.parametrize(("drive", "dimensions"), [({}, 2), ({"drive_angle_deg": 20}, 1)])
 def test_the_cube_of_the_fastest_setting(
-    drive: Any, goal: Any, dimensions: int, monkeypatch: pytest.MonkeyPatch
+    drive: Any, dimensions: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Drive angle, load from the largest to a hundredth of it, and frequency where landings have a limit."""
-    search = optimiser(Regime.HOPPING, drive, goal=goal)
+    """Drive angle, and load from the largest to a hundredth of it."""
+    search = optimiser(Regime.HOPPING, drive, goal={"speed_mm_s": 5})
     calls: list[Any] = []
     met: list[Setting] = []
 
@@ -364,29 +356,46 @@ def test_the_cube_of_the_fastest_setting(
         assert first[0, :64] == pytest.approx(np.linspace(0.0, 1.0, 64))
     assert first[:, 64:].std(axis=1).min() > 0.2
 
-    def at(angle: float, load: float, frequency: float) -> Floats:
-        rows = [[angle]] * turns + [[load]] + [[frequency]] * (goal is GOAL)
-        return np.array(rows)
+    def at(angle: float, load: float) -> Floats:
+        return np.array([[angle]] * turns + [[load]])
 
     # faster settings are cheaper; at rest those of more load are, but dearer than any that moves
     speeds = np.array([0.3])
-    assert cost(at(0.5, 0.2, 0.0)).tolist() == [-0.3]
+    assert cost(at(0.5, 0.2)).tolist() == [-0.3]
     speeds = np.array([0.0])
-    rests = [float(cost(at(0.5, load, 0.7))[0]) for load in (0.2, 0.4)]
+    rests = [float(cost(at(0.5, load))[0]) for load in (0.2, 0.4)]
     assert 1e6 < rests[0] < rests[1]
     assert rests[1] - rests[0] == pytest.approx(0.2)
     met.clear()
     speeds = np.array([0.3])
-    for frequency in (0.0, 1.0):
-        cost(at(0.5, 0.3, frequency))
-    low, high = met
-    load = [float(search._question.load(s)[0]) for s in met]
+    cost(at(0.5, 0.3))
+    (low,) = met
     tops = search._tops(np.arctan2(low.normal_amplitude, low.along_amplitude), choice, 1.0)
-    assert load == pytest.approx(
-        [float(tops[0]) * max(1e-2, search._reach(choice)[0] / float(tops[0])) ** 0.3] * 2
-    )
-    assert float(high.frequency[0]) == pytest.approx(30.0 if goal is GOAL else float(low.frequency[0]))
+    load = float(tops[0]) * max(1e-2, search._reach(choice)[0] / float(tops[0])) ** 0.3
+    assert search._question.load(low)[0] == pytest.approx(load)
     assert float(low.frequency[0]) < 29.0
+
+
+@pytest.mark.parametrize(("hardest", "raised"), [(0.2, 1.0), (0.899, 1.0), (1.35, 1.5), (90.0, math.inf)])
+def test_impacts_that_are_too_hard_raise_the_frequency(
+    hardest: float, raised: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To what keeps them at 0.9 m/s at the same load, up to the largest frequency."""
+    search = optimiser(Regime.HOPPING, goal=GOAL)
+    monkeypatch.setattr(Question, "hardest_impacts", lambda *_: np.array([hardest]))
+    load, angle, span = np.array([2.0]), np.array([ANGLE]), search._ranges[0].frequency
+    plain, soft = search._setting(load, span, angle), search._soft_setting(load, span, angle, 1.0)
+    assert soft.frequency[0] == pytest.approx(min(raised * plain.frequency[0], span[1]), rel=1e-11)
+    assert search._question.load(soft)[0] == pytest.approx(2.0)
+
+
+def test_the_hardest_impact_of_a_setting_goes_with_one_over_its_frequency() -> None:
+    search = optimiser(Regime.HOPPING, goal=GOAL)
+    load, angle = np.array([1.6 / math.sin(ANGLE)]), np.array([ANGLE])
+    slow, quick = (search._setting(load, (f, f), angle) for f in (25.0, 30.0))
+    impacts = [search._question.hardest_impacts(s, search.scenarios)[0] for s in (slow, quick)]
+    assert impacts[0] > 0.0
+    assert impacts[0] == pytest.approx(1.2 * impacts[1], rel=1e-9)
 
 
 def test_a_load_below_the_reach_of_the_amplitudes_is_not_possible(monkeypatch: pytest.MonkeyPatch) -> None:

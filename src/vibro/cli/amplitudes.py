@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from vibro.cli.console import Console
 from vibro.cli.report import aligned, bound
 from vibro.cli.request import request_of
 from vibro.core.codes import Regime
@@ -98,7 +99,8 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
         )
     unit, size = given_unit(text, LEAST_SPEED)
     drive = _Drive.of(request.fixed, hopping=hopping, unit=unit, size=size)
-    found = drive.intervals(SPEED.to_si(speed))
+    with Console(quiet=options.quiet).progress("searching", None):
+        found = drive.intervals(SPEED.to_si(speed))
     if options.json:
         given = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
         content = {

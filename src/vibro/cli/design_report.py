@@ -61,7 +61,7 @@ _BEYOND: Final[Mapping[str, str]] = {
 }
 _OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop within the window too
 _PROOFS: Final[Mapping[str, str]] = {
-    "corners": "speeds are monotone along every band",
+    "corners": "the slowest part is at the ends of all bands, along which speeds are monotone",
     "proved": 'boxes that cover all parts show that none falls short of the speed "proved above"',
     "searched": "the slowest part that was found; what is proved of all is more than 1 % below",
     "sampled": "parts hop: the slowest of sampled parts, which another part may miss",
@@ -353,7 +353,11 @@ def _margin(spec: Spec, design: Design) -> str:
     """Say how much wider all that is unknown may be."""
     margin = design.margin
     if margin is None:
-        return "none: the goal is not met" if spec.has_bands else "none: no band and no drift is given"
+        return (
+            "none: even without bands the goal is missed"
+            if spec.has_bands
+            else "none: no band and no drift is given"
+        )
     if not _drift(spec) and _NEARLY < (design.throw_number_max or 0.0) <= 1.0:
         edge = "; no drift of the drive is asked for, and it stands where parts begin to hop"
         return f"{bound(margin, upper=False)}: all bands may be that many times as wide{edge}"

@@ -139,7 +139,7 @@ def bound(
     hops = box.may_hop
     if not box.varies.any():
         only = taken(box, np.zeros((len(box.axes), 1)), fast=fast, flight=True, seen=seen, highest=highest)
-        return _cornered(only) if not hops else Bound(only, "sampled", math.nan)
+        return _cornered(only)
     if box.space.proves and not hops and _is_monotone(box):
         return _cornered(taken(box, _CORNERS[fast], fast=fast, flight=False, seen=seen))
     extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)

@@ -15,7 +15,6 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.drives import Line
 from vibro.inverse.exchange import SCATTERED, SEED, Effort, Exchange, Optimum
-from vibro.inverse.extremes import ANY_LANDING
 from vibro.inverse.proofs import corners, is_braked, onset_load, regime_loads, steeper_is_slower, tip_load
 from vibro.inverse.questions import MOST_THROW
 from vibro.inverse.scenarios import entry_loads
@@ -163,6 +162,17 @@ class LineOptimiser(Exchange):
         amplitude = np.clip(weight / (f * f), least, most)
         return question.space.setting(amplitude=amplitude, frequency=f, drive_angle=drive_angle)
 
+    def _soft_setting(
+        self, load: Floats, frequency: Span, drive_angle: Floats, scale: Floats | float
+    ) -> Setting:
+        """Return the fastest setting of a load whose impacts keep to their limit: they too go with 1/f."""
+        setting, limit = self._setting(load, frequency, drive_angle), self._question.landings.impact_speed
+        if math.isinf(limit):
+            return setting
+        hardest = self._question.hardest_impacts(setting, self.scenarios, scale) * (1.0 + TOLERANCES.beside)
+        raised = setting.frequency * np.maximum(hardest / limit, 1.0)
+        return self._setting(load, (raised, frequency[1]), drive_angle)
+
     def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
         """Return whether settings keep to the regime."""
         question = self._question
@@ -195,7 +205,7 @@ class LineOptimiser(Exchange):
 
     def _value(self, angles: Floats, loads: Floats, choice: Range, scale: float) -> Floats:
         """Guaranteed speeds of the fastest settings of loads; -inf where a load is beyond reach."""
-        setting = self._setting(loads, choice.frequency, angles)
+        setting = self._soft_setting(loads, choice.frequency, angles, scale)
         low, high = self._reach(choice)
         beside = TOLERANCES.beside
         possible = (loads >= low * (1.0 - beside)) & (loads <= high * (1.0 + beside)) & (loads > 0.0)
@@ -212,19 +222,17 @@ class LineOptimiser(Exchange):
         return _optimum(setting, float(value(angle)[0]))
 
     def _fastest_below(self, choice: Range, scale: float, generations: int) -> Optimum:
-        """Search drive angle, load and, where landings have a limit, frequency."""
-        least, fastest = self._reach(choice)[0], choice.frequency[1]
+        """Search drive angle and load."""
+        least = self._reach(choice)[0]
         turns = choice.drive_angle[0] < choice.drive_angle[1]
-        frees = np.array([turns, True, self._question.landings != ANY_LANDING])
+        frees = np.array([turns, True])
 
         def settings(x: Floats) -> tuple[Floats, Floats, Setting]:
             coordinates = placed(frees, x)
             angles = inside(choice.drive_angle, coordinates[0])
             tops = self._tops(angles, choice, scale)
             loads = tops * np.minimum(np.maximum(least / tops, _SLOWEST_LOAD), 1.0) ** coordinates[1]
-            lowest = self._setting(loads, choice.frequency, angles).frequency
-            setting = self._setting(loads, (lowest * (fastest / lowest) ** coordinates[2], fastest), angles)
-            return loads, tops, setting
+            return loads, tops, self._soft_setting(loads, choice.frequency, angles, scale)
 
         def speed(x: Floats) -> Floats:
             loads, tops, setting = settings(x)
@@ -235,7 +243,7 @@ class LineOptimiser(Exchange):
             speeds = speed(x)
             # Where all bodies rest the speed is flat and would trap the population, so rest costs more than
             # any speed, and the more the lower the load.
-            return np.where(speeds == 0.0, _AT_REST + x[-1 - int(frees[2])], -speeds)
+            return np.where(speeds == 0.0, _AT_REST + x[-1], -speeds)
 
         first = sobol(int(frees.sum()), self._effort.population, SEED)
         ends = first.shape[1] // SCATTERED  # of them at the largest loads, over all angles
@@ -265,7 +273,7 @@ class LineOptimiser(Exchange):
             angle = np.array([_best(value, choice.drive_angle, self._closely)])
             load = self._first_load(angle, target, choice)
             if np.isfinite(load[0]):
-                setting = self._setting(load, choice.frequency, angle)
+                setting = self._soft_setting(load, choice.frequency, angle, 1.0)
                 speed = float(self._value(angle, load, choice, 1.0)[0])
                 found.append((float(load[0]), _optimum(setting, speed)))
         return min(found, key=lambda pair: pair[0])[1] if found else None

@@ -116,6 +116,14 @@ class Question:
         drift = self.spec.drift
         return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** 2
 
+    def hardest_impacts(self, setting: Setting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
+        """Return the largest impact speed of scenarios at each of some settings, 1-D; 0 where none lands."""
+        columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
+        boxes = self.box(columns, np.reshape(scale, (-1, 1)))
+        # at one load landings are hardest at the lowest frequency
+        cycle = solve(boxes.scene(boxes.points(scenarios.at(boxes)), fast=True), flight=self.flies)
+        return np.asarray(np.nanmax(cycle.impact_velocity, axis=1, initial=0.0))
+
     def speeds(self, setting: Setting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
         """Speeds of scenarios at settings, 1-D, of shape (settings, scenarios).
 

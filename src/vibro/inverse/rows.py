@@ -152,8 +152,11 @@ class Finder:
         else:
             safest = fastest
         assert safest is not None
-        # A search with sampled bodies may miss the fastest setting, and another of these may be faster.
+        # A search with sampled bodies may miss the best setting, and another of these may be better.
         fastest = max(fastest, gentlest, safest, key=lambda design: design.guarantee.speed_min)
+        gentlest = min(
+            gentlest, fastest, safest, key=lambda design: float(self.question.load(design.setting))
+        )
         return {"fastest": fastest, "gentlest": gentlest, "safest": safest}
 
     def _fastest(self) -> Rounded | None:
@@ -250,8 +253,8 @@ class Finder:
         """Return frequency and amplitude, or stroke, of the nearest drive that meets the goal [Hz, mm].
 
         At one load the speed is proportional to 1/f. The amplitude is rounded down, so that the load is not
-        exceeded, and the frequency is lowered until the goal is met. None if the goal is met already, and if
-        the drive conveys nothing.
+        exceeded, and the frequency is lowered until the goal is met. None if the goal is met already, if the
+        drive conveys nothing, and if parts would land too hard.
         """
         speed = found.guarantee.speed_min
         if speed >= self.target or not speed > 0.0:
@@ -264,7 +267,10 @@ class Finder:
                 if speed * larger * needed < self.target * size * frequency:
                     continue
                 setting = found.setting.scaled(larger / size)._replace(frequency=needed)
-                if guarantee_of(self.question.box(setting)).speed_min >= self.target:
+                box = self.question.box(setting)
+                if self.question.landings.worst(box).size:
+                    return None, None
+                if guarantee_of(box).speed_min >= self.target:
                     return needed, larger
         return None, None
 

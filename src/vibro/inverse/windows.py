@@ -453,7 +453,7 @@ class Family:
     def ends_by(self, inside: float, outside: float) -> str:
         """Return "speed", or, if the least speed jumps between two amplitudes, "onset" or "back slip"."""
         here, there = (self._slowest(a, a)[0].speed for a in (inside, outside))
-        if there >= here * (1.0 - TOLERANCES.fall):
+        if there >= here * (1.0 - TOLERANCES.fall) or self.across(outside, outside).may_hop:
             return "speed"
         return "onset" if outside < inside else "back slip"
 
@@ -594,6 +594,8 @@ class _Scan:
         body = int(np.nanargmin(speed[1]))
         if abs(speed[0, body] - speed[1, body]) <= max(TOLERANCES.jump, _STEEP * width) * abs(speed[0, body]):
             return "speed"
+        if math.isinf(speed[1, body]) and self.family.landings.limited:
+            return "limit"
         regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
         if Regime.HOPPING in regimes:
             return "hop"
