@@ -236,3 +236,24 @@ def test_a_load_below_those_of_both_neighbours_is_found(monkeypatch: pytest.Monk
     found = optimiser._first_loads(angles, 0.01, choice, np.array([0.2, 0.4]), np.array([0.5, 0.6]))
     assert found.tolist() == [0.2]
     assert asked == [True, False]
+
+
+def test_the_gentlest_setting_beside_a_jump_over_the_drive_angle_is_found() -> None:
+    """The speed is reached on a narrow peak of loads, at angles just above one at which it is not."""
+    bands = {
+        "static_friction": (0.398919,) * 2,
+        "friction_ratio": (0.664022,) * 2,
+        "trough_angle": (math.radians(0.851246), math.radians(0.996247)),
+    }
+    choices = {
+        "amplitude": ((0.0, 0.21257e-3),),
+        "frequency": ((58.1994,) * 2,),
+        "drive_angle": ((math.radians(28.5226), math.radians(58.817)),),
+    }
+    drive = Drive("drive", Line, choices, acceleration=1.44403)
+    drift = Drift(amplitude=0.0205392, drive_angle=math.radians(0.967289))
+    spec = Spec(bands, (drive,), Goal(4.72476e-3, Regime.BACK_SLIP), drift)
+    found = LineOptimiser(Question(spec, drive, Regime.BACK_SLIP)).least_acceleration(4.72476e-3)
+    assert found is not None
+    load = float(Question(spec, drive, Regime.BACK_SLIP).load(found.setting))
+    assert load <= 0.736003376 * (1 + 1e-9)  # a setting that another search has found

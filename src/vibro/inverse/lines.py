@@ -329,8 +329,7 @@ class LineOptimiser(Exchange):
         def value(rows: NDArray[np.intp], loads: Floats) -> Floats:
             return self._value(angles[rows], loads, choice, 1.0)
 
-        climbs = self._closely.climbs if window is None else 0
-        return first_crossing(value, grid, target, climbs=climbs, relative=self._closely.width)
+        return first_crossing(value, grid, target, climbs=self._closely.climbs, relative=self._closely.width)
 
     def _entries(self, angles: Floats) -> Floats:
         """Nominal loads at which each of the bodies begins to slip back, of shape (angles, bodies)."""
