@@ -18,6 +18,7 @@ import math
 import time
 from collections import defaultdict
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 from unittest import mock
@@ -113,7 +114,7 @@ def compare_searches(count: int, seed: int) -> bool:
     for name, fast in (("slowest", False), ("fastest", True)):
         behind, gaps, times = [], [], []
         for box in sought:
-            took, found = seconds(lambda: slowest_in_contact(box, fast=fast, boxes=BOXES))  # noqa: B023
+            took, found = seconds(partial(slowest_in_contact, box, fast=fast, boxes=BOXES))
             with mock.patch.object(bounds, "_POPULATION", LARGE * bounds._POPULATION):
                 large = slowest_in_contact(box, fast=fast, boxes=1).speeds[0]
             speed, proved = found.speeds[0], found.certificate.bound
@@ -269,7 +270,7 @@ def compare_rows(rows: list[Row], questions: list[Path]) -> bool:
         took, result = seconds(run)
         groups[row["kind"]].append((error(result) / row["rtol"], took / unit))
     for question in (VALLEY, *questions):
-        took, _ = seconds(lambda: vibro.design(question))  # noqa: B023
+        took, _ = seconds(partial(vibro.design, question))
         groups["question"].append((0.0, took / unit))
     print(f"\none solution of 1e6 scenes: {unit:.2f} s, the unit of time")
     print("rows        count    missed  error/rtol  longest    [s]  budget")

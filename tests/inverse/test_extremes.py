@@ -239,3 +239,19 @@ def test_the_slowest_body_is_on_the_steepest_trough(fast: bool) -> None:
     speeds = vibro.solve(replaced(scene, static_friction=friction, trough_angle=trough)).mean_velocity
     extreme = float(np.max(speeds) if fast else np.min(speeds))
     assert best.speed == pytest.approx(extreme, rel=1e-6)
+
+
+def test_samples_are_even_bodies_that_hop_and_whose_speed_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of others nothing is known, and the chance of a slower one is told by those that are."""
+    box = uncertainty_set(scene_with(amplitude=4e-3), {"static_friction": (0.7, 0.78)})
+    seen = Seen()
+    sampled(box, fast=False, seen=seen)
+    assert (seen.samples, seen.excluded) == (2**11, 0)
+
+    def half(scene: Scene, **_: Any) -> Any:
+        friction = np.asarray(scene.static_friction)
+        return np.where(friction < 0.74, np.nan, friction)
+
+    monkeypatch.setattr(extremes, "speeds_of", half)
+    sampled(box, fast=False, seen=seen)
+    assert seen.samples == pytest.approx(2**10, abs=4)

@@ -243,6 +243,18 @@ def test_a_jump_is_named_by_the_regimes_beside_it(
 
 
 @pytest.mark.parametrize(
+    ("impact_speed", "flies", "expected"), [(1e-6, True, "limit"), (1e6, True, "hop"), (1e-6, False, "hop")]
+)
+def test_a_body_that_counts_as_the_slowest_may_land_too_hard(
+    impact_speed: float, flies: bool, expected: str
+) -> None:
+    """One that does not has lost its speed for another reason."""
+    known = scan(lambda a: np.where(a > 3.4e-3, -math.inf, 1.0), 1.0)
+    known = replace(known, family=family(landings=Landings(impact_speed)), flies=flies)
+    assert known._set_by(3.3e-3, 3.5e-3) == expected
+
+
+@pytest.mark.parametrize(
     ("beside", "expected"),
     [((0.99e-3, 1.1e-3), "back slip"), ((1e-3 * (1 - 2e-6), 2e-3), "back slip"),
      ((1e-3 * (1 - 0.9e-6), 2e-3), "speed"), ((1e-3 * (1 - 1e-9), 0.5e-3), "back slip"),

@@ -14,6 +14,7 @@ import vibro
 from vibro import Regime
 from vibro.inverse import rows
 from vibro.inverse.exchange import Optimum
+from vibro.inverse.extremes import Landings
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
@@ -509,6 +510,23 @@ def test_no_design_is_faster_than_the_fastest(
     )
     assert found["fastest"].printed[0] == best
     assert [found[kind].guarantee.speed_min for kind in ("gentlest", "safest")][best == 1.5] == 0.07
+
+
+@pytest.mark.parametrize(("least", "best"), [(0.8, 0.7), (0.6, 0.6)])
+def test_no_design_is_gentler_than_the_gentlest(
+    monkeypatch: pytest.MonkeyPatch, least: float, best: float
+) -> None:
+    """Even if the search for it, among sampled bodies, found one of more acceleration than the safest has."""
+    of(monkeypatch, {2.0: 0.05, least: 0.03, 0.7: 0.04})
+    found = finder(Optimiser(fastest=at(2.0), margin=2.0, least=lambda _: at(least), safest=at(0.7)))
+    assert found.designs({})["gentlest"].printed[0] == best
+
+
+def test_a_nearest_drive_at_which_parts_land_too_hard_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, found = slow_finder(4)
+    assert search._nearest_drive(found, 0.78, 15.0) != (None, None)
+    monkeypatch.setattr(Landings, "worst", lambda self, box: np.zeros((len(box.axes), 1)))
+    assert search._nearest_drive(found, 0.78, 15.0) == (None, None)
 
 
 def test_a_higher_target_is_rounded_where_none_holds(monkeypatch: pytest.MonkeyPatch) -> None:

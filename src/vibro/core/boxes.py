@@ -17,18 +17,8 @@ from vibro.core.elementary import INF, NAN, TURN
 from vibro.core.windows import thresholds
 
 __all__ = [
-    "AXES",
-    "BETA",
-    "FIRST",
-    "KINETIC",
-    "LOAD",
-    "SECOND",
-    "STATIC",
-    "THIRD",
-    "Box",
-    "frequency_at",
-    "mean_speed",
-    "speed_at",
+    "AXES", "BETA", "FIRST", "KINETIC", "LOAD", "SECOND", "STATIC", "THIRD", "Box", "frequency_at",
+    "mean_speed", "speed_at",
 ]  # fmt: skip
 
 #: Coordinates of a box: the load, three of the drive, the trough angle, both frictions.
@@ -89,8 +79,8 @@ def frequency_at(box: Box, load: float, slow: bool) -> float:
 def mean_speed(box: Box, load: float, path: float) -> float:
     """Return the least mean speed of bodies with a load, from their path per cycle over load g / w^2 [m/s].
 
-    At one load the speed is proportional to 1/f, Eq. (52); for either sign its least value grows with the
-    load in size.
+    At one load the speed is proportional to 1/f, Eq. (52), so that the sign of the path decides which of its
+    frequencies is the slow one.
     """
     frequency = frequency_at(box, load, path > 0.0)
     return path * load * box.gravity / (TURN * TURN * frequency)

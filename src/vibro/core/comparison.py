@@ -4,8 +4,8 @@ It is pushed no harder than any of them at every phase and speed, so that it nev
 section 14). Its push is that of no operating point: friction is the largest while it slides forward and the
 smallest while it slides back, and each sine has its least amplitude where it pushes and its largest where it
 brakes. So its push is a sine of two amplitudes less a constant, of each direction. Pushes are over m g times
-the load (and, of an ellipse, the amplitude along the trough), so that one load's weight is another load's
-drag; phases are those of the motion along the trough.
+the load (and the amplitude along the trough, of an ellipse that is longer than high), so that a band of loads
+is one of drags alone; phases are those of the motion along the trough.
 """
 
 from __future__ import annotations
@@ -69,10 +69,8 @@ def least_speed(box: Box, lows: Doubles, highs: Doubles, row: int) -> float:
         return INF  # no body
     if box.ratio_high > 0.0:
         mu_low = max(mu_low, least / box.ratio_high)
-    forward, back = (
-        _side(box, lows, highs, place, 1.0, most),
-        _turned(_side(box, lows, highs, place, -1.0, least)),
-    )
+    forward = _side(box, lows, highs, place, 1.0, most)
+    back = _turned(_side(box, lows, highs, place, -1.0, least))
     held = _side(box, lows, highs, place, 1.0, mu_high)
     released = _turned(_side(box, lows, highs, place, -1.0, mu_low))
     if forward.drag < 0.0 or back.drag < 0.0 or held.drag <= 0.0 or released.drag <= 0.0:
@@ -107,10 +105,8 @@ def _side(box: Box, lows: Doubles, highs: Doubles, place: int, sigma: float, mu:
         if _counts_along(box, lows, highs, place):
             drag /= first if drag > 0.0 else last
             flat, steep, first, last = flat / last, steep / first, 1.0, 1.0
-        phase, width = (
-            0.5 * (lows[place + THIRD] + highs[place + THIRD]),
-            highs[place + THIRD] - lows[place + THIRD],
-        )
+        phase = 0.5 * (lows[place + THIRD] + highs[place + THIRD])
+        width = highs[place + THIRD] - lows[place + THIRD]
         middle, along = 0.5 * (flat + steep), 0.5 * way * (first + last)
         level, across = along + sigma * mu * middle * math.cos(phase), sigma * mu * middle * math.sin(phase)
         amplitude = hypotenuse(level, across)
@@ -168,7 +164,7 @@ def _next(opens: float, window: float, phase: float) -> float:
 
 
 def _slide(side: Side, phase: float) -> _Path:
-    """_Path from rest, or from a turn of the way, by half turns of the own phase.
+    """Slide from rest, or from where the way turns, by half turns of the own phase.
 
     Newton's steps start in each where the speed's curvature makes them converge from one side.
     """
@@ -284,7 +280,8 @@ def _without_rest(body: _Body, phase: float) -> float:
     every body that is not behind it: the path of its first cycle is a bound. If the body itself gets slower
     such a start is looked for by the Illinois method.
     """
-    low, high, below, above = phase, phase, _cycle(body, phase), _cycle(body, phase)
+    low, high, below = phase, phase, _cycle(body, phase)
+    above = below
     if above.earlier >= 0.0:  # it gets faster itself
         for _ in range(_TURNS):
             if not above.earlier > _NEAR:

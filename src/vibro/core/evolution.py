@@ -26,7 +26,7 @@ _MODULUS: Final = 2147483647
 
 
 class Population(NamedTuple):
-    """Bodies of a box, the slowest of them last.
+    """Bodies of a box.
 
     Attributes
     ----------
@@ -70,7 +70,9 @@ def _counted(box: Box, points: Doubles, row: int) -> float:
 
 
 def _is_settled(out: Population, size: int, best: int) -> bool:
-    """Whether all speeds are those of the slowest body."""
+    """Whether all speeds are those of the slowest body, or none can be lower."""
+    if out.speeds[best] == -INF:
+        return True
     most = out.speeds[0]
     for i in range(1, size):
         most = max(most, out.speeds[i])

@@ -27,10 +27,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["GAP", "Slowest", "least_speed", "slowest_in_contact"]
+__all__ = ["Slowest", "slowest_in_contact", "small_speed"]
 
-#: [1] Distance of what is proved from the slowest body that is small enough, over its speed.
-GAP: Final = 1e-3
+_GAP: Final = 1e-3  # [1] distance of what is proved from the slowest body that is enough, over its speed
 _POPULATION: Final = 64
 _GENERATIONS: Final = 300
 _SEED: Final = 1
@@ -94,14 +93,16 @@ def slowest_in_contact(
     points, speeds = evolved(_first(low, high))
     if hops:
         return Slowest(_points(box, points), speeds, None)
-    lows, highs, bounds, heap = (np.empty(shape) for shape in ((boxes, AXES), (boxes, AXES), boxes, boxes))
-    met, speed = np.vstack([points[0]] * 2), speeds[:1].copy()
-    room = tuple(map(solver.row, (lows, highs, bounds, heap.view(np.int64), met, speed)))
-    count = solver.cover(scene, room, GAP, least_speed(box), boxes)
+    lows, highs, bounds = np.empty((boxes, AXES)), np.empty((boxes, AXES)), np.empty(boxes)
+    heap, met, speed = np.empty(boxes, np.int64), np.vstack([points[0]] * 2), speeds[:1].copy()
+    room = tuple(map(solver.row, (lows, highs, bounds, heap, met, speed)))
+    count = solver.cover(scene, room, _GAP, small_speed(box), boxes)
     lows, highs, bounds = lows[:count], highs[:count], bounds[:count]
-    if count == boxes or speed[0] < speeds[0] - _BETTER * abs(speeds[0]):
+    is_slower = speed[0] < speeds[0] - _BETTER * abs(speeds[0])
+    if is_slower or count == boxes:
         near = np.argsort(bounds)[: _POPULATION - 1]
-        anew = evolved(np.vstack([met[0], 0.5 * (lows[near] + highs[near])][int(speed[0] >= speeds[0]) :]))
+        first = 0.5 * (lows[near] + highs[near])
+        anew = evolved(np.vstack([met[:1], first]) if is_slower else first)
         points, speeds = min((points, speeds), anew, key=lambda found: found[1][0])
     if low[BETA] == high[BETA]:  # such a bound holds for flatter troughs too
         lows[:, BETA], highs[:, BETA] = trough
@@ -111,7 +112,7 @@ def slowest_in_contact(
     return Slowest(_points(box, points), speeds, Certificate(below, above, -bounds if fast else bounds))
 
 
-def least_speed(box: UncertaintySet) -> float:
+def small_speed(box: UncertaintySet) -> float:
     """Return a share of the trough's largest speed: speeds of a single box below it are alike small [m/s]."""
     sizes = [high for name, (_, high) in box.shape.items() if name.endswith("amplitude")]
     amplitude = box.factor[1] * max(sizes, default=1.0)

@@ -50,7 +50,7 @@ _ROUNDS: Final = 3  # of samples closer to the extreme ones
 
 @dataclass
 class Seen:
-    """Regimes and other events at all points solved so far, and how many even samples hop."""
+    """Regimes and other events at all points solved so far, and how many even samples have a speed."""
 
     regimes: set[Regime] = field(default_factory=set)
     coexists: bool = False
@@ -233,6 +233,7 @@ def sampled(box: UncertaintySet, *, fast: bool, seen: Seen) -> Extreme:
     free = box.varies
     first, more = _SAMPLES[box.restitution > 0.0]
     side = -1.0 if fast else 1.0
+    met: list[Floats] = []
 
     def cost(x: Floats) -> Floats:
         points = box.points(placed(free, x))
@@ -242,12 +243,13 @@ def sampled(box: UncertaintySet, *, fast: bool, seen: Seen) -> Extreme:
             scene = box.scene(points.kept(hops), fast=fast)
             costs[hops] = side * speeds_of(scene, fast=fast, flight=True, seen=seen)
             seen.excluded += int(np.count_nonzero(np.isnan(costs[hops])))
+        met.append(costs)
         return costs
 
     even = sobol(int(free.sum()), first, _SEED)
-    seen.samples = int(box.hops(box.points(placed(free, even))).sum())
     coordinates = np.hstack([corners(free)[free], even])
     x, best = scatter(cost, coordinates, more=2**more, rounds=_ROUNDS, seed=_SEED)
+    seen.samples = int(np.count_nonzero(~np.isnan(met[0][-even.shape[1] :])))
     at = placed(free, x)
     if math.isnan(best):
         return Extreme(math.nan, at, box.scene(box.points(at), fast=fast))

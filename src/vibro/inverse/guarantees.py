@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.inverse.bands import uncertainty_set
-from vibro.inverse.bounds import least_speed
+from vibro.inverse.bounds import small_speed
 from vibro.inverse.extremes import Extreme, Seen, look_around, sampled, searched, speeds_of, taken
 from vibro.inverse.proofs import back_slip_load, is_braked, steeper_is_slower
 from vibro.inverse.tolerances import TOLERANCES
@@ -94,11 +94,11 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     return guarantee_of(uncertainty_set(scene, bands))
 
 
-def guarantee_of(box: UncertaintySet, boxes: int = BOXES) -> Guarantee:
-    """Return the guarantee over a single box, by so many boxes of a proof at most."""
+def guarantee_of(box: UncertaintySet) -> Guarantee:
+    """Return the guarantee over a single box."""
     seen = Seen()
     look_around(box, seen)
-    least, most = (bound(box, fast=fast, seen=seen, boxes=boxes) for fast in (False, True))
+    least, most = (bound(box, fast=fast, seen=seen, boxes=BOXES) for fast in (False, True))
     return Guarantee(
         speed_min=least.extreme.speed,
         speed_max=most.extreme.speed,
@@ -143,11 +143,11 @@ def bound(
     if box.space.proves and not hops and _is_monotone(box):
         return _cornered(taken(box, _CORNERS[fast], fast=fast, flight=False, seen=seen))
     extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
-    if certificate is not None and math.isinf(extreme.speed):  # one body without a speed proves it
-        return Bound(extreme, "proved", extreme.speed)
     if certificate is not None:
+        if math.isinf(extreme.speed):  # one body without a speed proves it
+            return Bound(extreme, "proved", extreme.speed)
         proved = float(certificate.bound.max() if fast else certificate.bound.min())
-        size = max(abs(extreme.speed), least_speed(box))
+        size = max(abs(extreme.speed), small_speed(box))
         is_close = extreme.speed == proved or abs(proved - extreme.speed) <= _CLOSE * size
         return Bound(extreme, "proved" if is_close else "searched", proved, certificate)
     hopping = sampled(box, fast=fast, seen=seen)

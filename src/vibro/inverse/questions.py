@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.scenarios import Scenarios
-    from vibro.inverse.spaces import Ends, Space
+    from vibro.inverse.spaces import Ends, Points, Space
     from vibro.inverse.specs import Drive, Span, Spec
 
     Floats = NDArray[np.float64]
@@ -118,10 +118,9 @@ class Question:
 
     def hardest_impacts(self, setting: Setting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
         """Return the largest impact speed of scenarios at each of some settings, 1-D; 0 where none lands."""
-        columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
-        boxes = self.box(columns, np.reshape(scale, (-1, 1)))
+        boxes, points = self._bodies(setting, scenarios, scale)
         # at one load landings are hardest at the lowest frequency
-        cycle = solve(boxes.scene(boxes.points(scenarios.at(boxes)), fast=True), flight=self.flies)
+        cycle = solve(boxes.scene(points, fast=True), flight=self.flies)
         return np.asarray(np.nanmax(cycle.impact_velocity, axis=1, initial=0.0))
 
     def speeds(self, setting: Setting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
@@ -129,9 +128,7 @@ class Question:
 
         -inf where a body breaks a constraint; NaN where its speed is unknown and it is left out.
         """
-        columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
-        boxes = self.box(columns, np.reshape(scale, (-1, 1)))
-        points = boxes.points(scenarios.at(boxes))
+        boxes, points = self._bodies(setting, scenarios, scale)
         scene = boxes.scene(points, fast=False)
         cycle = solve(scene, flight=self.flies)
         bad = self.landings.broken(boxes, points, cycle)
@@ -140,6 +137,14 @@ class Question:
             if math.isfinite(self.spec.stand_ratio):
                 bad |= stays_upright(scene, self.spec.stand_ratio) != 1
         return np.where(bad, -np.inf, counted(cycle, fast=False))
+
+    def _bodies(
+        self, setting: Setting, scenarios: Scenarios, scale: Floats | float
+    ) -> tuple[UncertaintySet, Points]:
+        """Return the uncertainty sets of settings, 1-D, and the scenarios of each."""
+        columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
+        boxes = self.box(columns, np.reshape(scale, (-1, 1)))
+        return boxes, boxes.points(scenarios.at(boxes))
 
 
 def _scaled(band: Span, scale: Any) -> Ends:

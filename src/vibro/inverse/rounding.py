@@ -24,9 +24,8 @@ DIGITS: Final = 4
 MOST_DIGITS: Final = 15
 _MORE: Final = (5, 6, 7, 9, 12, MOST_DIGITS)  # where a setting with fewer does not hold
 _NUDGES: Final = 4  # steps of the last digit that knobs may be moved
-_AT_END: Final = (
-    1e-9  # relative: above the rounding of an optimum at an end, below all digits that are chosen
-)
+# [1] Distance from an end that is none: above the rounding of an optimum there, below all digits chosen.
+_AT_END: Final = 1e-9
 
 
 def more_digits(digits: int) -> list[int]:

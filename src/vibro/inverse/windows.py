@@ -594,8 +594,11 @@ class _Scan:
         body = int(np.nanargmin(speed[1]))
         if abs(speed[0, body] - speed[1, body]) <= max(TOLERANCES.jump, _STEEP * width) * abs(speed[0, body]):
             return "speed"
-        if math.isinf(speed[1, body]) and self.family.landings.limited:
-            return "limit"
+        if math.isinf(speed[1, body]):
+            boxes, points = self._points(np.array([outside]))
+            slow = solve(boxes.scene(points, fast=False), flight=self.flies)
+            if self.family.landings.broken(boxes, points, slow)[0, body]:
+                return "limit"
         regimes = np.asarray(solve(self._scene(np.array([inside, outside])), flight=False).regime)[:, body]
         if Regime.HOPPING in regimes:
             return "hop"

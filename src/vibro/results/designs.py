@@ -94,7 +94,7 @@ class Guarantee:
     coexists : bool
         Whether a disturbed body can settle elsewhere at some point of the search.
     samples : int
-        Bodies that hop, spread evenly over the box, none of which is slower or faster than the bounds.
+        Bodies that hop, spread evenly over the box, whose speeds are known; none is beyond the bounds.
     excluded : int
         Points that hop whose speed could not be found; they are left out.
     """
