@@ -144,6 +144,8 @@ class _Program:
                     functions.append(node)
                 case ast.Assign(targets=[ast.Name("__all__")], value=ast.List(elts=elements)):
                     exported = {ast.literal_eval(element) for element in elements}
+                case ast.AnnAssign(target=ast.Name(name), annotation=ast.Name(kind)) if kind in BUFFERS:
+                    names[name] = Value(f"(({_POINTERS[kind]})0)", kind)  # of nothing
                 case ast.AnnAssign(target=ast.Name(name), value=ast.expr() as value):
                     names[name] = _constant(names, value)
                 case _:
@@ -473,6 +475,8 @@ class _Function:
         number = self._names.get(name)
         if isinstance(number, int | float):
             return _literal(number)
+        if isinstance(number, Value):
+            return number
         raise self._refused(node, "unknown")
 
     def _comparison(self, sides: list[ast.expr], ops: list[ast.cmpop]) -> Value:

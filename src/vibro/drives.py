@@ -41,10 +41,12 @@ class Ability(Enum):
 
 
 class Columns(NamedTuple):
-    """A scene as the solver reads it: its nine fields, and whether the first three are of an ellipse."""
+    """A scene as the solver reads it: its fields, its kind, and the pieces of its acceleration."""
 
     fields: tuple[Floats, ...]
-    is_ellipse: bool
+    kind: int
+    breaks: Floats = np.zeros(1)
+    pieces: Floats = np.zeros(1)
 
 
 class Drive:
@@ -177,7 +179,7 @@ class Line(_LineFields, Drive):
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
-        return Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), is_ellipse=False)
+        return Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), 0)
 
     def at_any_load(self) -> Self:
         """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
@@ -229,7 +231,7 @@ class Ellipse(_EllipseFields, Drive):
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
-        return Columns(tuple(self), is_ellipse=True)
+        return Columns(tuple(self), 1)
 
     def at_any_load(self) -> Self:
         """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
@@ -259,7 +261,7 @@ class Harmonics(_HarmonicFields, Drive):
     __slots__ = ()
     kind = "with harmonics"
     told_by = ("along_harmonics", "normal_harmonics")
-    abilities = frozenset()
+    abilities = frozenset({Ability.FLIGHT})
 
     @classmethod
     def of(cls, scene: Any) -> Self:
@@ -296,6 +298,12 @@ class Harmonics(_HarmonicFields, Drive):
     def stroke(self) -> Floats:
         """NaN: the width of a path with harmonics, which need not be symmetric, is not computed [m]."""
         return np.array(np.nan)
+
+    def columns(self) -> Columns:
+        """Return the columns that the solver reads."""
+        nothing = np.zeros(())
+        harmonics = (*self.along_amplitudes, *self.along_phases, *self.normal_amplitudes, *self.normal_phases)
+        return Columns((_ONE, nothing + np.nan, nothing, *self[4:], *harmonics), 2)
 
     def loads(self) -> HarmonicLoads:
         """Return the dimensionless groups, without the restitution."""

@@ -10,7 +10,10 @@ import numpy as np
 
 from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.compiled import doors
-from vibro.core.samples import BODIES, ROWS
+from vibro.core.samples import BODIES
+from vibro.core.samples import ROWS as HOPS
+from vibro.core.scenes import FIELDS
+from vibro.core.waves import HARMONICS, PIECES, ROOM, ROWS
 from vibro.parallel import in_parallel
 
 if TYPE_CHECKING:
@@ -49,14 +52,15 @@ class Grid:
     """
 
     def __init__(self, fields: Drive) -> None:
-        arrays, is_ellipse = fields.columns()
+        arrays, kind, breaks, pieces = fields.columns()
         ndims = {x.ndim for x in arrays}
+        count = len(arrays)
         if ndims == {0}:  # one scene: one small buffer
             self.shape: tuple[int, ...] = ()
             self.size, axes = 1, 1
-            self._kept: tuple[Any, ...] = (np.array(arrays).reshape(9, 1),)
+            self._kept: tuple[Any, ...] = (np.array(arrays).reshape(count, 1),)
             buffers = doors().rows(self._kept[0])
-            sizes, strides = _ONE_CELL, _NO_STRIDES
+            sizes, strides = _ONE_CELL, _NO_STRIDES if count == FIELDS else np.zeros(count, np.int64)
         else:
             self.shape = np.broadcast_shapes(*(x.shape for x in arrays))
             self.size, axes = math.prod(self.shape), len(self.shape)
@@ -64,20 +68,47 @@ class Grid:
             buffers = tuple(doors().row(x) if x.size else doors().row(_ONE) for x in self._kept)
             sizes = np.array(self.shape, np.int64)
             strides = np.array([_strides(x.shape, axes) for x in arrays], np.int64).T.copy()
-        self._sizes, self._strides, self._axes = sizes, strides, axes
-        self.scenes: Any = (*buffers, doors().row(sizes), doors().row(strides), axes, is_ellipse)
+        self._sizes, self._strides, self._axes, self._count = sizes, strides, axes, count
+        further, starts, size, most = _NOTHING, _NO_STARTS, 0, 0.0
+        if kind == HARMONICS:
+            size = (count - FIELDS) // 4
+            starts = np.cumsum([0, *(x.size for x in arrays[FIELDS:-1])], dtype=np.int64)
+            further = np.concatenate([np.asarray(x, np.float64).reshape(-1) for x in arrays[FIELDS:]])
+        elif kind == PIECES:
+            size, most = breaks.size - 1, _largest_of_pieces(pieces)
+        self.hold(further, starts, breaks, pieces)
+        self.scenes: Any = (
+            *buffers[:FIELDS], doors().row(further), doors().row(starts), doors().row(sizes), doors().row(strides),
+            axes, kind, size, most,
+        )  # fmt: skip
+        self._memory = _NO_MEMORY
+        if kind in (HARMONICS, PIECES):
+            part, table = (2 * size, 16 * size * size) if kind == HARMONICS else (4 * size, 5 * size + 1)
+            self._memory = np.empty(ROOM * part + table), np.empty(2 * ROWS, np.int64)
+            doors().prepare(self.scenes, (np.empty(0, np.int64), *self._memory), breaks, pieces)
 
     def hold(self, *arrays: NDArray[Any]) -> None:
         """Keep arrays alive that threads write to by their addresses, even after a second interrupt."""
         self._kept += arrays
 
-    def place(self) -> NDArray[np.int64]:
-        """Make room for the place of a cell."""
-        return np.empty(self._axes + 9, np.int64)
+    def place(self) -> tuple[NDArray[Any], ...]:
+        """Make room for the place of a thread, and for the waves of a scene."""
+        numbers, marks = self._memory
+        return np.empty(self._axes + self._count, np.int64), numbers.copy(), marks.copy()
 
 
 _ONE_CELL: Final = np.ones(1, np.int64)
-_NO_STRIDES: Final = np.zeros(9, np.int64)
+_NO_STRIDES: Final = np.zeros(FIELDS, np.int64)
+_NOTHING: Final = np.ones(1)
+_NO_STARTS: Final = np.zeros(1, np.int64)
+_NO_MEMORY: Final = (np.empty(1), np.empty(1, np.int64))
+
+
+def _largest_of_pieces(pieces: Floats) -> float:
+    """Bound the largest acceleration, exactly where it is constant: a cubic's Bernstein coefficients [m/s^2]."""
+    c0, c1, c2, c3 = np.moveaxis(pieces, -1, 0)
+    corners = c0, c0 + c1 / 3.0, c0 + (2.0 * c1 + c2) / 3.0, c0 + c1 + c2 + c3
+    return float(np.abs(corners).max()) or 1.0
 
 
 def _strides(shape: tuple[int, ...], axes: int) -> list[int]:
@@ -94,7 +125,7 @@ class Scratch(threading.local):
     """Room for the flights of one scene, one a thread, made when it is first needed."""
 
     def __init__(self) -> None:
-        self._kept = np.empty((6, MOST_BOUNCES + LONGEST_CYCLE)), np.empty((8, BODIES * ROWS))
+        self._kept = np.empty((8, MOST_BOUNCES + LONGEST_CYCLE)), np.empty((8, BODIES * HOPS))
         self.flights, self.hops = map(doors().rows, self._kept)
 
 

@@ -10,9 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Level, Status
 from vibro.core.compiled import doors
-from vibro.drives import Ability
 from vibro.errors import InputError, shown
-from vibro.harmonic_steady import harmonic_cycle
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.solver import Grid, Scratch, over_cells
 
@@ -99,8 +97,6 @@ def solve(
     check_switch("coexistence", coexistence)
     _check_threads(threads)
     fields = scene.arrays()
-    if not fields.can(Ability.FLIGHT):
-        return harmonic_cycle(scene, threads, classes_alone=classes_alone)
     grid, solver = Grid(fields), doors()
     rows: dict[str, NDArray[Any]] = {name: make(grid.size, dtype) for name, make, dtype in _MADE}
     answers = tuple(map(solver.row, rows.values()))

@@ -9,12 +9,24 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.cells import number_of_nodes
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, along_cosine, phase_difference
-from vibro.core.elementary import INF, NAN, PI, TURN, free_motion, positive_part, wrap, wrap_around
+from vibro.core.drives import Loads, along_cosine, mix_of, phase_difference
+from vibro.core.elementary import (
+    INF,
+    NAN,
+    PI,
+    TURN,
+    Motion,
+    free_motion,
+    positive_part,
+    wrap,
+    wrap_around,
+)
 from vibro.core.flight import SHARP, Covariance, Flight, propagate, within
 from vibro.core.history import Sections, is_section
 from vibro.core.steps import Course, State, Step, nearest_turn, starting, step
+from vibro.core.waves import FORCE, KINETIC_FORWARD, SINE, Mix, Waves, depart, moved, nodes_of
 
 __all__ = ["MOST_CYCLES", "arrival_cycles"]
 
@@ -101,15 +113,15 @@ def arrival_cycles(
     at = starting(course, phase, velocity)
     origin = at.phase
     memory = Memory(at._replace(mode=0), 0, 1.0, 0.0)
-    errors = Covariance(0.0, 0.0, 0.0)
+    errors, last = Covariance(0.0, 0.0, 0.0), -1
     for _ in range(_MOST_LEGS):
         never = False
-        if is_section(course, sections, at):
-            then = memory.then
-            same = then.mode == at.mode
+        if is_section(course, sections, at, last):
+            then, last = memory.then, at.cycle
+            same = then.mode == at.mode and (not sections.lands or _same_lift_off(course, then, at))
             # a start after which there was none of its kind for two cycles belongs to the transient: take a
             # newer one
-            stale = then.mode == 0 or at.cycle - then.cycle > 2 * (sections.lag + 1)
+            stale = then.mode == 0 or at.cycle - then.cycle > 2 * (sections.cycles + 1)
             memory = memory._replace(starts=memory.starts + (1 if same else 0))
             due = same and memory.starts >= sections.lag
             if due:
@@ -130,6 +142,11 @@ def arrival_cycles(
         memory = memory._replace(gain=memory.gain * leg.gain, top=max(memory.top, _highest(course, at, leg)))
         at = leg.after
     return NAN
+
+
+def _same_lift_off(course: Course, then: State, at: State) -> bool:
+    """Whether two lift-offs, or starts of slides in contact, may be compared."""
+    return not math.isfinite(course.track.lift_off) or then.phase == at.phase
 
 
 def _compare(course: Course, length: float, steady: float, at: State, memory: Memory) -> Comparison:
@@ -205,29 +222,39 @@ def _propagated(course: Course, now: State, leg: Step, errors: Covariance) -> Co
     if now.mode != Mode.FLIGHT:
         return Covariance(0.0, 0.0, 0.0)
     flown = Flight(leg.length, leg.impact)
-    return propagate(course.throw, course.restitution, now.phase, now.rate, flown, 0.0, errors)
+    return propagate(course.bed, course.restitution, now.phase, now.rate, flown, 0.0, errors)
 
 
 class Path(NamedTuple):
-    """Free motion towards a target; see ``free_motion``."""
+    """Motion towards a target: free, ``free_motion``, or under a mix of loads, ``depart``."""
 
     amplitude: float
     drag: float
     phase: float
     velocity: float
     target: float
+    waves: Waves
+    mix: Mix
+    load: float
+
+
+def _moved(path: Path, s: float) -> Motion:
+    """Return the path after a phase ``s``, and the velocity there."""
+    if path.waves.kind != SINE:
+        since = moved(path.waves, path.mix, path.phase, path.load, s)
+        return Motion(path.velocity * s + since.path, path.velocity + since.velocity)
+    sine, cosine = math.sin(path.phase), math.cos(path.phase)
+    return free_motion(path.amplitude, path.drag, sine, cosine, path.velocity, s)
 
 
 def _missing(path: Path, s: float) -> float:
     """Return how far the target is after a phase ``s``."""
-    sine, cosine = math.sin(path.phase), math.cos(path.phase)
-    return path.target - free_motion(path.amplitude, path.drag, sine, cosine, path.velocity, s).path
+    return path.target - _moved(path, s).path
 
 
 def _speed(path: Path, s: float) -> float:
     """Return the velocity after a phase ``s``."""
-    sine, cosine = math.sin(path.phase), math.cos(path.phase)
-    return free_motion(path.amplitude, path.drag, sine, cosine, path.velocity, s).velocity
+    return _moved(path, s).velocity
 
 
 def _reach(course: Course, length: float, now: State, leg: Step) -> float:
@@ -237,13 +264,22 @@ def _reach(course: Course, length: float, now: State, leg: Step) -> float:
         if math.isfinite(leg.length) and leg.after.position < length:
             return NAN
         at = course.track.forward
-        path = Path(at.amplitude, at.drag, now.phase + at.shift, now.velocity, target)
+        path = _path(loads, KINETIC_FORWARD, at.amplitude, at.drag, now.phase + at.shift, now, target)
         return _reach_sliding(path, leg.length)
     if now.mode == Mode.FLIGHT and _highest(course, now, leg) >= length:
         own = now.phase - phase_difference(loads)
-        path = Path(loads.drive_tangential, loads.weight_tangential, own, now.velocity, target)
+        path = _path(loads, FORCE, loads.drive_tangential, loads.weight_tangential, own, now, target)
         return _reach_flying(path, leg.length, _fastest(loads, now, leg))
     return NAN
+
+
+def _path(
+    loads: Loads, row: int, amplitude: float, drag: float, phase: float, now: State, target: float
+) -> Path:
+    """Set out towards a target under the loads of a row, which are a sine less a drag for one harmonic."""
+    waves, mix = loads.waves, mix_of(loads, row)
+    load = depart(waves, mix, phase) if waves.kind != SINE else 0.0
+    return Path(amplitude, drag, phase, now.velocity, target, waves, mix, load)
 
 
 def _reach_sliding(path: Path, length: float) -> float:
@@ -258,17 +294,13 @@ def _reach_sliding(path: Path, length: float) -> float:
 
 def _reach_flying(path: Path, length: float, fastest: float) -> float:
     """Return the arrival in a flight: the velocity is monotone between the zeros of the acceleration."""
-    has_zeros = abs(path.drag) <= path.amplitude and path.amplitude > 0.0
-    kappa = math.asin(path.drag / path.amplitude) if has_zeros else 0.0
     low = 0.0
     while low < length:
         missing = _missing(path, low)
         if missing > TURN * fastest:  # it cannot arrive in this turn
             low += missing / fastest
             continue
-        high = length
-        if has_zeros:
-            high = min(high, _next(kappa - path.phase, low), _next(PI - kappa - path.phase, low))
+        high = min(length, _next_zero(path, low))
         start, end = low, high
         rises, rises_on = _speed(path, low) > 0.0, _speed(path, high) >= 0.0
         if rises != rises_on:
@@ -283,6 +315,18 @@ def _reach_flying(path: Path, length: float, fastest: float) -> float:
             return _arrival_between(path, start, end)
         low = high
     return NAN
+
+
+def _next_zero(path: Path, low: float) -> float:
+    """Return where the acceleration next changes its sign; inf where it never does."""
+    found, waves = INF, path.waves
+    if waves.kind != SINE:
+        for i in range(number_of_nodes(waves, FORCE)):
+            found = min(found, _next(waves.number[nodes_of(waves, FORCE) + i] - path.phase, low))
+    elif abs(path.drag) <= path.amplitude and path.amplitude > 0.0:
+        kappa = math.asin(path.drag / path.amplitude)
+        found = min(_next(kappa - path.phase, low), _next(PI - kappa - path.phase, low))
+    return found
 
 
 def _next(zero: float, low: float) -> float:

@@ -15,10 +15,12 @@ from vibro.core.bounces import Flights, single_bounce
 from vibro.core.buffers import Doubles
 from vibro.core.codes import Status
 from vibro.core.elementary import INF, NAN, TURN
+from vibro.core.flight import bed_of
 from vibro.core.legs import Track
 from vibro.core.orbits import has_stop, hopping_cycle, orbit_from
 from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed, write_hop
 from vibro.core.samples import BODIES, fly
+from vibro.core.waves import SINE
 
 __all__ = ["Means", "averages"]
 
@@ -314,10 +316,12 @@ def _with_single_bounces(
     from rest at its first lift-off, ``found`` scratch memory.
     """
     loads = track.loads
-    throw = loads.drive_normal / loads.weight_normal
     motions, total, impact, peak = 1, means.displacement, means.impact, means.peak
-    for turns in range(1, _MOST_TURNS + 1):
-        bounce = single_bounce(throw, restitution, turns)
+    bed = bed_of(loads)
+    indices = 1 if loads.waves.kind == SINE else 2 * loads.waves.size
+    for i in range(_MOST_TURNS * indices):
+        turns = 1 + i // indices
+        bounce = single_bounce(bed, restitution, turns, i % indices)
         if not (bounce.exists and bounce.stable):
             continue
         length = TURN * turns

@@ -1,7 +1,7 @@
 """The normal motion of a hopping body: flights and impacts, in which friction has no part.
 
-It depends on the throw number K and the restitution e alone, and a contact that ends at the lift-off phase
-forgets everything before it. So the flights from one such lift-off to the next make the cycle. Flights
+It depends on the trough's normal motion and the restitution e alone, and a contact forgets all but at which
+lift-off it ends. So the flights from one lift-off to the next of the same phase make the cycle. Flights
 without contact that nearly repeat are closed by Newton's iteration. Phases in radians, normal speeds over
 n = cos(beta)/G [A w n].
 """
@@ -18,16 +18,19 @@ from vibro.core.flight import (
     BOUNCE,
     LOST,
     SHARP,
+    Bed,
     Covariance,
     Flight,
     after_landing,
+    bed_load,
     flight,
     lift_off_flight,
+    next_take_off,
     propagate,
     tangent_map,
     within,
 )
-from vibro.core.legs import until
+from vibro.core.waves import SINE, trough_at
 
 __all__ = [
     "LONGEST_CYCLE", "MOST_BOUNCES", "MOST_FLIGHTS", "Bounces", "Flights", "SingleBounce", "bounces",
@@ -53,6 +56,8 @@ _FIRST_STEP: Final = 0.1  # [rad, A w n] longest first step
 _SHRINKS: Final = 0.75  # [1] a longer next step, over the one before, shows that there is no cycle nearby
 _CLOSED: Final = 1e-12  # [1] relative distance at which a cycle is closed
 _SAME: Final = 1e-8  # [1] relative distance below which a cycle repeats within itself
+_PHASES: Final = 256  # at which the speed of a trough that does not move along a sine is looked at
+_HALVINGS: Final = 48
 
 
 class Flights(NamedTuple):
@@ -70,6 +75,8 @@ class Flights(NamedTuple):
         Normal impulse of the landing, with those bounces [A w n].
     before : Doubles
         Phase elapsed until the take-off [rad].
+    landing, rest : Doubles
+        Phase at which a contact after the flight begins, and its duration; 0 without one [rad].
     """
 
     phase: Doubles
@@ -78,6 +85,8 @@ class Flights(NamedTuple):
     impact: Doubles
     impulse: Doubles
     before: Doubles
+    landing: Doubles
+    rest: Doubles
 
 
 class Bounces(NamedTuple):
@@ -90,14 +99,14 @@ class Bounces(NamedTuple):
     first, count : int
         Its flights are the rows first ... first + count - 1 of ``Flights``.
     approach : int
-        Flights before a cycle that begins amid the motion: the rows 0 ... approach - 1; else 0.
+        Flights before the cycle: the rows 0 ... approach - 1.
     cycles : int
         Drive cycles that the flights and the contact after them last, to a whole cycle.
     landing, rest : float
-        Phase at which the contact begins, in [0, 2 pi), and its duration; 0 where the body never rests on the
-        trough [rad].
+        Phase at which the contact at its end begins, in [0, 2 pi), and its duration; 0 where the body never
+        rests on the trough [rad].
     approach_end : float
-        Phase at which the approach ends: the lift-off where there is none [rad].
+        Phase at which the approach ends: that of the first take-off where there is none [rad].
     """
 
     repeats: bool
@@ -111,7 +120,7 @@ class Bounces(NamedTuple):
 
 
 def bounces(
-    throw: float,
+    bed: Bed,
     restitution: float,
     flights: Flights,
     most: int,
@@ -121,69 +130,84 @@ def bounces(
 ) -> Bounces:
     """Find the flights of the steady normal motion.
 
-    From the lift-off of a resting body to the next such lift-off; if there is none, the flights of a cycle
-    that never rests. The rounding of the flights is propagated, Eq. (34): where it has grown past 1e-9 before
-    a contact closes the cycle, or past 1e-5 before Newton's iteration does, the scene does not say which
-    cycle it is.
+    From the lift-off of a resting body to the next one of the same phase; if there is none, the flights of a
+    cycle that never rests. The rounding of the flights is propagated, Eq. (34): where it has grown past 1e-9
+    before a contact closes the cycle, or past 1e-5 before Newton's iteration does, the scene does not say
+    which cycle it is.
 
     Parameters
     ----------
-    throw, restitution : float
-        K > 1 and 0 <= e < 1.
+    bed, restitution : Bed, float
+        The trough, K > 1, and 0 <= e < 1.
     flights : Flights
         Where the flights are written.
     most : int
         Flights after which the search ends, short bounces not counted.
     start_phase, start_speed : float
-        First take-off of a body that does not start from rest [rad, A w n].
+        First take-off [rad, A w n].
     from_rest : bool
-        Whether the first take-off is the lift-off of a resting body. If not, only a contact must be free of
-        rounding.
+        Whether it is the lift-off of a resting body. If not, only contacts must be free of rounding.
     """
-    lift_off = math.asin(1.0 / throw)
-    if from_rest and _is_thrown_once_a_turn(throw, restitution):
-        _write(flights, 0, math.acos(PI / throw), 0.0, Flight(TURN, TURN), TURN, 0.0)
-        return Bounces(True, 0, 1, 0, 1, 0.0, 0.0, lift_off)
-    phase = lift_off if from_rest else start_phase
-    speed = 0.0 if from_rest else start_speed
-    before, errors = 0.0, Covariance(0.0, 0.0, 0.0)
-    cycles, events, look_back = 0, 0, _LOOK_BACK
+    if from_rest and _is_thrown_once_a_turn(bed, restitution):
+        _write(flights, 0, math.acos(PI / bed.throw), 0.0, Flight(TURN, TURN), TURN, 0.0)
+        return Bounces(True, 0, 1, 0, 1, 0.0, 0.0, bed.lift_off)
+    phase, speed, lifted, rested = start_phase, start_speed, from_rest, from_rest
+    before, since, errors = 0.0, 0.0, Covariance(0.0, 0.0, 0.0)
+    events, look_back = 0, _LOOK_BACK
     for row in range(MOST_BOUNCES):
-        if from_rest and row == 0:
-            flown = lift_off_flight(throw, lift_off)
-        else:
-            flown = flight(throw, lift_off, phase, speed)
+        flown = lift_off_flight(bed, phase) if lifted else flight(bed, phase, speed)
+        if math.isnan(flown.length):
+            break
         touch = phase + flown.length
-        after = after_landing(throw, touch, flown.impact, restitution, ACCUMULATED)
-        length, end = flown.length + after.length, touch + after.length
+        after = after_landing(bed, touch, flown.impact, restitution, ACCUMULATED)
+        length = flown.length + after.length
+        end = wrap(touch + after.length)
         _write(flights, row, phase, speed, Flight(length, flown.impact), after.impulse, before)
-        turns = int(math.floor(end / TURN))
-        cycles += turns
-        end -= TURN * turns
-        short = from_rest and before + length <= _SHORT
-        errors = propagate(throw, restitution, phase, speed, flown, after.length, errors)
+        before, since = before + length, since + length
+        short = rested and since <= _SHORT
+        errors = propagate(bed, restitution, phase, speed, flown, after.length, errors)
         if after.contact:
             if not (short or within(errors, SHARP)):
                 break
-            rest = until(lift_off, end)
-            if end + rest > lift_off + PI:
-                cycles += 1
-            return Bounces(True, 0, row + 1, 0, cycles, end, rest, lift_off)
-        if from_rest and not (short or within(errors, LOST)):
+            again = next_take_off(bed, end)
+            flights.landing[row], flights.rest[row] = end, again.wait
+            before += again.wait
+            first = _take_off_at(flights, row, again.phase)
+            if bed.waves.kind == SINE:
+                first = 0  # the only lift-off, also of a body that did not begin at it
+            if first >= 0:
+                cycles = int(math.floor((before - flights.before[first]) / TURN + 0.5))
+                count = row + 1 - first
+                return Bounces(True, first, count, first, cycles, end, again.wait, again.phase)
+            phase, speed, lifted, rested, since = again.phase, 0.0, True, True, 0.0
+            errors = Covariance(0.0, 0.0, 0.0)
+            events += 1
+            if events >= most:
+                break
+            continue
+        if rested and not (short or within(errors, LOST)):
             break
         if row + 1 == look_back:
             look_back *= 2
             lag = _near_repeat(flights, row)
             if lag > 0:
-                count, period = _close(throw, lift_off, restitution, flights, row, lag)
+                count, period = _close(bed, restitution, flights, row, lag)
                 if count > 0:
                     return Bounces(True, row + 1, count, row, period, 0.0, 0.0, phase)
         if length > BOUNCE:
             events += 1
         if events >= most:
             break
-        phase, speed, before = end, after.take_off, before + length
+        phase, speed, lifted = end, after.take_off, False
     return Bounces(False, 0, 0, 0, 0, 0.0, 0.0, 0.0)
+
+
+def _take_off_at(flights: Flights, last: int, phase: float) -> int:
+    """Return the first flight that began from rest at a lift-off; -1 if there is none."""
+    for row in range(last + 1):
+        if flights.speed[row] == 0.0 and flights.phase[row] == phase:
+            return row
+    return -1
 
 
 def _write(
@@ -196,16 +220,18 @@ def _write(
     flights.impact[row] = flown.impact
     flights.impulse[row] = impulse
     flights.before[row] = before
+    flights.landing[row] = 0.0
+    flights.rest[row] = 0.0
 
 
-def _is_thrown_once_a_turn(throw: float, restitution: float) -> bool:
+def _is_thrown_once_a_turn(bed: Bed, restitution: float) -> bool:
     """Return whether a plastic body is thrown again, at the same phase, each time it lands.
 
     A flight of one turn from rest has K cos p = pi. It repeats if its map's slope 1 - K sin p is within +-1,
     and attracts the body from the lift-off then (tests/core/test_bounces.py).
     """
-    square = throw * throw - PI * PI  # (K sin p)^2
-    return restitution == 0.0 and 1.0 < square < 4.0
+    square = bed.throw * bed.throw - PI * PI  # (K sin p)^2
+    return bed.waves.kind == SINE and restitution == 0.0 and 1.0 < square < 4.0
 
 
 def _apart(flights: Flights, one: int, other: int) -> float:
@@ -225,9 +251,7 @@ def _near_repeat(flights: Flights, last: int) -> int:
     return found
 
 
-def _close(
-    throw: float, lift_off: float, restitution: float, flights: Flights, last: int, lag: int
-) -> tuple[int, int]:
+def _close(bed: Bed, restitution: float, flights: Flights, last: int, lag: int) -> tuple[int, int]:
     """Solve a cycle of ``lag`` flights by Newton's iteration, from the last take-off.
 
     Returns how many flights it has, if it is stable, and how many drive cycles it lasts; 0 and 0 if there is
@@ -239,14 +263,14 @@ def _close(
         phase, speed, elapsed = start_phase, start_speed, 0.0
         a, b, c, d = 1.0, 0.0, 0.0, 1.0  # derivatives of the last take-off with respect to the first
         for i in range(lag):
-            if speed <= 0.0 and throw * math.sin(phase) <= 1.0:
+            if speed <= 0.0 and bed_load(bed, phase) >= 0.0:
                 return 0, 0  # the trough would not let go of it
-            flown = flight(throw, lift_off, phase, speed)
-            after = after_landing(throw, phase + flown.length, flown.impact, restitution, ACCUMULATED)
-            if after.contact or flown.impact <= 0.0:
+            flown = flight(bed, phase, speed)
+            after = after_landing(bed, phase + flown.length, flown.impact, restitution, ACCUMULATED)
+            if after.contact or not flown.impact > 0.0:
                 return 0, 0
             _write(flights, first + i, phase, speed, flown, after.impulse, elapsed)
-            one = tangent_map(throw, restitution, phase, flown)
+            one = tangent_map(bed, restitution, phase, flown)
             a, c = one.phase_phase * a + one.phase_speed * c, one.speed_phase * a + one.speed_speed * c
             b, d = one.phase_phase * b + one.phase_speed * d, one.speed_phase * b + one.speed_speed * d
             elapsed += flown.length
@@ -258,7 +282,7 @@ def _close(
         step_phase = ((1.0 - d) * late + b * faster) / determinant
         step_speed = ((1.0 - a) * faster + c * late) / determinant
         step = abs(step_phase) + abs(step_speed)
-        if step <= _CLOSED * (1.0 + throw):
+        if step <= _CLOSED * (1.0 + bed.throw):
             trace, product = a + d, a * d - b * c
             if not (abs(trace) < 1.0 + product and abs(product) < 1.0):
                 return 0, 0
@@ -296,15 +320,45 @@ class SingleBounce(NamedTuple):
     stable: bool
 
 
-def single_bounce(throw: float, restitution: float, turns: int) -> SingleBounce:
-    """Return the cycle of one bounce over so many turns, Eq. (37).
+def single_bounce(bed: Bed, restitution: float, turns: int, index: int) -> SingleBounce:
+    """Return one of the cycles of one bounce over so many turns, Eq. (37).
 
-    It lands with the speed 2 pi m / (1 + e), where K cos p = pi m (1 - e) / (1 + e).
+    It lands with the speed 2 pi m / (1 + e), where the trough rises with pi m (1 - e) / (1 + e). Of one
+    harmonic there is one, index 0; of others those are left out at which the body would land before.
     """
     plus = 1.0 + restitution
-    cosine = PI * turns * (1.0 - restitution) / (throw * plus)
-    if not cosine < 1.0:
+    rise, speed = PI * turns * (1.0 - restitution) / plus, TURN * turns * restitution / plus
+    if bed.waves.kind != SINE:
+        return _nth_bounce(bed, restitution, turns, index, rise, speed)
+    if index > 0 or not rise < bed.throw:
         return SingleBounce(NAN, NAN, False, False)
-    phase = math.acos(cosine)
-    stable = plus * plus * throw * math.sin(phase) < 2.0 * (1.0 + restitution * restitution)
-    return SingleBounce(phase, TURN * turns * restitution / plus, True, stable)
+    phase = math.acos(rise / bed.throw)
+    stable = plus * plus * bed.throw * math.sin(phase) < 2.0 * (1.0 + restitution * restitution)
+    return SingleBounce(phase, speed, True, stable)
+
+
+def _nth_bounce(
+    bed: Bed, restitution: float, turns: int, index: int, rise: float, speed: float
+) -> SingleBounce:
+    """Look for the phases at which the trough rises with a speed, at equidistant phases."""
+    waves, count, found = bed.waves, _PHASES, 0
+    over = bed.lift.normal * trough_at(waves, True, 0.0).slope > rise
+    for i in range(count):
+        low, high = TURN * i / count, TURN * (i + 1) / count
+        now = bed.lift.normal * trough_at(waves, True, high).slope > rise
+        # the rise falls there: else the cycle is not stable
+        if over and not now:
+            if found == index:
+                for _ in range(_HALVINGS):
+                    middle = 0.5 * (low + high)
+                    if bed.lift.normal * trough_at(waves, True, middle).slope > rise:
+                        low = middle
+                    else:
+                        high = middle
+                plus, load = 1.0 + restitution, 1.0 - bed_load(bed, high)
+                returns = abs(flight(bed, high, speed).length - TURN * turns) < _NEAR * TURN * turns
+                stable = returns and plus * plus * load < 2.0 * (1.0 + restitution * restitution)
+                return SingleBounce(high, speed, True, stable)
+            found += 1
+        over = now
+    return SingleBounce(NAN, NAN, False, False)

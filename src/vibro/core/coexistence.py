@@ -10,28 +10,16 @@ import math
 from typing import Final
 
 from vibro.core.bounces import Flights, bounces, single_bounce
-from vibro.core.codes import Status
 from vibro.core.drives import Loads
 from vibro.core.elementary import PI, QUARTER, TURN
+from vibro.core.flight import Bed, bed_of
 from vibro.core.hopping import enter
 from vibro.core.legs import track_of
-from vibro.core.orbits import (
-    ROUNDING,
-    HoppingCycle,
-    Orbit,
-    between,
-    cycle_from,
-    has_stop,
-    hopping_cycle,
-    orbit_from,
-    stopping,
-    stops_of,
-)  # fmt: skip
+from vibro.core.orbits import hopping_cycle, orbit_from, others_on
 from vibro.core.return_map import Hops
 
 __all__ = ["coexisting"]
 
-_APART: Final = 1e-9  # [A w] fixed points closer than this are one
 _OTHER: Final = 1e-6  # [A w n] difference of the largest landing speeds of two cycles of flights
 
 # Starts from which other flights are looked for: on the cycles of one bounce each that lasts up to so many
@@ -67,34 +55,32 @@ def coexisting(
     """
     if not math.isnan(period) and _slides_otherwise(loads, restitution, flights, hops):
         return True
-    throw = loads.drive_normal / loads.weight_normal
-    return _flies_otherwise(throw, restitution, period, impact / loads.weight_normal, flights)
+    track_of(loads, restitution)  # the zeros of the normal load
+    return _flies_otherwise(bed_of(loads), restitution, period, impact / loads.weight_normal, flights)
 
 
-def _flies_otherwise(
-    throw: float, restitution: float, period: float, impact: float, flights: Flights
-) -> bool:
+def _flies_otherwise(bed: Bed, restitution: float, period: float, impact: float, flights: Flights) -> bool:
     """Return whether other flights repeat than those from rest, whose largest landing speed is ``impact``."""
     most = 0
     for turns in range(1, _LONGEST + 1):
-        bounce = single_bounce(throw, restitution, turns)
+        bounce = single_bounce(bed, restitution, turns, 0)
         # where there is no such bounce a start from the crest, with its speed, is as good as any
         phase, speed = QUARTER, TURN * turns * restitution / (1.0 + restitution)
         if bounce.exists:
             phase = bounce.phase
-        if _leads_elsewhere(throw, restitution, phase, speed, period, impact, flights):
+        if _leads_elsewhere(bed, restitution, phase, speed, period, impact, flights):
             return True
         most += 1 if bounce.exists else 0
     for i in range(_PHASES * _SPEEDS):
         phase = TURN * (i % _PHASES) / _PHASES
         speed = (float(i // _PHASES) + 0.5) / _SPEEDS * (max(most, 1) + 0.5) * PI
-        if _leads_elsewhere(throw, restitution, phase, speed, period, impact, flights):
+        if _leads_elsewhere(bed, restitution, phase, speed, period, impact, flights):
             return True
     return False
 
 
 def _leads_elsewhere(
-    throw: float,
+    bed: Bed,
     restitution: float,
     phase: float,
     speed: float,
@@ -103,7 +89,7 @@ def _leads_elsewhere(
     flights: Flights,
 ) -> bool:
     """Return whether a take-off leads to flights that repeat and are not those from rest."""
-    motion = bounces(throw, restitution, flights, _MOST_FLIGHTS, phase, speed, False)
+    motion = bounces(bed, restitution, flights, _MOST_FLIGHTS, phase, speed, False)
     if not motion.repeats or motion.rest > 0.0:
         return False  # a contact leads to the motion from rest
     largest = 0.0
@@ -113,11 +99,7 @@ def _leads_elsewhere(
 
 
 def _slides_otherwise(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> bool:
-    """Return whether other velocities repeat with the flights from rest.
-
-    The one without a stop is either that from rest, or it is looked for: between the limits of all velocities
-    and the outermost fixed points with a stop.
-    """
+    """Return whether other velocities repeat with the flights from rest."""
     track = track_of(loads, restitution)
     entry = enter(track, restitution, flights, hops)
     motion = entry.motion
@@ -126,28 +108,4 @@ def _slides_otherwise(loads: Loads, restitution: float, flights: Flights, hops: 
     last, duration = motion.first + motion.count, TURN * motion.cycles
     cycle = hopping_cycle(track, motion.first, last, motion.landing, motion.rest, duration)
     home = orbit_from(cycle, hops, entry.velocity)
-    if cycle.neutral and not has_stop(home.cycle):
-        return True
-    begin = cycle_from(cycle, hops, entry.velocity)
-    low, high = min(cycle.bound, home.velocity), max(-cycle.bound, home.velocity)
-    for index in range(stops_of(cycle)):
-        found = stopping(cycle, hops, entry.velocity, begin, 0.0, index)
-        if found.status != Status.UNRESOLVED:
-            if _differ(cycle, found, home):
-                return True
-            low, high = min(low, found.velocity), max(high, found.velocity)
-    if not has_stop(home.cycle):
-        return False
-    from_below = between(cycle, hops, -cycle.bound, low)
-    if from_below.status == Status.OK and _differ(cycle, from_below, home):
-        return True
-    from_above = between(cycle, hops, cycle.bound, high)
-    return from_above.status == Status.OK and _differ(cycle, from_above, home)
-
-
-def _differ(cycle: HoppingCycle, found: Orbit, home: Orbit) -> bool:
-    """Return whether two fixed points are farther apart than rounding moves them."""
-    if found.cycle.slope >= 1.0:
-        return False  # of a continuum
-    blur = ROUNDING * cycle.forces / (1.0 - found.cycle.slope)
-    return abs(found.velocity - home.velocity) > max(_APART, 8.0 * blur)
+    return others_on(cycle, hops, entry.velocity, home)

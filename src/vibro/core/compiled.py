@@ -69,7 +69,7 @@ def _flattened(values: tuple[Any, ...]) -> list[Any]:
     flat: list[Any] = []
     for value in values:
         if isinstance(value, tuple):
-            flat += value
+            flat += [x if isinstance(x, int | float) else x.ctypes.data for x in value]
         else:
             flat.append(value if isinstance(value, int | float) else value.ctypes.data)
     return flat

@@ -33,7 +33,10 @@ from vibro.core.windows import (
     speed_at_close,
 )
 
-__all__ = ["Pair", "Steady", "outlasts_back", "pair_of", "ratio_of", "regime_alone", "steady_cycle"]
+__all__ = [
+    "Pair", "Steady", "outlasts_back", "pair_of", "ratio_of", "regime_alone", "steady_cycle",
+    "unanswered", "without_cycle",
+]  # fmt: skip
 
 _MOST_SLIDES: Final = 1000  # without a rest, where there is no cycle without rest to come to
 
@@ -125,9 +128,9 @@ def ratio_of(load: float, needed: float) -> float:
 
 def steady_cycle(loads: Loads, at: Thresholds) -> Steady:
     """Solve the steady cycle from rest of a scene; one that hops is left to the flight model."""
-    unanswered = _without_cycle(loads, at)
-    if unanswered.status != Status.OK:
-        return unanswered
+    none = without_cycle(loads, at)
+    if none.status != Status.OK:
+        return none
     status = int(Status.BOUNDARY) if at.edge else int(Status.OK)
     # where gravity along the trough exceeds kinetic friction a pushed body may slide on for ever
     loose = abs(loads.weight_tangential) > loads.kinetic_friction * loads.weight_normal
@@ -141,9 +144,9 @@ def steady_cycle(loads: Loads, at: Thresholds) -> Steady:
         cycle = _two_way(loads, at)
     regime = int(Regime.FORWARD_SLIP) if cycle.pattern == Pattern.F_ else int(Regime.BACK_SLIP)
     if not cycle.settled:
-        return _unanswered(regime, Status.UNRESOLVED)
+        return unanswered(regime, Status.UNRESOLVED)
     if math.isnan(cycle.displacement):
-        return _unanswered(regime, Status.RUNAWAY)
+        return unanswered(regime, Status.RUNAWAY)
     if cycle.edge:
         status = int(Status.BOUNDARY)
     return Steady(
@@ -162,35 +165,36 @@ def regime_alone(loads: Loads, at: Thresholds) -> Steady:
     if not (at.forward or at.back) or at.hops or at.unheld or steep:
         full = steady_cycle(loads, at)
         if full.regime == Regime.FORWARD_SLIP or full.regime == Regime.BACK_SLIP:
-            return _unanswered(full.regime, full.status)
+            return unanswered(full.regime, full.status)
         return full
-    unanswered = _without_cycle(loads, at)
-    if unanswered.status != Status.OK:
-        return unanswered
+    none = without_cycle(loads, at)
+    if none.status != Status.OK:
+        return none
     back, edge = at.back, at.edge
     if at.forward and at.back:
         lasts = outlasts_back(loads, pair_of(loads, at))
         back, edge = lasts < 0, edge or lasts == 0
     regime = int(Regime.BACK_SLIP) if back else int(Regime.FORWARD_SLIP)
-    return _unanswered(regime, Status.BOUNDARY if edge else Status.OK)
+    return unanswered(regime, Status.BOUNDARY if edge else Status.OK)
 
 
-def _unanswered(regime: int, status: int) -> Steady:
+def unanswered(regime: int, status: int) -> Steady:
+    """Form the answer of a scene without numbers."""
     return Steady(regime, status, Pattern.NONE, Model.NONE, NAN, NAN, -1)
 
 
-def _without_cycle(loads: Loads, at: Thresholds) -> Steady:
+def without_cycle(loads: Loads, at: Thresholds) -> Steady:
     """Say why a scene has no steady contact cycle; with the status OK if it may have one."""
     if loads.kinetic_friction > loads.static_friction:
-        return _unanswered(Regime.UNDEFINED, Status.INFEASIBLE)
+        return unanswered(Regime.UNDEFINED, Status.INFEASIBLE)
     if at.hops:
-        return _unanswered(Regime.HOPPING, Status.FLIGHT_NOT_MODELLED)
+        return unanswered(Regime.HOPPING, Status.FLIGHT_NOT_MODELLED)
     if loads.static_friction == 0.0:
-        return _unanswered(Regime.UNDEFINED, Status.INDETERMINATE)
+        return unanswered(Regime.UNDEFINED, Status.INDETERMINATE)
     if at.unheld:
         downhill = Regime.BACK_SLIP if loads.weight_tangential > 0.0 else Regime.FORWARD_SLIP
-        return _unanswered(downhill, Status.RUNAWAY)
-    return _unanswered(Regime.UNDEFINED, Status.OK)
+        return unanswered(downhill, Status.RUNAWAY)
+    return unanswered(Regime.UNDEFINED, Status.OK)
 
 
 def _model_of(pattern: int) -> int:

@@ -11,11 +11,26 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.elementary import QUARTER, TURN
+from vibro.core.elementary import QUARTER, TURN, Motion, free_motion
+from vibro.core.waves import (
+    FORCE,
+    NORMAL,
+    SINE,
+    STATIC_BACK,
+    Mix,
+    Waves,
+    depart,
+    load_at,
+    moved,
+    one_harmonic,
+    trough_at,
+)
 
 __all__ = [
     "Directions", "Loads", "along_cosine", "along_sine", "directions", "ellipse_loads", "ellipse_scale",
-    "line_loads", "mirrored", "normal_load", "phase_difference", "tangential_load", "weight_over_load",
+    "free_along", "free_normal",
+    "line_loads", "mirrored", "mix_of", "normal_height", "normal_load", "phase_difference", "tangential_load",
+    "wave_loads", "weight_over_load",
 ]  # fmt: skip
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
@@ -41,6 +56,9 @@ class Loads(NamedTuple):
         Of phi.
     line : bool
         Whether phi = 0 and h > 0: some formulas are shorter there.
+    waves : Waves
+        S and B of a drive beyond one harmonic. Then a is a bound of the velocity along the trough, b the
+        largest B, and phi = 0.
     """
 
     drive_tangential: float
@@ -53,6 +71,7 @@ class Loads(NamedTuple):
     phase_sine: float
     phase_cosine: float
     line: bool
+    waves: Waves = one_harmonic()
 
 
 class Directions(NamedTuple):
@@ -88,7 +107,9 @@ def weight_over_load(amplitude: float, frequency: float, gravity: float) -> floa
     return min(max(gravity / w / amplitude / w, _LEAST_WEIGHT), _MOST_WEIGHT)
 
 
-def line_loads(weight: float, angles: Directions, static_friction: float, kinetic_friction: float) -> Loads:
+def line_loads(
+    weight: float, angles: Directions, static_friction: float, kinetic_friction: float
+) -> Loads:
     """Form the groups of a drive along a line, Eq. (1), from 1/G."""
     across = weight * angles.sum_cosine
     return Loads(
@@ -102,6 +123,7 @@ def line_loads(weight: float, angles: Directions, static_friction: float, kineti
         phase_sine=0.0,
         phase_cosine=1.0,
         line=across > 0.0,
+        waves=one_harmonic(),
     )
 
 
@@ -127,7 +149,40 @@ def ellipse_loads(
         phase_sine=angles.sine,
         phase_cosine=angles.cosine,
         line=False,
+        waves=one_harmonic(),
     )
+
+
+def wave_loads(
+    waves: Waves, normal: float, weight_normal: float, weight_tangential: float, static_friction: float,
+    kinetic_friction: float,
+) -> Loads:  # fmt: skip
+    """Form the groups of a drive beyond one harmonic; ``normal`` is the largest B."""
+    return Loads(
+        drive_tangential=waves.velocity,
+        drive_normal=normal,
+        weight_normal=weight_normal,
+        weight_tangential=weight_tangential,
+        weight_across=0.0,
+        static_friction=static_friction,
+        kinetic_friction=kinetic_friction,
+        phase_sine=0.0,
+        phase_cosine=1.0,
+        line=False,
+        waves=waves,
+    )
+
+
+def mix_of(loads: Loads, row: int) -> Mix:
+    """Return the load whose zeros a row of ``Waves`` holds."""
+    n, t = loads.weight_normal, loads.weight_tangential
+    if row == FORCE:
+        return Mix(-t, 1.0, 0.0)
+    if row == NORMAL:
+        return Mix(n, 0.0, -1.0)
+    way = -1.0 if row % 2 == 1 else 1.0  # backward rows are odd
+    friction = loads.static_friction if row <= STATIC_BACK else loads.kinetic_friction
+    return Mix(-(friction * n + way * t), way, friction)
 
 
 def mirrored(loads: Loads) -> Loads:
@@ -146,20 +201,59 @@ def phase_difference(loads: Loads) -> float:
 
 
 def along_sine(loads: Loads, phase: float) -> float:
-    """Sine of the motion along the trough, at a phase of the normal motion."""
+    """Motion along the trough over a, at a phase of the normal motion: its sine, if it is one."""
+    if loads.waves.kind != SINE:
+        a = loads.drive_tangential
+        return trough_at(loads.waves, False, phase).value / a if a > 0.0 else 0.0
     return math.sin(phase - phase_difference(loads))
 
 
 def along_cosine(loads: Loads, phase: float) -> float:
-    """Cosine of the motion along the trough, at a phase of the normal motion."""
+    """Velocity of the trough along itself over a, at a phase of the normal motion."""
+    if loads.waves.kind != SINE:
+        a = loads.drive_tangential
+        return trough_at(loads.waves, False, phase).slope / a if a > 0.0 else 0.0
     return math.cos(phase - phase_difference(loads))
 
 
 def tangential_load(loads: Loads, phase: float) -> float:
     """F of Eq. (54): load along the trough on a body in contact or in flight."""
+    if loads.waves.kind != SINE:
+        return load_at(loads.waves, mix_of(loads, FORCE), phase)
     return loads.drive_tangential * along_sine(loads, phase) - loads.weight_tangential
 
 
 def normal_load(loads: Loads, phase: float) -> float:
     """N of Eq. (54): load on the trough, negative where it falls away under the body."""
+    if loads.waves.kind != SINE:
+        return load_at(loads.waves, mix_of(loads, NORMAL), phase)
     return loads.weight_normal - loads.drive_normal * math.sin(phase)
+
+
+def free_along(loads: Loads, phase: float, velocity: float, s: float) -> Motion:
+    """Move along the trough, relative to it, without friction; phases are those of the normal motion."""
+    waves = loads.waves
+    if waves.kind == SINE:
+        a, t = loads.drive_tangential, loads.weight_tangential
+        return free_motion(a, t, along_sine(loads, phase), along_cosine(loads, phase), velocity, s)
+    mix = mix_of(loads, FORCE)
+    flown = moved(waves, mix, phase, depart(waves, mix, phase), s)
+    return Motion(velocity * s + flown.path, velocity + flown.velocity)
+
+
+def free_normal(loads: Loads, phase: float, velocity: float, s: float) -> Motion:
+    """Move off the trough, relative to it, under the weight alone [A, A w]."""
+    waves = loads.waves
+    if waves.kind == SINE:
+        sine, cosine = math.sin(phase), math.cos(phase)
+        return free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, velocity, s)
+    mix = mix_of(loads, NORMAL)
+    fallen = moved(waves, mix, phase, depart(waves, mix, phase), s)
+    return Motion(velocity * s - fallen.path, velocity - fallen.velocity)
+
+
+def normal_height(loads: Loads, phase: float) -> float:
+    """Height of the trough above its mean position."""
+    if loads.waves.kind != SINE:
+        return trough_at(loads.waves, True, phase).value
+    return loads.drive_normal * math.sin(phase)

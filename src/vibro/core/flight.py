@@ -1,8 +1,8 @@
 """One flight, from take-off to the first return to the trough, and what follows its landing.
 
-The normal motion is free of friction: a flight depends on K = G sin(alpha) / cos(beta), its take-off phase
-and its take-off speed alone, eta'' / n = K sin p - 1, Eq. (28) of docs/theory.md. Normal speeds are over
-n = cos(beta)/G [A w n], phases in radians.
+The normal motion is free of friction: a flight depends on the load N/n of a body on the trough, its take-off
+phase and its take-off speed alone, eta'' / n = -N/n, which is K sin p - 1 of one harmonic, Eq. (28) of
+docs/theory.md. Normal speeds are over n = cos(beta)/G [A w n], phases in radians.
 """
 
 from __future__ import annotations
@@ -10,11 +10,29 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.elementary import EPS, INF, NAN, PI, QUARTER, TURN, Motion, free_motion, sine_gap, wrap
+from vibro.core.cells import Event, next_event
+from vibro.core.drives import Loads
+from vibro.core.elementary import (
+    EPS,
+    INF,
+    NAN,
+    PI,
+    QUARTER,
+    TURN,
+    Motion,
+    free_motion,
+    sine_gap,
+    wrap,
+)
+from vibro.core.legs import until
+from vibro.core.wave_flights import fly_over_waves
+from vibro.core.waves import NORMAL, PIECES, SINE, Mix, Waves, depart, load_at, moved, one_harmonic
 
 __all__ = [
-    "ACCUMULATED", "BOUNCE", "LOST", "SHARP", "Covariance", "Flight", "Impact", "TangentMap", "after_landing",
-    "flight", "lift_off_flight", "propagate", "tangent_map", "within",
+    "ACCUMULATED", "BOUNCE", "LOST", "SHARP", "Bed", "Covariance", "Flight", "Impact", "TangentMap",
+    "after_landing", "bed_load", "bed_of", "flight", "lift_off_flight", "next_take_off",
+    "no_bed", "propagate",
+    "sinusoidal", "tangent_map", "within",
 ]  # fmt: skip
 
 #: [rad] Bounces whose remaining total length is below this are summed as if the load were constant; the error
@@ -39,6 +57,60 @@ _SHORT_BOUNCE: Final = 2.2
 _GRAZING: Final = 1e-30
 
 
+class Bed(NamedTuple):
+    """The trough's normal motion under a hopping body.
+
+    Attributes
+    ----------
+    throw : float
+        Throw number K > 1.
+    lift_off : float
+        Phase asin(1/K) at which it falls away under a resting body; the first of several [rad].
+    lift : Mix
+        -N/n, of a drive beyond one harmonic.
+    waves : Waves
+        Whose row ``NORMAL`` of zeros is known.
+    """
+
+    throw: float
+    lift_off: float
+    lift: Mix
+    waves: Waves
+
+
+def sinusoidal(throw: float) -> Bed:
+    """Move the trough along a sine."""
+    return Bed(throw, math.asin(1.0 / throw), Mix(-1.0, 0.0, 0.0), one_harmonic())
+
+
+def bed_of(loads: Loads) -> Bed:
+    """Take the normal motion of a scene that hops, whose zeros are known."""
+    throw = loads.drive_normal / loads.weight_normal
+    if loads.waves.kind == SINE:
+        return sinusoidal(throw)
+    lift = Mix(-1.0, 0.0, 1.0 / loads.weight_normal)
+    return Bed(throw, next_event(loads.waves, NORMAL, False, 0.0).phase, lift, loads.waves)
+
+
+def no_bed(loads: Loads) -> Bed:
+    """Stand for the normal motion of a scene that does not hop."""
+    return Bed(loads.drive_normal / loads.weight_normal, INF, Mix(-1.0, 0.0, 0.0), loads.waves)
+
+
+def bed_load(bed: Bed, phase: float) -> float:
+    """Return N/n, the load of a body on the trough; the trough falls away under it where that is negative."""
+    if bed.waves.kind != SINE:
+        return -load_at(bed.waves, bed.lift, phase)
+    return 1.0 - bed.throw * math.sin(phase)
+
+
+def next_take_off(bed: Bed, phase: float) -> Event:
+    """Return where the trough next falls away under a body that rests on it."""
+    if bed.waves.kind != SINE:
+        return next_event(bed.waves, NORMAL, False, phase)
+    return Event(bed.lift_off, until(bed.lift_off, phase))
+
+
 class Flight(NamedTuple):
     """End of a flight.
 
@@ -54,16 +126,20 @@ class Flight(NamedTuple):
     impact: float
 
 
-def lift_off_flight(throw: float, lift_off: float) -> Flight:
-    """Fly from the lift-off of a resting body, sin p = 1/K, at any K > 1.
+def lift_off_flight(bed: Bed, phase: float) -> Flight:
+    """Fly from the lift-off of a resting body, at any K > 1: of one harmonic sin p = 1/K.
 
     Within a drive cycle, c = sqrt(K^2 - 1) <= pi, Eq. (32) for c is a monotone function of the flight's
     length s. A rational approximation of s(c), within 2.8e-6, and one step of Halley's iteration, in terms
     that do not cancel for short flights, find s within 4 eps (tests/core/test_flight.py).
     """
+    if bed.waves.kind != SINE:
+        length, impact = fly_over_waves(bed.waves, bed.lift, phase, 0.0, True)
+        return Flight(length, impact)
+    throw = bed.throw
     c = math.sqrt((throw - 1.0) * (throw + 1.0))
     if c > PI:
-        return flight(throw, lift_off, lift_off, 0.0)
+        return flight(bed, phase, 0.0)
     y = c * c
     s = c * (
         (((0.000197220998197 * y - 0.00184998921613) * y + 0.374302421072) * y + 3.11355343814) * y
@@ -100,7 +176,7 @@ def _height(at: _TakeOff, s: float) -> Motion:
     return free_motion(at.throw, 1.0, at.sine, at.cosine, at.speed, s)
 
 
-def flight(throw: float, lift_off: float, phase: float, speed: float) -> Flight:
+def flight(bed: Bed, phase: float, speed: float) -> Flight:
     """Fly from any take-off to the first landing.
 
     Seen from the ground the body flies along a parabola, and every crest of the trough that the parabola
@@ -111,15 +187,17 @@ def flight(throw: float, lift_off: float, phase: float, speed: float) -> Flight:
 
     Parameters
     ----------
-    throw : float
-        Throw number K > 1.
-    lift_off : float
-        asin(1/K) [rad].
+    bed : Bed
+        The trough.
     phase : float
-        Phase of take-off; where the speed is 0 it lies where K sin p >= 1 [rad].
+        Phase of take-off; where the speed is 0 it lies where N <= 0 [rad].
     speed : float
         Speed of take-off, >= 0 [A w n].
     """
+    if bed.waves.kind != SINE:
+        length, impact = fly_over_waves(bed.waves, bed.lift, phase, speed, False)
+        return Flight(length, impact)
+    throw, lift_off = bed.throw, bed.lift_off
     sine, cosine = math.sin(phase), math.cos(phase)
     at = _TakeOff(throw, lift_off, sine, cosine, speed)
     crest = wrap(QUARTER - phase)
@@ -196,24 +274,31 @@ class Impact(NamedTuple):
     contact: bool
 
 
-def after_landing(
-    throw: float, phase: float, impact: float, restitution: float, accumulated: float
-) -> Impact:
+def after_landing(bed: Bed, phase: float, impact: float, restitution: float, accumulated: float) -> Impact:
     """Apply the impact law, Eq. (31), and sum the bounces that accumulate, Eq. (33).
 
     Bounces of take-off speed v, e v, e^2 v, ... under the load N last 2 v / (N (1 - e)) altogether and bring
     the impulse (1 + e) v / (1 - e), the one that starts them not counted. They are summed once they last no
     longer than ``accumulated`` [rad], and end before the trough can fall away.
     """
-    load, speed = 1.0 - throw * math.sin(phase), restitution * impact
+    load, speed = bed_load(bed, phase), restitution * impact
     impulse = impact + speed
     if load >= 0.0 and speed == 0.0:
         return Impact(0.0, 0.0, impulse, True)
     if load > 0.0:
         length = 2.0 * speed / (load * (1.0 - restitution))
-        if length <= accumulated and load >= throw * max(math.cos(phase), 0.0) * length:
+        if length <= accumulated and _lasts(bed, phase, load, length):
             return Impact(0.0, length, impulse + speed * (1.0 + restitution) / (1.0 - restitution), True)
     return Impact(speed, 0.0, impulse, False)
+
+
+def _lasts(bed: Bed, phase: float, load: float, length: float) -> bool:
+    """Return whether the trough bears bodies for a short time, as far as its rate tells; else it may jump."""
+    if bed.waves.kind == SINE:
+        return load >= bed.throw * max(math.cos(phase), 0.0) * length
+    if bed.waves.steep < INF:
+        return load >= bed.waves.steep * bed.lift.normal * length
+    return next_take_off(bed, phase).wait > length
 
 
 class TangentMap(NamedTuple):
@@ -225,18 +310,33 @@ class TangentMap(NamedTuple):
     speed_speed: float
 
 
-def tangent_map(throw: float, restitution: float, phase: float, flown: Flight) -> TangentMap:
+def tangent_map(bed: Bed, restitution: float, phase: float, flown: Flight) -> TangentMap:
     """Form the derivatives of Eq. (34) for a flight that took off at a phase."""
-    lever, climb = free_motion(throw, 0.0, math.cos(phase), -math.sin(phase), 0.0, flown.length)
+    if bed.waves.kind != SINE:
+        climb, lever = _changed(bed, phase, flown.length)
+    else:
+        cosine, sine = math.cos(phase), -math.sin(phase)
+        lever, climb = free_motion(bed.throw, 0.0, cosine, sine, 0.0, flown.length)
     impact = max(flown.impact, _GRAZING)
     late, late_by_speed = lever / impact, flown.length / impact
-    acceleration = throw * math.sin(phase + flown.length) - 1.0
+    acceleration = -bed_load(bed, phase + flown.length)
     return TangentMap(
         1.0 + late,
         late_by_speed,
         -restitution * (climb + acceleration * late),
         -restitution * (1.0 + acceleration * late_by_speed),
     )
+
+
+def _changed(bed: Bed, phase: float, s: float) -> tuple[float, float]:
+    """Return by how much -N/n has changed since a phase, and the integral of that."""
+    value = depart(bed.waves, bed.lift, phase)
+    if bed.waves.kind == PIECES:
+        since = moved(bed.waves, bed.lift, phase, value, s)
+        return since.load - value, since.velocity - value * s
+    # as if it had begun at 0: nothing cancels however short the flight is
+    since = moved(bed.waves, bed.lift, phase, 0.0, s)
+    return since.load, since.velocity
 
 
 class Covariance(NamedTuple):
@@ -253,7 +353,7 @@ def within(errors: Covariance, limit: float) -> bool:
 
 
 def propagate(
-    throw: float,
+    bed: Bed,
     restitution: float,
     phase: float,
     speed: float,
@@ -268,8 +368,10 @@ def propagate(
 
     Parameters
     ----------
-    throw, restitution : float
-        K and e.
+    bed : Bed
+        The trough.
+    restitution : float
+        e.
     phase, speed : float
         Of the take-off [rad, A w n].
     flown : Flight
@@ -279,11 +381,11 @@ def propagate(
     errors : Covariance
         Of the take-off.
     """
-    a, b, c, d = tangent_map(throw, restitution, phase, flown)
-    s, climb = flown.length, throw * min(flown.length, 1.0)
+    a, b, c, d = tangent_map(bed, restitution, phase, flown)
+    s, climb = flown.length, bed.throw * min(flown.length, 1.0)
     impact = max(flown.impact, _GRAZING)
     # a flight from a lift-off within a turn has all digits, however short: see lift_off_flight
-    released = speed == 0.0 and s <= TURN and abs(throw * math.sin(phase) - 1.0) <= 4.0 * EPS
+    released = speed == 0.0 and s <= TURN and abs(bed_load(bed, phase)) <= 4.0 * EPS
     terms = 0.0 if released else speed + climb + 0.5 * s
     late = EPS * (1.0 + s + s * terms / impact)
     fast = EPS * restitution * (speed + climb + s)

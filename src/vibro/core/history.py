@@ -10,14 +10,17 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.bounces import MOST_FLIGHTS, Flights, bounces
+from vibro.core.bounces import LONGEST_CYCLE, MOST_FLIGHTS, Flights, bounces
 from vibro.core.buffers import Bytes, Doubles, Integers
+from vibro.core.cells import number_of_nodes
 from vibro.core.codes import Mode
 from vibro.core.continuous import continuous_sliding, middle_phase
 from vibro.core.elementary import INF, NAN, QUARTER, TURN, wrap
+from vibro.core.flight import next_take_off
 from vibro.core.steps import Course, State, Step, nearest_turn, starting, step
+from vibro.core.waves import NORMAL, SINE, nodes_of
 
-__all__ = ["Followed", "LastStarts", "Legs", "Sections", "follow", "is_section", "sections_of"]
+__all__ = ["Followed", "LastStarts", "Legs", "Sections", "follow", "is_section", "places", "sections_of"]
 
 # [rad, A w] Change from one cycle to the next that rounding alone brings.
 _REPEATS: Final = 2e-15
@@ -87,8 +90,9 @@ class LastStarts(NamedTuple):
 class Sections(NamedTuple):
     """Starts at which the motion of a scene is compared with itself.
 
-    In contact these are the starts of slides; of hopping bodies that come to rest on the trough in normal
-    direction, the lift-offs; of others, every take-off.
+    In contact these are the starts of slides, of drives beyond one harmonic the first in each drive cycle; of
+    hopping bodies that come to rest on the trough in normal direction, the lift-offs; of others, every
+    take-off.
 
     Attributes
     ----------
@@ -96,10 +100,13 @@ class Sections(NamedTuple):
         How many such starts of one kind make a cycle; 0 if the motion never repeats.
     lands : bool
         Whether the cycle of a hopping body has a contact that ends with a lift-off.
+    cycles : int
+        Drive cycles, about, that the motion takes to repeat.
     """
 
     lag: int
     lands: bool
+    cycles: int
 
 
 class Followed(NamedTuple):
@@ -126,22 +133,41 @@ class Followed(NamedTuple):
 def sections_of(course: Course, flights: Flights) -> Sections:
     """Choose where to compare the motion of a scene with itself; ``flights`` is scratch memory."""
     if not math.isfinite(course.track.lift_off):
-        return Sections(1, True)
-    cycle = bounces(course.throw, course.restitution, flights, MOST_FLIGHTS, 0.0, 0.0, True)
+        return Sections(1, True, 1)
+    bed = course.bed
+    cycle = bounces(bed, course.restitution, flights, MOST_FLIGHTS, bed.lift_off, 0.0, True)
     if cycle.rest > 0.0:
-        return Sections(1, True)
-    return Sections(cycle.count if cycle.repeats else 0, False)
+        return Sections(1, True, cycle.cycles)
+    lag = cycle.count if cycle.repeats else 0
+    return Sections(lag, False, lag)
 
 
-def is_section(course: Course, sections: Sections, at: State) -> bool:
-    """Whether a leg starts where the motion is compared."""
-    lift_off = course.track.lift_off
+def places(course: Course, sections: Sections) -> int:
+    """Return how many starts ``LastStarts`` has room for."""
+    lift_offs = number_of_nodes(course.bed.waves, NORMAL) if course.bed.waves.kind != SINE else 0
+    return max(max(sections.lag, _KINDS), min(lift_offs, LONGEST_CYCLE))
+
+
+def _lift_off_index(course: Course, phase: float) -> int:
+    """Return which zero of the normal load a lift-off is, modulo the number of places."""
+    waves = course.bed.waves
+    if waves.kind != SINE:
+        for i in range(number_of_nodes(waves, NORMAL)):
+            if waves.number[nodes_of(waves, NORMAL) + i] == phase:
+                return i % LONGEST_CYCLE
+    return 0
+
+
+def is_section(course: Course, sections: Sections, at: State, last: int) -> bool:
+    """Whether a leg starts where the motion is compared; ``last`` is the cycle of the last start."""
     if sections.lag == 0:
         return False
-    if not math.isfinite(lift_off):
-        return at.mode != Mode.REST
-    lifted = at.rate == 0.0 and at.phase == lift_off
-    return at.mode == Mode.FLIGHT and (lifted or not sections.lands)
+    if not math.isfinite(course.track.lift_off):
+        first = at.cycle != last or course.track.loads.waves.kind == SINE
+        return at.mode != Mode.REST and first
+    if at.mode != Mode.FLIGHT or not sections.lands:
+        return at.mode == Mode.FLIGHT
+    return at.rate == 0.0 and at.phase == next_take_off(course.bed, at.phase).phase
 
 
 def follow(
@@ -163,17 +189,16 @@ def follow(
     rows : int
         Their length.
     last : LastStarts
-        Buffers of at least ``sections.lag`` elements, and at least four.
+        Buffers of ``places(course, sections)`` elements.
     """
-    hops = math.isfinite(course.track.lift_off)
     at = starting(course, phase, velocity)
     origin = at.phase
-    _forget(last, max(sections.lag, _KINDS))
-    starts, count, idle, polished = 0, 0, 0, False
+    _forget(last, places(course, sections))
+    starts, count, idle, polished, last_cycle = 0, 0, 0, False, -1
     while at.cycle + (at.phase - origin) / TURN < cycles:
-        if is_section(course, sections, at):
-            place = starts % sections.lag if hops else at.mode - 1
-            starts += 1
+        if is_section(course, sections, at, last_cycle):
+            place = _place(course, sections, at, starts)
+            starts, last_cycle = starts + 1, at.cycle
             row, change = last.row[place], INF
             if 0 <= row < count:
                 change = _change(legs, row, at)
@@ -200,6 +225,15 @@ def follow(
         at = leg.after
     _scale_rates(course, legs, count)
     return Followed(count, count, 0, 0.0)
+
+
+def _place(course: Course, sections: Sections, at: State, starts: int) -> int:
+    """Return the place for a start: one a mode in contact, one a lift-off, or one a flight."""
+    if not math.isfinite(course.track.lift_off):
+        return at.mode - 1
+    if sections.lands:
+        return _lift_off_index(course, at.phase)
+    return starts % sections.lag
 
 
 def _forget(last: LastStarts, places: int) -> None:

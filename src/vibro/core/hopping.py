@@ -13,10 +13,12 @@ from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces
 from vibro.core.codes import Mode, Status
 from vibro.core.drives import Loads
 from vibro.core.elementary import NAN, TURN
-from vibro.core.flight import LOST, Covariance, Flight, propagate, within
+from vibro.core.flight import LOST, Bed, Covariance, Flight, bed_of, propagate, within
 from vibro.core.legs import Track, track_of
 from vibro.core.orbits import hopping_cycle, orbit_from
 from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed, write_hop
+from vibro.core.wave_cycle import canonical
+from vibro.core.waves import SINE
 
 __all__ = ["MOST_THROW", "Entry", "Hopping", "enter", "hopping"]
 
@@ -131,7 +133,7 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
         impact = max(impact, flights.impact[row])
     return Hopping(
         status=orbit.status,
-        pattern=orbit.cycle.pattern,
+        pattern=canonical(orbit.cycle.pattern) if track.loads.waves.kind != SINE else orbit.cycle.pattern,
         displacement=orbit.cycle.displacement / turns,
         deviation=0.0,
         period=turns,
@@ -185,21 +187,21 @@ def enter(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ent
     that the motion of such a body has contacts; it is taken to keep its velocity over the ground until then.
     The velocity is arbitrary where the motion does not repeat.
     """
-    loads = track.loads
-    throw = loads.drive_normal / loads.weight_normal
+    loads, bed = track.loads, bed_of(track.loads)
     start, known = release(track), True
-    velocity = with_same_ground_speed(loads, start.velocity, start.phase, track.lift_off)
+    begin = track.lift_off if start.aloft else start.phase
+    velocity = with_same_ground_speed(loads, start.velocity, start.phase, begin)
     if start.aloft:
-        motion = bounces(throw, restitution, flights, MOST_FLIGHTS, start.phase, 0.0, False)
-        known = motion.repeats and motion.approach == 0
+        motion = bounces(bed, restitution, flights, MOST_FLIGHTS, start.phase, 0.0, False)
+        known = motion.repeats and motion.approach == 0 and loads.waves.kind == SINE
         if known:
             last = motion.first + motion.count
             _write_hops(loads, flights, hops, motion.first, last)
             landed = return_map(track, hops, motion.first, last, motion.landing, motion.rest, start.velocity)
             velocity = landed.velocity
-        elif motion.repeats and _is_sharp(throw, restitution, flights, motion.approach):
+        elif motion.repeats and _is_sharp(bed, restitution, flights, motion.approach):
             return _entered(track, motion, start.velocity, flights, hops)
-    motion = bounces(throw, restitution, flights, MOST_FLIGHTS, track.lift_off, 0.0, True)
+    motion = bounces(bed, restitution, flights, MOST_FLIGHTS, begin, 0.0, True)
     if not known and motion.rest == 0.0:
         return Entry(motion._replace(repeats=False), velocity)
     return _entered(track, motion, velocity, flights, hops)
@@ -208,27 +210,34 @@ def enter(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ent
 def _entered(track: Track, motion: Bounces, velocity: float, flights: Flights, hops: Hops) -> Entry:
     """Follow a body along the trough from its first take-off until the cycle begins, and write its hops."""
     loads = track.loads
-    if motion.repeats and motion.rest == 0.0:
+    if motion.repeats and (motion.rest == 0.0 or motion.approach > 0):
         _write_hops(loads, flights, hops, 0, motion.approach)
         velocity = return_map(track, hops, 0, motion.approach, 0.0, 0.0, velocity).velocity
-        # the cycle begins at another phase than the approach ends
+        # a cycle without rest begins at another phase than the approach ends
         begin = flights.phase[motion.first]
-        velocity = with_same_ground_speed(loads, velocity, motion.approach_end, begin)
-    _write_hops(loads, flights, hops, motion.first, motion.first + motion.count)
+        if motion.rest == 0.0:
+            velocity = with_same_ground_speed(loads, velocity, motion.approach_end, begin)
+    last = motion.first + motion.count
+    _write_hops(loads, flights, hops, motion.first, last)
+    if motion.rest > 0.0:  # it is that of the cycle's end
+        hops.rest[last - 1] = 0.0
     return Entry(motion, velocity)
 
 
-def _is_sharp(throw: float, restitution: float, flights: Flights, count: int) -> bool:
-    """Return whether rounding has not chosen what follows flights without contact, Eq. (34)."""
+def _is_sharp(bed: Bed, restitution: float, flights: Flights, count: int) -> bool:
+    """Return whether rounding has not chosen what follows some flights, Eq. (34); a contact forgets it."""
     errors = Covariance(0.0, 0.0, 0.0)
     for row in range(count):
         flown = Flight(flights.length[row], flights.impact[row])
-        errors = propagate(throw, restitution, flights.phase[row], flights.speed[row], flown, 0.0, errors)
+        errors = propagate(bed, restitution, flights.phase[row], flights.speed[row], flown, 0.0, errors)
         if not within(errors, LOST):
             return False
+        if flights.rest[row] > 0.0:
+            errors = Covariance(0.0, 0.0, 0.0)
     return True
 
 
 def _write_hops(loads: Loads, flights: Flights, hops: Hops, first: int, last: int) -> None:
     for row in range(first, last):
         write_hop(loads, flights.phase[row], flights.length[row], flights.impulse[row], hops, row)
+        hops.landing[row], hops.rest[row] = flights.landing[row], flights.rest[row]

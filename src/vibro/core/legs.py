@@ -14,14 +14,26 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.cells import Event, find_nodes, next_event
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, normal_load, tangential_load
+from vibro.core.drives import Loads, mix_of, normal_load, tangential_load
 from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, free_motion, wrap, wrap_around
+from vibro.core.wave_slides import slide_over_waves
+from vibro.core.waves import (
+    FORCE,
+    KINETIC_BACK,
+    NORMAL,
+    SINE,
+    STATIC_BACK,
+    STATIC_FORWARD,
+    depart,
+    moved,
+)
 from vibro.core.windows import load_amplitude, own_phase
 
 __all__ = [
-    "Forcing", "Leg", "SlideEnd", "Track", "contact_leg", "forcing", "mode_of", "slide_from_speed",
-    "track_of", "until",
+    "Forcing", "Leg", "SlideEnd", "Track", "contact_leg", "forcing", "mode_of", "next_lift_off",
+    "next_onset", "slide_from_speed", "track_of", "until",
 ]  # fmt: skip
 
 # [rad] The phases of an event and of a body are rounded, so that a body at the event may seem to have just
@@ -97,8 +109,10 @@ class Track(NamedTuple):
         Of slides either way.
     forward_onset, back_onset : float
         Phase at which a body at rest starts to slide, in [0, 2 pi); NaN where it never starts that way [rad].
+        A drive beyond one harmonic may have several: ``next_onset``.
     lift_off : float
-        Phase asin(1/K) at which the trough falls away under the body, Eq. (27); inf where K <= 1 [rad].
+        Phase asin(1/K) at which the trough falls away under the body, Eq. (27), the first of them where there
+        are several: ``next_lift_off``; inf where K <= 1 [rad].
     landed_friction : float
         Coefficient that holds a body which a landing has stopped: mu_s, but mu_d where it bounces, since
         nothing holds it between two bounces (docs/theory.md, section 10).
@@ -115,12 +129,47 @@ class Track(NamedTuple):
 
 def track_of(loads: Loads, restitution: float) -> Track:
     """Prepare a scene for its legs."""
+    if loads.waves.kind != SINE:
+        return _track_over_waves(loads, restitution)
     lift_off = INF
     if loads.drive_normal > loads.weight_normal:
         lift_off = math.asin(loads.weight_normal / loads.drive_normal)
     forward, back = forcing(loads, 1.0), forcing(loads, -1.0)
     landed = loads.static_friction if restitution == 0.0 else loads.kinetic_friction
     return Track(loads, forward, back, _onset(loads, 1.0), _onset(loads, -1.0), lift_off, landed)
+
+
+def _track_over_waves(loads: Loads, restitution: float) -> Track:
+    """Find where each load of a drive beyond one harmonic changes its sign."""
+    for row in range(STATIC_FORWARD, KINETIC_BACK + 1):
+        find_nodes(loads.waves, row, mix_of(loads, row), False)
+    lift_off = INF
+    if loads.drive_normal > loads.weight_normal:
+        find_nodes(loads.waves, NORMAL, mix_of(loads, NORMAL), False)
+        find_nodes(loads.waves, FORCE, mix_of(loads, FORCE), False)
+        lift_off = next_event(loads.waves, NORMAL, False, 0.0).phase
+    forward = next_event(loads.waves, STATIC_FORWARD, True, 0.0).phase
+    back = next_event(loads.waves, STATIC_BACK, True, 0.0).phase
+    none = Forcing(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    landed = loads.static_friction if restitution == 0.0 else loads.kinetic_friction
+    return Track(
+        loads, none, none, forward if forward < INF else NAN, back if back < INF else NAN, lift_off, landed
+    )
+
+
+def next_onset(track: Track, way: float, phase: float) -> Event:
+    """Return where a body that rests next starts to slide in a direction."""
+    if track.loads.waves.kind != SINE:
+        return next_event(track.loads.waves, STATIC_FORWARD if way > 0.0 else STATIC_BACK, True, phase)
+    onset = track.forward_onset if way > 0.0 else track.back_onset
+    return Event(INF, INF) if math.isnan(onset) else Event(onset, until(onset, phase))
+
+
+def next_lift_off(track: Track, phase: float) -> Event:
+    """Return where the trough next falls away under a body that rests on it."""
+    if track.loads.waves.kind != SINE and track.lift_off < INF:
+        return next_event(track.loads.waves, NORMAL, False, phase)
+    return Event(track.lift_off, until(track.lift_off, phase) if track.lift_off < INF else INF)
 
 
 def _onset(loads: Loads, way: float) -> float:
@@ -329,16 +378,23 @@ def contact_leg(track: Track, mode: int, phase: float, velocity: float, limit: f
 
 def _rest(track: Track, phase: float, limit: float) -> Leg:
     """Rest until the nearer onset, which forgets the velocity before."""
-    ahead = INF if math.isnan(track.forward_onset) else until(track.forward_onset, phase)
-    behind = INF if math.isnan(track.back_onset) else until(track.back_onset, phase)
+    ahead, behind = next_onset(track, 1.0, phase).wait, next_onset(track, -1.0, phase).wait
     next_mode = Mode.FORWARD if ahead <= behind else Mode.BACK
     return Leg(min(ahead, behind, limit), 0.0, 0.0, next_mode, 0.0, 0.0, 0.0, True)
 
 
 def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, limit: float) -> Leg:
     """Slide until the body stops or the contact ends."""
-    end = slide_from_speed(at, phase, speed, limit)
     same = Mode.FORWARD if way > 0.0 else Mode.BACK
+    if loads.waves.kind != SINE:
+        slid = slide_over_waves(loads, way, phase, speed, limit)
+        found = SlideEnd(slid.length, slid.stopped, slid.speed, slid.top, math.isfinite(slid.length))
+        if slid.length == INF:
+            return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
+        mix = mix_of(loads, NORMAL)
+        pressed = moved(loads.waves, mix, phase, depart(loads.waves, mix, phase), slid.length).velocity
+        return _left(loads, found, way, phase, slid.path, pressed)
+    end = slide_from_speed(at, phase, speed, limit)
     if end.length == INF:
         return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
     sine, cosine = math.sin(phase), math.cos(phase)
@@ -350,7 +406,12 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
     path = free_motion(at.amplitude, at.drag, own_sine, own_cosine, speed, end.length).path
     # the impulse of the trough takes the normal speed that the body would have in flight
     impulse = -free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, 0.0, end.length).velocity
-    next_mode, gain = same, 1.0
+    return _left(loads, end, way, phase, path, impulse)
+
+
+def _left(loads: Loads, end: SlideEnd, way: float, phase: float, path: float, impulse: float) -> Leg:
+    """Tell what follows a slide of a path, under a normal impulse: both without their signs."""
+    next_mode, gain = Mode.FORWARD if way > 0.0 else Mode.BACK, 1.0
     if end.stopped:
         normal = max(normal_load(loads, phase + end.length), 0.0)
         against, friction = -way * tangential_load(loads, phase + end.length), loads.kinetic_friction * normal

@@ -22,13 +22,15 @@ from vibro.core.hopping import hopping
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.motions import arrivals, followed, history, moments
 from vibro.core.return_map import Hops
-from vibro.core.scenes import Scenes, no_directions, point_at, seek, unit_point_at, visit
+from vibro.core.scenes import Place, Scenes, no_directions, point_at, prepare, seek, unit_point_at, visit
+from vibro.core.wave_cycle import wave_cycle
+from vibro.core.waves import SINE
 from vibro.core.windows import thresholds
 
 __all__ = [
     "arrivals", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others", "followed",
-    "history", "load_slopes", "moments", "slips_back", "solve_contact", "solve_hops", "tipping_loads",
-    "transition_loads",
+    "history", "load_slopes", "moments", "prepare", "slips_back", "solve_contact", "solve_hops",
+    "tipping_loads", "transition_loads",
 ]  # fmt: skip
 
 
@@ -53,12 +55,11 @@ class Answers(NamedTuple):
 
 
 def solve_contact(
-    scenes: Scenes, place: Integers, out: Answers, begin: int, end: int, classes_alone: bool
+    scenes: Scenes, place: Place, out: Answers, begin: int, end: int, classes_alone: bool
 ) -> int:
     """Solve the steady contact cycle of cells; return how many of them hop, which are left unmodelled.
 
-    Buffers that are 0 in contact are expected to be zero. ``place`` is room for 9 numbers more than the grid
-    has axes.
+    Buffers that are 0 in contact are expected to be zero.
     """
     hopping = 0
     angles = no_directions()
@@ -68,7 +69,10 @@ def solve_contact(
         angles = point.angles
         loads = point.loads
         at = thresholds(loads)
-        cycle = regime_alone(loads, at) if classes_alone else steady_cycle(loads, at)
+        if loads.waves.kind != SINE:
+            cycle = wave_cycle(loads, at, classes_alone)
+        else:
+            cycle = regime_alone(loads, at) if classes_alone else steady_cycle(loads, at)
         if cycle.status == Status.INFEASIBLE:
             out.throw_number[i], out.forward_ratio[i], out.back_ratio[i] = NAN, NAN, NAN
         else:
@@ -91,7 +95,7 @@ def solve_contact(
 
 
 def solve_hops(
-    scenes: Scenes, place: Integers, out: Answers, cells: Integers, flights: Flights, hops: Hops, begin: int,
+    scenes: Scenes, place: Place, out: Answers, cells: Integers, flights: Flights, hops: Hops, begin: int,
     end: int,
 ) -> None:  # fmt: skip
     """Follow bodies that hop; ``cells`` are listed, ``flights`` and ``hops`` are scratch memory."""
@@ -115,7 +119,7 @@ def solve_hops(
 
 
 def find_others(
-    scenes: Scenes, place: Integers, out: Answers, cells: Integers, flights: Flights, hops: Hops, begin: int,
+    scenes: Scenes, place: Place, out: Answers, cells: Integers, flights: Flights, hops: Hops, begin: int,
     end: int,
 ) -> None:  # fmt: skip
     """Look whether other motions coexist with those that ``solve_hops`` has found."""
@@ -128,7 +132,7 @@ def find_others(
         out.coexists[i] = 1 if others else 0
 
 
-def slips_back(scenes: Scenes, place: Integers, out: Bytes, begin: int, end: int) -> None:
+def slips_back(scenes: Scenes, place: Place, out: Bytes, begin: int, end: int) -> None:
     """Tell by Eqs. (5) and (17) alone whether bodies slip back, also where mu_d > mu_s."""
     angles = no_directions()
     for i in range(begin, end):
@@ -152,7 +156,7 @@ class Limits(NamedTuple):
     rest_vanishes: Doubles
 
 
-def transition_loads(scenes: Scenes, place: Integers, out: Limits, begin: int, end: int) -> None:
+def transition_loads(scenes: Scenes, place: Place, out: Limits, begin: int, end: int) -> None:
     """Find the load G at which each kind of motion begins."""
     angles = no_directions()
     for i in range(begin, end):
@@ -165,7 +169,7 @@ def transition_loads(scenes: Scenes, place: Integers, out: Limits, begin: int, e
 
 
 def tipping_loads(
-    scenes: Scenes, place: Integers, stand_ratio: Doubles, out: Doubles, begin: int, end: int
+    scenes: Scenes, place: Place, stand_ratio: Doubles, out: Doubles, begin: int, end: int
 ) -> None:
     """Find the load G up to which no edge of parts lifts; one stand ratio a cell."""
     angles = no_directions()
@@ -177,7 +181,7 @@ def tipping_loads(
 
 
 def load_slopes(
-    scenes: Scenes, place: Integers, pattern: Integers, out: Doubles, begin: int, end: int
+    scenes: Scenes, place: Place, pattern: Integers, out: Doubles, begin: int, end: int
 ) -> None:
     """Differentiate the displacement over A of contact cycles, of known patterns, with respect to ln G."""
     for i in range(begin, end):
@@ -196,7 +200,7 @@ class Gradients(NamedTuple):
 
 
 def displacement_gradients(
-    scenes: Scenes, place: Integers, pattern: Integers, out: Gradients, begin: int, end: int
+    scenes: Scenes, place: Place, pattern: Integers, out: Gradients, begin: int, end: int
 ) -> None:
     """Differentiate the displacement over A of lines' contact cycles with respect to each input."""
     for i in range(begin, end):
@@ -231,7 +235,7 @@ class CycleLegs(NamedTuple):
 
 
 def cycle_legs(
-    scenes: Scenes, place: Integers, pattern: Integers, out: CycleLegs, begin: int, end: int, half: int
+    scenes: Scenes, place: Place, pattern: Integers, out: CycleLegs, begin: int, end: int, half: int
 ) -> None:
     """Solve the slides of contact cycles of known patterns; the second ones go to ``half`` and on."""
     for i in range(begin, end):

@@ -9,11 +9,19 @@ from vibro.core.arrival import arrival_cycles
 from vibro.core.bounces import Flights
 from vibro.core.buffers import Doubles, Integers
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, along_cosine, along_sine, normal_load, tangential_load
-from vibro.core.elementary import NAN, TURN, free_motion, wrap
+from vibro.core.drives import (
+    Loads,
+    along_sine,
+    free_along,
+    free_normal,
+    normal_height,
+    normal_load,
+    tangential_load,
+)
+from vibro.core.elementary import NAN, TURN, wrap
 from vibro.core.history import LastStarts, Legs, follow, sections_of
 from vibro.core.hopping import MOST_THROW
-from vibro.core.scenes import Point, Scenes, no_directions, point_at, seek
+from vibro.core.scenes import Place, Point, Scenes, no_directions, point_at, seek
 from vibro.core.steps import course_of
 
 __all__ = ["EXTREME", "Cycle", "Moments", "arrivals", "followed", "history", "moments"]
@@ -73,27 +81,27 @@ def _is_followed(loads: Loads) -> bool:
     return 1.0 / EXTREME <= weight <= EXTREME and (mu_d == 0.0 or mu_d >= 1.0 / EXTREME)
 
 
-def _point(scenes: Scenes, place: Integers, cell: int) -> Point:
+def _point(scenes: Scenes, place: Place, cell: int) -> Point:
     """Read the scene of a cell."""
     seek(scenes, place, cell)
     return point_at(scenes, place, no_directions())
 
 
-def followed(scenes: Scenes, place: Integers, cell: int) -> int:
+def followed(scenes: Scenes, place: Place, cell: int) -> int:
     """Return 1 if the body of a cell can be followed, else 0."""
     return 1 if _is_followed(_point(scenes, place, cell).loads) else 0
 
 
 def arrivals(
-    scenes: Scenes, place: Integers, phase: float, velocity: float, length: Doubles, advance: Doubles,
+    scenes: Scenes, place: Place, phase: float, velocity: float, length: Doubles, advance: Doubles,
     times: Doubles, flights: Flights, begin: int, end: int,
 ) -> None:  # fmt: skip
     """Write the times until bodies have moved by a length; NaN where nobody knows.
 
     Parameters
     ----------
-    scenes, place : Scenes, Integers
-        The cells, and room for 9 numbers more than the grid has axes.
+    scenes, place : Scenes, Place
+        The cells, and the thread's memory.
     phase, velocity : float
         Phase of the trough's motion along itself [rad], and how fast the bodies slide [m/s], at the start.
     length, advance : Doubles
@@ -118,15 +126,15 @@ def arrivals(
 
 
 def history(
-    scenes: Scenes, place: Integers, phase: float, velocity: float, cycles: float, legs: Legs, rows: int,
+    scenes: Scenes, place: Place, phase: float, velocity: float, cycles: float, legs: Legs, rows: int,
     cycle: Cycle, last: LastStarts, flights: Flights,
 ) -> int:  # fmt: skip
     """Follow the body of the first cell; return the number of its legs, -1 if they do not fit.
 
     Parameters
     ----------
-    scenes, place : Scenes, Integers
-        The cells, and room for 9 numbers more than the grid has axes.
+    scenes, place : Scenes, Place
+        The cells, and the thread's memory.
     phase, velocity : float
         Phase of the trough's motion along itself [rad], and how fast the body slides [A w], at the start.
     cycles : float
@@ -149,14 +157,14 @@ def history(
 
 
 def moments(
-    scenes: Scenes, place: Integers, legs: Legs, row: Integers, since: Doubles, found: Moments, count: int
+    scenes: Scenes, place: Place, legs: Legs, row: Integers, since: Doubles, found: Moments, count: int
 ) -> None:
     """Evaluate the motion of the first cell's body at moments of its legs.
 
     Parameters
     ----------
-    scenes, place : Scenes, Integers
-        The cells, of which the first is the history's, and room for 9 numbers more than the grid has axes.
+    scenes, place : Scenes, Place
+        The cells, of which the first is the history's, and the thread's memory.
     legs : Legs
         The history.
     row, since : Integers, Doubles
@@ -167,7 +175,7 @@ def moments(
         Number of moments.
     """
     loads = _point(scenes, place, 0).loads
-    a, b, mu_d = loads.drive_tangential, loads.drive_normal, loads.kinetic_friction
+    a, mu_d = loads.drive_tangential, loads.kinetic_friction
     for i in range(count):
         leg, s = row[i], since[i]
         mode, start = legs.mode[leg], legs.phase[leg]
@@ -176,7 +184,7 @@ def moments(
         load, normal = tangential_load(loads, phase), max(normal_load(loads, phase), 0.0)
         found.sine[i] = math.sin(phase)
         found.trough_along[i] = a * along_sine(loads, phase)
-        found.trough_normal[i] = b * math.sin(phase)
+        found.trough_normal[i] = normal_height(loads, phase)
         found.inertial[i] = load
         found.normal[i] = 0.0 if flies else normal
         found.path[i] = 0.0
@@ -193,11 +201,8 @@ def moments(
                 found.path[i] = legs.displacement[leg]
                 found.velocity[i] = legs.end_velocity[leg]
             else:
-                sine, cosine = along_sine(loads, start), along_cosine(loads, start)
-                along = free_motion(a, loads.weight_tangential, sine, cosine, legs.velocity[leg], s)
-                off = free_motion(
-                    b, loads.weight_normal, math.sin(start), math.cos(start), legs.rate[leg], s
-                )  # fmt: skip
+                along = free_along(loads, start, legs.velocity[leg], s)
+                off = free_normal(loads, start, legs.rate[leg], s)
                 found.path[i] = along.path + friction * off.path
                 found.velocity[i] = along.velocity + friction * off.velocity
                 found.gap[i] = max(off.path, 0.0) if flies else 0.0

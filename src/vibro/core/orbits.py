@@ -17,14 +17,16 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.cells import behind, number_of_nodes
 from vibro.core.codes import Status
-from vibro.core.elementary import EPS, FEW_ULP, INF
+from vibro.core.elementary import EPS, FEW_ULP, INF, NAN
 from vibro.core.legs import Track, until
 from vibro.core.return_map import Hops, Return, return_map
+from vibro.core.waves import SINE, STATIC_BACK, STATIC_FORWARD, nodes_of
 
 __all__ = [
     "ROUNDING", "HoppingCycle", "Orbit", "between", "cycle_from", "has_stop", "hopping_cycle", "orbit_from",
-    "stopping", "stops_of",
+    "others_on", "stopping", "stops_of",
 ]  # fmt: skip
 
 #: [1] Rounding of one evaluation of the return map, relative to the velocities in it.
@@ -41,7 +43,9 @@ _MOST_EVALUATIONS: Final = 200  # [1] of the return map; the slowest orbits need
 # checked again.
 _NEAR: Final = 1e-6
 
-# [1] mu_d over mu_s from which on a search has found no second fixed point (benchmarks/hopping.py).
+_SEPARATE: Final = 1e-9  # [A w] fixed points farther apart than this are two
+# [1] mu_d over mu_s from which on a search has found no second fixed point of drives of one harmonic
+# (benchmarks/hopping.py).
 _MOST_COEXISTENCE: Final = 0.75
 
 
@@ -209,7 +213,8 @@ def _orbit_held(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     """Follow an orbit where friction holds gravity, so that it stays bounded."""
     end = _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
     loads = cycle.track.loads
-    if end.status == Status.OK and loads.kinetic_friction < _MOST_COEXISTENCE * loads.static_friction:
+    alone = loads.kinetic_friction >= _MOST_COEXISTENCE * loads.static_friction and loads.waves.kind == SINE
+    if end.status == Status.OK and not alone:
         return _first_on_way(cycle, hops, start, end)
     return end
 
@@ -276,8 +281,12 @@ def _first_stopping(cycle: HoppingCycle, hops: Hops, start: float, begin: Return
 
 
 def stops_of(cycle: HoppingCycle) -> int:
-    """Return how many velocities ``stopping`` looks at."""
-    return cycle.last - cycle.first + 3
+    """Return how many velocities ``stopping`` looks at: after impacts, then after rests in each contact."""
+    flights, waves = cycle.last - cycle.first, cycle.track.loads.waves
+    if waves.kind == SINE:
+        return flights + 3
+    onsets = number_of_nodes(waves, STATIC_FORWARD) + number_of_nodes(waves, STATIC_BACK)
+    return flights + 1 + (flights + 1) * onsets
 
 
 def stopping(cycle: HoppingCycle, hops: Hops, start: float, begin: Return, way: float, index: int) -> Orbit:
@@ -309,17 +318,18 @@ def stopping(cycle: HoppingCycle, hops: Hops, start: float, begin: Return, way: 
     if index > 0:
         after = begin
         if row <= cycle.last:
-            after = return_map(track, hops, row, cycle.last, cycle.landing, cycle.rest, 0.0)
+            landed = 0.0
+            if row < cycle.last and hops.rest[row - 1] > 0.0:
+                amid = return_map(track, hops, 0, 0, hops.landing[row - 1], hops.rest[row - 1], 0.0)
+                landed = amid.velocity
+            after = return_map(track, hops, row, cycle.last, cycle.landing, cycle.rest, landed)
             if has_stop(after):
                 return none
         else:
-            forward = row == cycle.last + 1
-            onset = track.forward_onset if forward else track.back_onset
-            if math.isnan(onset) or (forward and track.loads.line):
+            rested = _after_rest(cycle, hops, row - cycle.last - 1)
+            if math.isnan(rested):
                 return none
-            if until(onset, cycle.landing) >= cycle.rest:
-                return none
-            after = return_map(track, hops, 0, 0, onset, until(track.lift_off, onset), 0.0)
+            after = after._replace(velocity=rested)
         velocity = after.velocity
         if way * (velocity - start) < 0.0:
             return none
@@ -332,6 +342,40 @@ def stopping(cycle: HoppingCycle, hops: Hops, start: float, begin: Return, way: 
     if has_stop(now):
         return _settled(velocity, now, Status.OK if apart <= ROUNDING * size else Status.UNRESOLVED)
     return _settled(velocity, now, Status.BOUNDARY if cycle.neutral else Status.UNRESOLVED)
+
+
+def _after_rest(cycle: HoppingCycle, hops: Hops, index: int) -> float:
+    """Return the velocity at the end of the cycle of a body that rests until an onset; NaN if it does not.
+
+    Of one harmonic index 0 is the forward onset, 1 the back one, in the only contact. Of other drives indices
+    count all zeros of the loads beyond static friction, for one contact after the other.
+    """
+    track, waves = cycle.track, cycle.track.loads.waves
+    landing, rest, next_row, amid = cycle.landing, cycle.rest, cycle.last, False
+    onset = track.forward_onset if index == 0 else track.back_onset
+    if waves.kind == SINE:
+        if math.isnan(onset) or (index == 0 and track.loads.line):
+            return NAN
+    else:
+        forward = number_of_nodes(waves, STATIC_FORWARD)
+        onsets = forward + number_of_nodes(waves, STATIC_BACK)
+        contact, zero = index // onsets, index % onsets
+        row = STATIC_FORWARD if zero < forward else STATIC_BACK
+        zero = zero if zero < forward else zero - forward
+        if not behind(waves, row, zero):
+            return NAN
+        onset = waves.number[nodes_of(waves, row) + zero]
+        amid = cycle.first + contact < cycle.last
+        if amid:
+            next_row = cycle.first + contact + 1
+            landing, rest = hops.landing[next_row - 1], hops.rest[next_row - 1]
+    wait = until(onset, landing)
+    if wait >= rest:
+        return NAN
+    slid = return_map(track, hops, 0, 0, onset, rest - wait, 0.0)
+    if amid:
+        slid = return_map(track, hops, next_row, cycle.last, cycle.landing, cycle.rest, slid.velocity)
+    return slid.velocity
 
 
 def _first_on_way(cycle: HoppingCycle, hops: Hops, start: float, home: Orbit) -> Orbit:
@@ -418,3 +462,36 @@ def _led_on(cycle: HoppingCycle, hops: Hops, start: float, far: float, way: floa
         here = now.velocity
         now = cycle_from(cycle, hops, here)
     return Orbit(here, now, Status.UNRESOLVED)
+
+
+def others_on(cycle: HoppingCycle, hops: Hops, start: float, home: Orbit) -> bool:
+    """Return whether other velocities repeat than ``home``, to which a body leads that enters with ``start``.
+
+    The one without a stop is either ``home``, or it is looked for: between the limits of all velocities and
+    the outermost fixed points with a stop.
+    """
+    if cycle.neutral and not has_stop(home.cycle):
+        return True
+    begin = cycle_from(cycle, hops, start)
+    low, high = min(cycle.bound, home.velocity), max(-cycle.bound, home.velocity)
+    for index in range(stops_of(cycle)):
+        found = stopping(cycle, hops, start, begin, 0.0, index)
+        if found.status != Status.UNRESOLVED:
+            if _differ(cycle, found, home):
+                return True
+            low, high = min(low, found.velocity), max(high, found.velocity)
+    if not has_stop(home.cycle):
+        return False
+    from_below = between(cycle, hops, -cycle.bound, low)
+    if from_below.status == Status.OK and _differ(cycle, from_below, home):
+        return True
+    from_above = between(cycle, hops, cycle.bound, high)
+    return from_above.status == Status.OK and _differ(cycle, from_above, home)
+
+
+def _differ(cycle: HoppingCycle, found: Orbit, home: Orbit) -> bool:
+    """Return whether two fixed points are farther apart than rounding moves them."""
+    if found.cycle.slope >= 1.0:
+        return False  # of a continuum
+    blur = ROUNDING * cycle.forces / (1.0 - found.cycle.slope)
+    return abs(found.velocity - home.velocity) > max(_SEPARATE, 8.0 * blur)

@@ -13,15 +13,24 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.buffers import Doubles
+from vibro.core.cells import number_of_nodes
 from vibro.core.codes import MOST_LETTERS, Mode
-from vibro.core.drives import Loads, phase_difference
+from vibro.core.drives import Loads, along_cosine, mix_of, normal_load, phase_difference
 from vibro.core.elementary import PI, TURN, free_motion, wrap
-from vibro.core.legs import Track, contact_leg, mode_of, until
+from vibro.core.flight import BOUNCE
+from vibro.core.legs import Track, contact_leg, mode_of, next_lift_off
+from vibro.core.waves import FORCE, SINE, depart, moved, nodes_of
 
-__all__ = ["Hops", "Release", "Return", "release", "return_map", "with_same_ground_speed", "write_hop"]
+__all__ = [
+    "Hops", "Release", "Return", "no_hops", "release", "return_map", "with_same_ground_speed", "write_hop",
+]  # fmt: skip
 
-_MOST_LEGS: Final = 64  # [1] legs of one contact, which lasts less than a drive cycle
+# [1] Legs of one contact, which lasts less than a drive cycle: four and more for each harmonic, or piece.
+_MOST_LEGS: Final = 20_000
 _FULL: Final = 5 ** (MOST_LETTERS - 1)  # [1] a pattern from here on has no room for another digit
+
+
+_NONE: Doubles = memoryview(b"").cast("d")
 
 
 class Hops(NamedTuple):
@@ -50,6 +59,11 @@ class Hops(NamedTuple):
     low: Doubles
     landing: Doubles
     rest: Doubles
+
+
+def no_hops() -> Hops:
+    """Stand for the flights of a cycle without any."""
+    return Hops(_NONE, _NONE, _NONE, _NONE, _NONE, _NONE, _NONE, _NONE)
 
 
 class Return(NamedTuple):
@@ -96,6 +110,9 @@ def write_hop(loads: Loads, phase: float, length: float, impulse: float, hops: H
     row : int
         Where.
     """
+    if loads.waves.kind != SINE:
+        _write_over_waves(loads, phase, length, impulse, hops, row)
+        return
     a, t = loads.drive_tangential, loads.weight_tangential
     p = phase - phase_difference(loads)
     sine, cosine = math.sin(p), math.cos(p)
@@ -114,12 +131,41 @@ def write_hop(loads: Loads, phase: float, length: float, impulse: float, hops: H
                 if last > first:
                     v = free_motion(a, t, sine, cosine, 0.0, last).velocity
                     high, low = max(high, v), min(low, v)
-    hops.gain[row] = flown.velocity
-    hops.length[row] = length
-    hops.shift[row] = flown.path
-    hops.brake[row] = loads.kinetic_friction * loads.weight_normal * impulse
+    _write(loads, flown.velocity, length, flown.path, impulse, hops, row)
     hops.high[row] = high
     hops.low[row] = low
+
+
+def _write_over_waves(
+    loads: Loads, phase: float, length: float, impulse: float, hops: Hops, row: int
+) -> None:
+    """Do the same for a drive beyond one harmonic; extremes lie where the load along changes its sign."""
+    waves, mix = loads.waves, mix_of(loads, FORCE)
+    phase = wrap(phase)
+    value = depart(waves, mix, phase)
+    flown = moved(waves, mix, phase, value, length)
+    high, low = max(flown.velocity, 0.0), min(flown.velocity, 0.0)
+    for i in range(number_of_nodes(waves, FORCE)):
+        first = wrap(waves.number[nodes_of(waves, FORCE) + i] - phase)
+        last = first + TURN * math.floor((length - first) / TURN)
+        for k in range(2):
+            s = first if k == 0 else last
+            if s <= length and (k == 0 or last > first):
+                v = moved(waves, mix, phase, value, s).velocity
+                high, low = max(high, v), min(low, v)
+    _write(loads, flown.velocity, length, flown.path, impulse, hops, row)
+    hops.high[row] = high
+    hops.low[row] = low
+
+
+def _write(
+    loads: Loads, gain: float, length: float, shift: float, impulse: float, hops: Hops, row: int
+) -> None:
+    """Put what a flight does into a row, without a contact after the landing."""
+    hops.gain[row] = gain
+    hops.length[row] = length
+    hops.shift[row] = shift
+    hops.brake[row] = loads.kinetic_friction * loads.weight_normal * impulse
     hops.landing[row] = 0.0
     hops.rest[row] = 0.0
 
@@ -160,7 +206,7 @@ def return_map(
             out.friction - math.copysign(hops.brake[row], v),
             out.displacement + path,
             max(out.peak, top),
-            _append(out.pattern, Mode.FLIGHT),
+            _with_flight(track, out.pattern, hops.length[row]),
             out.settled,
         )
         if hops.rest[row] > 0.0:
@@ -189,6 +235,12 @@ def _contact(track: Track, out: Return, landing: float, rest: float, friction: f
             return out
         phase, left, mode = phase + leg.length, left - leg.length, leg.next_mode
     return out._replace(settled=False)
+
+
+def _with_flight(track: Track, pattern: int, length: float) -> int:
+    """Append a flight; off a trough that does not move along a sine a chain of short ones is one flight."""
+    chained = track.loads.waves.kind != SINE and length < BOUNCE and pattern % 5 == Mode.FLIGHT
+    return pattern if chained else _append(pattern, Mode.FLIGHT)
 
 
 def _append(pattern: int, digit: int) -> int:
@@ -229,16 +281,16 @@ def release(track: Track) -> Release:
             velocity = at.amplitude * (math.cos(start) - math.cos(end)) - at.drag * (end - start)
         return Release(False, end, velocity)
     phase = phase_difference(loads)
-    wait = until(track.lift_off, phase)
-    if wait == 0.0:
-        return Release(False, track.lift_off, 0.0)
-    if loads.drive_normal * math.sin(phase) > loads.weight_normal:
+    begins = next_lift_off(track, phase)
+    if begins.wait == 0.0:
+        return Release(False, begins.phase, 0.0)
+    if normal_load(loads, phase) < 0.0:
         return Release(True, wrap(phase), 0.0)
-    slid = _contact(track, Return(0.0, 1.0, 0.0, 0.0, 0.0, 0, True), phase, wait, loads.static_friction)
-    return Release(False, track.lift_off, slid.velocity)
+    at_rest = Return(0.0, 1.0, 0.0, 0.0, 0.0, 0, True)
+    slid = _contact(track, at_rest, phase, begins.wait, loads.static_friction)
+    return Release(False, begins.phase, slid.velocity)
 
 
 def with_same_ground_speed(loads: Loads, velocity: float, phase: float, other: float) -> float:
     """Return the velocity relative to the trough of the same velocity over the ground, at another phase."""
-    phi = phase_difference(loads)
-    return velocity + loads.drive_tangential * (math.cos(phase - phi) - math.cos(other - phi))
+    return velocity + loads.drive_tangential * (along_cosine(loads, phase) - along_cosine(loads, other))

@@ -12,8 +12,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.drives import Loads, along_cosine
 from vibro.core.elementary import wrap
-from vibro.core.flight import BOUNCE, after_landing, flight
-from vibro.core.legs import until
+from vibro.core.flight import BOUNCE, after_landing, bed_of, flight, next_take_off
 from vibro.core.return_map import Hops, write_hop
 
 __all__ = ["BODIES", "ROWS", "Sample", "fly"]
@@ -89,20 +88,20 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
     row : int
         Where the first one goes; up to ``ROWS`` rows are filled.
     """
-    throw = loads.drive_normal / loads.weight_normal
-    lift_off = math.asin(1.0 / throw)
-    phase, speed = lift_off, _kick(0, body)
+    bed = bed_of(loads)
+    phase, speed = bed.lift_off, _kick(0, body)
     # parts 0 and 1 are the transient, 2 and 3 the halves of the sample
     part, events, has_landed = 0, 0, False
     quota = length // 2 + body  # so that what repeats all the same is met at different moments
     first, middle, trough, trough_between = row, row, 0.0, 0.0
     first_time, second_time, aloft, impact, lands = 0.0, 0.0, 0.0, 0.0, False
     for last in range(row + 1, row + ROWS + 1):
-        flown = flight(throw, lift_off, phase, speed)
+        flown = flight(bed, phase, speed)
         touch = phase + flown.length
-        after = after_landing(throw, touch, flown.impact, restitution, _ACCUMULATED)
+        after = after_landing(bed, touch, flown.impact, restitution, _ACCUMULATED)
         hop, landing = flown.length + after.length, wrap(touch + after.length)
-        rest = until(lift_off, landing) if after.contact else 0.0
+        again = next_take_off(bed, landing)
+        rest = again.wait if after.contact else 0.0
         write_hop(loads, phase, hop, after.impulse, hops, last - 1)
         hops.landing[last - 1] = landing
         hops.rest[last - 1] = rest
@@ -123,7 +122,7 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
         ready = after.contact or not (has_landed or (part == 0 and body >= BODIES // 2))
         phase, speed = landing, after.take_off
         if after.contact:
-            phase, speed = lift_off, _kick(last - row, body)
+            phase, speed = again.phase, _kick(last - row, body)
         if events < quota or not (ready or events >= _PATIENCE * quota):
             continue
         events, part = 0, part + 1

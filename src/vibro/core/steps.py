@@ -12,11 +12,23 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, along_cosine, along_sine, phase_difference
-from vibro.core.elementary import INF, NAN, QUARTER, TURN, free_motion, wrap, wrap_around
-from vibro.core.flight import ACCUMULATED, Flight, after_landing, flight, lift_off_flight
-from vibro.core.legs import Leg, Track, contact_leg, mode_of, track_of
+from vibro.core.drives import Loads, free_along, phase_difference
+from vibro.core.elementary import INF, NAN, QUARTER, TURN, wrap, wrap_around
+from vibro.core.flight import (
+    ACCUMULATED,
+    Bed,
+    Flight,
+    after_landing,
+    bed_load,
+    bed_of,
+    flight,
+    lift_off_flight,
+    next_take_off,
+    no_bed,
+)
+from vibro.core.legs import Leg, Track, contact_leg, mode_of, next_lift_off, next_onset, track_of
 from vibro.core.slide import Onset, slide, start_inside
+from vibro.core.waves import SINE
 from vibro.core.windows import Start, own_phase, resting_start, thresholds
 
 __all__ = ["Course", "State", "Step", "course_of", "nearest_turn", "starting", "step"]
@@ -35,15 +47,17 @@ class Course(NamedTuple):
         Slides from rest; NaN where a body at rest never slips that way.
     rests : bool
         Whether friction can hold a body on the trough at all.
-    throw, restitution : float
-        K and e.
+    bed : Bed
+        The trough's normal motion; its lift-off phase is inf where the body never hops.
+    restitution : float
+        e.
     """
 
     track: Track
     forward: Start
     back: Start
     rests: bool
-    throw: float
+    bed: Bed
     restitution: float
 
 
@@ -104,6 +118,10 @@ def course_of(loads: Loads, restitution: float) -> Course:
     at = thresholds(loads)
     track = track_of(loads, restitution)
     rests = abs(loads.weight_tangential) < loads.static_friction * loads.weight_normal
+    if loads.waves.kind != SINE:
+        bed = bed_of(loads) if at.hops else no_bed(loads)
+        track = track._replace(lift_off=bed.lift_off)
+        return Course(track, _no_start(), _no_start(), rests, bed, restitution)
     # a line that presses the body down more than it pushes has a window both ways, but one is not in contact
     slips_forward = rests and at.forward and not math.isnan(track.forward_onset)
     slips_back = rests and at.back and not math.isnan(track.back_onset)
@@ -116,7 +134,7 @@ def course_of(loads: Loads, restitution: float) -> Course:
         )
     if not at.hops:
         track = track._replace(lift_off=INF)
-    return Course(track, forward, back, rests, loads.drive_normal / loads.weight_normal, restitution)
+    return Course(track, forward, back, rests, bed_of(loads) if at.hops else no_bed(loads), restitution)
 
 
 def _no_start() -> Start:
@@ -150,7 +168,7 @@ def starting(course: Course, phase: float, velocity: float) -> State:
     loads = course.track.loads
     phase = wrap(phase + phase_difference(loads))
     mode = mode_of(loads, phase, velocity, loads.static_friction)
-    if math.isfinite(course.track.lift_off) and course.throw * math.sin(phase) > 1.0:
+    if math.isfinite(course.track.lift_off) and bed_load(course.bed, phase) < 0.0:
         mode = Mode.FLIGHT
     return State(0, phase, mode, 0.0, velocity, 0.0)
 
@@ -172,7 +190,9 @@ def _in_contact(course: Course, now: State) -> Step:
     """Rest or slide until the next onset, the end of the slide or the lift-off."""
     track = course.track
     hops = math.isfinite(track.lift_off)
-    limit = wrap(track.lift_off - now.phase) if hops else INF
+    leaving = next_lift_off(track, now.phase)
+    # a slide may begin at the lift-off itself: then it lasts until the next one
+    limit = wrap(leaving.phase - now.phase) if hops else INF
     leg = _sharpened(course, now, contact_leg(track, now.mode, now.phase, now.velocity, limit))
     position = now.position + leg.displacement
     if not math.isfinite(leg.length):
@@ -186,9 +206,9 @@ def _in_contact(course: Course, now: State) -> Step:
     # a rest ends at the onset itself, a contact at the lift-off itself
     exact = phase
     if leaves:
-        exact = track.lift_off
+        exact = leaving.phase
     elif now.mode == Mode.REST:
-        exact = track.forward_onset if mode == Mode.FORWARD else track.back_onset
+        exact = next_onset(track, 1.0 if mode == Mode.FORWARD else -1.0, now.phase).phase
     cycle += nearest_turn(phase - exact)
     after = State(cycle, exact, mode, position, leg.velocity, 0.0)
     return Step(leg.length, leg.displacement, leg.velocity, 0.0, leg.gain, after)
@@ -218,12 +238,9 @@ def _in_flight(course: Course, now: State) -> Step:
     loads = course.track.loads
     hop = _flight(course, now)
     touch = now.phase + hop.length
-    landed = after_landing(course.throw, touch, hop.impact, course.restitution, ACCUMULATED)
+    landed = after_landing(course.bed, touch, hop.impact, course.restitution, ACCUMULATED)
     length = hop.length + landed.length
-    sine, cosine = along_sine(loads, now.phase), along_cosine(loads, now.phase)
-    path, velocity = free_motion(
-        loads.drive_tangential, loads.weight_tangential, sine, cosine, now.velocity, length
-    )  # fmt: skip
+    path, velocity = free_along(loads, now.phase, now.velocity, length)
     # the impact takes as much speed as friction has impulse for, Eq. (31)
     left = max(abs(velocity) - loads.kinetic_friction * loads.weight_normal * landed.impulse, 0.0)
     slowed = -left if velocity < 0.0 else left
@@ -238,7 +255,6 @@ def _in_flight(course: Course, now: State) -> Step:
 
 def _flight(course: Course, now: State) -> Flight:
     """Fly; a take-off from contact at the lift-off phase has the sharper solution."""
-    lift_off = course.track.lift_off
-    if now.rate == 0.0 and now.phase == lift_off:
-        return lift_off_flight(course.throw, lift_off)
-    return flight(course.throw, lift_off, now.phase, now.rate)
+    if now.rate == 0.0 and now.phase == next_take_off(course.bed, now.phase).phase:
+        return lift_off_flight(course.bed, now.phase)
+    return flight(course.bed, now.phase, now.rate)

@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.cells import largest
 from vibro.core.drives import Loads
 from vibro.core.elementary import FEW_ULP, NOISE, PI, hypotenuse, rounded_sign
 from vibro.core.slide import Onset
+from vibro.core.waves import SINE, SPARE, Mix
 
 __all__ = [
     "Start", "Thresholds", "cosine_lead", "load_amplitude", "outlasts", "own_phase", "phase_offset",
@@ -57,6 +59,8 @@ class Thresholds(NamedTuple):
 
 def thresholds(loads: Loads) -> Thresholds:
     """Compare each load with its threshold; equality is rest, and contact."""
+    if loads.waves.kind != SINE:
+        return _over_waves(loads)
     a, n, t = loads.drive_tangential, loads.weight_normal, loads.weight_tangential
     capacity, lift = loads.static_friction * n, loads.static_friction * loads.drive_normal
     # C - a, without cancellation where b is small
@@ -69,6 +73,23 @@ def thresholds(loads: Loads) -> Thresholds:
     slack = a - capacity
     forward_margin, back_margin = slack + (ahead - t), slack + (behind + t)
     forward_load, back_load = a + ahead, a + behind
+    return _compared(loads, forward_margin, back_margin, forward_load, back_load)
+
+
+def _over_waves(loads: Loads) -> Thresholds:
+    """Take the largest loads of a drive beyond one harmonic."""
+    n, t, friction = loads.weight_normal, loads.weight_tangential, loads.static_friction
+    ahead = largest(loads.waves, SPARE, Mix(0.0, 1.0, friction))
+    behind = largest(loads.waves, SPARE, Mix(0.0, -1.0, friction))
+    return _compared(loads, ahead - (friction * n + t), behind - (friction * n - t), ahead, behind)
+
+
+def _compared(
+    loads: Loads, forward_margin: float, back_margin: float, forward_load: float, back_load: float
+) -> Thresholds:
+    """Tell where a scene stands, and whether rounding decides it."""
+    n, t = loads.weight_normal, loads.weight_tangential
+    capacity = loads.static_friction * n
     noise = FEW_ULP * (forward_load + capacity + abs(t))
     throw, throw_noise = loads.drive_normal - n, FEW_ULP * n
     over, held_noise = abs(t) - capacity, FEW_ULP * capacity

@@ -1,0 +1,181 @@
+"""Where a periodic load changes its sign: all zeros of a wave, proved cell by cell.
+
+On a cell of length d a function with a fourth derivative of at most M differs from the cubic through its
+values and slopes at both ends by M d^4/384 at most, its slope from the cubic's by sqrt(3) M d^3/216. A cubic
+lies within the hull of its Bernstein coefficients. So coefficients of one sign, beyond the first bound, say
+that there is no zero, and those of the slope, beyond the second one, that there is one at most. A cell for
+which neither holds is halved. Polynomial pieces are cubics themselves: M = 0.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from vibro.core.elementary import EPS, INF, TURN, wrap
+from vibro.core.waves import (
+    HARMONICS,
+    Mix,
+    Value,
+    Waves,
+    at_cell_begin,
+    cell_begin,
+    cells_of,
+    combine,
+    nodes_of,
+    part_of,
+    value_in_cell,
+)
+
+__all__ = ["Event", "behind", "find_nodes", "largest", "next_event", "number_of_nodes"]
+
+_VALUE_BOUND: Final = 1.0 / 384.0
+_SLOPE_BOUND: Final = 0.00801875373874480  # sqrt(3) / 216
+# [1] Share of a cell at which a doubtful zero, double to rounding, is left to the signs.
+_NARROW: Final = 1e-9
+_STEPS: Final = 60  # of Newton's iteration with halvings, in a bracket
+_AT_EVENT: Final = 1e-9  # [rad] as in legs.py: this close behind an event a rounded phase counts as at it
+
+# What is known of a cell: no zero, or at most one as the function is monotone, or neither.
+_NONE: Final = 0
+_MONOTONE: Final = 1
+_OPEN: Final = 2
+
+
+class Event(NamedTuple):
+    """A zero that lies ahead: its phase in [0, 2 pi), and the phase until then; inf where there is none."""
+
+    phase: float
+    wait: float
+
+
+def find_nodes(waves: Waves, row: int, mix: Mix, derivative: bool) -> None:
+    """Find where a mix, or its derivative, changes its sign, and keep these phases in a row, in order.
+
+    A jump counts as a zero, a touch does not.
+    """
+    bounds = combine(waves, mix, derivative)
+    constant = 0.0 if derivative else mix.constant
+    noise = 4.0 * EPS * bounds.size
+    cells, start, count = cells_of(waves), nodes_of(waves, row), 0
+    last = cells - 1
+    positive = value_in_cell(waves, last, constant, TURN).value > 0.0
+    if waves.kind == HARMONICS:
+        positive = at_cell_begin(waves, 0, constant).value > 0.0
+    for cell in range(cells):
+        low, end = cell_begin(waves, cell), cell_begin(waves, cell + 1)
+        here = at_cell_begin(waves, cell, constant)
+        if (here.value > 0.0) != positive:
+            count = _keep(waves, start, count, low)
+            positive = not positive
+        whole = end - low
+        width = whole
+        if waves.kind == HARMONICS:
+            there = at_cell_begin(waves, (cell + 1) % cells, constant)
+        else:
+            there = value_in_cell(waves, cell, constant, end)
+        while True:
+            known = _verdict(here, there, width, bounds.fourth, noise)
+            if known == _OPEN and width > _NARROW * whole:
+                width *= 0.5
+                there = value_in_cell(waves, cell, constant, low + width)
+                continue
+            if known != _NONE and (there.value > 0.0) != positive:
+                zero = _zero(waves, cell, constant, low, low + width, here, there)
+                count = _keep(waves, start, count, zero)
+                positive = not positive
+            low, here = low + width, there
+            if low >= end:
+                break
+            width = min(2.0 * width, end - low)
+            there = value_in_cell(waves, cell, constant, low + width)
+    waves.mark[2 * row], waves.mark[2 * row + 1] = count, 1 if positive else 0
+
+
+def _keep(waves: Waves, start: int, count: int, phase: float) -> int:
+    """Write down a zero, as long as there is room: a wave has no more of them than coefficients."""
+    if count == part_of(waves):
+        return count
+    waves.number[start + count] = min(max(phase, 0.0), TURN * (1.0 - EPS))
+    return count + 1
+
+
+def _verdict(here: Value, there: Value, d: float, bound: float, noise: float) -> int:
+    """Tell what is known of a cell from values and slopes at its ends."""
+    third = d / 3.0
+    inner, outer = here.value + third * here.slope, there.value - third * there.slope
+    low = min(min(here.value, there.value), min(inner, outer))
+    high = max(max(here.value, there.value), max(inner, outer))
+    error = bound * d * d * d * d * _VALUE_BOUND
+    if low > error or high < -error:
+        return _NONE
+    middle = (outer - inner) / third
+    flat = bound * d * d * d * _SLOPE_BOUND
+    if min(min(here.slope, there.slope), middle) > flat or max(max(here.slope, there.slope), middle) < -flat:
+        return _MONOTONE
+    return _MONOTONE if max(high, -low) <= noise else _OPEN
+
+
+def _zero(
+    waves: Waves, cell: int, constant: float, low: float, high: float, here: Value, there: Value
+) -> float:
+    """Find the zero in a bracket of both signs: Newton's iteration, or halving where that leaves it."""
+    rises = there.value > here.value
+    gap = here.value - there.value
+    x = low + (high - low) * (here.value / gap) if gap != 0.0 else low
+    for _ in range(_STEPS):
+        at = value_in_cell(waves, cell, constant, x)
+        if (at.value > 0.0) == rises:
+            high = x
+        else:
+            low = x
+        onward = x - at.value / at.slope if at.slope != 0.0 else INF
+        if not low <= onward <= high:
+            onward = 0.5 * (low + high)
+        step, x = abs(onward - x), onward
+        if step <= EPS * x:
+            break
+    return x
+
+
+def largest(waves: Waves, row: int, mix: Mix) -> float:
+    """Return the largest value of a mix; the row is left with the zeros of its derivative."""
+    find_nodes(waves, row, mix, True)
+    combine(waves, mix, False)
+    start, most, cells = nodes_of(waves, row), -INF, cells_of(waves)
+    if waves.kind == HARMONICS:
+        most = at_cell_begin(waves, 0, mix.constant).value
+        for i in range(waves.mark[2 * row]):
+            most = max(most, value_in_cell(waves, 0, mix.constant, waves.number[start + i]).value)
+        return most
+    for cell in range(cells):
+        low, high = cell_begin(waves, cell), cell_begin(waves, cell + 1)
+        most = max(most, at_cell_begin(waves, cell, 0.0).value)
+        most = max(most, value_in_cell(waves, cell, 0.0, high).value)
+        for i in range(waves.mark[2 * row]):
+            zero = waves.number[start + i]
+            if low < zero < high:
+                most = max(most, value_in_cell(waves, cell, 0.0, zero).value)
+    return most
+
+
+def number_of_nodes(waves: Waves, row: int) -> int:
+    """Return how many zeros of a row there are in a period."""
+    return waves.mark[2 * row]
+
+
+def behind(waves: Waves, row: int, index: int) -> bool:
+    """Return whether the load is positive behind the zero of an index, in front of the next one."""
+    positive = waves.mark[2 * row + 1] == 1
+    return positive == ((number_of_nodes(waves, row) - 1 - index) % 2 == 0)
+
+
+def next_event(waves: Waves, row: int, rising: bool, phase: float) -> Event:
+    """Return the next zero of a row at which the load rises, or falls; one that the phase is at counts."""
+    start, found = nodes_of(waves, row), Event(INF, INF)
+    for i in range(number_of_nodes(waves, row)):
+        if behind(waves, row, i) == rising:
+            zero = waves.number[start + i]
+            wait = max(wrap(zero - phase + _AT_EVENT) - _AT_EVENT, 0.0)
+            if wait < found.wait:
+                found = Event(zero, wait)
+    return found

@@ -1,0 +1,104 @@
+"""The steady contact cycle of drives beyond one harmonic: the return map of a motion without flights.
+
+A body is followed through one drive cycle from phase 0 on, Eq. (36) of docs/theory.md: the velocity at the
+next phase 0 never decreases with that at this one, and the fixed point to which a body at rest leads is the
+steady motion. Lengths in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
+from vibro.core.contact import Steady, unanswered, without_cycle
+from vibro.core.drives import Loads
+from vibro.core.elementary import TURN
+from vibro.core.legs import track_of
+from vibro.core.orbits import HoppingCycle, cycle_from, has_stop, hopping_cycle, orbit_from, others_on
+from vibro.core.return_map import Hops, no_hops
+from vibro.core.windows import Thresholds
+
+__all__ = ["canonical", "wave_cycle"]
+
+
+def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
+    """Solve the steady contact cycle from rest at phase 0; one that hops is left to the flight model."""
+    none = without_cycle(loads, at)
+    if none.status != Status.OK:
+        return none
+    status = int(Status.BOUNDARY) if at.edge else int(Status.OK)
+    loose = abs(loads.weight_tangential) > loads.kinetic_friction * loads.weight_normal
+    if not (at.forward or at.back):
+        return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(loose))
+    hops = no_hops()
+    cycle = hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, TURN, TURN)
+    home = orbit_from(cycle, hops, 0.0)
+    regime = _regime_of(home.cycle.pattern, loads)
+    if home.status != Status.OK and home.status != Status.BOUNDARY:
+        return unanswered(regime if home.status == Status.RUNAWAY else Regime.UNDEFINED, home.status)
+    if home.status == Status.BOUNDARY:
+        status = int(Status.BOUNDARY)
+    if classes_alone:
+        return unanswered(regime, status)
+    coexists = loose or (_has_others(cycle, hops, home.velocity) and others_on(cycle, hops, 0.0, home))
+    return Steady(
+        regime, status, _code_of(home.cycle.pattern), Model.SLIDES, home.cycle.displacement, home.cycle.peak,
+        int(coexists),
+    )  # fmt: skip
+
+
+def _has_others(cycle: HoppingCycle, hops: Hops, velocity: float) -> bool:
+    """Return whether bodies as fast as can be, either way, do not both come to one velocity in a cycle."""
+    ahead, behind = cycle_from(cycle, hops, cycle.bound), cycle_from(cycle, hops, -cycle.bound)
+    return not (has_stop(ahead) and has_stop(behind) and ahead.velocity == behind.velocity)
+
+
+def _regime_of(pattern: int, loads: Loads) -> int:
+    """Return the class of a cycle: any slide back counts; of one that runs away it is its way."""
+    left, slides = abs(pattern), False
+    while left > 0:
+        if left % 5 == Mode.BACK:
+            return Regime.BACK_SLIP
+        slides = slides or left % 5 == Mode.FORWARD
+        left = left // 5
+    return Regime.FORWARD_SLIP if slides else Regime.NO_SLIP
+
+
+def canonical(pattern: int) -> int:
+    """Turn the legs of a cycle, digits to base 5, so that their number is least; one that was cut stays.
+
+    A leg that the cycle begins amid is one with that at its end.
+    """
+    if pattern <= 5:
+        return pattern
+    power, left = 1, pattern
+    while left >= 5:
+        power, left = 5 * power, left // 5
+    if left == pattern % 5 and left != Mode.FLIGHT:
+        pattern, power = pattern // 5, power // 5
+    least, turned = pattern, pattern
+    length = power
+    while length > 1:
+        digit = turned // power
+        turned = (turned - digit * power) * 5 + digit
+        least = min(least, turned)
+        length = length // 5
+    return least
+
+
+def _code_of(pattern: int) -> int:
+    """Return the code of a contact pattern."""
+    code = canonical(pattern)
+    if code == Mode.FORWARD * 5 + Mode.REST:
+        return Pattern.F_
+    if code == Mode.BACK * 5 + Mode.REST:
+        return Pattern.B_
+    if code == ((Mode.FORWARD * 5 + Mode.REST) * 5 + Mode.BACK) * 5 + Mode.REST:
+        return Pattern.F_B_
+    if code == (Mode.FORWARD * 5 + Mode.BACK) * 5 + Mode.REST:
+        return Pattern.FB_
+    if code == (Mode.FORWARD * 5 + Mode.REST) * 5 + Mode.BACK:
+        return Pattern.F_B
+    if code == Mode.FORWARD * 5 + Mode.BACK:
+        return Pattern.FB
+    if code == Mode.REST:
+        return Pattern.R
+    return code + SPELT_PATTERNS if code > 0 else code

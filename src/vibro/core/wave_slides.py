@@ -1,0 +1,185 @@
+"""Slides under any periodic load: from zero to zero of what accelerates them, until the speed is lost.
+
+Between two zeros of the load beyond kinetic friction the speed is monotone. It is least where that load
+begins to rise above 0: the body stops before the first such phase at which no speed would be left. Lengths
+in A, speeds in A w, phases in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.cells import behind, number_of_nodes
+from vibro.core.drives import Loads, mix_of
+from vibro.core.elementary import EPS, INF, NAN, TURN, wrap
+from vibro.core.waves import KINETIC_BACK, KINETIC_FORWARD, Mix, Moved, Waves, depart, moved, nodes_of
+
+__all__ = ["Fall", "WaveSlide", "ahead", "crossing", "first_ahead", "slide_over_waves"]
+
+_STEPS: Final = 100  # of Newton's iteration with halvings, in a bracket
+# [1] Last Newton step, over the phase, that leaves rounding errors only: each step squares the error.
+_SETTLED: Final = 1e-12
+# [turn] A slide that outlasts so many turns never ends: a phase has no digit left to say where.
+_MOST_TURNS: Final = 1e15
+
+
+class Fall(NamedTuple):
+    """What falls to 0 under a load: a speed, or a height that begins with a rate.
+
+    Attributes
+    ----------
+    waves, mix : Waves, Mix
+        The load, kept by ``depart``.
+    phase, load : float
+        Start of the leg, and the load there [rad].
+    height : bool
+        Whether it is a height.
+    value, rate : float
+        At the start; the rate of a height alone.
+    """
+
+    waves: Waves
+    mix: Mix
+    phase: float
+    load: float
+    height: bool
+    value: float
+    rate: float
+
+
+def fallen(fall: Fall, s: float) -> Moved:
+    """Integrate the load over a phase since the start."""
+    return moved(fall.waves, fall.mix, fall.phase, fall.load, s)
+
+
+def level(fall: Fall, s: float) -> tuple[float, float]:
+    """Return what is left after a phase, and its rate."""
+    now = fallen(fall, s)
+    if fall.height:
+        return fall.value + (fall.rate * s + now.path), fall.rate + now.velocity
+    return fall.value + now.velocity, now.load
+
+
+def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float) -> float:
+    """Find where nothing is left, between phases at which values have opposite signs, or are 0.
+
+    Newton's iteration in the bracket that its steps leave, from the zero of the cubic that is level at both
+    ends; halving where it converges slowly, next to a double zero.
+    """
+    lost = min(max(at_low / (at_low - at_high), 0.0), 1.0) if at_low != at_high else 0.0
+    x = low + (high - low) * (0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0))
+    falls, before = at_low > at_high, high - low
+    for _ in range(_STEPS):
+        value, rate = level(fall, x)
+        if (value > 0.0) == falls:
+            low = x
+        else:
+            high = x
+        step = -value / rate if rate != 0.0 else INF
+        if not (low <= x + step <= high and abs(step) < 0.5 * before) and value != 0.0:
+            step = 0.5 * (low + high) - x
+        before = abs(step)
+        x += step
+        if before <= _SETTLED * x or high - low <= EPS * high:
+            break
+    return x
+
+
+class WaveSlide(NamedTuple):
+    """A slide: as ``SlideEnd`` and, relative to its way, its path; inf and NaN where it never ends."""
+
+    length: float
+    stopped: bool
+    speed: float
+    top: float
+    path: float
+
+
+def first_ahead(waves: Waves, row: int, phase: float) -> int:
+    """Return the index of the first zero of a row that lies ahead of a phase in [0, 2 pi), from 0 on."""
+    start, count = nodes_of(waves, row), number_of_nodes(waves, row)
+    for i in range(count):
+        if waves.number[start + i] > phase:
+            return i
+    return count
+
+
+def ahead(waves: Waves, row: int, phase: float, index: int) -> float:
+    """Return how far ahead of a phase in [0, 2 pi) a zero lies; indices beyond the last count on, a turn on.
+
+    The row must not be empty.
+    """
+    count = number_of_nodes(waves, row)
+    turns = index // count
+    return waves.number[nodes_of(waves, row) + index - turns * count] - phase + TURN * turns
+
+
+def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit: float) -> WaveSlide:
+    """Follow a slide until it stops or the contact ends.
+
+    Parameters
+    ----------
+    loads : Loads
+        Groups of the scene, whose rows of zeros are known.
+    way : float
+        +1.0 forward, -1.0 back.
+    phase, speed : float
+        Of its start, speed >= 0; where that is 0 the load must exceed friction [rad, A w].
+    limit : float
+        Phase from the start to the end of the contact; inf where there is none [rad].
+    """
+    waves = loads.waves
+    row = KINETIC_FORWARD if way > 0.0 else KINETIC_BACK
+    mix, phase = mix_of(loads, row), wrap(phase)
+    fall = Fall(waves, mix, phase, depart(waves, mix, phase), False, speed, 0.0)
+    count = number_of_nodes(waves, row)
+    if count == 0:
+        return _monotone(fall, limit)
+    index = first_ahead(waves, row, phase)
+    rises = behind(waves, row, index % count)
+    if speed == 0.0 and rises:
+        # rounding has put the onset in front of the phase from which the load exceeds friction
+        index, rises = index + 1, False
+    drop = -TURN * mix.constant
+    low, at_low, top, least, minima = 0.0, speed, speed, INF, 0
+    while True:
+        far = ahead(waves, row, phase, index)
+        end = min(far, limit)
+        at_end = speed + fallen(fall, end).velocity
+        if at_end <= 0.0 and rises:
+            end = crossing(fall, low, end, at_low, at_end)
+            return WaveSlide(end, True, 0.0, top, speed * end + fallen(fall, end).path)
+        top = max(top, at_end)
+        if far >= limit:
+            return WaveSlide(limit, False, max(at_end, 0.0), top, speed * limit + fallen(fall, limit).path)
+        if rises:
+            least = min(least, at_end)
+            minima += 2
+        low, at_low = far, at_end
+        index, rises = index + 1, not rises
+        if minima >= count and limit == INF:
+            # all minima of a turn were passed: each turn takes as much from them
+            if not drop > 0.0 or least / drop > _MOST_TURNS:
+                return WaveSlide(INF, False, NAN, NAN, NAN)
+            turns = math.floor(least / drop)
+            if turns >= 1.0:
+                index += count * int(turns)
+                low = ahead(waves, row, phase, index - 1)
+                at_low = speed + fallen(fall, low).velocity
+            least, minima = INF, 0
+
+
+def _monotone(fall: Fall, limit: float) -> WaveSlide:
+    """Follow a slide under a load that never changes its sign."""
+    drop = -TURN * fall.mix.constant
+    if limit == INF:
+        if not drop > 0.0 or fall.value / drop > _MOST_TURNS:
+            return WaveSlide(INF, False, NAN, NAN, NAN)
+        limit = TURN * (math.floor(fall.value / drop) + 1.0)
+    at_end = fall.value + fallen(fall, limit).velocity
+    if at_end > 0.0:
+        path = fall.value * limit + fallen(fall, limit).path
+        return WaveSlide(limit, False, at_end, max(fall.value, at_end), path)
+    end = crossing(fall, 0.0, limit, fall.value, at_end) if fall.value > 0.0 else 0.0
+    return WaveSlide(end, True, 0.0, fall.value, fall.value * end + fallen(fall, end).path)

@@ -1,0 +1,505 @@
+"""Periodic loads beyond one harmonic: harmonics, or pieces of polynomials; their values and integrals.
+
+S and B are the inertial loads along the trough and off it, x'' = -S and y'' = -B, without a mean. Every load
+that decides a motion is a mix c + x S + y B of both: the load along the trough, that on it, and what exceeds
+friction. Equation numbers are those of docs/theory.md. Lengths in A, loads in m A w^2, phases in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from vibro.core.buffers import Doubles, Integers
+from vibro.core.elementary import INF, QUARTER, TURN, wrap
+
+__all__ = [
+    "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
+    "SINE", "SPARE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Mix", "Moved", "Value", "Waves",
+    "at_cell_begin", "cell_begin", "cells_of", "combine", "depart", "load_at", "moved", "nodes_of",
+    "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "trough_at",
+    "value_in_cell", "with_bounds",
+]  # fmt: skip
+
+#: [kind] One harmonic, for which there are closed forms; several; pieces of cubic polynomials.
+SINE: Final = 0
+HARMONICS: Final = 2
+PIECES: Final = 3
+
+#: [row] Zeros are kept of the load along the trough, of that on it, and of what exceeds friction.
+FORCE: Final = 0
+NORMAL: Final = 1
+STATIC_FORWARD: Final = 2
+STATIC_BACK: Final = 3
+KINETIC_FORWARD: Final = 4
+KINETIC_BACK: Final = 5
+SPARE: Final = 6
+ROWS: Final = 7
+
+#: [1] Cells of a period, per harmonic, in which zeros are isolated.
+CELLS: Final = 8
+#: [1] Parts of the memory, each of which has room for the coefficients of one wave, before the tables.
+ROOM: Final = 4 + 7
+
+_WAVE: Final = 2  # [part] the mix whose zeros are sought
+_LOCAL: Final = 3  # [part] a mix, as seen from the start of a leg
+_NODES: Final = 4  # [part] zeros, a part for each row
+
+# [1] Largest velocity and position of a trough whose acceleration has no mean and is nowhere above 1.
+_MOST_VELOCITY: Final = QUARTER
+_MOST_POSITION: Final = 0.5 * QUARTER * QUARTER
+
+
+_NO_NUMBERS: Doubles = memoryview(b"").cast("d")
+_NO_MARKS: Integers = memoryview(b"").cast("q")
+
+
+class Waves(NamedTuple):
+    """S and B of one scene, in the memory of one thread.
+
+    Attributes
+    ----------
+    kind : int
+        ``SINE``, ``HARMONICS`` or ``PIECES``; all else is empty with the first.
+    size : int
+        Number of harmonics H, or of pieces J.
+    number : Doubles
+        Parts of 2 H, or 4 J, numbers: the coefficients of S, those of B, and scratch memory; then a table.
+    mark : Integers
+        For each row the number of zeros, and then the sign behind the last of them.
+    velocity, height : float
+        Bounds of the trough's velocity along itself, and of its height.
+    steep : float
+        Bound of the rate of B; inf where B jumps.
+    """
+
+    kind: int
+    size: int
+    number: Doubles
+    mark: Integers
+    velocity: float
+    height: float
+    steep: float
+
+
+class Mix(NamedTuple):
+    """The load ``constant + along S + normal B``."""
+
+    constant: float
+    along: float
+    normal: float
+
+
+class Value(NamedTuple):
+    """A wave at a phase, and its slope there."""
+
+    value: float
+    slope: float
+
+
+class Bounds(NamedTuple):
+    """Bound of a wave within each cell, its mean included, and of its fourth derivative there."""
+
+    size: float
+    fourth: float
+
+
+class Moved(NamedTuple):
+    """What a mix of loads has done to a body since the start of a leg.
+
+    Attributes
+    ----------
+    load : float
+        Now.
+    velocity, path : float
+        Its first and its second integral.
+    """
+
+    load: float
+    velocity: float
+    path: float
+
+
+def one_harmonic() -> Waves:
+    """Stand for the waves of a drive of one harmonic."""
+    return Waves(SINE, 0, _NO_NUMBERS, _NO_MARKS, 0.0, 0.0, 0.0)
+
+
+def part_of(waves: Waves) -> int:
+    """Return how many numbers a part of the memory has: the coefficients of one wave."""
+    return 2 * waves.size if waves.kind == HARMONICS else 4 * waves.size
+
+
+def nodes_of(waves: Waves, row: int) -> int:
+    """Return where the zeros of a row begin."""
+    return (_NODES + row) * part_of(waves)
+
+
+def _table(waves: Waves) -> int:
+    """Return where the table begins: sines and cosines of cells, or ends and integrals of pieces."""
+    return ROOM * part_of(waves)
+
+
+# ---------------------------------------------------------------------------------------------- preparation
+
+
+def prepare_cells(harmonics: int, number: Doubles) -> None:
+    """Fill the table of drives with so many harmonics: sines and cosines at the ends of cells.
+
+    The memory has room for ``ROOM`` parts of 2 H numbers and 8 H rows of 2 H more.
+    """
+    row = ROOM * 2 * harmonics
+    for i in range(CELLS * harmonics):
+        for k in range(harmonics):
+            # the product of whole numbers is reduced to one turn before it is rounded
+            angle = TURN * ((i * (k + 1)) % (CELLS * harmonics)) / (CELLS * harmonics)
+            number[row + k], number[row + harmonics + k] = math.sin(angle), math.cos(angle)
+        row += 2 * harmonics
+
+
+def read_harmonic(waves: Waves, normal: bool, order: int, share: float, phase: float) -> None:
+    """Write harmonic k = ``order`` of S or B, of the amplitude ``share`` [A], x = X sin(k p + phase)."""
+    h, k = waves.size, order - 1
+    start = 2 * h if normal else 0
+    load = float(order * order) * share
+    waves.number[start + k], waves.number[start + h + k] = load * math.cos(phase), load * math.sin(phase)
+
+
+def with_bounds(waves: Waves) -> Waves:
+    """Measure the bounds of waves whose coefficients are known."""
+    if waves.kind == PIECES:
+        return waves._replace(velocity=_MOST_VELOCITY, height=_MOST_POSITION, steep=_steepest(waves))
+    h, velocity, height, steep = waves.size, 0.0, 0.0, 0.0
+    for k in range(h):
+        order = float(k + 1)
+        u, w = waves.number[k], waves.number[h + k]
+        velocity += math.sqrt(u * u + w * w) / order
+        u, w = waves.number[2 * h + k], waves.number[3 * h + k]
+        size = math.sqrt(u * u + w * w)
+        height += size / (order * order)
+        steep += size * order
+    return waves._replace(velocity=velocity, height=height, steep=steep)
+
+
+def prepare_pieces(waves: Waves, breaks: Doubles, pieces: Doubles, most: float) -> None:
+    """Write piecewise accelerations as S and B, and integrate them.
+
+    Parameters
+    ----------
+    waves : Waves
+        Of ``size`` pieces; the memory has room for ``ROOM`` parts of 4 J numbers and 6 J + 1 more.
+    breaks : Doubles
+        Where pieces begin, as shares of the period; J + 1 of them, 0 and 1 included.
+    pieces : Doubles
+        Coefficients of x'' and then of y'', lowest power first, 4 for each piece; their argument grows from
+        0 to 1 over a piece.
+    most : float
+        Largest acceleration, by which all are divided.
+    """
+    number, count, table = waves.number, waves.size, _table(waves)
+    for j in range(count):
+        number[table + j] = TURN * breaks[j]
+    number[table + count] = TURN
+    for direction in range(2):
+        start = direction * 4 * count
+        sums = table + count + 1 + direction * 2 * count
+        for j in range(count):
+            width, power = number[table + j + 1] - number[table + j], 1.0
+            for i in range(4):
+                number[start + 4 * j + i] = -pieces[start + 4 * j + i] / most / power
+                power *= width
+        # the first integral without a mean, then the second one
+        _integrate(waves, start, sums)
+
+
+def _integrate(waves: Waves, start: int, sums: int) -> None:
+    """Integrate one wave twice, both times without a mean: write the integrals where pieces begin."""
+    number, count, table = waves.number, waves.size, _table(waves)
+    velocity, path = 0.0, 0.0
+    for j in range(count):
+        number[sums + j] = velocity
+        width = number[table + j + 1] - number[table + j]
+        gain = _over_piece(waves, start + 4 * j, width)
+        path += velocity * width + gain.path
+        velocity += gain.velocity
+    mean = path / TURN
+    path, whole = 0.0, 0.0
+    for j in range(count):
+        number[sums + j] -= mean
+        number[sums + count + j] = path
+        c, width = start + 4 * j, number[table + j + 1] - number[table + j]
+        gain = _over_piece(waves, c, width)
+        cubes = number[c + 2] / 60.0 + width * number[c + 3] / 120.0
+        cubes = (number[c] / 6.0 + width * (number[c + 1] / 24.0 + width * cubes)) * width * width * width
+        whole += width * (path + 0.5 * width * number[sums + j]) + cubes
+        path += number[sums + j] * width + gain.path
+    for j in range(count):
+        number[sums + count + j] -= whole / TURN
+
+
+def _over_piece(waves: Waves, c: int, s: float) -> Moved:
+    """Integrate the polynomial whose coefficients begin at ``c`` from the start of its piece on."""
+    a0, a1, a2, a3 = waves.number[c], waves.number[c + 1], waves.number[c + 2], waves.number[c + 3]
+    return _polynomial(a0, a1, a2, a3, s)
+
+
+def _polynomial(a0: float, a1: float, a2: float, a3: float, s: float) -> Moved:
+    """Evaluate a cubic polynomial and its integrals."""
+    return Moved(
+        a0 + s * (a1 + s * (a2 + s * a3)),
+        s * (a0 + s * (a1 / 2.0 + s * (a2 / 3.0 + s * a3 / 4.0))),
+        s * s * (a0 / 2.0 + s * (a1 / 6.0 + s * (a2 / 12.0 + s * a3 / 20.0))),
+    )
+
+
+def _steepest(waves: Waves) -> float:
+    """Bound the rate of a piecewise B; inf where it jumps by more than rounding."""
+    number, count, table = waves.number, waves.size, _table(waves)
+    steep = 0.0
+    for j in range(count):
+        c, width = 4 * (count + j), number[table + j + 1] - number[table + j]
+        end = _over_piece(waves, c, width).load
+        after = number[4 * (count + (j + 1) % count)]
+        if abs(after - end) > 1e-9:
+            return INF
+        bound = abs(number[c + 1]) + width * (2.0 * abs(number[c + 2]) + 3.0 * width * abs(number[c + 3]))
+        steep = max(steep, bound)
+    return steep
+
+
+# ----------------------------------------------------------------------------------------------- evaluation
+
+
+def piece_of(waves: Waves, phase: float) -> int:
+    """Find the piece that a phase in [0, 2 pi] lies in; the one that begins there, at an end."""
+    low, high, table = 0, waves.size, _table(waves)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if waves.number[table + middle] <= phase:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def load_at(waves: Waves, mix: Mix, phase: float) -> float:
+    """Evaluate a mix at a phase; where it jumps, just behind."""
+    number = waves.number
+    if waves.kind == PIECES:
+        p = wrap(phase)
+        j = piece_of(waves, p)
+        return _mixed_piece(waves, mix, j, p - number[_table(waves) + j]).load
+    h, first_sine, first_cosine = waves.size, math.sin(phase), math.cos(phase)
+    sine, cosine, value = first_sine, first_cosine, mix.constant
+    for k in range(h):
+        u = mix.along * number[k] + mix.normal * number[2 * h + k]
+        w = mix.along * number[h + k] + mix.normal * number[3 * h + k]
+        value += u * sine + w * cosine
+        sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
+    return value
+
+
+def _mixed_piece(waves: Waves, mix: Mix, j: int, offset: float) -> Moved:
+    """Evaluate a mix within a piece, and integrate it from the piece's start."""
+    number, one, two = waves.number, 4 * j, 4 * (waves.size + j)
+    return _polynomial(
+        mix.constant + mix.along * number[one] + mix.normal * number[two],
+        mix.along * number[one + 1] + mix.normal * number[two + 1],
+        mix.along * number[one + 2] + mix.normal * number[two + 2],
+        mix.along * number[one + 3] + mix.normal * number[two + 3],
+        offset,
+    )
+
+
+def depart(waves: Waves, mix: Mix, phase: float) -> float:
+    """Begin a leg: keep a mix as it is seen from there, for ``moved``, and return its value."""
+    if waves.kind == PIECES:
+        return load_at(waves, mix, phase)
+    number, h = waves.number, waves.size
+    first_sine, first_cosine = math.sin(phase), math.cos(phase)
+    sine, cosine, value = first_sine, first_cosine, mix.constant
+    for k in range(h):
+        u = mix.along * number[k] + mix.normal * number[2 * h + k]
+        w = mix.along * number[h + k] + mix.normal * number[3 * h + k]
+        here, across = u * sine + w * cosine, u * cosine - w * sine
+        number[(2 * _LOCAL) * h + k], number[(2 * _LOCAL + 1) * h + k] = here, across
+        value += here
+        sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
+    return value
+
+
+def moved(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved:
+    """Integrate a mix over a phase s >= 0 since ``depart``, without cancellation however short s is.
+
+    Parameters
+    ----------
+    waves, mix : Waves, Mix
+        Those of ``depart``.
+    phase : float
+        Where the leg began [rad].
+    value : float
+        The mix there: 0 exactly where the leg began at its zero.
+    s : float
+        Phase since [rad].
+    """
+    if waves.kind == PIECES:
+        return _moved_over_pieces(waves, mix, phase, value, s)
+    number, h = waves.number, waves.size
+    first_sine, first_cosine = math.sin(0.5 * s), math.cos(0.5 * s)
+    half_sine, half_cosine = first_sine, first_cosine
+    load, velocity, path = value, value * s, 0.5 * value * s * s
+    for k in range(h):
+        here, across = number[(2 * _LOCAL) * h + k], number[(2 * _LOCAL + 1) * h + k]
+        order = float(k + 1)
+        angle, sine, versine = order * s, 2.0 * half_sine * half_cosine, 2.0 * half_sine * half_sine
+        gap, bend = angle - sine, 0.5 * angle * angle - versine
+        if angle < 1.0:  # both differences by their series, within 1e-17 of their values
+            y = angle * angle
+            gap = (
+                (((((
+                    7.54937170418124304e-13 * y - 1.60577019225797864e-10) * y + 2.50520992449141141e-08) * y
+                    - 2.75573191920112204e-06) * y + 0.000198412698412165663) * y - 0.00833333333333330026)
+                    * y + 0.166666666666666657
+            ) * y * angle  # fmt: skip
+            bend = (
+                (((((
+                    4.77947733238738529e-14 * y - 1.14707455977297247e-11) * y + 2.08767569878680990e-09) * y
+                    - 2.75573192239858906e-07) * y + 2.48015873015873016e-05) * y - 0.00138888888888888889)
+                    * y + 0.0416666666666666667
+            ) * y * y  # fmt: skip
+        load += across * sine - here * versine
+        velocity += (across * versine - here * gap) / order
+        path += (across * gap - here * bend) / (order * order)
+        half_sine, half_cosine = (
+            half_sine * first_cosine + half_cosine * first_sine,
+            half_cosine * first_cosine - half_sine * first_sine,
+        )
+    return Moved(load, velocity, path)
+
+
+def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved:
+    """Integrate a mix from a phase on, through the piece it lies in and all others."""
+    number, count, table = waves.number, waves.size, _table(waves)
+    p = wrap(phase)
+    j = piece_of(waves, p)
+    offset, left = p - number[table + j], number[table + j + 1] - p
+    one, two = 4 * j, 4 * (count + j)
+    a1 = mix.along * number[one + 1] + mix.normal * number[two + 1]
+    a2 = mix.along * number[one + 2] + mix.normal * number[two + 2]
+    a3 = mix.along * number[one + 3] + mix.normal * number[two + 3]
+    a1 += offset * (2.0 * a2 + 3.0 * offset * a3)
+    a2 += 3.0 * offset * a3
+    if s < left:
+        return _polynomial(value, a1, a2, a3, s)
+    own, rest = _polynomial(value, a1, a2, a3, left), s - left
+    begin = (j + 1) % count
+    r = rest + (number[table + begin] if begin > 0 else 0.0)
+    r -= TURN * math.floor(r / TURN)
+    end = piece_of(waves, r)
+    velocity, path = own.velocity + mix.constant * rest, own.path + own.velocity * rest
+    path += 0.5 * mix.constant * rest * rest
+    beyond = r - number[table + end]
+    for direction in range(2):
+        share = mix.normal if direction == 1 else mix.along
+        if share != 0.0:
+            sums = table + count + 1 + direction * 2 * count
+            gain = _over_piece(waves, 4 * (direction * count + end), beyond)
+            before = number[sums + begin]
+            velocity += share * (number[sums + end] + gain.velocity - before)
+            reached = number[sums + count + end] + number[sums + end] * beyond + gain.path
+            path += share * (reached - number[sums + count + begin] - before * rest)
+    return Moved(_mixed_piece(waves, mix, end, beyond).load, velocity, path)
+
+
+def trough_at(waves: Waves, normal: bool, phase: float) -> Value:
+    """Return the trough's position, from its mean, and its velocity, along or normal to itself [A, A w]."""
+    number, size = waves.number, waves.size
+    if waves.kind == PIECES:
+        p = wrap(phase)
+        j = piece_of(waves, p)
+        table, direction = _table(waves), 1 if normal else 0
+        offset, sums = p - number[table + j], table + size + 1 + direction * 2 * size
+        gain = _over_piece(waves, 4 * (direction * size + j), offset)
+        position = number[sums + size + j] + number[sums + j] * offset + gain.path
+        return Value(-position, -(number[sums + j] + gain.velocity))
+    start = 2 * size if normal else 0
+    first_sine, first_cosine = math.sin(phase), math.cos(phase)
+    sine, cosine, position, velocity = first_sine, first_cosine, 0.0, 0.0
+    for k in range(size):
+        u, w, order = number[start + k], number[start + size + k], float(k + 1)
+        position += (u * sine + w * cosine) / (order * order)
+        velocity += (u * cosine - w * sine) / order
+        sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
+    return Value(position, velocity)
+
+
+# ---------------------------------------------------------------------------------- cells of a mix of loads
+
+
+def combine(waves: Waves, mix: Mix, derivative: bool) -> Bounds:
+    """Write the coefficients of a mix, or of its derivative, where cells read them; its constant apart."""
+    number, part = waves.number, part_of(waves)
+    for i in range(part):
+        number[_WAVE * part + i] = mix.along * number[i] + mix.normal * number[part + i]
+    if waves.kind == PIECES:
+        for j in range(waves.size):
+            c = _WAVE * part + 4 * j
+            if derivative:
+                number[c], number[c + 1] = number[c + 1], 2.0 * number[c + 2]
+                number[c + 2], number[c + 3] = 3.0 * number[c + 3], 0.0
+            else:
+                number[c] += mix.constant
+        return Bounds(0.0, 0.0)
+    h, bound, fourth = waves.size, 0.0 if derivative else abs(mix.constant), 0.0
+    for k in range(h):
+        c, order = _WAVE * part + k, float(k + 1)
+        if derivative:
+            number[c], number[c + h] = -order * number[c + h], order * number[c]
+        size = math.sqrt(number[c] * number[c] + number[c + h] * number[c + h])
+        bound += size
+        fourth += order * order * order * order * size
+    return Bounds(bound, fourth)
+
+
+def cells_of(waves: Waves) -> int:
+    """Return the number of cells of a period."""
+    return waves.size if waves.kind == PIECES else CELLS * waves.size
+
+
+def cell_begin(waves: Waves, cell: int) -> float:
+    """Return the phase at which a cell begins, and the one before it ends."""
+    if waves.kind == PIECES:
+        return waves.number[_table(waves) + cell]
+    return TURN * cell / (CELLS * waves.size)
+
+
+def at_cell_begin(waves: Waves, cell: int, constant: float) -> Value:
+    """Evaluate the mix of ``combine`` at the start of a cell; ``constant`` is that of harmonics."""
+    number, part = waves.number, part_of(waves)
+    wave = _WAVE * part
+    if waves.kind == PIECES:
+        return Value(number[wave + 4 * cell], number[wave + 4 * cell + 1])
+    h, row = waves.size, _table(waves) + cell * part
+    value, slope = constant, 0.0
+    for k in range(h):
+        u, w, sine, cosine = number[wave + k], number[wave + h + k], number[row + k], number[row + h + k]
+        value += u * sine + w * cosine
+        slope += (k + 1) * (u * cosine - w * sine)
+    return Value(value, slope)
+
+
+def value_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Value:
+    """Evaluate the mix of ``combine`` within a cell, or at its end."""
+    number, wave = waves.number, _WAVE * part_of(waves)
+    if waves.kind == PIECES:
+        c, s = wave + 4 * cell, phase - number[_table(waves) + cell]
+        value = number[c] + s * (number[c + 1] + s * (number[c + 2] + s * number[c + 3]))
+        return Value(value, number[c + 1] + s * (2.0 * number[c + 2] + s * 3.0 * number[c + 3]))
+    h, first_sine, first_cosine = waves.size, math.sin(phase), math.cos(phase)
+    sine, cosine, value, slope = first_sine, first_cosine, constant, 0.0
+    for k in range(h):
+        u, w = number[wave + k], number[wave + h + k]
+        value += u * sine + w * cosine
+        slope += (k + 1) * (u * cosine - w * sine)
+        sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
+    return Value(value, slope)
