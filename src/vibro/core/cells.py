@@ -32,6 +32,7 @@ _VALUE_BOUND: Final = 1.0 / 384.0
 _SLOPE_BOUND: Final = 0.00801875373874480  # sqrt(3) / 216
 # [1] Share of a cell at which a doubtful zero, double to rounding, is left to the signs.
 _NARROW: Final = 1e-9
+_SETTLED: Final = 1e-9  # [1] of a bracket: a Newton step below leaves rounding errors only
 _STEPS: Final = 60  # of Newton's iteration with halvings, in a bracket
 _AT_EVENT: Final = 1e-9  # [rad] as in legs.py: this close behind an event a rounded phase counts as at it
 
@@ -57,22 +58,26 @@ def find_nodes(waves: Waves, row: int, mix: Mix, derivative: bool) -> None:
     constant = 0.0 if derivative else mix.constant
     noise = 4.0 * EPS * bounds.size
     cells, start, count = cells_of(waves), nodes_of(waves, row), 0
-    last = cells - 1
-    positive = value_in_cell(waves, last, constant, TURN).value > 0.0
-    if waves.kind == HARMONICS:
-        positive = at_cell_begin(waves, 0, constant).value > 0.0
+    last = value_in_cell(waves, cells - 1, constant, TURN)
+    first = at_cell_begin(waves, 0, constant)
+    # a smooth wave ends with what it begins with, to the last bit
+    positive = (first.value if waves.kind == HARMONICS else last.value) > 0.0
+    low, here = 0.0, first
     for cell in range(cells):
-        low, end = cell_begin(waves, cell), cell_begin(waves, cell + 1)
-        here = at_cell_begin(waves, cell, constant)
-        if (here.value > 0.0) != positive:
-            count = _keep(waves, start, count, low)
-            positive = not positive
+        end = cell_begin(waves, cell + 1)
         whole = end - low
         width = whole
         if waves.kind == HARMONICS:
-            there = at_cell_begin(waves, (cell + 1) % cells, constant)
+            there = first if cell + 1 == cells else at_cell_begin(waves, cell + 1, constant)
         else:
-            there = value_in_cell(waves, cell, constant, end)
+            here, there = at_cell_begin(waves, cell, constant), value_in_cell(waves, cell, constant, end)
+            if (here.value > 0.0) != positive:
+                count = _keep(waves, start, count, low)
+                positive = not positive
+        # far from zero at both ends, beside the largest slope
+        if (there.value > 0.0) == positive and abs(here.value + there.value) > bounds.slope * whole:
+            low, here = end, there
+            continue
         while True:
             known = _verdict(here, there, width, bounds.fourth, noise)
             if known == _OPEN and width > _NARROW * whole:
@@ -88,6 +93,7 @@ def find_nodes(waves: Waves, row: int, mix: Mix, derivative: bool) -> None:
                 break
             width = min(2.0 * width, end - low)
             there = value_in_cell(waves, cell, constant, low + width)
+        low = end
     waves.mark[2 * row], waves.mark[2 * row + 1] = count, 1 if positive else 0
 
 
@@ -120,8 +126,7 @@ def _zero(
 ) -> float:
     """Find the zero in a bracket of both signs: Newton's iteration, or halving where that leaves it."""
     rises = there.value > here.value
-    gap = here.value - there.value
-    x = low + (high - low) * (here.value / gap) if gap != 0.0 else low
+    x = low + (high - low) * _share(here, there, high - low)
     for _ in range(_STEPS):
         at = value_in_cell(waves, cell, constant, x)
         if (at.value > 0.0) == rises:
@@ -129,32 +134,102 @@ def _zero(
         else:
             low = x
         onward = x - at.value / at.slope if at.slope != 0.0 else INF
-        if not low <= onward <= high:
+        newton = low <= onward <= high
+        if not newton:
             onward = 0.5 * (low + high)
         step, x = abs(onward - x), onward
-        if step <= EPS * x:
+        if step <= EPS * x or (newton and step <= _SETTLED * (high - low)):
             break
     return x
 
 
-def largest(waves: Waves, row: int, mix: Mix) -> float:
-    """Return the largest value of a mix; the row is left with the zeros of its derivative."""
-    find_nodes(waves, row, mix, True)
-    combine(waves, mix, False)
-    start, most, cells = nodes_of(waves, row), -INF, cells_of(waves)
+def _share(here: Value, there: Value, d: float) -> float:
+    """Return where in a cell the cubic through its ends is 0, about: a secant, and a step of Newton's."""
+    a, b = here.value, there.value
+    if a == b:
+        return 0.0
+    x = a / (a - b)
+    p, q = d * here.slope, d * there.slope
+    bend, turn = 3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q
+    slope = p + x * (2.0 * bend + x * 3.0 * turn)
+    value = a + x * (p + x * (bend + x * turn))
+    x = x - value / slope if slope != 0.0 else x
+    return min(max(x, 0.0), 1.0)
+
+
+def largest(waves: Waves, mix: Mix) -> float:
+    """Return the largest value of a mix.
+
+    Only cells in which the wave may exceed what was found so far are halved, until it rises to one maximum
+    in them.
+    """
+    bounds, constant = combine(waves, mix, False), mix.constant
+    cells, most = cells_of(waves), -INF
     if waves.kind == HARMONICS:
-        most = at_cell_begin(waves, 0, mix.constant).value
-        for i in range(waves.mark[2 * row]):
-            most = max(most, value_in_cell(waves, 0, mix.constant, waves.number[start + i]).value)
-        return most
+        for cell in range(cells):
+            most = max(most, at_cell_begin(waves, cell, constant).value)
+    first = at_cell_begin(waves, 0, constant)
+    here = first
     for cell in range(cells):
-        low, high = cell_begin(waves, cell), cell_begin(waves, cell + 1)
-        most = max(most, at_cell_begin(waves, cell, 0.0).value)
-        most = max(most, value_in_cell(waves, cell, 0.0, high).value)
-        for i in range(waves.mark[2 * row]):
-            zero = waves.number[start + i]
-            if low < zero < high:
-                most = max(most, value_in_cell(waves, cell, 0.0, zero).value)
+        low, end = cell_begin(waves, cell), cell_begin(waves, cell + 1)
+        if waves.kind == HARMONICS:
+            there = first if cell + 1 == cells else at_cell_begin(waves, cell + 1, constant)
+        else:
+            here, there = at_cell_begin(waves, cell, constant), value_in_cell(waves, cell, constant, end)
+            most = max(most, max(here.value, there.value))
+        whole = end - low
+        width = whole
+        while True:
+            top = _highest(here, there, width, bounds.fourth)
+            if top > most + EPS * abs(most) and width > _NARROW * whole:
+                if here.slope > 0.0 > there.slope and _is_concave(here, there, width, bounds.fourth):
+                    most = max(most, _maximum(waves, cell, constant, low, low + width, here, there))
+                else:
+                    width *= 0.5
+                    there = value_in_cell(waves, cell, constant, low + width)
+                    most = max(most, there.value)
+                    continue
+            low, here = low + width, there
+            if low >= end:
+                break
+            width = min(2.0 * width, end - low)
+            there = value_in_cell(waves, cell, constant, low + width)
+    return most
+
+
+def _highest(here: Value, there: Value, d: float, bound: float) -> float:
+    """Bound a wave from above in a cell."""
+    third = d / 3.0
+    inner, outer = here.value + third * here.slope, there.value - third * there.slope
+    high = max(max(here.value, there.value), max(inner, outer))
+    return high + bound * d * d * d * d * _VALUE_BOUND
+
+
+def _is_concave(here: Value, there: Value, d: float, bound: float) -> bool:
+    """Return whether a wave is concave in a cell: the cubic's second derivative is off by M d^2 / 12 at most."""
+    rise = 6.0 * (there.value - here.value) / d
+    bend, turn = rise - 4.0 * here.slope - 2.0 * there.slope, 2.0 * here.slope + 4.0 * there.slope - rise
+    return max(bend, turn) < -bound * d * d * d / 12.0
+
+
+def _maximum(
+    waves: Waves, cell: int, constant: float, low: float, high: float, here: Value, there: Value
+) -> float:
+    """Return the maximum of a wave in a bracket in which it is concave: false position on its slope."""
+    at_low, at_high = here.slope, there.slope
+    most = max(here.value, there.value)
+    for _ in range(_STEPS):
+        x = low + (high - low) * (at_low / (at_low - at_high))
+        at = value_in_cell(waves, cell, constant, x)
+        gain = at.value - most
+        most = max(most, at.value)
+        # the parabola through what is known rises by no more than the slope times the way to its top
+        if abs(at.slope) * (high - low) <= EPS * abs(most) or (0.0 <= gain <= EPS * abs(most)):
+            break
+        if at.slope > 0.0:
+            low, at_low, at_high = x, at.slope, 0.5 * at_high
+        else:
+            high, at_high, at_low = x, at.slope, 0.5 * at_low
     return most
 
 

@@ -26,7 +26,7 @@ from vibro.core.waves import SINE, STATIC_BACK, STATIC_FORWARD, nodes_of
 
 __all__ = [
     "ROUNDING", "HoppingCycle", "Orbit", "between", "cycle_from", "has_stop", "hopping_cycle", "orbit_from",
-    "others_on", "stopping", "stops_of",
+    "only_orbit", "others_on", "stopping", "stops_of",
 ]  # fmt: skip
 
 #: [1] Rounding of one evaluation of the return map, relative to the velocities in it.
@@ -209,6 +209,11 @@ def orbit_from(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     return end
 
 
+def only_orbit(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
+    """Find the fixed point of a cycle that has but one, from a velocity near it."""
+    return _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
+
+
 def _orbit_held(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     """Follow an orbit where friction holds gravity, so that it stays bounded."""
     end = _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
@@ -384,7 +389,7 @@ def _first_on_way(cycle: HoppingCycle, hops: Hops, start: float, home: Orbit) ->
     Those with a stop are listed. The one without a stop is either ``home`` or looked for, unless the first
     cycle of the orbit leads to ``home`` by a stop.
     """
-    now = cycle_from(cycle, hops, start)
+    now = home.cycle if start == home.velocity else cycle_from(cycle, hops, start)
     if has_stop(now) and abs(now.velocity - home.velocity) <= ROUNDING * cycle.drive:
         return home
     step = _change(cycle, start, now)

@@ -25,7 +25,6 @@ from vibro.core.elementary import NAN, TURN
 from vibro.core.waves import (
     HARMONICS,
     PIECES,
-    SPARE,
     Mix,
     Waves,
     prepare_cells,
@@ -219,7 +218,7 @@ def point_at(scenes: Scenes, place: Place, known: Directions) -> Point:
         if not math.isnan(clamp):
             normal_weight = weight_over_load(scale, frequency, clamp)
         waves = _waves_at(scenes, place, scale)
-        most = largest(waves, SPARE, Mix(0.0, 0.0, 1.0))
+        most = largest(waves, Mix(0.0, 0.0, 1.0))
         loads = wave_loads(waves, most, normal_weight, weight * angles.trough_sine, mu_s, mu_d)
     return Point(loads, scale, frequency, restitution, angles)
 

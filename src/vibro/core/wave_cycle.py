@@ -12,8 +12,8 @@ from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
 from vibro.core.elementary import TURN
 from vibro.core.legs import track_of
-from vibro.core.orbits import HoppingCycle, cycle_from, has_stop, hopping_cycle, orbit_from, others_on
-from vibro.core.return_map import Hops, no_hops
+from vibro.core.orbits import cycle_from, has_stop, hopping_cycle, only_orbit, orbit_from, others_on
+from vibro.core.return_map import no_hops
 from vibro.core.windows import Thresholds
 
 __all__ = ["canonical", "wave_cycle"]
@@ -30,7 +30,14 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
         return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(loose))
     hops = no_hops()
     cycle = hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, TURN, TURN)
-    home = orbit_from(cycle, hops, 0.0)
+    # One-way bodies are in order, so that all are at rest when the fastest one stops. Of others those as fast
+    # as can be, either way, mostly come to one velocity within a cycle: then there is one motion alone.
+    merged, alone = 0.0, not loose and not (at.forward and at.back)
+    if not (loose or alone):
+        ahead, behind = cycle_from(cycle, hops, cycle.bound), cycle_from(cycle, hops, -cycle.bound)
+        alone = has_stop(ahead) and has_stop(behind) and ahead.velocity == behind.velocity
+        merged = ahead.velocity if alone else 0.0
+    home = only_orbit(cycle, hops, merged) if alone else orbit_from(cycle, hops, 0.0)
     regime = _regime_of(home.cycle.pattern, loads)
     if home.status != Status.OK and home.status != Status.BOUNDARY:
         return unanswered(regime if home.status == Status.RUNAWAY else Regime.UNDEFINED, home.status)
@@ -38,17 +45,11 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
         status = int(Status.BOUNDARY)
     if classes_alone:
         return unanswered(regime, status)
-    coexists = loose or (_has_others(cycle, hops, home.velocity) and others_on(cycle, hops, 0.0, home))
+    coexists = loose or (not alone and others_on(cycle, hops, 0.0, home))
     return Steady(
         regime, status, _code_of(home.cycle.pattern), Model.SLIDES, home.cycle.displacement, home.cycle.peak,
         int(coexists),
     )  # fmt: skip
-
-
-def _has_others(cycle: HoppingCycle, hops: Hops, velocity: float) -> bool:
-    """Return whether bodies as fast as can be, either way, do not both come to one velocity in a cycle."""
-    ahead, behind = cycle_from(cycle, hops, cycle.bound), cycle_from(cycle, hops, -cycle.bound)
-    return not (has_stop(ahead) and has_stop(behind) and ahead.velocity == behind.velocity)
 
 
 def _regime_of(pattern: int, loads: Loads) -> int:

@@ -18,8 +18,7 @@ from vibro.core.waves import KINETIC_BACK, KINETIC_FORWARD, Mix, Moved, Waves, d
 __all__ = ["Fall", "WaveSlide", "ahead", "crossing", "first_ahead", "slide_over_waves"]
 
 _STEPS: Final = 100  # of Newton's iteration with halvings, in a bracket
-# [1] Last Newton step, over the phase, that leaves rounding errors only: each step squares the error.
-_SETTLED: Final = 1e-12
+_SETTLED: Final = 0.1 * 2.220446049250313e-16  # [1] error, over the phase, that Newton's next step may have
 # [turn] A slide that outlasts so many turns never ends: a phase has no digit left to say where.
 _MOST_TURNS: Final = 1e15
 
@@ -69,7 +68,7 @@ def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float)
     """
     lost = min(max(at_low / (at_low - at_high), 0.0), 1.0) if at_low != at_high else 0.0
     x = low + (high - low) * (0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0))
-    falls, before = at_low > at_high, high - low
+    falls, before, begin, end = at_low > at_high, high - low, low, high
     for _ in range(_STEPS):
         value, rate = level(fall, x)
         if (value > 0.0) == falls:
@@ -77,11 +76,13 @@ def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float)
         else:
             high = x
         step = -value / rate if rate != 0.0 else INF
-        if not (low <= x + step <= high and abs(step) < 0.5 * before) and value != 0.0:
+        newton = value == 0.0 or (low <= x + step <= high and abs(step) < 0.5 * before)
+        if not newton:
             step = 0.5 * (low + high) - x
         before = abs(step)
         x += step
-        if before <= _SETTLED * x or high - low <= EPS * high:
+        # Newton's next step would be of the square of this one, over the distance from a double zero at an end
+        if before <= EPS * x or (newton and before * before <= _SETTLED * x * min(x - begin, end - x)):
             break
     return x
 

@@ -98,9 +98,10 @@ class Value(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """Bound of a wave within each cell, its mean included, and of its fourth derivative there."""
+    """Bounds of a wave, its mean included, of its slope, and of its fourth derivative within each cell."""
 
     size: float
+    slope: float
     fourth: float
 
 
@@ -449,16 +450,17 @@ def combine(waves: Waves, mix: Mix, derivative: bool) -> Bounds:
                 number[c + 2], number[c + 3] = 3.0 * number[c + 3], 0.0
             else:
                 number[c] += mix.constant
-        return Bounds(0.0, 0.0)
-    h, bound, fourth = waves.size, 0.0 if derivative else abs(mix.constant), 0.0
+        return Bounds(0.0, INF, 0.0)
+    h, bound, slope, fourth = waves.size, 0.0 if derivative else abs(mix.constant), 0.0, 0.0
     for k in range(h):
         c, order = _WAVE * part + k, float(k + 1)
         if derivative:
             number[c], number[c + h] = -order * number[c + h], order * number[c]
         size = math.sqrt(number[c] * number[c] + number[c + h] * number[c + h])
         bound += size
+        slope += order * size
         fourth += order * order * order * order * size
-    return Bounds(bound, fourth)
+    return Bounds(bound, slope, fourth)
 
 
 def cells_of(waves: Waves) -> int:

@@ -14,7 +14,7 @@ from vibro.core.cells import largest
 from vibro.core.drives import Loads
 from vibro.core.elementary import FEW_ULP, NOISE, PI, hypotenuse, rounded_sign
 from vibro.core.slide import Onset
-from vibro.core.waves import SINE, SPARE, Mix
+from vibro.core.waves import SINE, Mix
 
 __all__ = [
     "Start", "Thresholds", "cosine_lead", "load_amplitude", "outlasts", "own_phase", "phase_offset",
@@ -79,8 +79,8 @@ def thresholds(loads: Loads) -> Thresholds:
 def _over_waves(loads: Loads) -> Thresholds:
     """Take the largest loads of a drive beyond one harmonic."""
     n, t, friction = loads.weight_normal, loads.weight_tangential, loads.static_friction
-    ahead = largest(loads.waves, SPARE, Mix(0.0, 1.0, friction))
-    behind = largest(loads.waves, SPARE, Mix(0.0, -1.0, friction))
+    ahead = largest(loads.waves, Mix(0.0, 1.0, friction))
+    behind = largest(loads.waves, Mix(0.0, -1.0, friction))
     return _compared(loads, ahead - (friction * n + t), behind - (friction * n - t), ahead, behind)
 
 
