@@ -36,11 +36,12 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
 __all__ = [
-    "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC", "IN_GRAVITIES",
-    "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS", "PERCENT", "PER_MINUTE",
-    "PITCH", "PURE", "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE",
-    "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "catalogue_hint", "checked_number", "drive_of",
-    "exact_number", "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "scene_fields",
+    "AMPLITUDES", "BY_COLUMN", "CLAMPED_TROUGH", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
+    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS", "PERCENT",
+    "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR",
+    "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "catalogue_hint",
+    "checked_number", "drive_of", "exact_number", "find_quantity", "given_unit", "kinetic_friction",
+    "nearest_double", "scene_fields",
 ]  # fmt: skip
 
 
@@ -184,6 +185,8 @@ _ALL: Final = (
     Quantity("along_phase", ANGLE, "xi", r"\xi", (), _ANY,
              "phase of the first harmonic along the trough, where arrays give it; else 0"),
     *(quantity for n in range(2, MOST_HARMONICS + 1) for quantity in _harmonic(n)),
+    Quantity("motion_scale", PURE, "c", "c", ("--motion-scale",), _POSITIVE,
+             "factor of a whole motion: of all its amplitudes, or of its accelerations", 1.0),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
              "coefficient of friction at rest"),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
@@ -194,6 +197,8 @@ _ALL: Final = (
              Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),
     Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
              STANDARD_GRAVITY),
+    Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("--normal-acceleration",), _POSITIVE,
+             "constant normal force on a clamped part over its mass"),
     Quantity("restitution", PURE, "e", "e", ("--restitution",), Range(0.0, 1.0),
              "normal coefficient of restitution of an impact on the trough", 0.0),
     Quantity("trough_length", LENGTH, "L", "L", ("-L", "--length"), _POSITIVE, "length of the trough"),
@@ -207,22 +212,29 @@ BY_COLUMN: Final[Mapping[str, Quantity]] = {q.column: q for q in _ALL if q.optio
 #: The quantities that can be axes of a sweep, in the same order.
 SWEPT: Final = (
     "amplitude", "along_amplitude", "normal_amplitude", "frequency", "drive_angle", "normal_phase",
-    "along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2", "static_friction",
-    "friction_ratio", "kinetic_friction", "trough_angle", "restitution",
+    "along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2", "motion_scale",
+    "static_friction", "friction_ratio", "kinetic_friction", "trough_angle", "normal_acceleration",
+    "restitution",
 )  # fmt: skip
 #: Fields of a drive along a line, and of one along an ellipse, whose phase is 0 if it is not given.
 LINEAR: Final = ("amplitude", "drive_angle")
 ELLIPTICAL: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
 #: Fields of a drive with harmonics besides those of an ellipse.
 HARMONIC: Final = ("along_phase", *(q.name for n in range(2, MOST_HARMONICS + 1) for q in _harmonic(n)))
+#: Factor of a drive that is a motion, with harmonics, steps or samples.
+SCALE: Final = "motion_scale"
 #: Fields of all drives.
-DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC)
+DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC, SCALE)
 #: The amplitudes of a drive, with all of which its load grows.
 AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
 #: What is taken where nothing is given, in the units outside.
-DEFAULTS: Final[Mapping[str, float]] = {q.name: q.default for q in _ALL if q.default is not None}
+DEFAULTS: Final[Mapping[str, float]] = {
+    q.name: q.default for q in _ALL if q.default is not None and q.name not in DRIVES
+}
+#: The trough angle of a clamped part, which may hang on a vertical trough.
+CLAMPED_TROUGH: Final = replace(QUANTITIES["trough_angle"], allowed=Range(-90.0, 90.0, with_high=True))
 
 # Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS, allowed=_POSITIVE)

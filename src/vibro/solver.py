@@ -11,6 +11,8 @@ import numpy as np
 from vibro.core.bounces import LONGEST_CYCLE, MOST_BOUNCES
 from vibro.core.compiled import doors
 from vibro.core.samples import BODIES, ROWS
+from vibro.drives import Ability
+from vibro.errors import InputError
 from vibro.parallel import in_parallel
 
 if TYPE_CHECKING:
@@ -49,7 +51,11 @@ class Grid:
     """
 
     def __init__(self, fields: Drive) -> None:
-        arrays, is_ellipse = fields.columns()
+        arrays, kind, *_ = fields.columns()
+        if kind > 1:  # until the solver takes all columns
+            fields.require(Ability.FLIGHT)
+            raise InputError(f"a drive {fields.kind}: the solver does not take it yet")
+        is_ellipse = kind == 1
         ndims = {x.ndim for x in arrays}
         if ndims == {0}:  # one scene: one small buffer
             self.shape: tuple[int, ...] = ()
