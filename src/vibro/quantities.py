@@ -19,6 +19,7 @@ from vibro.errors import InputError, cut, shown
 from vibro.units import (
     ACCELERATION,
     ANGLE,
+    FORCE,
     FREQUENCY,
     IN_GRAVITIES,
     LENGTH,
@@ -37,11 +38,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AMPLITUDES", "BY_COLUMN", "CLAMPED_TROUGH", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
-    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS", "PERCENT",
-    "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR",
-    "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "catalogue_hint",
-    "checked_number", "drive_of", "exact_number", "find_quantity", "given_unit", "kinetic_friction",
-    "nearest_double", "scene_fields",
+    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS",
+    "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SPEED",
+    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME",
+    "TWO_AXIS", "Kind", "Quantity", "catalogue_hint", "checked_number", "drive_of", "exact_number",
+    "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "scene_fields",
 ]  # fmt: skip
 
 
@@ -204,6 +205,8 @@ _ALL: Final = (
     Quantity("trough_length", LENGTH, "L", "L", ("-L", "--length"), _POSITIVE, "length of the trough"),
 )
 # fmt: on
+#: The normal force on a clamped part, which a scene file may give beside the part's mass.
+NORMAL_FORCE: Final = Quantity("normal_force", FORCE, allowed=_POSITIVE)
 #: Every quantity of a scene by its name, in the order of a table's columns.
 QUANTITIES: Final[Mapping[str, Quantity]] = {q.name: q for q in _ALL}
 #: Those with options by their names with units, the keys of scene files and of ``vibro.sweep``.
@@ -221,6 +224,8 @@ LINEAR: Final = ("amplitude", "drive_angle")
 ELLIPTICAL: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
 #: Fields of a drive with harmonics besides those of an ellipse.
 HARMONIC: Final = ("along_phase", *(q.name for n in range(2, MOST_HARMONICS + 1) for q in _harmonic(n)))
+#: Quantities of drives along an ellipse, with harmonics or without.
+TWO_AXIS: Final = (*ELLIPTICAL, *HARMONIC)
 #: Factor of a drive that is a motion, with harmonics, steps or samples.
 SCALE: Final = "motion_scale"
 #: Fields of all drives.
@@ -304,15 +309,19 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     values : mapping of str to float or array
-        By name; ``friction_ratio`` may stand for the kinetic friction. A trough length is left out.
+        By name; ``friction_ratio`` may stand for the kinetic friction. A trough length is left out. Under
+        ``motion`` a ``Motion`` may stand, or an array of one.
     """
     given = {name: value for name, value in values.items() if name != "trough_length"}
     if "friction_ratio" in given:
         ratio = given.pop("friction_ratio")
         if "kinetic_friction" not in given:
             given["kinetic_friction"] = kinetic_friction(ratio, given["static_friction"])
+    motion = given.pop("motion", None)
     fields = {name: QUANTITIES[name].to_si(value) for name, value in given.items()}
-    if fields.keys() & set(HARMONIC):
+    if motion is not None:
+        return {**fields, "motion": motion.item() if hasattr(motion, "item") else motion}
+    if fields.keys() & {*HARMONIC, "normal_acceleration"} and fields.keys() & set(TWO_AXIS):
         ways = {"along": ("along_amplitude", "along_phase"), "normal": ("normal_amplitude", "normal_phase")}
         for way, names in ways.items():
             pairs = [
@@ -321,6 +330,9 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
             ]
             last = max((n for n, (size, _) in enumerate(pairs, 1) if not _is_zero(size)), default=1)
             fields[f"{way}_harmonics"] = pairs[:last]
+    elif SCALE in fields:
+        scale = fields.pop(SCALE)
+        fields |= {name: scale * fields[name] for name in AMPLITUDES if name in fields}
     return fields
 
 

@@ -151,7 +151,7 @@ def initial_state(request: Request | None = None) -> State:
     other = [QUANTITIES[name].label for name in ELSEWHERE if name in {*point, *request.varying}]
     if other:
         raise InputError(
-            f"the page shows neither motions with a scale nor clamped parts: {' and '.join(other)} is given",
+            f"the page shows neither motions with a scale nor clamped parts, as {' and '.join(other)} tells",
             hint="vibro solve and vibro map take all that a scene file can give",
         )
     drive = drive_named([name for name in request.drive if name in {*point, *request.varying}])
