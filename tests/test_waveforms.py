@@ -197,7 +197,7 @@ def test_the_fewest_and_the_most_samples() -> None:
 
 def test_samples_of_both_directions_are_as_many_and_of_what_is_known() -> None:
     message = said(Motion.samples, np.ones(8), np.ones(9))
-    assert message == "normal = samples: 8 along and 9 normal: must be as many samples as the other direction"
+    assert message == "normal = 9 samples: must be as many as along, 8"
     assert said(sampled, np.ones(8), of="speed") == "of = 'speed': must be acceleration or displacement"
 
 

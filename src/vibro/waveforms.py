@@ -249,8 +249,9 @@ def sampled_motion(along: Any, normal: Any, of: str, names: tuple[str, str]) -> 
         raise SceneError((Problem("of", shown(of), " or ".join(_QUANTITIES)),))
     sizes = {np.shape(samples) for samples in (along, normal) if samples is not None}
     if len(sizes) > 1:
-        told = " and ".join(f"{len(x)} {name}" for name, x in zip(names, (along, normal), strict=True))
-        raise SceneError((Problem(names[1], f"samples: {told}", "as many samples as the other direction"),))
+        raise SceneError(
+            (Problem(names[1], f"{len(normal)} samples", f"as many as {names[0]}, {len(along)}"),)
+        )
     if of == "acceleration":
         return _piecewise(along, normal, names, _read_accelerations)
     given = [

@@ -52,7 +52,8 @@ def drive_given(
     """
     given: dict[str, str] = {}
     for source, specs in layers:
-        both = given | {slot: source for slot in specs if slot in {*DRIVES, MOTION}}
+        own = {slot: source for slot in specs if slot in DRIVES}
+        both = given | own | ({MOTION: "[motion]"} if MOTION in specs else {})
         if any(both.keys() <= slots for _, slots, _ in _DRIVES):
             given = both
             continue

@@ -241,12 +241,14 @@ def gather(
             label = typed.pop(asked_for).quantity.label
             problems.add(f"{label} is given, and asked for", "leave it out", asked_for)
     values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
-    moved: dict[str, Any] = {} if file.motion is None else {MOTION: file.motion}
-    layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", own), ("[motion]", moved)]
+    described: dict[str, Any] = own | ({} if file.motion is None else {MOTION: file.motion})
+    layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", described)]
     drive, mixed = drive_given(layers, caller.name, {*problems.slots, asked_for or ""})
     if mixed is not None:
         problems.add(*mixed)
         problems.slots |= {*DRIVES}
+    motion = described.pop(MOTION, None)
+    own = described
     if line_alone is not None and drive is not LINEAR:
         problems.add(*line_alone)
     other = {*DRIVES}.difference(drive)
@@ -275,7 +277,7 @@ def gather(
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
     specs = {name: named[name] for name in QUANTITIES if name in named}
-    return Request(file.name or None, specs, values, moved.get(MOTION))
+    return Request(file.name or None, specs, values, motion)
 
 
 def _understood(given: Mapping[str, object], problems: _Problems) -> Specs:
@@ -337,7 +339,8 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
 def _check_range(slot: str, spec: AxisSpec, problems: _Problems, *, is_clamped: bool) -> None:
     """Check every value, and tell the first wrong one in the user's units."""
     quantity = spec.quantity
-    quantity = CLAMPED_TROUGH if is_clamped and slot == "trough_angle" else quantity
+    if slot == "trough_angle":
+        quantity = CLAMPED_TROUGH if is_clamped else QUANTITIES[slot]
     values = np.array(spec.values, np.float64)
     allowed = quantity.swept if spec.varies else quantity
     good = allowed.allows(quantity.to_si(values))
