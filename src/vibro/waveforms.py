@@ -66,7 +66,7 @@ class Motion:
         Parameters
         ----------
         along, normal : sequence of pair of array_like, optional
-            Up to 8 pairs of an amplitude, >= 0 [m], and a phase [rad]; arrays broadcast with the fields of
+            Up to 16 pairs of an amplitude, >= 0 [m], and a phase [rad]; arrays broadcast with the fields of
             the scene.
 
         Raises
