@@ -12,6 +12,7 @@ from helpers.scenes import FIELDS, assert_same, random_scenes
 from helpers.two_axis_scenes import random_drives
 
 from vibro import Regime, Scene, Status, solve
+from vibro.waveforms import HarmonicMotion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,8 +38,9 @@ def changed(scene: Scene, change: Callable[[str, Any], Any]) -> Scene:
     values: dict[str, Any] = {}
     for name in (f.name for f in dataclasses.fields(Scene)):
         x = getattr(scene, name)
-        if name.endswith("harmonics") and x is not None:
-            values[name] = [(change("amplitude", size), change("phase", phase)) for size, phase in x]
+        if isinstance(x, HarmonicMotion):
+            for of, pairs in (("along_harmonics", x.along), ("normal_harmonics", x.normal)):
+                values[of] = [(change("amplitude", size), change("phase", phase)) for size, phase in pairs]
         elif x is not None:
             values[name] = change(name, x)
     return Scene(**values)

@@ -42,6 +42,7 @@ CALLS = {
     "Guarantee": "isinstance(vibro.guarantee(scene), vibro.Guarantee)",
     "Interval": "isinstance(vibro.feasible_amplitudes(scene, 0.02)[0], vibro.Interval)",
     "History": "vibro.simulate(scene, cycles=1).__class__ is vibro.History",
+    "Motion": "isinstance(vibro.Motion.steps([(0.5, 1.0), (0.5, -1.0)]), vibro.Motion)",
     "Regime": "vibro.Regime(0).label == 'no-slip'",
     "Scene": "scene.shape == ()",
     "SceneError": "issubclass(vibro.SceneError, vibro.VibroError)",

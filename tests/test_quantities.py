@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from vibro.drives import Ellipse, Line
+from vibro.drives import Ellipse, Line, Piecewise
 from vibro.errors import InputError
 from vibro.quantities import (
     DRIVES,
@@ -151,14 +151,15 @@ def test_si_values() -> None:
 
 def test_a_scene_has_the_fields_and_defaults_of_the_description() -> None:
     parameters = inspect.signature(Scene).parameters
-    assert tuple(parameters) == tuple(f.name for f in dataclasses.fields(Scene))
     lists = {"along_harmonics", "normal_harmonics"}
-    assert set(parameters) - lists | {*STANDS_FOR, "trough_length", *HARMONIC} == set(QUANTITIES)
-    drives = {*LINEAR, *ELLIPTICAL, *lists}
-    assert {*Line._fields, *Ellipse._fields, *lists} == set(parameters)
+    assert tuple(p for p in parameters if p not in lists) == tuple(f.name for f in dataclasses.fields(Scene))
+    motions = {*lists, "motion"}
+    assert set(parameters) - motions | {*STANDS_FOR, "trough_length", *HARMONIC} == set(QUANTITIES)
+    drives = {*LINEAR, *ELLIPTICAL, *motions, "motion_scale"}
+    assert {*Line._fields, *Ellipse._fields, *Piecewise._fields, *motions} == set(parameters)
     for name, parameter in parameters.items():
         default = QUANTITIES[name].default if name in QUANTITIES else None
-        if name in drives:
+        if name in {*drives, "normal_acceleration"}:
             assert parameter.default is None
         elif default is None:
             assert parameter.default is inspect.Parameter.empty

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from vibro.sweeps.stored import open_sweep
     from vibro.sweeps.whole import read_scene, sweep
     from vibro.sweeps.writing import write_sweep
+    from vibro.waveforms import Motion
 
 __all__ = [
     "Certificate",
@@ -35,6 +36,7 @@ __all__ = [
     "History",
     "InputError",
     "Interval",
+    "Motion",
     "Regime",
     "Scene",
     "SceneError",
@@ -65,6 +67,7 @@ _HOMES = {
     "History": "vibro.results.history",
     "InputError": "vibro.errors",
     "Interval": "vibro.results.designs",
+    "Motion": "vibro.waveforms",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
     "SceneError": "vibro.errors",

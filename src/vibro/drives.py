@@ -1,4 +1,4 @@
-"""The kinds of drive as small values: along a line, along an ellipse, with harmonics.
+"""The kinds of drive as small values: along a line, along an ellipse, with harmonics, with pieces.
 
 Each kind defines its fields, its reach, the columns that the solver reads, and its abilities. Callers ask a
 scene for an ability and never for its kind, so that a new kind is added here alone.
@@ -11,26 +11,26 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, Self, cast
 
 import numpy as np
 
-from vibro.core.harmonic.arrays import largest_amplitude
+from vibro.core.harmonic.arrays import each, largest_amplitude
 from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
-from vibro.errors import InputError, Problem, shown
-from vibro.quantities import ELLIPTICAL, LINEAR, MOST_HARMONICS
-from vibro.reals import NotRealError, real_array
+from vibro.errors import InputError
+from vibro.paths import widest
+from vibro.quantities import ELLIPTICAL, LINEAR
+from vibro.waveforms import HarmonicMotion, PiecewiseMotion
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-    Pairs = tuple[tuple[Floats, Floats], ...]
 
-__all__ = ["KINDS", "Ability", "Columns", "Drive", "Ellipse", "Harmonics", "Line", "read_harmonics"]
+__all__ = ["KINDS", "Ability", "Columns", "Drive", "Ellipse", "Harmonics", "Line", "Piecewise"]
 
 _ONE: Final = np.ones(())
+_NOTHING: Final = np.full((), np.nan)
 _POINTS: Final = 64  # points of the path per harmonic, which bracket the farthest one
 _STEPS: Final = 6  # of Newton's method from there; each squares the error, which begins at 1e-3
-_ALLOWED: Final = f"up to {MOST_HARMONICS} pairs of an amplitude and a phase"
 
 
 class Ability(Enum):
@@ -41,7 +41,17 @@ class Ability(Enum):
 
 
 class Columns(NamedTuple):
-    """A scene as the solver reads it: its fields, its kind, and the pieces of its acceleration."""
+    """A scene as the solver reads it.
+
+    Attributes
+    ----------
+    fields : tuple of array
+        Nine, and four more for each harmonic; they broadcast.
+    kind : int
+        0 a line, 1 an ellipse, 2 harmonics, 3 pieces.
+    breaks, pieces : float array
+        Of ``PiecewiseMotion``, for all cells alike; zeros of other kinds.
+    """
 
     fields: tuple[Floats, ...]
     kind: int
@@ -128,6 +138,11 @@ class Drive:
     def at_any_load(self) -> Self:
         """Replace fields that critical loads do not depend on by scalars; InputError without FLIGHT."""
         raise self._refusal(Ability.FLIGHT)
+
+    def changed(self, change: Callable[[Floats], Floats]) -> Self:
+        """Change every array."""
+        changed: Self = each(self, change)
+        return changed
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return each array, after the names of its field and of a quantity with its unit and range."""
@@ -238,11 +253,11 @@ class Ellipse(_EllipseFields, Drive):
         return self._replace(frequency=_ONE, gravity=_ONE, restitution=_ONE - _ONE)
 
 
-class _HarmonicFields(NamedTuple):
-    along_amplitudes: tuple[Floats, ...]
-    along_phases: tuple[Floats, ...]
-    normal_amplitudes: tuple[Floats, ...]
-    normal_phases: tuple[Floats, ...]
+class _MovedFields(NamedTuple):
+    """The last fields of all drives that are a motion."""
+
+    motion_scale: Floats
+    normal_acceleration: Floats
     frequency: Floats
     static_friction: Floats
     kinetic_friction: Floats
@@ -251,28 +266,15 @@ class _HarmonicFields(NamedTuple):
     restitution: Floats
 
 
-class Harmonics(_HarmonicFields, Drive):
-    """A drive with harmonics: its scene's fields, in the units of ``Ellipse``.
+class _Moved(Drive):
+    """Base class of drives that are a ``Motion``; ``normal_acceleration`` is NaN where nothing is clamped."""
 
-    The trough moves along itself as the sum of ``along_amplitudes[n-1] * sin(n w t + along_phases[n-1])``,
-    and normal to itself alike, with as many harmonics.
-    """
+    told_by = ("motion", "along_harmonics", "normal_harmonics")
 
-    __slots__ = ()
-    kind = "with harmonics"
-    told_by = ("along_harmonics", "normal_harmonics")
-    abilities = frozenset({Ability.FLIGHT})
-
-    @classmethod
-    def of(cls, scene: Any) -> Self:
-        """Return the fields of a scene; the motion with fewer harmonics is filled up with zeros."""
-        along, normal = scene.along_harmonics or (), scene.normal_harmonics or ()
-        count = max(len(along), len(normal))
-        nothing = (np.zeros(()), np.zeros(()))
-        (x, xi), (y, eta) = (
-            zip(*pairs, *[nothing] * (count - len(pairs)), strict=True) for pairs in (along, normal)
-        )
-        return cls(x, xi, y, eta, *(getattr(scene, name) for name in cls._fields[4:]))
+    @property
+    def moved(self) -> _MovedFields:
+        """The last fields."""
+        return _MovedFields._make(cast("tuple[Floats, ...]", self)[-len(_MovedFields._fields) :])
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -280,34 +282,100 @@ class Harmonics(_HarmonicFields, Drive):
         return np.broadcast_shapes(*(x.shape for _, _, x in self.members()))
 
     @property
+    def moves_normal(self) -> bool:
+        """Whether any trough moves normal to itself."""
+        raise NotImplementedError
+
+    def members(self) -> list[tuple[str, str, Floats]]:
+        """Return each array, after the names of its field and of a quantity with its unit and range."""
+        return [
+            (name, name, x)
+            for name, x in self.moved._asdict().items()
+            if name != "normal_acceleration" or x.ndim or not np.isnan(x)
+        ]
+
+    @property
+    def _first_columns(self) -> tuple[Floats, ...]:
+        scale, normal, *others = self.moved
+        return scale, normal, _ONE - _ONE, *others
+
+
+class _HarmonicFields(NamedTuple):
+    along_amplitudes: tuple[Floats, ...]
+    along_phases: tuple[Floats, ...]
+    normal_amplitudes: tuple[Floats, ...]
+    normal_phases: tuple[Floats, ...]
+    motion_scale: Floats
+    normal_acceleration: Floats
+    frequency: Floats
+    static_friction: Floats
+    kinetic_friction: Floats
+    trough_angle: Floats
+    gravity: Floats
+    restitution: Floats
+
+
+class Harmonics(_HarmonicFields, _Moved):
+    """A drive with harmonics: its scene's fields, in the units of ``Ellipse``.
+
+    The trough moves along itself as ``motion_scale`` times the sum of
+    ``along_amplitudes[n-1] * sin(n w t + along_phases[n-1])``, and normal to itself alike, with as many
+    harmonics.
+    """
+
+    __slots__ = ()
+    kind = "with harmonics"
+    abilities = frozenset({Ability.FLIGHT})
+
+    @classmethod
+    def of(cls, scene: Any) -> Self:
+        """Return the fields of a scene; the motion with fewer harmonics is filled up with zeros."""
+        motion: HarmonicMotion = scene.motion
+        count = max(len(motion.along), len(motion.normal))
+        nothing = (np.zeros(()), np.zeros(()))
+        (x, xi), (y, eta) = (
+            zip(*pairs, *[nothing] * (count - len(pairs)), strict=True)
+            for pairs in (motion.along, motion.normal)
+        )
+        return cls(x, xi, y, eta, *_moved_of(scene))
+
+    @property
     def scale(self) -> Floats:
         """Unit of length of the solvers: the largest of all amplitudes [m]."""
-        return largest_amplitude(*self.along_amplitudes, *self.normal_amplitudes)
+        return largest_amplitude(*(self.motion_scale * x for x in (*self[0], *self[2])))
 
     @property
     def reach(self) -> Floats:
         """Largest distance of the trough from its mean position [m]."""
-        return _farthest(self, 0)
+        return self.motion_scale * _farthest(self, 0)
 
     @property
     def acceleration_reach(self) -> Floats:
         """Amplitude of a motion along a line with the same largest acceleration [m]."""
-        return _farthest(self, 2)
+        return self.motion_scale * _farthest(self, 2)
 
     @property
     def stroke(self) -> Floats:
-        """NaN: the width of a path with harmonics, which need not be symmetric, is not computed [m]."""
-        return np.array(np.nan)
+        """Largest distance between two points of the path [m]."""
+        return self.motion_scale * _widest(self)
 
-    def columns(self) -> Columns:
-        """Return the columns that the solver reads."""
-        nothing = np.zeros(())
-        harmonics = (*self.along_amplitudes, *self.along_phases, *self.normal_amplitudes, *self.normal_phases)
-        return Columns((_ONE, nothing + np.nan, nothing, *self[4:], *harmonics), 2)
+    @property
+    def moves_normal(self) -> bool:
+        """Whether any trough moves normal to itself."""
+        return any(np.any(x != 0.0) for x in self.normal_amplitudes)
 
     def loads(self) -> HarmonicLoads:
         """Return the dimensionless groups, without the restitution."""
-        return harmonic_loads(*self[:9])
+        scale, normal, frequency, *others = self.moved
+        along, across = (tuple(scale * x for x in amplitudes) for amplitudes in (self[0], self[2]))
+        loads = harmonic_loads(along, self[1], across, self[3], frequency, *others[:4])
+        with np.errstate(over="ignore", divide="ignore"):
+            clamped = normal / ((2.0 * np.pi * frequency) ** 2 * self.scale)
+        return loads._replace(normal=np.where(np.isnan(normal), loads.normal, clamped))
+
+    def columns(self) -> Columns:
+        """Return the columns that the solver reads."""
+        return Columns((*self._first_columns, *self[0], *self[1], *self[2], *self[3]), 2)
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return each array, after the names of its field and of a quantity with its unit and range."""
@@ -317,41 +385,83 @@ class Harmonics(_HarmonicFields, Drive):
             ("normal_harmonics", "normal_amplitude", self.normal_amplitudes),
             ("normal_harmonics", "normal_phase", self.normal_phases),
         ]
-        found = [(field, name, x) for field, name, several in harmonics for x in several]
-        return found + [(name, name, getattr(self, name)) for name in self._fields[4:]]
+        return [(field, name, x) for field, name, several in harmonics for x in several] + super().members()
+
+
+class _PiecewiseFields(NamedTuple):
+    motion: PiecewiseMotion
+    motion_scale: Floats
+    normal_acceleration: Floats
+    frequency: Floats
+    static_friction: Floats
+    kinetic_friction: Floats
+    trough_angle: Floats
+    gravity: Floats
+    restitution: Floats
+
+
+class Piecewise(_PiecewiseFields, _Moved):
+    """A drive whose acceleration is a cubic on each piece of the period: its motion, its scene's fields."""
+
+    __slots__ = ()
+    kind = "with steps or sampled accelerations"
+    abilities = frozenset({Ability.FLIGHT})
+
+    @classmethod
+    def of(cls, scene: Any) -> Self:
+        """Return the fields of a scene."""
+        return cls(scene.motion, *_moved_of(scene))
+
+    @property
+    def scale(self) -> Floats:
+        """Unit of length of the solvers: a bound of the accelerations over w^2 [m]."""
+        return self.motion.unit / (2.0 * np.pi) ** 2 * self._at_frequency
+
+    @property
+    def reach(self) -> Floats:
+        """Largest distance of the trough from its mean position [m]."""
+        return self.motion.reach * self._at_frequency
+
+    @property
+    def acceleration_reach(self) -> Floats:
+        """Amplitude of a motion along a line with the same largest acceleration [m]."""
+        return self.motion.largest_acceleration / (2.0 * np.pi) ** 2 * self._at_frequency
+
+    @property
+    def stroke(self) -> Floats:
+        """Largest distance between two points of the path [m]."""
+        return self.motion.stroke * self._at_frequency
+
+    @property
+    def moves_normal(self) -> bool:
+        """Whether the trough moves normal to itself."""
+        return bool(np.any(self.motion.pieces[1] != 0.0))
+
+    @property
+    def _at_frequency(self) -> Floats:
+        """Factor of lengths at 1 Hz."""
+        return np.asarray(self.motion_scale / self.frequency**2)
+
+    def changed(self, change: Callable[[Floats], Floats]) -> Self:
+        """Change every array; the motion serves all cells."""
+        moved: _MovedFields = each(self.moved, change)
+        return self._replace(**moved._asdict())
+
+    def columns(self) -> Columns:
+        """Return the columns that the solver reads."""
+        return Columns(self._first_columns, 3, self.motion.breaks, self.motion.pieces)
 
 
 #: All kinds of drive.
-KINDS: Final[tuple[type[Line] | type[Ellipse] | type[Harmonics], ...]] = (Line, Ellipse, Harmonics)
+KINDS: Final[tuple[type[Line | Ellipse | Harmonics | Piecewise], ...]] = (Line, Ellipse, Harmonics, Piecewise)
 
 
-def read_harmonics(name: str, value: Any) -> tuple[Pairs, list[Problem]]:
-    """Read pairs of amplitude and phase, the first harmonic first, and return their problems too.
-
-    Returns
-    -------
-    tuple of pair of array
-        Read-only copies as doubles; empty if the value is None.
-    list of Problem
-        Empty if there are none.
-    """
-    try:
-        pairs = [] if value is None else [tuple(pair) for pair in value]
-    except TypeError:
-        return (), [Problem(name, shown(value), _ALLOWED)]
-    if len(pairs) > MOST_HARMONICS or any(len(pair) != 2 for pair in pairs):
-        return (), [Problem(name, shown(value), _ALLOWED)]
-    read, problems = [], []
-    for pair in pairs:
-        try:
-            amplitude, phase = map(real_array, pair)
-        except NotRealError as exc:
-            problems.append(Problem(name, exc.value, exc.allowed))
-            continue
-        for x in (amplitude, phase):
-            x.flags.writeable = False
-        read.append((amplitude, phase))
-    return tuple(read), problems
+def _moved_of(scene: Any) -> _MovedFields:
+    """Return the last fields of a scene with a motion."""
+    clamped = _NOTHING if scene.normal_acceleration is None else scene.normal_acceleration
+    return _MovedFields(
+        scene.motion_scale, clamped, *(getattr(scene, name) for name in _MovedFields._fields[2:])
+    )
 
 
 def _farthest(fields: Harmonics, derivative: int) -> Floats:
@@ -360,7 +470,7 @@ def _farthest(fields: Harmonics, derivative: int) -> Floats:
     Its square is a trigonometric polynomial of degree 2 H. Parabolas through neighbouring points find its
     highest maximum to within 1e-6 of the value, and Newton's method refines that one.
     """
-    count, unit = len(fields.along_amplitudes), fields.scale
+    count, unit = len(fields.along_amplitudes), largest_amplitude(*fields[0], *fields[2])
     waves = [
         [(n, n**derivative * (x / unit), phase) for n, (x, phase) in enumerate(zip(*part, strict=True), 1)]
         for part in (fields[0:2], fields[2:4])
@@ -394,3 +504,27 @@ def _farthest(fields: Harmonics, derivative: int) -> Floats:
         at = at - np.clip(slope / np.where(bend < 0.0, bend, -np.inf), -step, step)
         best = np.maximum(best, np.sqrt(square(at)[0]))
     return np.asarray(best * unit)
+
+
+def _widest(fields: Harmonics) -> Floats:
+    """Return the largest distance between two points of a path, of each path by itself."""
+    count = len(fields.along_amplitudes)
+    arrays = np.broadcast_arrays(*(x for part in fields[:4] for x in part))
+    shape, n = arrays[0].shape, np.arange(1, count + 1)[:, np.newaxis]
+    phases = np.linspace(0.0, 2.0 * np.pi, _POINTS * count, endpoint=False)
+    strokes = []
+    for x, xi, y, eta in np.reshape(arrays, (4, count, -1)).transpose(2, 0, 1)[..., np.newaxis]:
+
+        def path(p: Floats, x: Floats = x, xi: Floats = xi, y: Floats = y, eta: Floats = eta) -> Any:
+            angles = [n * p + phase for phase in (xi, eta)]
+            s, c = ([f(angle) for angle in angles] for f in (np.sin, np.cos))
+            sizes = (x, y)
+            return tuple(
+                np.array(
+                    [np.sum(size * n**k * wave, axis=0) for size, wave in zip(sizes, waves, strict=True)]
+                )
+                for k, waves in enumerate((s, c, [-wave for wave in s]))
+            )
+
+        strokes.append(widest(path, phases))
+    return np.reshape(strokes, shape)

@@ -19,6 +19,7 @@ from vibro.errors import InputError, cut, shown
 from vibro.units import (
     ACCELERATION,
     ANGLE,
+    FORCE,
     FREQUENCY,
     IN_GRAVITIES,
     LENGTH,
@@ -36,11 +37,12 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
 __all__ = [
-    "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC", "IN_GRAVITIES",
-    "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS", "PERCENT", "PER_MINUTE",
-    "PITCH", "PURE", "QUANTITIES", "SPEED", "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE",
-    "START_VELOCITY", "SWEPT", "TIME", "Kind", "Quantity", "catalogue_hint", "checked_number", "drive_of",
-    "exact_number", "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "scene_fields",
+    "AMPLITUDES", "BY_COLUMN", "CLAMPED_TROUGH", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
+    "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS",
+    "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SPEED",
+    "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME",
+    "TWO_AXIS", "Kind", "Quantity", "catalogue_hint", "checked_number", "drive_of", "exact_number",
+    "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "scene_fields",
 ]  # fmt: skip
 
 
@@ -184,6 +186,8 @@ _ALL: Final = (
     Quantity("along_phase", ANGLE, "xi", r"\xi", (), _ANY,
              "phase of the first harmonic along the trough, where arrays give it; else 0"),
     *(quantity for n in range(2, MOST_HARMONICS + 1) for quantity in _harmonic(n)),
+    Quantity("motion_scale", PURE, "c", "c", ("--motion-scale",), _POSITIVE,
+             "factor of a whole motion: of all its amplitudes, or of its accelerations", 1.0),
     Quantity("static_friction", PURE, "mu_s", r"\mu_s", ("--mu-s",), _ZERO_OR_MORE,
              "coefficient of friction at rest"),
     Quantity("friction_ratio", PURE, "mu_ratio", r"\mu_d/\mu_s", ("--mu-ratio",),
@@ -194,11 +198,15 @@ _ALL: Final = (
              Range(-90.0, 90.0, with_low=False), "climb of the trough in the conveying direction", 0.0),
     Quantity("gravity", ACCELERATION, "g", "g", ("--gravity",), _POSITIVE, "acceleration of gravity",
              STANDARD_GRAVITY),
+    Quantity("normal_acceleration", ACCELERATION, "P", "N/m", ("--normal-acceleration",), _POSITIVE,
+             "constant normal force on a clamped part over its mass"),
     Quantity("restitution", PURE, "e", "e", ("--restitution",), Range(0.0, 1.0),
              "normal coefficient of restitution of an impact on the trough", 0.0),
     Quantity("trough_length", LENGTH, "L", "L", ("-L", "--length"), _POSITIVE, "length of the trough"),
 )
 # fmt: on
+#: The normal force on a clamped part, which a scene file may give beside the part's mass.
+NORMAL_FORCE: Final = Quantity("normal_force", FORCE, allowed=_POSITIVE)
 #: Every quantity of a scene by its name, in the order of a table's columns.
 QUANTITIES: Final[Mapping[str, Quantity]] = {q.name: q for q in _ALL}
 #: Those with options by their names with units, the keys of scene files and of ``vibro.sweep``.
@@ -207,22 +215,31 @@ BY_COLUMN: Final[Mapping[str, Quantity]] = {q.column: q for q in _ALL if q.optio
 #: The quantities that can be axes of a sweep, in the same order.
 SWEPT: Final = (
     "amplitude", "along_amplitude", "normal_amplitude", "frequency", "drive_angle", "normal_phase",
-    "along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2", "static_friction",
-    "friction_ratio", "kinetic_friction", "trough_angle", "restitution",
+    "along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2", "motion_scale",
+    "static_friction", "friction_ratio", "kinetic_friction", "trough_angle", "normal_acceleration",
+    "restitution",
 )  # fmt: skip
 #: Fields of a drive along a line, and of one along an ellipse, whose phase is 0 if it is not given.
 LINEAR: Final = ("amplitude", "drive_angle")
 ELLIPTICAL: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
 #: Fields of a drive with harmonics besides those of an ellipse.
 HARMONIC: Final = ("along_phase", *(q.name for n in range(2, MOST_HARMONICS + 1) for q in _harmonic(n)))
+#: Quantities of drives along an ellipse, with harmonics or without.
+TWO_AXIS: Final = (*ELLIPTICAL, *HARMONIC)
+#: Factor of a drive that is a motion, with harmonics, steps or samples.
+SCALE: Final = "motion_scale"
 #: Fields of all drives.
-DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC)
+DRIVES: Final = (*LINEAR, *ELLIPTICAL, *HARMONIC, SCALE)
 #: The amplitudes of a drive, with all of which its load grows.
 AMPLITUDES: Final = tuple(name for name in DRIVES if "amplitude" in name)
 #: Two ways to give the same thing: the first fills the place of the second.
 STANDS_FOR: Final[Mapping[str, str]] = {"stroke": "amplitude", "friction_ratio": "kinetic_friction"}
 #: What is taken where nothing is given, in the units outside.
-DEFAULTS: Final[Mapping[str, float]] = {q.name: q.default for q in _ALL if q.default is not None}
+DEFAULTS: Final[Mapping[str, float]] = {
+    q.name: q.default for q in _ALL if q.default is not None and q.name not in DRIVES
+}
+#: The trough angle of a clamped part, which may hang on a vertical trough.
+CLAMPED_TROUGH: Final = replace(QUANTITIES["trough_angle"], allowed=Range(-90.0, 90.0, with_high=True))
 
 # Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS, allowed=_POSITIVE)
@@ -292,15 +309,19 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     values : mapping of str to float or array
-        By name; ``friction_ratio`` may stand for the kinetic friction. A trough length is left out.
+        By name; ``friction_ratio`` may stand for the kinetic friction. A trough length is left out. Under
+        ``motion`` a ``Motion`` may stand, or an array of one.
     """
     given = {name: value for name, value in values.items() if name != "trough_length"}
     if "friction_ratio" in given:
         ratio = given.pop("friction_ratio")
         if "kinetic_friction" not in given:
             given["kinetic_friction"] = kinetic_friction(ratio, given["static_friction"])
+    motion = given.pop("motion", None)
     fields = {name: QUANTITIES[name].to_si(value) for name, value in given.items()}
-    if fields.keys() & set(HARMONIC):
+    if motion is not None:
+        return {**fields, "motion": motion.item() if hasattr(motion, "item") else motion}
+    if fields.keys() & {*HARMONIC, "normal_acceleration"} and fields.keys() & set(TWO_AXIS):
         ways = {"along": ("along_amplitude", "along_phase"), "normal": ("normal_amplitude", "normal_phase")}
         for way, names in ways.items():
             pairs = [
@@ -309,6 +330,9 @@ def scene_fields(values: Mapping[str, Any]) -> dict[str, Any]:
             ]
             last = max((n for n, (size, _) in enumerate(pairs, 1) if not _is_zero(size)), default=1)
             fields[f"{way}_harmonics"] = pairs[:last]
+    elif SCALE in fields:
+        scale = fields.pop(SCALE)
+        fields |= {name: scale * fields[name] for name in AMPLITUDES if name in fields}
     return fields
 
 

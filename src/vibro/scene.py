@@ -8,30 +8,32 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.core.harmonic.arrays import each
-from vibro.drives import KINDS, Ellipse, Harmonics, Line, read_harmonics
-from vibro.errors import Problem, SceneError
-from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY
+from vibro.drives import KINDS, Ellipse, Harmonics, Line, Piecewise
+from vibro.errors import Problem, SceneError, shown
+from vibro.quantities import CLAMPED_TROUGH, DEFAULTS, QUANTITIES, STANDARD_GRAVITY
 from vibro.reals import NotRealError, real_array
+from vibro.waveforms import HarmonicMotion, Motion, harmonic_motion
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.drives import Pairs
+    from vibro.quantities import Quantity
+    from vibro.waveforms import Pairs
 
     Floats = NDArray[np.float64]
 
 __all__ = ["Fields", "Scene", "field_range", "field_text"]
 
 
-Fields = Line | Ellipse | Harmonics
+Fields = Line | Ellipse | Harmonics | Piecewise
 
 _EITHER: Final = (
     "either amplitude and drive_angle, or along_amplitude and normal_amplitude, or along_harmonics and"
-    " normal_harmonics"
+    " normal_harmonics, or motion"
 )
+_HARMONICS: Final = ("along_harmonics", "normal_harmonics")
 
 
 def field_text(name: str, value: float) -> str:
@@ -45,27 +47,50 @@ def field_text(name: str, value: float) -> str:
 
 def field_range(name: str) -> str:
     """Return the allowed range of a field as text, angles in degrees."""
-    kind = QUANTITIES[name].kind
-    return QUANTITIES[name].allowed.text("deg" if kind.si_unit == "rad" else kind.si_unit)
+    return _range_of(QUANTITIES[name])
+
+
+def _range_of(quantity: Quantity) -> str:
+    unit = quantity.kind.si_unit
+    return quantity.allowed.text("deg" if unit == "rad" else unit)
 
 
 def _kind_of(values: dict[str, Any]) -> type[Fields]:
     """Return the kind of drive that is given, and fill in fields that may be left out."""
-    given = {kind: [n for n in kind.told_by if values.get(n) is not None] for kind in KINDS}
-    kinds = [kind for kind, names in given.items() if names]
-    if len(kinds) != 1:
+    told = dict.fromkeys(kind.told_by for kind in KINDS)
+    given = {names: [n for n in names if values.get(n) is not None] for names in told}
+    drives = [names for names, found in given.items() if found]
+    if len(drives) != 1 or (values.get("motion") is not None and len(given[drives[0]]) > 1):
         named = " and ".join(name for names in given.values() for name in names) or "none"
         raise SceneError((Problem("drive", named, _EITHER),))
-    (kind,) = kinds
-    may_miss = {"normal_phase": 0.0, "along_harmonics": (), "normal_harmonics": ()}
-    for name in kind.told_by:
-        if values.get(name) is None and name in may_miss:
-            values[name] = may_miss[name]
-    missing = [name for name in kind.told_by if values.get(name) is None]
+    (names,) = drives
+    if "motion" in names:
+        return _kind_of_motion(values)
+    if values.get("motion_scale") is not None:
+        beside = "left out: it is of a motion, of this drive multiply the amplitude"
+        raise SceneError((Problem("motion_scale", shown(values["motion_scale"]), beside),))
+    if values.get("normal_acceleration") is not None:
+        beside = "given beside a motion along the trough alone, such as along_harmonics"
+        raise SceneError((Problem("normal_acceleration", shown(values["normal_acceleration"]), beside),))
+    if values.get("normal_phase") is None and "normal_phase" in names:
+        values["normal_phase"] = 0.0
+    missing = [name for name in names if values.get(name) is None]
     if missing:
-        beside = f"given beside {given[kind][0]}"
+        beside = f"given beside {given[names][0]}"
         raise SceneError(tuple(Problem(name, "None", beside) for name in missing))
-    return kind
+    return next(kind for kind in KINDS if kind.told_by == names)
+
+
+def _kind_of_motion(values: dict[str, Any]) -> type[Fields]:
+    """Put the motion that is given in place, and return its kind."""
+    if values.get("motion") is None:
+        values["motion"] = harmonic_motion([values.get(name) for name in _HARMONICS], _HARMONICS)
+    if not isinstance(values["motion"], Motion):
+        allowed = "a motion, such as vibro.Motion.steps(along=[(0.8, 6.9), (0.2, -27.6)])"
+        raise SceneError((Problem("motion", shown(values["motion"]), allowed),))
+    if values.get("motion_scale") is None:
+        values["motion_scale"] = 1.0
+    return Harmonics if isinstance(values["motion"], HarmonicMotion) else Piecewise
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -93,13 +118,22 @@ class Scene:
         the lag, or from the normal motion: theory.md, section 15.
     along_harmonics, normal_harmonics : sequence of pair of array_like
         In place of all these, up to 8 pairs of an amplitude [m] and a phase [rad], of a motion with harmonics
-        ``amplitude * sin(2 pi n frequency t + phase)``, n = 1 first; either may be left out.
+        ``amplitude * sin(2 pi n frequency t + phase)``, n = 1 first; either may be left out. They stand for
+        ``motion=Motion.harmonics(...)``.
+    motion : Motion
+        In place of all these, any periodic motion: harmonics, steps or samples.
+    motion_scale : array_like, optional
+        Factor of a whole motion: of its amplitudes, or of its accelerations, > 0 [1].
+    normal_acceleration : array_like, optional
+        Of a body that is clamped to the trough, the constant normal force over the body's mass, > 0 [m/s^2].
+        Gravity then acts along the trough alone, which may be vertical, and does not move normal to itself.
     frequency : array_like
         Drive frequency, > 0 [Hz].
     static_friction, kinetic_friction : array_like
         Coefficients of friction mu_s and mu_d, ``0 <= mu_d <= mu_s`` [1].
     trough_angle : array_like, optional
-        Climb of the trough in the conveying direction, in (-pi/2, pi/2) [rad].
+        Climb of the trough in the conveying direction, in (-pi/2, pi/2), under a clamped body with both ends
+        [rad].
     gravity : array_like, optional
         Acceleration of gravity, > 0 [m/s^2].
     restitution : array_like, optional
@@ -128,8 +162,9 @@ class Scene:
     along_amplitude: Floats | None
     normal_amplitude: Floats | None
     normal_phase: Floats | None
-    along_harmonics: Pairs | None
-    normal_harmonics: Pairs | None
+    motion: Motion | None
+    motion_scale: Floats | None
+    normal_acceleration: Floats | None
     static_friction: Floats
     kinetic_friction: Floats
     trough_angle: Floats
@@ -147,6 +182,9 @@ class Scene:
         normal_phase: ArrayLike | None = None,
         along_harmonics: ArrayLike | Iterable[tuple[ArrayLike, ArrayLike]] | None = None,
         normal_harmonics: ArrayLike | Iterable[tuple[ArrayLike, ArrayLike]] | None = None,
+        motion: Motion | ArrayLike | None = None,
+        motion_scale: ArrayLike | None = None,
+        normal_acceleration: ArrayLike | None = None,
         static_friction: ArrayLike,
         kinetic_friction: ArrayLike,
         trough_angle: ArrayLike = 0.0,
@@ -208,13 +246,27 @@ class Scene:
 
     def arrays(self) -> Fields:
         """Return the fields of this scene's drive, in their declared order."""
-        return next(kind for kind in KINDS if getattr(self, kind.told_by[0]) is not None).of(self)
+        return next(kind for kind in KINDS if self._has(kind)).of(self)
+
+    def _has(self, kind: type[Fields]) -> bool:
+        if self.motion is None:
+            return getattr(self, kind.told_by[0]) is not None
+        return kind is (Harmonics if isinstance(self.motion, HarmonicMotion) else Piecewise)
+
+    @property
+    def along_harmonics(self) -> Pairs | None:
+        """Amplitudes [m] and phases [rad] along the trough; None of other motions."""
+        return self.motion.along if isinstance(self.motion, HarmonicMotion) else None
+
+    @property
+    def normal_harmonics(self) -> Pairs | None:
+        """Amplitudes [m] and phases [rad] normal to the trough; None of other motions."""
+        return self.motion.normal if isinstance(self.motion, HarmonicMotion) else None
 
     def flat(self) -> Fields:
         """Return the fields as 1-D arrays over all scenes, in the order of their cells."""
         shape = self.shape
-        flat: Fields = each(self.arrays(), lambda x: np.broadcast_to(x, shape).reshape(-1))
-        return flat
+        return self.arrays().changed(lambda x: np.broadcast_to(x, shape).reshape(-1))
 
     @property
     def infeasible(self) -> NDArray[np.bool_]:
@@ -226,19 +278,18 @@ class Scene:
         is_given = {*kind.told_by, *kind._fields}
         for name in self.__dataclass_fields__:
             x: Any = None
-            if name in Harmonics.told_by and name in is_given:
-                x, wrong = read_harmonics(name, values[name])
-                problems += wrong
-            elif name in is_given:
+            if name == "motion":
+                x = values.get(name)
+            elif name in is_given and (name != "normal_acceleration" or values.get(name) is not None):
                 try:
                     x = real_array(values[name])
                 except NotRealError as exc:
                     problems.append(Problem(name, exc.value, exc.allowed))
                     continue
                 x.flags.writeable = False
+                if name == "normal_acceleration" and np.isnan(x).any():  # which stands for none further on
+                    problems.append(Problem(name, field_text(name, math.nan), field_range(name)))
             object.__setattr__(self, name, x)
-        if kind is Harmonics and not (problems or self.along_harmonics or self.normal_harmonics):
-            problems.append(Problem("along_harmonics", "none", "at least one pair, or normal_harmonics"))
         if problems:
             raise SceneError(tuple(problems))
         try:
@@ -250,15 +301,23 @@ class Scene:
 
     def _field_problems(self) -> list[Problem]:
         problems = []
-        for field, name, x in self.arrays().members():
+        is_clamped = self.normal_acceleration is not None
+        fields = self.arrays()
+        for field, name, x in fields.members():
+            quantity = CLAMPED_TROUGH if is_clamped and name == "trough_angle" else QUANTITIES[name]
             if not x.ndim:  # plain numbers take a tenth of the time
                 number = float(x)
-                if not (math.isfinite(number) and QUANTITIES[name].allows(number)):
-                    problems.append(Problem(field, field_text(name, number), field_range(name)))
+                if not (math.isfinite(number) and quantity.allows(number)):
+                    problems.append(Problem(field, field_text(name, number), _range_of(quantity)))
                 continue
-            good = np.isfinite(x) & QUANTITIES[name].allows(x)
+            good = np.isfinite(x) & quantity.allows(x)
             if np.count_nonzero(good) < x.size:
-                problems.append(Problem(field, field_text(name, float(x[~good].flat[0])), field_range(name)))
+                wrong = float(x[~good].flat[0])
+                problems.append(Problem(field, field_text(name, wrong), _range_of(quantity)))
+        if is_clamped and isinstance(fields, Harmonics | Piecewise) and fields.moves_normal:
+            shown_as = field_text("normal_acceleration", float(np.ravel(fields.normal_acceleration)[0]))
+            allowed = "left out where the trough moves normal to itself, as then the force on a part changes"
+            problems.append(Problem("normal_acceleration", shown_as, allowed))
         return problems
 
     def _combination_problems(self) -> list[Problem]:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
-    "ACCELERATION", "ANGLE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS", "MASS_FLOW", "PERCENT",
+    "ACCELERATION", "ANGLE", "FORCE", "FREQUENCY", "IN_GRAVITIES", "LENGTH", "MASS", "MASS_FLOW", "PERCENT",
     "PER_MINUTE", "PURE", "SPEED", "TIME", "Kind",
 ]  # fmt: skip
 
@@ -86,6 +86,7 @@ ACCELERATION: Final = Kind("m/s^2", "m/s^2", "_m_s2",
 MASS: Final = Kind("kg", "kg", "_kg",
                    {"kg": Fraction(1), "g": Fraction(1, 1000), "mg": Fraction(1, 1_000_000),
                     "lb": Fraction("0.45359237")})
+FORCE: Final = Kind("N", "N", "_n", {"N": Fraction(1), "kN": Fraction(1000)})
 TIME: Final = Kind("s", "s", "_s",
                     {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60), "h": Fraction(3600)})
 PER_MINUTE: Final = Kind("1/min", "1/s", "_per_min", {}, per_si=60.0)

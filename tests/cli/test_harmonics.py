@@ -41,7 +41,8 @@ def test_options_and_lists_give_the_same_drive(run: Run, tmp_path: Path) -> None
         assert answer["mean_velocity_mm_s"] == speed
         assert answer["along_amplitude_2_mm"] == 0.3
         assert answer["along_phase_2_deg"] == 90
-        assert answer["stroke_mm"] is None
+        # sin p + 0.3 cos 2p reaches from -1.3 to s + 0.3 (1 - 2 s^2), s = 1/1.2
+        assert answer["stroke_mm"] == pytest.approx(1.3 + 0.3 + 1.0 / 2.4, rel=1e-13)
     assert float(vibro.solve(vibro.read_scene(tmp_path / "drive.toml")).mean_velocity) * 1e3 == speed
 
 

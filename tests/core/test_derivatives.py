@@ -190,7 +190,8 @@ def assert_exact(many: Solved, cells: NDArray[np.intp]) -> None:
     d is the condition of a root near 0: of the onsets from which slides of the cycle start 1 - s, in FB the
     distance 1 - |t| / (mu_d n) of gravity along the trough from kinetic friction, where a slide vanishes.
     """
-    fields = [np.broadcast_to(x, many.scene.shape)[cells].tolist() for x in many.scene.arrays()[:7]]
+    arrays = [x for _, _, x in many.scene.arrays().members()]
+    fields = [np.broadcast_to(x, many.scene.shape)[cells].tolist() for x in arrays[:7]]
     groups = loads_of(many.scene)
     for i, cell in enumerate(cells.tolist()):
         at = thresholds(groups[cell])

@@ -176,7 +176,7 @@ def test_every_scene_of_the_examples_can_be_explored(path: Path) -> None:
     scene, own = state.point.scene(), {name: request.own.get(name) for name in request.varying}
     if None not in own.values():
         pairs = zip(scene.arrays(), read_scene(path).arrays(), strict=True)
-        assert all(np.array_equal(np.asarray(a), np.asarray(b)) for a, b in pairs)
+        assert all(np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True) for a, b in pairs)
     assert len(state.grid().axes) == 2
     assert state.point.name == path.stem
     assert read_state(state.texts, INITIAL).texts == state.texts

@@ -67,7 +67,11 @@ def test_files_from_windows_are_read(tmp_path: Path, text: bytes) -> None:
         ("[scene]\namplitude = 1", "[scene] unknown key 'amplitude'; did you mean 'amplitude_mm'?", ""),
         ("[scene]\nxyzzy = 1", "[scene] unknown key 'xyzzy'; known are amplitude_mm, stroke_mm, ", ""),
         ("[scenes]\namplitude_mm = 1", "unknown table 'scenes'; did you mean 'scene'?", ""),
-        ("amplitude_mm = 1", "unknown key 'amplitude_mm'", "keys belong in the table [scene] or [map]"),
+        (
+            "amplitude_mm = 1",
+            "unknown key 'amplitude_mm'",
+            "keys belong in the table [scene], [motion] or [map]",
+        ),
         ("scene = 1", "scene must be a table, written [scene]", ""),
         (
             '[scene]\namplitude_mm = "1"',

@@ -30,7 +30,8 @@ def table_of(file: FileKind) -> str:
     for table in file.tables.values():
         if table.heading == "[map]":
             rows.append(
-                "| `[map]` | any of these but lists | what is swept | the same | number, list or axis | |\n"
+                "| `[map]` | those of `[scene]` but lists | what is swept | the same"
+                " | number, list or axis | |\n"
             )
             continue
         for i, (key, entry) in enumerate(table.entries.items()):

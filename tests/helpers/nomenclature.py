@@ -47,6 +47,8 @@ ELSEWHERE = (
 """Results that are no attributes of ``SteadyCycle``, each described by its name in capitals."""
 PLAIN_HEADER = "| symbol | code name | unit | CSV column | meaning |"
 HEADER = f"{PLAIN_HEADER} elsewhere |"
+MOTION = "| - | `Scene.motion` | - | - | any periodic motion: harmonics, steps or samples, a `Motion` |  |"
+"""The field of a scene that is no quantity."""
 SYNONYMS = {
     "amplitude_mm": "$r$, $X_0$, $e$ (eccentricity); half of *Schwingweite* or *Hub*",
     "stroke_mm": "peak-to-peak, $A_{pp}$, $2r$; *Schwingweite*, *Hub*",
@@ -110,6 +112,7 @@ def tables() -> str:
         for q in QUANTITIES.values()
         if q.name not in HIGHER
     ]
+    inputs.append(MOTION)
     results = []
     for result in RESULTS:
         results.append(_result(result))

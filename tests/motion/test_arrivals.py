@@ -27,7 +27,7 @@ def table() -> tuple[vibro.Scene, NDArray[np.float64], NDArray[np.float64]]:
 
 
 def cells_of(scene: vibro.Scene) -> Iterator[vibro.Scene]:
-    fields = [np.broadcast_to(x, scene.shape).ravel() for x in scene.arrays()]
+    fields = [np.broadcast_to(x, scene.shape).ravel() for _, _, x in scene.arrays().members()]
     for values in zip(*fields, strict=True):
         yield vibro.Scene(**dict(zip(scene.arrays()._fields, map(float, values), strict=True)))
 

@@ -86,7 +86,7 @@ def test_the_exponent_is_that_of_the_reference(drawn: Drawn, pattern: str, besid
     of_kind = (drawn.pattern == PATTERNS.index(pattern)) & (drawn.beside == beside)
     cells = np.flatnonzero(of_kind & ~np.isnan(drawn.exponent))[:COUNT]
     assert cells.size == COUNT
-    fields = [np.ravel(x).tolist() for x in drawn.scene.flat()[:7]]
+    fields = [np.ravel(x).tolist() for _, _, x in drawn.scene.flat().members()[:7]]
     for cell in cells:
         amplitude, *others = (CONTEXT.mpf(field[cell]) for field in fields)
         low, here, high = (exact_cycle([amplitude * (1 + way * STEP), *others]) for way in (-1, 0, 1))

@@ -93,9 +93,10 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     speed = checked_number(text, LEAST_SPEED)
     request = request_of(options, argv, asked_for="amplitude")
     if request.has_harmonics:
+        option = "--motion-scale" if request.motion else "--along"
         raise InputError(
             "--speed finds amplitudes of drives along a line or an ellipse, not of drives with harmonics",
-            hint="vibro map --speed draws where such a drive reaches a speed: give --along as a range",
+            hint=f"vibro map --speed draws where such a drive reaches a speed: give {option} as a range",
         )
     unit, size = given_unit(text, LEAST_SPEED)
     drive = _Drive.of(request.fixed, hopping=hopping, unit=unit, size=size)

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from vibro.quantities import LINEAR, QUANTITIES, SWEPT
+from vibro.quantities import LINEAR, QUANTITIES, SCALE, SWEPT
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-__all__ = ["BANDS", "CONTROLS", "DRIVES", "PRESETS", "VIEWS", "Control", "Drive", "drive_named", "drives_of"]
+__all__ = [
+    "BANDS",
+    "CONTROLS",
+    "DRIVES",
+    "ELSEWHERE",
+    "PRESETS",
+    "VIEWS",
+    "Control",
+    "Drive",
+    "drive_named",
+    "drives_of",
+]
 
 
 class Control(NamedTuple):
@@ -67,7 +78,9 @@ CONTROLS: Final = {
     "trough_length": Control(50.0, 5000.0, 10.0),
     "gravity": Control(1.0, 20.0, 0.01),
 }
-assert set(SWEPT) <= set(CONTROLS) <= set(QUANTITIES)
+#: Axes of sweeps that the page does not have: of motions, which it does not show, and of clamped parts.
+ELSEWHERE: Final = (SCALE, "normal_acceleration")
+assert set(SWEPT) - {*ELSEWHERE} <= set(CONTROLS) <= set(QUANTITIES)
 
 #: Quantities that may be given as bands.
 BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from vibro.axes import AxisSpec, parse_axis
 from vibro.errors import InputError, Problems, cut, shown
-from vibro.explore.controls import BANDS, CONTROLS, DRIVES, VIEWS, drive_named
+from vibro.explore.controls import BANDS, CONTROLS, DRIVES, ELSEWHERE, VIEWS, drive_named
 from vibro.files.descriptions import EXAMPLES
 from vibro.quantities import (
     AMPLITUDES,
@@ -148,6 +148,12 @@ def initial_state(request: Request | None = None) -> State:
     point = request.fixed | ({} if request.length is None else {"trough_length": request.length})
     if not point.get("along_phase"):  # where phases are counted from
         point.pop("along_phase", None)
+    other = [QUANTITIES[name].label for name in ELSEWHERE if name in {*point, *request.varying}]
+    if other:
+        raise InputError(
+            f"the page shows neither motions with a scale nor clamped parts, as {' and '.join(other)} tells",
+            hint="vibro solve and vibro map take all that a scene file can give",
+        )
     drive = drive_named([name for name in request.drive if name in {*point, *request.varying}])
     if not drive:
         raise InputError(
@@ -222,7 +228,7 @@ def _state(texts: dict[str, str]) -> State:
     axes = {}
     for key, usual, count in (("x", drive.x, WIDTH), ("y", drive.y, HEIGHT)):
         with wrong.taken(field=f"{key}_range"):
-            axes[key] = _axis(key, usual, count, texts, [n for n in SWEPT if n not in other])
+            axes[key] = _axis(key, usual, count, texts, [n for n in SWEPT if n not in {*other, *ELSEWHERE}])
     wrong.settle()
     x, y = axes["x"], axes["y"]
     drawn = {axis.quantity.name for axis in (x, y)}

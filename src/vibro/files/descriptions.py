@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.core.codes import Regime
 from vibro.files import entries as form
-from vibro.quantities import BY_COLUMN, QUANTITIES, STANDS_FOR, SWEPT, Quantity, Range
+from vibro.quantities import (
+    BY_COLUMN,
+    CLAMPED_TROUGH,
+    MASS,
+    NORMAL_FORCE,
+    QUANTITIES,
+    STANDS_FOR,
+    SWEPT,
+    Quantity,
+    Range,
+)
 from vibro.units import IN_GRAVITIES, LENGTH, PERCENT, PURE, SPEED, TIME, Kind
 
 if TYPE_CHECKING:
@@ -90,12 +100,23 @@ def _harmonics(name: str, meaning: str) -> Entry:
     return form.Entry(form.LIST, replace(QUANTITIES[name], name=f"{name}s", meaning=meaning))
 
 
+def _moved(of: Form, key: str, meaning: str) -> Entry:
+    return form.Entry(of, Quantity(key, meaning=meaning))
+
+
 def _value(quantity: Quantity) -> Entry:
+    quantity = _widened(quantity)
     usual = "" if quantity.default is None else f"{quantity.default:g}"
     return form.Entry(form.VALUE, quantity, usual, EXAMPLES.get(quantity.name))
 
 
+def _widened(quantity: Quantity) -> Quantity:
+    """Return a quantity with all that it may be: a trough angle also under a clamped part."""
+    return CLAMPED_TROUGH if quantity.name == CLAMPED_TROUGH.name else quantity
+
+
 def _axis(quantity: Quantity) -> Entry:
+    quantity = _widened(quantity)
     is_swept = STANDS_FOR.get(quantity.name, quantity.name) in SWEPT
     return form.Entry(form.AXIS if is_swept else form.POINT, quantity)
 
@@ -109,6 +130,18 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
         _harmonics("along_phase", "phases of all harmonics along the trough"),
         _harmonics("normal_amplitude", "amplitudes of all harmonics normal to the trough, from the first on"),
         _harmonics("normal_phase", "phases of all harmonics normal to the trough"),
+        form.Entry(form.VALUE, replace(NORMAL_FORCE, meaning="constant normal force on a clamped part")),
+        form.Entry(form.VALUE, replace(MASS, meaning="mass of the clamped part")),
+    )),
+    "motion": TableKind("[motion]", "how the trough moves, in place of a drive in [scene]", _by_key(
+        _moved(form.PAIRS, "along_harmonics_mm_deg", "amplitude [mm] and phase [deg] of each harmonic along"),
+        _moved(form.PAIRS, "normal_harmonics_mm_deg", "the same normal to the trough"),
+        _moved(form.PAIRS, "along_steps", "shares of the period, and the accelerations in them [m/s^2]"),
+        _moved(form.PAIRS, "normal_steps", "the same normal to the trough"),
+        _moved(form.SAMPLES, "along_samples_m_s2", "accelerations of one period along, equally spaced"),
+        _moved(form.SAMPLES, "normal_samples_m_s2", "the same normal to the trough"),
+        _moved(form.SAMPLES, "along_samples_mm", "displacements of one period along, equally spaced"),
+        _moved(form.SAMPLES, "normal_samples_mm", "the same normal to the trough"),
     )),
     "map": TableKind("[map]", "what is swept, in place of values of [scene]",
                      _by_key(*map(_axis, BY_COLUMN.values()))),

@@ -15,6 +15,7 @@ from vibro.axes import axis_of, parse_axis
 from vibro.errors import InputError, shown
 from vibro.quantities import MOST_HARMONICS, catalogue_hint, exact_number, nearest_double
 from vibro.reals import NotRealError, real_number
+from vibro.waveforms import LEAST_SAMPLES, MOST_PIECES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
     from vibro.quantities import Quantity
 
 __all__ = [
-    "AXIS", "BAND", "CHOICES", "FRICTION", "LIMITS", "LIST", "NUMBER", "POINT", "SPAN", "TEXT", "VALUE",
-    "Entry", "Form", "Span", "one_of",
+    "AXIS", "BAND", "CHOICES", "FRICTION", "LIMITS", "LIST", "NUMBER", "PAIRS", "POINT", "SAMPLES", "SPAN",
+    "TEXT", "VALUE", "Entry", "Form", "Span", "one_of",
 ]  # fmt: skip
 
 #: Both ends of a closed interval.
@@ -52,7 +53,7 @@ class Form(NamedTuple):
     spellings : tuple of str
         How it may be written: ``number``; as a text a number with a unit (``text``), ``lo:hi`` (``ends``),
         ``a,b,c`` (``listed``), an ``axis``, the ``name`` of a row of the catalogue or any ``line``; a
-        ``list`` of these, a list of a ``single`` one, or a list of ``numbers`` alone.
+        ``list`` of these, a list of a ``single`` one, or a list of ``numbers``, ``pairs`` or ``samples``.
     words : tuple of str
         Allowed words, where it is one of a few.
     """
@@ -186,11 +187,35 @@ def _as_number(text: str, quantity: Quantity) -> str:
 
 def _list(quantity: Quantity, value: Any) -> list[float]:
     """Read a number for each harmonic."""
-    numbers = isinstance(value, list) and all(type(item) in (int, float) for item in value)
-    if not numbers or not 0 < len(value) <= MOST_HARMONICS:
+    if not _is_numbers(value, 1, MOST_HARMONICS):
         hint = f"write {quantity.column} = [1, 0.2]: a number for each of at most {MOST_HARMONICS} harmonics"
         raise _refusal(quantity, value, "must be a list of numbers", hint)
     return [*value]
+
+
+def _pairs(quantity: Quantity, value: Any) -> list[list[float]]:
+    """Read a list of pairs of numbers; what they may be is left to the motion."""
+    if not isinstance(value, list) or not value or not all(_is_numbers(pair, 2, 2) for pair in value):
+        hint = f"write {quantity.column} = [[0.8, 6.9], [0.2, -27.6]]"
+        raise _refusal(quantity, value, "must be a list of pairs of numbers", hint)
+    return value
+
+
+def _samples(quantity: Quantity, value: Any) -> list[float]:
+    """Read samples of one period."""
+    if not _is_numbers(value, LEAST_SAMPLES, MOST_PIECES):
+        hint = f"write {quantity.column} = [0, 1.4, 2, 1.4, 0, -1.4, -2, -1.4]: one period, equally spaced"
+        rule = f"must be a list of {LEAST_SAMPLES} to {MOST_PIECES} numbers"
+        raise _refusal(quantity, value, rule, hint)
+    return [*value]
+
+
+def _is_numbers(value: Any, least: int, most: int) -> bool:
+    return isinstance(value, list) and least <= len(value) <= most and all(map(_is_number, value))
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float)
 
 
 def one_of(values: Mapping[str, Any]) -> Form:
@@ -272,6 +297,8 @@ def _by_column(exc: InputError, quantity: Quantity) -> InputError:
 # Forms of scene files.
 VALUE: Final = Form("number", _value, ("number",))
 LIST: Final = Form(f"list of up to {MOST_HARMONICS} numbers", _list, ("numbers",))
+PAIRS: Final = Form("list of pairs of numbers", _pairs, ("pairs",))
+SAMPLES: Final = Form(f"list of {LEAST_SAMPLES} to {MOST_PIECES} numbers", _samples, ("samples",))
 AXIS: Final = Form("number, list or axis", _axis, ("number", "text", "listed", "axis", "list"))
 POINT: Final = Form("number", _point, ("number", "text", "single"))
 # Forms of design questions.

@@ -12,6 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.quantities import MOST_HARMONICS
+from vibro.waveforms import LEAST_SAMPLES, MOST_PIECES
 
 if TYPE_CHECKING:
     from vibro.files.descriptions import FileKind, TableKind
@@ -89,11 +90,14 @@ def _ways(entry: Entry) -> list[Schema]:
         "line": r"\S[\s\S]*",
     }
     items = {"anyOf": [_bounded(quantity.swept), _matching([text])]}
+    pair = {"type": "array", "items": number, "minItems": 2, "maxItems": 2}
     others: dict[str, Schema] = {
         "number": number,
         "list": {"type": "array", "items": items, "minItems": 1},
         "single": {"type": "array", "items": items, "minItems": 1, "maxItems": 1},
         "numbers": {"type": "array", "items": number, "minItems": 1, "maxItems": MOST_HARMONICS},
+        "pairs": {"type": "array", "items": pair, "minItems": 1, "maxItems": MOST_PIECES},
+        "samples": {"type": "array", "items": number, "minItems": LEAST_SAMPLES, "maxItems": MOST_PIECES},
     }
     ways = [others[spelling] for spelling in form.spellings if spelling in others]
     if spelled := [texts[spelling] for spelling in form.spellings if spelling in texts]:

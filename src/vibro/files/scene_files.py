@@ -1,19 +1,22 @@
-"""Read scene files: TOML with the table [scene] and, optionally, [map]."""
+"""Read scene files: TOML with the table [scene] and, optionally, [motion] and [map]."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibro.axes import AxisSpec, axis_of
 from vibro.errors import InputError, Problems
 from vibro.files.descriptions import SCENE_FILE
+from vibro.files.motions import HARMONICS, motion_of, way_of
 from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
-from vibro.quantities import QUANTITIES
+from vibro.quantities import MASS, MOST_HARMONICS, NORMAL_FORCE, QUANTITIES
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from vibro.files.motions import GivenMotion
 
 __all__ = ["SceneFile", "read_scene_file"]
 
@@ -30,11 +33,14 @@ class SceneFile:
         The table ``[scene]``: one value each, by the quantity's name.
     sweep : mapping of str to AxisSpec
         The table ``[map]``: values and axes, by the quantity's name.
+    motion : GivenMotion or None
+        The table ``[motion]``, if it gives steps or samples; harmonics are in ``scene``.
     """
 
     name: str
     scene: Mapping[str, AxisSpec]
     sweep: Mapping[str, AxisSpec]
+    motion: GivenMotion | None = None
 
 
 def read_scene_file(path: Path) -> SceneFile:
@@ -43,7 +49,8 @@ def read_scene_file(path: Path) -> SceneFile:
     Parameters
     ----------
     path : Path
-        TOML with a table ``[scene]`` and, optionally, ``[map]``; the keys are names with units.
+        TOML with a table ``[scene]`` and, optionally, ``[motion]`` and ``[map]``; the keys are names with
+        units.
 
     Returns
     -------
@@ -62,20 +69,66 @@ def read_scene_file(path: Path) -> SceneFile:
     refuse_other_kinds(content, SCENE_FILE, path)
     problems = Problems(f"{path}: ")
     refuse_unknown_tables(content, SCENE_FILE, problems)
-    tables: dict[str, dict[str, AxisSpec]] = {}
-    lists: dict[str, list[float]] = {}
+    tables: dict[str, dict[str, Any]] = {}
     for name in SCENE_FILE.tables:
         given = content.get(name, ABSENT)
         if not isinstance(given, Mapping):
             problems.add(f"{name} must be a table, written [{name}]")
             given = ABSENT
-        values = Table(SCENE_FILE, name, given, problems).values
-        lists |= {called: value for called, value in values.items() if isinstance(value, list)}
-        tables[name] = {called: spec for called, spec in values.items() if called not in lists}
+        tables[name] = Table(SCENE_FILE, name, given, problems).values
+    scene, motion = tables["scene"], None
+    lists = {called: scene.pop(called) for called, value in [*scene.items()] if isinstance(value, list)}
+    if content.get("motion") is not None and not problems.found:
+        with problems.taken("[motion] "):
+            if way_of(tables["motion"]) == HARMONICS:
+                lists |= _lists_of(tables["motion"], lists)
+            else:
+                motion = motion_of(tables["motion"])
     with problems.taken("[scene] "):
-        tables["scene"] |= _harmonics(lists, tables["scene"])
+        scene |= _harmonics(lists, scene)
+    with problems.taken("[scene] "):
+        scene |= _clamped(scene)
     problems.settle()
-    return SceneFile(path.stem, tables["scene"], tables["map"])
+    return SceneFile(path.stem, scene, tables["map"], motion)
+
+
+def _lists_of(table: Mapping[str, list[list[float]]], lists: Mapping[str, Any]) -> dict[str, list[float]]:
+    """Return pairs of harmonics as the lists of [scene], as many for both directions."""
+    if lists:
+        raise InputError("gives harmonics beside lists of [scene]", hint="give either [motion] or the lists")
+    count = max(map(len, table.values()))
+    if count > MOST_HARMONICS:
+        raise InputError(f"gives {count} harmonics", hint=f"give at most {MOST_HARMONICS}")
+    found = {}
+    for key, pairs in table.items():
+        way = key.partition("_")[0]
+        filled = [*pairs, *[[0.0, 0.0]] * (count - len(pairs))]
+        found[f"{way}_amplitudes"], found[f"{way}_phases"] = map(list, zip(*filled, strict=True))
+    return found
+
+
+def _clamped(scene: dict[str, AxisSpec]) -> dict[str, AxisSpec]:
+    """Replace the normal force on a part and its mass by their quotient."""
+    given = [
+        (quantity, scene.pop(quantity.name)) for quantity in (NORMAL_FORCE, MASS) if quantity.name in scene
+    ]
+    if not given:
+        return {}
+    for quantity, spec in given:
+        if not quantity.allows(spec.value):
+            told = f"{quantity.column} = {spec.value:.15g}"
+            raise InputError(f"{told}: must be {quantity.allowed.text(quantity.unit)}")
+    clamped = QUANTITIES["normal_acceleration"]
+    if len(given) < 2:
+        told = f"{given[0][0].column} is given alone"
+        raise InputError(told, hint=f"give {NORMAL_FORCE.column} and {MASS.column}, or {clamped.column}")
+    if clamped.name in scene:
+        told = f"{NORMAL_FORCE.column} beside {clamped.column}"
+        raise InputError(
+            told, hint=f"give {NORMAL_FORCE.column} and {MASS.column}, or {clamped.column} alone"
+        )
+    (_, force), (_, mass) = given
+    return {clamped.name: axis_of(force.value / mass.value, clamped)}
 
 
 def _harmonics(lists: Mapping[str, list[float]], others: Mapping[str, AxisSpec]) -> dict[str, AxisSpec]:

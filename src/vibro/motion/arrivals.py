@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from vibro.core.compiled import doors
-from vibro.core.harmonic.arrays import each
 from vibro.results.steady import lengths_of
 from vibro.solver import Grid, Scratch, over_cells
 from vibro.steady import solve
@@ -15,7 +14,7 @@ from vibro.steady import solve
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from vibro.scene import Fields, Scene
+    from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
@@ -70,7 +69,7 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
 
 def arrivals(scene: Scene, length: Floats, phase: float, velocity: float) -> Floats:
     """Arrival times from any start, of the shape of ``length``; velocity in m/s."""
-    fields: Fields = each(scene.arrays(), lambda x: np.broadcast_to(x, length.shape))
+    fields = scene.arrays().changed(lambda x: np.broadcast_to(x, length.shape))
     grid = Grid(fields)
     advance = np.broadcast_to(solve(scene).displacement_per_cycle, length.shape).flatten()
     reach, times = length.flatten(), np.empty(length.size)

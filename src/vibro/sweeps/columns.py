@@ -67,7 +67,7 @@ def _found(result: Result, block: Block) -> NDArray[Any]:
     return np.asarray(result.kind.from_si(found)) if result.is_number else found
 
 
-_WHERE_SWEPT: Final = ("friction_ratio", "restitution")
+_WHERE_SWEPT: Final = ("friction_ratio", "normal_acceleration", "restitution")
 # Columns that are written only on request.
 _ON_REQUEST: Final = (WITH_STROKE, _given("restitution"), WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKES)
 
@@ -80,7 +80,8 @@ def columns_of(
     Parameters
     ----------
     axes : collection of str
-        Names of the axes: friction ratio and restitution have a column only if they are swept.
+        Names of the axes: friction ratio, normal acceleration and restitution have a column only if they are
+        swept.
     *extra : Column
         Further columns of this table, before ``model``.
     drive : collection of str

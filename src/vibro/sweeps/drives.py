@@ -1,10 +1,10 @@
-"""Which drive a scene file and a caller give together: one along a line, or one along an ellipse."""
+"""Which drive a scene file and a caller give together: along a line, along an ellipse, or a motion."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from vibro.quantities import DRIVES, ELLIPTICAL, HARMONIC, LINEAR, QUANTITIES
+from vibro.quantities import DRIVES, ELLIPTICAL, LINEAR, QUANTITIES, SCALE, TWO_AXIS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -12,10 +12,19 @@ if TYPE_CHECKING:
     from vibro.axes import AxisSpec
     from vibro.quantities import Quantity
 
-__all__ = ["TWO_AXIS", "drive_given"]
+__all__ = ["MOTION", "MOVED", "drive_given"]
 
-#: Quantities of drives along an ellipse, with harmonics or without.
-TWO_AXIS: Final = (*ELLIPTICAL, *HARMONIC)
+#: Slot of a motion of steps or samples, which is no quantity.
+MOTION: Final = "motion"
+#: Quantities of a drive by such a motion.
+MOVED: Final = (SCALE,)
+
+# The slots of each drive, and those that make it whole.
+_DRIVES: Final = (
+    (LINEAR, {*LINEAR}, {*LINEAR}),
+    (TWO_AXIS, {*TWO_AXIS, SCALE}, {*ELLIPTICAL[:2]}),
+    (MOVED, {*MOVED, MOTION}, {MOTION}),
+)
 
 
 def drive_given(
@@ -37,39 +46,50 @@ def drive_given(
     Returns
     -------
     tuple of str
-        ``LINEAR``, also if nothing is given, or ``TWO_AXIS``.
+        ``LINEAR``, also if nothing is given, ``TWO_AXIS`` or ``MOVED``.
     pair of str, or None
         Message and hint if two drives are given and neither is complete in a higher layer.
     """
     given: dict[str, str] = {}
     for source, specs in layers:
-        both = given | {slot: source for slot in specs if slot in DRIVES}
-        line, ellipse = ([slot for slot in both if slot in drive] for drive in (LINEAR, TWO_AXIS))
-        if not (line and ellipse):
+        own = {slot: source for slot in specs if slot in DRIVES}
+        both = given | own | ({MOTION: "[motion]"} if MOTION in specs else {})
+        if any(both.keys() <= slots for _, slots, _ in _DRIVES):
             given = both
             continue
-        for drive, whole in ((LINEAR, LINEAR), (TWO_AXIS, ELLIPTICAL[:2])):
-            if given.keys() <= set(drive) and set(whole) <= {*given, *known}:
-                for slot in both.keys() - set(drive):
+        for _, slots, whole in _DRIVES:
+            if given.keys() <= slots and whole <= {*given, *known}:
+                for slot in both.keys() - slots:
                     del specs[slot]
                 break
         else:
             return LINEAR, _two_drives(both, spelled)
-    named = {*given} or {*known}
-    return (TWO_AXIS if named & set(TWO_AXIS) else LINEAR), None
+    named = {*given} or {*known} & {*DRIVES}
+    return next((drive for drive, slots, _ in _DRIVES if named <= slots), LINEAR), None
 
 
 def _two_drives(both: Mapping[str, str], spelled: Callable[[Quantity], str]) -> tuple[str, str]:
     """Return message and hint for quantities of two drives: their sources, and the remedy."""
     said = [
-        f"{source} gives {', '.join(QUANTITIES[slot].label for slot in both if both[slot] == source)}"
+        f"{source} gives {', '.join(_label(slot) for slot in both if both[slot] == source)}"
         for source in dict.fromkeys(both.values())
     ]
+    if MOTION in both:
+        return f"{' and '.join(said)}: a drive has one motion", "give either the table [motion] or these"
     why = "a drive moves either along a line or along an ellipse"
     if both.keys() <= {*LINEAR, "normal_phase"}:
         why = "a drive along a line has no phase"
+    if both.keys() <= {*LINEAR, SCALE}:
+        return (
+            f"{' and '.join(said)}: a drive along a line has no {_label(SCALE)}",
+            f"scale its amplitude, {spelled(QUANTITIES['amplitude'])}",
+        )
     a, alpha, x, y, phi = (spelled(QUANTITIES[name]) for name in (*LINEAR, *ELLIPTICAL))
     return (
         f"{' and '.join(said)}: {why}",
         f"for an ellipse give {x}, {y} and {phi}; for a line {a} and {alpha} alone",
     )
+
+
+def _label(slot: str) -> str:
+    return QUANTITIES[slot].label if slot in QUANTITIES else slot

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
+    from vibro.files.motions import GivenMotion
 
     Floats = NDArray[np.float64]
 
@@ -46,6 +47,8 @@ class Grid:
         How every cell is solved, as ``vibro.solve`` takes them (``level`` as ``accuracy``).
     arrivals : bool, optional
         Whether bodies are followed from rest to their arrival.
+    motion : GivenMotion, optional
+        Of a drive by steps or samples, which has neither amplitudes nor angles.
     """
 
     axes: Mapping[str, Axis]
@@ -55,6 +58,7 @@ class Grid:
     flight: bool = True
     coexistence: bool = False
     arrivals: bool = False
+    motion: GivenMotion | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -82,10 +86,11 @@ class Grid:
         Returns
         -------
         dict of str to array
-            By name; broadcastable to the box's shape. The kinetic friction is always among them.
+            By name; broadcastable to the box's shape. The kinetic friction is always among them, and the
+            motion is under ``motion``, an array of one object.
         """
         result = spread(self.axes, self.fixed, box)
-        return _completed(result)
+        return self._completed(result)
 
     def cells(self, start: int, stop: int) -> dict[str, Floats]:
         """Return every quantity of some cells in a row, in the user's units.
@@ -123,14 +128,14 @@ class Grid:
                 return np.asarray(kinetic_friction(*both))
 
             result["kinetic_friction"] = _repeated(of_pairs, period, lasts, start, stop)
-        return result
+        return self._moved(result)
 
     def picked(self, cells: NDArray[np.intp]) -> dict[str, Floats]:
         """Return every quantity of cells by their numbers, as ``cells`` does."""
         result = {name: np.array([value]) for name, value in self.fixed.items()}
         where = np.unravel_index(cells, self.shape) if self.axes else ()
         result |= {axis.name: axis.values[i] for axis, i in zip(self.axes.values(), where, strict=True)}
-        return _completed(result)
+        return self._completed(result)
 
     def solve(self, values: Mapping[str, Floats], threads: int | None = None) -> SteadyCycle:
         """Solve the cells of a box, given by its ``values``, on so many threads; without, one a core."""
@@ -173,7 +178,7 @@ class Grid:
         where = np.unravel_index(np.arange(start, stop), self.shape[:-inner])
         for axis, i in zip(axes[:-inner], where, strict=True):
             result[axis.name] = axis.values[i].reshape(-1, *(1,) * inner)
-        return _completed(result)
+        return self._completed(result)
 
     def operating_point(self, own: Mapping[str, float] | None) -> dict[str, float] | None:
         """Return the scene's value of every axis; None unless it gives all and is otherwise the same."""
@@ -198,14 +203,19 @@ class Grid:
         scene = {QUANTITIES[name].column: value for name, value in self.fixed.items()}
         if self.length is not None:
             scene[QUANTITIES["trough_length"].column] = self.length
-        return {"scene": scene, "axes": axes}
+        motion = {} if self.motion is None else {"motion": dict(self.motion.table)}
+        return {"scene": scene, **motion, "axes": axes}
 
+    def _completed(self, values: dict[str, Floats]) -> dict[str, Floats]:
+        """Add the kinetic friction, where its ratio to the static one is given, and the motion."""
+        if "friction_ratio" in values:
+            values["kinetic_friction"] = kinetic_friction(values["friction_ratio"], values["static_friction"])
+        return self._moved(values)
 
-def _completed(values: dict[str, Floats]) -> dict[str, Floats]:
-    """Add the kinetic friction, where its ratio to the static one is given."""
-    if "friction_ratio" in values:
-        values["kinetic_friction"] = kinetic_friction(values["friction_ratio"], values["static_friction"])
-    return values
+    def _moved(self, values: dict[str, Any]) -> dict[str, Any]:
+        if self.motion is not None:
+            values["motion"] = np.full((1,) * max(x.ndim for x in values.values()), self.motion.motion)
+        return values
 
 
 def _in_turn(values: Floats, held: int, start: int, stop: int) -> Floats:

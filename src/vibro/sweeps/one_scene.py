@@ -12,10 +12,11 @@ from vibro.core.codes import PHASE_NAMES, Regime, Status
 from vibro.drives import Ability
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
-from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, scene_fields
+from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, SCALE, scene_fields
 from vibro.scene import Scene
 from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
 from vibro.sweeps.run import sweep_blocks
+from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
     from vibro.limits import Transition
@@ -53,8 +54,9 @@ class OneScene:
     """
 
     def __init__(self, block: Block) -> None:
-        self.given = {name: float(value.item()) for name, value in block.values.items()}
-        self.scene = Scene(**scene_fields(self.given))
+        self.given = {name: float(value.item()) for name, value in block.values.items() if name in QUANTITIES}
+        moved = {name: value for name, value in block.values.items() if name not in QUANTITIES}
+        self.scene = Scene(**scene_fields({**self.given, **moved}))
         self.length = math.nan if block.length is None else block.length
         self.regime = Regime(int(block.cycle.regime.item()))
         self.status = Status(int(block.cycle.status.item()))
@@ -110,9 +112,12 @@ class OneScene:
             stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
             given["amplitude"] += f" (stroke {stroke} peak to peak)"
         else:
-            length = self.value(WITH_STROKE)
-            told = f"stroke {number(length, LENGTH.unit)} peak to peak, the longest way across the ellipse"
-            given["normal_phase"] += "" if math.isnan(length) else f" ({told})"
+            stroke = f"stroke {number(self.value(WITH_STROKE), LENGTH.unit)} peak to peak"
+            if "normal_phase" in given:
+                path = "path" if self.scene.motion else "ellipse"
+                given["normal_phase"] += f" ({stroke}, the longest way across the {path})"
+            else:
+                given = {"motion": f"motion of {_pieces(self.scene)} ({stroke})"} | given
         pattern = str(self._cycle.pattern)
         facts = [
             ("scene", ", ".join(given.values())),
@@ -194,12 +199,15 @@ class OneScene:
     @property
     def all_amplitudes(self) -> str:
         """Common name of the drive's amplitudes; empty for a drive along a line, which has one."""
+        if SCALE in self.driven:
+            return QUANTITIES[SCALE].label
         return {1: "", 2: "both amplitudes"}.get(len(self.driven), "all amplitudes")
 
     @property
     def driven(self) -> dict[str, float]:
-        """The amplitudes of the drive, in the units outside: one along a line, two of an ellipse."""
-        return {name: value for name, value in self.given.items() if name in AMPLITUDES}
+        """What scales the drive, in the units outside: one amplitude of a line, all others, or the scale."""
+        amplitudes = {name: value for name, value in self.given.items() if name in AMPLITUDES}
+        return amplitudes or {SCALE: self.given[SCALE]}
 
     def amplitudes(self, ratio: float) -> str:
         """Write the amplitudes at which the load is the scene's over ``ratio``, which scales all of them."""
@@ -208,7 +216,7 @@ class OneScene:
     @property
     def is_two_axis(self) -> bool:
         """Whether the drive moves along an ellipse, or has harmonics."""
-        return len(self.driven) > 1
+        return "amplitude" not in self.driven
 
     @property
     def has_harmonics(self) -> bool:
@@ -225,6 +233,13 @@ class OneScene:
             return ()
         phases = cycle_phases(self.scene)
         return phases if len(phases) <= _MOST_PHASES else ()
+
+
+def _pieces(scene: Scene) -> str:
+    motion = scene.motion
+    if isinstance(motion, PiecewiseMotion):
+        return f"{motion.breaks.size - 1} pieces"
+    return f"{len(scene.along_harmonics or ()) or len(scene.normal_harmonics or ())} harmonics"
 
 
 def _cycles(count: float) -> str:
@@ -262,7 +277,8 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
     (block,) = sweep_blocks(replace(grid, fixed={**grid.fixed, **raised_amplitudes}, coexistence=False))
     raised = OneScene(block)
     then = raised.result("mean_velocity")
-    still = abs(one.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * max(one.driven.values())
+    size = LENGTH.from_si(float(one.scene.scale))
+    still = abs(one.result("displacement_per_cycle")) <= LEAST_DIFFERENCE * size
     if math.isnan(then):
         told = f"speed unknown ({raised.status.message})"
     elif not still and then / speed > 0.0:

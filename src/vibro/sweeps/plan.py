@@ -16,6 +16,7 @@ from vibro import __version__
 from vibro.axes import Axis
 from vibro.core.codes import Level
 from vibro.errors import FileError, InputError, VibroError
+from vibro.files.motions import motion_of
 from vibro.files.part_sets import MOST_PARTS, part_name
 from vibro.parallel import BLOCK
 from vibro.quantities import QUANTITIES
@@ -104,7 +105,7 @@ class Plan:
     def content(self) -> dict[str, Any]:
         """Content of the manifest, without the run that began it."""
         grid, table = self.grid, self.table
-        scene = grid.describe()["scene"]
+        described = grid.describe()
         return {
             "format": _FORMAT,
             "versions": dict(self.versions),
@@ -113,7 +114,8 @@ class Plan:
                 {"column": axis.column, "spacing": axis.spacing, "values": axis.values.tolist()}
                 for axis in grid.axes.values()
             ],
-            "scene": scene,
+            "scene": described["scene"],
+            **({"motion": described["motion"]} if "motion" in described else {}),
             "own": dict(self.own),
             "accuracy": grid.level.value,
             "flight": grid.flight,
@@ -221,7 +223,9 @@ def _plan_of(content: Mapping[str, Any]) -> Plan:
     }
     scene = {known[column].name: float(value) for column, value in content["scene"].items()}
     length = scene.pop("trough_length", None)
-    grid = Grid(axes, scene, length, Level(content["accuracy"]), content["flight"], content["coexistence"])
+    motion = motion_of(content["motion"]) if "motion" in content else None
+    solved = Level(content["accuracy"]), content["flight"], content["coexistence"]
+    grid = Grid(axes, scene, length, *solved, motion=motion)
     part = content["part"]
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
     columns = chosen(list(content["columns"]), columns_of(axes, *extra, drive=grid.drive))

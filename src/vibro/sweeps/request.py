@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
@@ -14,17 +14,21 @@ from vibro.errors import Problems
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
+    CLAMPED_TROUGH,
     DEFAULTS,
     DRIVES,
     HARMONIC,
+    LINEAR,
     QUANTITIES,
+    SCALE,
     STANDS_FOR,
     SWEPT,
+    TWO_AXIS,
     drive_of,
     scene_fields,
 )
 from vibro.scene import Scene
-from vibro.sweeps.drives import TWO_AXIS, drive_given
+from vibro.sweeps.drives import MOTION, MOVED, drive_given
 from vibro.sweeps.grid import Grid
 
 if TYPE_CHECKING:
@@ -32,6 +36,7 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.core.codes import Level
+    from vibro.files.motions import GivenMotion
     from vibro.quantities import Quantity
 
 __all__ = ["RANGES", "Caller", "Request", "gather"]
@@ -80,11 +85,14 @@ class Request:
         Every quantity of the scene by its name, axes and single values, in the order of a table's columns.
     own : mapping of str to float
         Values of the scene file's table ``[scene]``, in the user's units.
+    motion : GivenMotion or None
+        Of its table ``[motion]``, if that gives steps or samples.
     """
 
     name: str | None
     specs: Mapping[str, AxisSpec]
     own: Mapping[str, float]
+    motion: GivenMotion | None = None
 
     @property
     def varying(self) -> tuple[str, ...]:
@@ -103,8 +111,9 @@ class Request:
 
     @property
     def has_harmonics(self) -> bool:
-        """Whether the drive has harmonics."""
-        return any(name in HARMONIC for name in self.drive)
+        """Whether the drive has harmonics, steps or samples, or its part is clamped."""
+        names = {*HARMONIC, "normal_acceleration"}
+        return self.motion is not None or not names.isdisjoint(self.specs)
 
     @property
     def fixed(self) -> dict[str, float]:
@@ -135,7 +144,8 @@ class Request:
 
     def scene(self) -> Scene:
         """Make the scene of a request without axes."""
-        return Scene(**scene_fields(self.fixed))
+        moved = {} if self.motion is None else {MOTION: self.motion.motion}
+        return Scene(**scene_fields({**self.fixed, **moved}))
 
     def axes(self, count: int | None = None) -> dict[str, Axis]:
         """Spell out the axes; ``count`` values where a range leaves that open, the usual number without."""
@@ -146,7 +156,7 @@ class Request:
         self, level: Level, *, flight: bool = True, coexistence: bool = False, arrivals: bool = False
     ) -> Grid:
         """Make the grid of all combinations."""
-        return Grid(self.axes(), self.fixed, self.length, level, flight, coexistence, arrivals)
+        return Grid(self.axes(), self.fixed, self.length, level, flight, coexistence, arrivals, self.motion)
 
 
 class _Problems(Problems):
@@ -231,12 +241,15 @@ def gather(
             label = typed.pop(asked_for).quantity.label
             problems.add(f"{label} is given, and asked for", "leave it out", asked_for)
     values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
-    layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", own)]
+    described: dict[str, Any] = own | ({} if file.motion is None else {MOTION: file.motion})
+    layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", described)]
     drive, mixed = drive_given(layers, caller.name, {*problems.slots, asked_for or ""})
     if mixed is not None:
         problems.add(*mixed)
         problems.slots |= {*DRIVES}
-    if line_alone is not None and drive is TWO_AXIS:
+    motion = described.pop(MOTION, None)
+    own = described
+    if line_alone is not None and drive is not LINEAR:
         problems.add(*line_alone)
     other = {*DRIVES}.difference(drive)
     ranges = {slot: text for slot, text in ranges.items() if slot not in other}
@@ -251,8 +264,9 @@ def gather(
 
     for slot, spec in merged.items():
         _check_varies(slot, spec, caller, takes_axes, problems)
-        _check_range(slot, spec, problems)
+        _check_range(slot, spec, problems, is_clamped="normal_acceleration" in merged)
     _check_combinations(merged, problems)
+    _check_clamped(drive, merged, caller, problems)
     if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
         problems.add("nothing varies", f"give an axis, for example {caller.axis(QUANTITIES[drive[0]])}")
     given_up = {*ranges, asked_for, *other, *_harmonics_left_out(merged)}
@@ -262,7 +276,8 @@ def gather(
     problems.settle()
 
     named = {spec.quantity.name: spec for spec in map(_amplitude_for_stroke, merged.values())}
-    return Request(file.name or None, {name: named[name] for name in QUANTITIES if name in named}, values)
+    specs = {name: named[name] for name in QUANTITIES if name in named}
+    return Request(file.name or None, specs, values, motion)
 
 
 def _understood(given: Mapping[str, object], problems: _Problems) -> Specs:
@@ -291,7 +306,9 @@ def _amplitude_for_stroke(spec: AxisSpec) -> AxisSpec:
 
 
 def _left_out(drive: tuple[str, ...], given: Collection[str]) -> dict[str, float]:
-    """Return the quantities that are 0 unless given: phases, and motions of drives with harmonics."""
+    """Return what drives need not give: phases, motions of drives with harmonics, the scale of a motion."""
+    if drive is MOVED:
+        return {SCALE: 1.0}
     sizes = {name for name in given if name in HARMONIC and "amplitude" in name}
     phases = {name.replace("amplitude", "phase") for name in sizes}
     motions = ("along_amplitude", "normal_amplitude") if sizes else ()
@@ -319,14 +336,33 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
         problems.add(f"{spec.quantity.label} = {values}: it cannot be an axis", "give it one value", slot)
 
 
-def _check_range(slot: str, spec: AxisSpec, problems: _Problems) -> None:
+def _check_range(slot: str, spec: AxisSpec, problems: _Problems, *, is_clamped: bool) -> None:
     """Check every value, and tell the first wrong one in the user's units."""
     quantity = spec.quantity
+    if slot == "trough_angle":
+        quantity = CLAMPED_TROUGH if is_clamped else QUANTITIES[slot]
     values = np.array(spec.values, np.float64)
     allowed = quantity.swept if spec.varies else quantity
     good = allowed.allows(quantity.to_si(values))
     for value in values[~good][:1]:
         problems.add(f"{_text(spec, value)}: must be {quantity.allowed.text(quantity.unit)}", field=slot)
+
+
+def _check_clamped(drive: tuple[str, ...], specs: Specs, caller: Caller, problems: _Problems) -> None:
+    """Refuse a clamped part on a trough that moves normal to itself: the force on it would change."""
+    clamped = specs.get("normal_acceleration")
+    if clamped is None or "normal_acceleration" in problems.slots:
+        return
+    told = _text(clamped, clamped.values[0])
+    if drive is LINEAR:
+        x, y = (caller.name(QUANTITIES[name]) for name in TWO_AXIS[:2])
+        why = "of a clamped part, whose trough moves along itself alone"
+        problems.add(f"{told}: {why}", f"in place of amplitude and drive angle give {x}, and 0 for {y}")
+    for slot, spec in specs.items():
+        if slot.startswith("normal_amplitude") and any(spec.values):
+            moves = _text(spec, spec.values[-1])
+            problems.add(f"{told} beside {moves}: the trough of a clamped part moves along itself alone")
+            return
 
 
 def _check_combinations(specs: Specs, problems: _Problems) -> None:

@@ -1,0 +1,76 @@
+"""Motions of scene files: the table ``[motion]``, as it is given and as the solver takes it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from vibro.errors import InputError, SceneError
+from vibro.waveforms import Motion, sampled_motion, step_motion
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["HARMONICS", "MOTIONS", "GivenMotion", "motion_of", "way_of"]
+
+#: Keys of harmonics, which become single quantities, so that each of them can be an axis.
+HARMONICS: Final = ("along_harmonics_mm_deg", "normal_harmonics_mm_deg")
+_STEPS: Final = ("along_steps", "normal_steps")
+_ACCELERATIONS: Final = ("along_samples_m_s2", "normal_samples_m_s2")
+_DISPLACEMENTS: Final = ("along_samples_mm", "normal_samples_mm")
+#: Ways to give a motion: the keys along the trough and normal to it.
+MOTIONS: Final = (HARMONICS, _STEPS, _ACCELERATIONS, _DISPLACEMENTS)
+_MILLIMETRES: Final = 1000.0  # [mm] of a metre
+
+
+class GivenMotion(NamedTuple):
+    """A motion, and the table that gives it, to be written back as given."""
+
+    table: Mapping[str, Any]
+    motion: Motion
+
+
+def way_of(table: Mapping[str, Any]) -> tuple[str, str]:
+    """Return the keys of the way in which a table gives a motion.
+
+    Raises
+    ------
+    InputError
+        If it gives none, or several.
+    """
+    ways = [way for way in MOTIONS if not table.keys().isdisjoint(way)]
+    if not ways:
+        raise InputError(
+            "gives no motion", hint="[motion] for example: along_steps = [[0.8, 6.9], [0.2, -27.6]]"
+        )
+    if len(ways) > 1:
+        given = " and ".join(key for way in ways for key in way if key in table)
+        raise InputError(
+            f"gives {given}", hint="give both directions as harmonics, as steps or as samples of one kind"
+        )
+    return ways[0]
+
+
+def motion_of(table: Mapping[str, Any]) -> GivenMotion:
+    """Make the motion of a table of steps or samples.
+
+    Parameters
+    ----------
+    table : mapping
+        Lists by key.
+
+    Raises
+    ------
+    InputError
+        If they are no motion; the message names their keys.
+    """
+    keys = way_of(table)
+    along, normal = map(table.get, keys)
+    try:
+        if keys == _STEPS:
+            return GivenMotion(table, step_motion(along, normal, keys))
+        if keys == _ACCELERATIONS:
+            return GivenMotion(table, sampled_motion(along, normal, "acceleration", keys))
+        x, y = (None if mm is None else [value / _MILLIMETRES for value in mm] for mm in (along, normal))
+        return GivenMotion(table, sampled_motion(x, y, "displacement", keys))
+    except SceneError as exc:
+        raise InputError(*(str(problem) for problem in exc.problems)) from None

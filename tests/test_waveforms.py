@@ -1,0 +1,245 @@
+"""Motions of the trough: what is read, merged, removed and refused, and how far they reach."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vibro import Motion, SceneError
+from vibro.waveforms import MOST_PIECES, HarmonicMotion, PiecewiseMotion
+
+SLIP_STICK = [(0.8, 6.9), (0.2, -27.6)]
+
+
+def steps(along: Any = None, normal: Any = None) -> PiecewiseMotion:
+    motion = Motion.steps(along, normal)
+    assert isinstance(motion, PiecewiseMotion)
+    return motion
+
+
+def sampled(samples: Any, **options: Any) -> Motion:
+    return Motion.samples(along=samples, **options)
+
+
+def said(call: Any, *given: Any, **named: Any) -> str:
+    with pytest.raises(SceneError) as caught:
+        call(*given, **named)
+    return str(caught.value)
+
+
+def test_steps_are_pieces_of_constant_acceleration() -> None:
+    motion = steps(along=SLIP_STICK)
+    assert motion.breaks.tolist() == [0.0, 0.8, 1.0]
+    np.testing.assert_allclose(motion.pieces[0, :, 0], [6.9, -27.6], rtol=1e-15)
+    assert not motion.pieces[1].any()
+    assert not motion.pieces[..., 1:].any()
+    assert not motion.pieces.flags.writeable
+    again = pickle.loads(pickle.dumps(motion))
+    np.testing.assert_array_equal(again.pieces, motion.pieces)
+
+
+def test_steps_of_both_directions_are_cut_at_the_breaks_of_either() -> None:
+    normal = [(0.1, 2.0), (0.7, -1.0), (0.2, 2.5)]  # 0.1 + 0.7 is 0.7999999999999999
+    motion = steps(along=SLIP_STICK, normal=normal)
+    np.testing.assert_allclose(motion.breaks, [0.0, 0.1, 0.8, 1.0], rtol=1e-15)
+    np.testing.assert_allclose(motion.pieces[0, :, 0], [6.9, 6.9, -27.6], rtol=1e-15)
+    np.testing.assert_allclose(motion.pieces[1, :, 0], [2.0, -1.0, 2.5], rtol=1e-14)
+    shares = np.array([0.05, 0.5, 0.9, 1.05, -0.1])
+    np.testing.assert_allclose(motion.accelerations(shares)[1], [2.0, -1.0, 2.5, 2.0, 2.5], rtol=1e-14)
+
+
+def means(motion: PiecewiseMotion) -> Any:
+    return (motion.pieces / [1, 2, 3, 4]).sum(axis=-1) @ np.diff(motion.breaks)
+
+
+def test_a_small_mean_is_removed_and_a_large_one_refused_with_what_would_close_the_cycle() -> None:
+    steps(along=[(0.5, 1.0), (0.5, -0.9802)])  # a mean of 0.99 % of the largest
+    motion = steps(along=[(0.8, 6.9), (0.2, -27.5)])
+    np.testing.assert_allclose(motion.pieces[0, :, 0], [6.88, -27.52], rtol=1e-14)
+    assert np.abs(means(motion)).max() <= 1e-15 * 27.6
+    message = said(Motion.steps, along=[(0.5, 1.0), (0.5, -0.9798)])  # 1.01 %
+    assert message.startswith(
+        "along = a mean acceleration of 0.0101 m/s^2: must be at most 1 % of the largest"
+    )
+    assert message.endswith("the trough comes back if the last is -1 m/s^2")
+    message = said(Motion.steps, normal=[(0.8, 6.9), (0.2, 27.6)])
+    assert message.startswith("normal = a mean")
+    assert message.endswith("the last is -27.6 m/s^2")
+
+
+def test_shares_add_up_to_one() -> None:
+    motion = steps(along=[(0.5 + 0.9e-9, 1.0), (0.5, -1.0)])
+    assert motion.breaks[-1] == 1.0
+    assert motion.breaks[1] == pytest.approx(0.5 + 0.45e-9, abs=1e-15)
+    message = said(Motion.steps, along=[(0.5 + 1.1e-9, 1.0), (0.5, -1.0)])
+    assert message.startswith("along = shares of 1.000000001 in all: must be shares that add up to 1")
+    message = said(Motion.steps, along=[(0.8, 6.9), (0.3, -27.6)])
+    assert message == "along = shares of 1.1 in all: must be shares that add up to 1: give the last one 0.2"
+    message = said(Motion.steps, along=[(80, 6.9), (20, -27.6)])
+    assert message.endswith("divide each by 100")
+
+
+@pytest.mark.parametrize(
+    ("value", "problem"),
+    [
+        ([], "must be up to 4096 pairs of a share of the period and an acceleration"),
+        (3.0, "along = 3.0: must be up to 4096 pairs"),
+        ([(0.5, 1.0), (0.5,)], "must be up to 4096 pairs"),
+        ([(0.5, 1.0), (0.5, "x")], "along = 'x': must be up to 4096 pairs"),
+        ([1.0, 2.0], "must be up to 4096 pairs"),
+        ([(1.0 / 4097, 0.0)] * 4097, "must be up to 4096 pairs"),
+        ([(0.0, 1.0), (1.0, 0.0)], "along = a share of 0: must be shares above 1e-09"),
+        ([(-0.5, 1.0), (1.5, 0.0)], "along = a share of -0.5: must be shares above 1e-09"),
+        ([(math.nan, 1.0), (1.0, 0.0)], "along = a share of nan"),
+        ([(0.5, math.inf), (0.5, 0.0)], "along = inf m/s^2: must be finite accelerations"),
+    ],
+)
+def test_what_is_wrong_with_steps_is_named(value: Any, problem: str) -> None:
+    assert problem in said(Motion.steps, along=value)
+
+
+def test_both_directions_are_refused_at_once_and_one_is_needed() -> None:
+    with pytest.raises(SceneError) as caught:
+        Motion.steps(along=3.0, normal=[(2.0, 1.0)])
+    assert [problem.field for problem in caught.value.problems] == ["along", "normal"]
+    assert said(Motion.steps) == "along = none: must be given, or normal"
+    assert said(Motion.samples) == "along = none: must be given, or normal"
+    assert said(Motion.harmonics) == "along = none: must be at least one pair, or normal"
+
+
+def test_the_most_pieces_of_both_directions() -> None:
+    count = MOST_PIECES // 2
+    half = [(1.0 / count, 1.0), (1.0 / count, -1.0)] * (count // 2)
+    shifted = [(0.5 / count, 1.0), *half[:-1], (0.5 / count, -1.0)]
+    motion = steps(half, shifted)
+    assert motion.breaks.size == MOST_PIECES + 1
+    assert np.abs(means(motion)).max() <= 1e-15
+    longer = [(0.25 / count, 1.0), (0.25 / count, -1.0), *shifted[1:]]
+    assert "normal = 4097 different pieces along and normal: must be such that they are at most 4096" in said(
+        Motion.steps, half, longer
+    )
+
+
+def test_accelerations_are_joined_by_a_periodic_spline_without_their_mean() -> None:
+    share = np.arange(32) / 32
+    wave = 3.0 * np.sin(2.0 * np.pi * share) + np.sin(4.0 * np.pi * share + 1.0)
+    motion = Motion.samples(along=wave + 9.81, normal=wave)
+    assert isinstance(motion, PiecewiseMotion)
+    np.testing.assert_allclose(motion.accelerations(share), [wave, wave], rtol=0, atol=1e-14 * 9.81)
+    fine = np.arange(1000) / 1000
+    truth = 3.0 * np.sin(2.0 * np.pi * fine) + np.sin(4.0 * np.pi * fine + 1.0)
+    # A cubic spline is off by at most 5/384 of the fourth derivative times the fourth power of the spacing.
+    bound = 5.0 / 384.0 * (3.0 + 16.0) * (2.0 * np.pi / 32.0) ** 4
+    assert 0.01 * bound < np.abs(motion.accelerations(fine)[0] - truth).max() <= bound
+    assert np.abs(means(motion)).max() <= 1e-15 * 4.0
+    ends = motion.pieces.sum(axis=-1)
+    np.testing.assert_allclose(ends[:, -1], motion.pieces[:, 0, 0], atol=1e-14)
+
+
+def test_displacements_become_the_harmonics_that_they_bear() -> None:
+    share = np.arange(100) / 100
+    pairs = [(1e-3, 0.3), (0.0, 0.0), (2e-4, -2.0)]
+    wave = sum(x * np.sin(2.0 * np.pi * k * share + phase) for k, (x, phase) in enumerate(pairs, 1))
+    motion = sampled(5.0 + wave, of="displacement")
+    assert isinstance(motion, HarmonicMotion)
+    assert motion.normal == ()
+    got = np.array(motion.along)
+    assert got.shape == (3, 2)
+    np.testing.assert_allclose(got[:, 0], [1e-3, 0.0, 2e-4], atol=1e-15)
+    np.testing.assert_allclose(np.exp(1j * got[::2, 1]), np.exp([0.3j, -2.0j]), atol=1e-10)
+
+
+def test_harmonics_that_are_noise_are_left_out() -> None:
+    """Of noise alone beyond the third, one harmonic in a thousand is taken for one that is there."""
+    rng = np.random.default_rng(2)
+    share = np.arange(256) / 256
+    wave = np.sin(2.0 * np.pi * share) + 0.1 * np.sin(6.0 * np.pi * share)
+    orders = [
+        len(motion.along)
+        for _ in range(200)
+        if isinstance(
+            motion := sampled(wave + 0.01 * rng.standard_normal(256), of="displacement"), HarmonicMotion
+        )
+    ]
+    assert len(orders) == 200
+    assert np.count_nonzero(np.array(orders) == 3) >= 190
+    assert min(orders) == 3
+
+
+@pytest.mark.parametrize("of", ["acceleration", "displacement"])
+@pytest.mark.parametrize(
+    ("value", "problem"),
+    [
+        (
+            np.ones(7),
+            "along = 7 samples: must be a list of 8 to 4096 finite numbers: one period, equally spaced",
+        ),
+        (np.ones(4097), "along = 4097 samples: must be a list of 8 to 4096"),
+        (np.ones((8, 2)), "must be a list of 8 to 4096 finite numbers"),
+        (["a"] * 8, "along = 'a': must be a list of 8 to 4096 finite numbers"),
+        ([math.nan] * 8, "along = nan: must be a list of 8 to 4096 finite numbers"),
+    ],
+)
+def test_what_is_wrong_with_samples_is_named(of: str, value: Any, problem: str) -> None:
+    assert problem in said(sampled, value, of=of)
+
+
+def test_the_fewest_and_the_most_samples() -> None:
+    for count in (8, MOST_PIECES):
+        motion = sampled(np.sin(2.0 * np.pi * np.arange(count) / count))
+        assert isinstance(motion, PiecewiseMotion)
+        assert motion.breaks.size == count + 1
+
+
+def test_samples_of_both_directions_are_as_many_and_of_what_is_known() -> None:
+    message = said(Motion.samples, np.ones(8), np.ones(9))
+    assert message == "normal = 9 samples: must be as many as along, 8"
+    assert said(sampled, np.ones(8), of="speed") == "of = 'speed': must be acceleration or displacement"
+
+
+@pytest.mark.parametrize("motion", [steps([(0.5, 0.0), (0.5, 0.0)]), sampled([1.0] * 8)])
+def test_a_trough_that_stands_still(motion: PiecewiseMotion) -> None:
+    assert (motion.largest_acceleration, motion.reach, motion.stroke, motion.unit) == (0.0, 0.0, 0.0, 1.0)
+
+
+def test_the_reach_and_the_stroke_of_two_levels() -> None:
+    """Levels a and -b for shares s and 1 - s: the stroke is a s^2 / 8 + b (1 - s)^2 / 8."""
+    motion = steps(along=SLIP_STICK)
+    stroke = 6.9 * 0.8**2 / 8.0 + 27.6 * 0.2**2 / 8.0
+    assert motion.stroke == pytest.approx(stroke, rel=1e-14)
+    assert motion.largest_acceleration == pytest.approx(27.6, rel=1e-15)
+    fine = motion_at(motion, np.arange(100_000) / 100_000)
+    assert motion.reach == pytest.approx(np.abs(fine[0]).max(), rel=1e-8)
+    assert np.abs(fine.mean(axis=1)).max() <= 1e-9 * stroke
+
+
+def motion_at(motion: PiecewiseMotion, shares: Any) -> Any:
+    from vibro.paths import values_at
+
+    return values_at(motion.positions, motion.breaks, shares)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_extremes_of_pieces_are_not_missed(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    if seed % 2:
+        motion: Any = Motion.samples(rng.standard_normal(8 + seed), rng.standard_normal(8 + seed))
+    else:
+        shares = rng.dirichlet(np.ones(3 + seed // 4), 2)
+        levels = rng.standard_normal(shares.shape)
+        levels -= (shares * levels).sum(axis=1, keepdims=True)
+        motion = Motion.steps(*(list(zip(s, a, strict=True)) for s, a in zip(shares, levels, strict=True)))
+    fine = np.arange(4000) / 4000
+    fine = np.union1d(fine, motion.breaks[:-1])
+    a, r = motion.accelerations(fine), motion_at(motion, fine)
+    for got, points in ((motion.largest_acceleration, a), (motion.reach, r)):
+        sizes = np.hypot(*points)
+        assert got >= sizes.max() * (1.0 - 1e-14)
+        assert got == pytest.approx(sizes.max(), rel=1e-4)
+    distances = np.hypot(*(x[::4, np.newaxis] - x for x in r))
+    assert motion.stroke >= distances.max() * (1.0 - 1e-14)
+    assert motion.stroke == pytest.approx(distances.max(), rel=1e-4)
