@@ -27,6 +27,8 @@ __all__ = [
 
 # [1] Legs of one contact, which lasts less than a drive cycle: four and more for each harmonic, or piece.
 _MOST_LEGS: Final = 20_000
+# [rad] An onset this close to the lift-off is at it: where a load jumps both are at the same phase.
+_CLOSE: Final = 1e-14
 _FULL: Final = 5 ** (MOST_LETTERS - 1)  # [1] a pattern from here on has no room for another digit
 
 
@@ -231,7 +233,7 @@ def _contact(track: Track, out: Return, landing: float, rest: float, friction: f
             _append(out.pattern, mode),
             out.settled and leg.settled,
         )
-        if not leg.length < left:
+        if not leg.length < left - _CLOSE:
             return out
         phase, left, mode = phase + leg.length, left - leg.length, leg.next_mode
     return out._replace(settled=False)

@@ -13,7 +13,7 @@ from typing import Final
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.elementary import INF, NAN, TURN, wrap
 from vibro.core.wave_slides import Fall, ahead, crossing, first_ahead, level
-from vibro.core.waves import NORMAL, Mix, Waves, depart, trough_at
+from vibro.core.waves import HARMONICS, NORMAL, Mix, Waves, depart, trough_at
 
 __all__ = ["fly_over_waves"]
 
@@ -34,11 +34,11 @@ def fly_over_waves(
     phase, speed : float
         Of the take-off, speed >= 0.
     lifted : bool
-        Whether it is at a zero of N: then N is 0 there exactly.
+        Whether it is at a zero of N: then N is 0 there exactly, unless it jumps.
     """
     phase = wrap(phase)
     load = depart(waves, lift, phase)
-    if lifted:
+    if lifted and waves.kind == HARMONICS:
         load = 0.0
     fall = Fall(waves, lift, phase, load, True, 0.0, speed)
     up, down = _above_all(waves, lift, phase, speed)
