@@ -32,6 +32,7 @@ _VALUE_BOUND: Final = 1.0 / 384.0
 _SLOPE_BOUND: Final = 0.00801875373874480  # sqrt(3) / 216
 # [1] Share of a cell at which a doubtful zero, double to rounding, is left to the signs.
 _NARROW: Final = 1e-9
+_ROUNDED: Final = 1e-13  # [1] rise over a maximum, of which a hundredth is unknown
 _SETTLED: Final = 1e-9  # [1] of a bracket: a Newton step below leaves rounding errors only
 _STEPS: Final = 60  # of Newton's iteration with halvings, in a bracket
 _AT_EVENT: Final = 1e-9  # [rad] as in legs.py: this close behind an event a rounded phase counts as at it
@@ -49,28 +50,27 @@ class Event(NamedTuple):
     wait: float
 
 
-def find_nodes(waves: Waves, row: int, mix: Mix, derivative: bool) -> None:
-    """Find where a mix, or its derivative, changes its sign, and keep these phases in a row, in order.
+def find_nodes(waves: Waves, row: int, mix: Mix) -> None:
+    """Find where a mix changes its sign, and keep these phases in a row, in order.
 
     A jump counts as a zero, a touch does not.
     """
-    bounds = combine(waves, mix, derivative)
-    constant = 0.0 if derivative else mix.constant
+    bounds, constant = combine(waves, mix), mix.constant
     noise = 4.0 * EPS * bounds.size
     cells, start, count = cells_of(waves), nodes_of(waves, row), 0
-    last = value_in_cell(waves, cells - 1, constant, TURN)
-    first = at_cell_begin(waves, 0, constant)
-    # a smooth wave ends with what it begins with, to the last bit
-    positive = (first.value if waves.kind == HARMONICS else last.value) > 0.0
+    first = at_cell_begin(waves, 0, mix)
+    positive = first.value > 0.0
+    if waves.kind != HARMONICS:
+        positive = value_in_cell(waves, cells - 1, constant, TURN).value > 0.0
     low, here = 0.0, first
     for cell in range(cells):
         end = cell_begin(waves, cell + 1)
         whole = end - low
         width = whole
         if waves.kind == HARMONICS:
-            there = first if cell + 1 == cells else at_cell_begin(waves, cell + 1, constant)
+            there = first if cell + 1 == cells else at_cell_begin(waves, cell + 1, mix)
         else:
-            here, there = at_cell_begin(waves, cell, constant), value_in_cell(waves, cell, constant, end)
+            here, there = at_cell_begin(waves, cell, mix), value_in_cell(waves, cell, constant, end)
             if (here.value > 0.0) != positive:
                 count = _keep(waves, start, count, low)
                 positive = not positive
@@ -163,19 +163,19 @@ def largest(waves: Waves, mix: Mix) -> float:
     Only cells in which the wave may exceed what was found so far are halved, until it rises to one maximum
     in them.
     """
-    bounds, constant = combine(waves, mix, False), mix.constant
+    bounds, constant = combine(waves, mix), mix.constant
     cells, most = cells_of(waves), -INF
     if waves.kind == HARMONICS:
         for cell in range(cells):
-            most = max(most, at_cell_begin(waves, cell, constant).value)
-    first = at_cell_begin(waves, 0, constant)
+            most = max(most, at_cell_begin(waves, cell, mix).value)
+    first = at_cell_begin(waves, 0, mix)
     here = first
     for cell in range(cells):
         low, end = cell_begin(waves, cell), cell_begin(waves, cell + 1)
         if waves.kind == HARMONICS:
-            there = first if cell + 1 == cells else at_cell_begin(waves, cell + 1, constant)
+            there = first if cell + 1 == cells else at_cell_begin(waves, cell + 1, mix)
         else:
-            here, there = at_cell_begin(waves, cell, constant), value_in_cell(waves, cell, constant, end)
+            here, there = at_cell_begin(waves, cell, mix), value_in_cell(waves, cell, constant, end)
             most = max(most, max(here.value, there.value))
         whole = end - low
         width = whole
@@ -218,18 +218,22 @@ def _maximum(
     """Return the maximum of a wave in a bracket in which it is concave: false position on its slope."""
     at_low, at_high = here.slope, there.slope
     most = max(here.value, there.value)
+    x = low + (high - low) * (at_low / (at_low - at_high))
     for _ in range(_STEPS):
-        x = low + (high - low) * (at_low / (at_low - at_high))
         at = value_in_cell(waves, cell, constant, x)
-        gain = at.value - most
-        most = max(most, at.value)
-        # the parabola through what is known rises by no more than the slope times the way to its top
-        if abs(at.slope) * (high - low) <= EPS * abs(most) or (0.0 <= gain <= EPS * abs(most)):
-            break
-        if at.slope > 0.0:
-            low, at_low, at_high = x, at.slope, 0.5 * at_high
+        bend = (at.slope - at_low) / (x - low) if x > low else 0.0
+        if at.slope < 0.0:
+            bend = (at.slope - at_high) / (x - high) if x < high else 0.0
+            high, at_high = x, at.slope
         else:
-            high, at_high, at_low = x, at.slope, 0.5 * at_low
+            low, at_low = x, at.slope
+        # the parabola with this slope and curvature rises so much further
+        rise = -0.5 * at.slope * at.slope / bend if bend < 0.0 else 0.0
+        most = max(most, at.value + rise)
+        if rise <= _ROUNDED * abs(most):
+            break
+        onward = x - at.slope / bend
+        x = onward if low < onward < high else 0.5 * (low + high)
     return most
 
 

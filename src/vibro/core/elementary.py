@@ -9,8 +9,8 @@ import math
 from typing import Final, NamedTuple
 
 __all__ = [
-    "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Motion", "free_motion",
-    "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap", "wrap", "wrap_around",
+    "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Circle", "Motion", "circle",
+    "free_motion", "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap", "wrap", "wrap_around",
 ]  # fmt: skip
 
 PI: Final = math.pi
@@ -24,6 +24,11 @@ EPS: Final = 2.220446049250313e-16  # [1] 2^-52
 FEW_ULP: Final = 4.0 * 2.220446049250313e-16
 # [1] Relative rounding error of a slide's speed, and of a load, where the next leg is decided.
 NOISE: Final = 16.0 * 2.220446049250313e-16
+_QUARTERS_PER_RADIAN: Final = 0.6366197723675814  # 2 / pi
+# [rad] Quarter of a turn, in two parts: the first has 33 bits, so that multiples of it are exact.
+_QUARTER_HIGH: Final = 1.57079632673412561417
+_QUARTER_LOW: Final = 6.07710050650619224932e-11
+_MOST_REDUCED: Final = 1e5  # [rad]
 # [1] Between these a sum of two squares has all of its digits.
 _LEAST_SQUARE: Final = 1e-280
 _MOST_SQUARE: Final = 1e300
@@ -95,6 +100,45 @@ def sine_gap(x: float) -> float:
     """Compute x - sin x, 0 <= x <= pi, to rounding."""
     y = x * x
     return x * y * series_q(y)
+
+
+class Circle(NamedTuple):
+    """Sine and cosine of a phase."""
+
+    sine: float
+    cosine: float
+
+
+def circle(phase: float) -> Circle:
+    """Return sine and cosine, both within an ulp: in half the time of the library's where that is compiled.
+
+    Of the rest to the nearest quarter turn, with the polynomials of fdlibm (k_sin.c and k_cos.c, Sun
+    Microsystems 1993); a phase of many turns is left to the library.
+    """
+    if not abs(phase) < _MOST_REDUCED:
+        return Circle(math.sin(phase), math.cos(phase))
+    quarters = int(phase * _QUARTERS_PER_RADIAN + math.copysign(0.5, phase))
+    x = (phase - quarters * _QUARTER_HIGH) - quarters * _QUARTER_LOW
+    y = x * x
+    sine = (
+        (((((
+            1.58969099521155010221e-10 * y - 2.50507602534068634195e-08) * y + 2.75573137070700676789e-06) * y
+            - 1.98412698298579493134e-04) * y + 8.33333333332248946124e-03) * y - 1.66666666666666324348e-01
+        ) * y * x + x
+    )  # fmt: skip
+    gap = (
+        (((((
+            -1.13596475577881948265e-11 * y + 2.08757232129817482790e-09) * y - 2.75573143513906633035e-07) * y
+            + 2.48015872894767294178e-05) * y - 1.38888888888741095749e-03) * y + 4.16666666666666019037e-02
+        ) * y * y
+    )  # fmt: skip
+    half = 0.5 * y
+    near = 1.0 - half
+    cosine = near + ((1.0 - near - half) + gap)
+    quarter = quarters & 3
+    up = sine if quarter % 2 == 0 else cosine
+    right = cosine if quarter % 2 == 0 else sine
+    return Circle(up if quarter < 2 else -up, right if quarter == 0 or quarter == 3 else -right)
 
 
 class Motion(NamedTuple):

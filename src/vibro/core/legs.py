@@ -142,11 +142,11 @@ def track_of(loads: Loads, restitution: float) -> Track:
 def _track_over_waves(loads: Loads, restitution: float) -> Track:
     """Find where each load of a drive beyond one harmonic changes its sign."""
     for row in range(STATIC_FORWARD, KINETIC_BACK + 1):
-        find_nodes(loads.waves, row, mix_of(loads, row), False)
+        find_nodes(loads.waves, row, mix_of(loads, row))
     lift_off = INF
     if loads.drive_normal > loads.weight_normal:
-        find_nodes(loads.waves, NORMAL, mix_of(loads, NORMAL), False)
-        find_nodes(loads.waves, FORCE, mix_of(loads, FORCE), False)
+        find_nodes(loads.waves, NORMAL, mix_of(loads, NORMAL))
+        find_nodes(loads.waves, FORCE, mix_of(loads, FORCE))
         lift_off = next_event(loads.waves, NORMAL, False, 0.0).phase
     forward = next_event(loads.waves, STATIC_FORWARD, True, 0.0).phase
     back = next_event(loads.waves, STATIC_BACK, True, 0.0).phase
@@ -392,8 +392,10 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
         if slid.length == INF:
             return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
         mix = mix_of(loads, NORMAL)
-        pressed = moved(loads.waves, mix, phase, depart(loads.waves, mix, phase), slid.length).velocity
-        return _left(loads, found, way, phase, slid.path, pressed)
+        pressed = moved(loads.waves, mix, phase, depart(loads.waves, mix, phase), slid.length)
+        normal = max(pressed.load, 0.0)
+        against = -(slid.load + loads.kinetic_friction * pressed.load)
+        return _left(loads, found, way, slid.path, pressed.velocity, normal, against)
     end = slide_from_speed(at, phase, speed, limit)
     if end.length == INF:
         return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
@@ -406,15 +408,23 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
     path = free_motion(at.amplitude, at.drag, own_sine, own_cosine, speed, end.length).path
     # the impulse of the trough takes the normal speed that the body would have in flight
     impulse = -free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, 0.0, end.length).velocity
-    return _left(loads, end, way, phase, path, impulse)
-
-
-def _left(loads: Loads, end: SlideEnd, way: float, phase: float, path: float, impulse: float) -> Leg:
-    """Tell what follows a slide of a path, under a normal impulse: both without their signs."""
-    next_mode, gain = Mode.FORWARD if way > 0.0 else Mode.BACK, 1.0
+    normal, against = 0.0, 0.0
     if end.stopped:
         normal = max(normal_load(loads, phase + end.length), 0.0)
-        against, friction = -way * tangential_load(loads, phase + end.length), loads.kinetic_friction * normal
+        against = -way * tangential_load(loads, phase + end.length)
+    return _left(loads, end, way, path, impulse, normal, against)
+
+
+def _left(
+    loads: Loads, end: SlideEnd, way: float, path: float, impulse: float, normal: float, against: float
+) -> Leg:
+    """Tell what follows a slide of a path, under a normal impulse: both without their signs.
+
+    ``normal`` and ``against`` are the load on the trough at its end, and that along it against the slide.
+    """
+    next_mode, gain = Mode.FORWARD if way > 0.0 else Mode.BACK, 1.0
+    if end.stopped:
+        friction = loads.kinetic_friction * normal
         next_mode, gain = Mode.REST, 0.0
         if against > loads.static_friction * normal:
             next_mode = Mode.BACK if way > 0.0 else Mode.FORWARD

@@ -30,6 +30,7 @@ from vibro.core.waves import (
     prepare_cells,
     prepare_pieces,
     read_harmonic,
+    tabulate,
     with_bounds,
 )
 
@@ -244,6 +245,7 @@ def _waves_at(scenes: Scenes, place: Place, scale: float) -> Waves:
                 amplitude = scenes.harmonics[place.index[start + 2 * direction * count + k]]
                 phase = scenes.harmonics[place.index[start + (2 * direction + 1) * count + k]]
                 read_harmonic(waves, direction == 1, k + 1, amplitude * factor, phase)
+        tabulate(waves)
     return with_bounds(waves)
 
 

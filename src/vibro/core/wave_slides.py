@@ -88,13 +88,14 @@ def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float)
 
 
 class WaveSlide(NamedTuple):
-    """A slide: as ``SlideEnd`` and, relative to its way, its path; inf and NaN where it never ends."""
+    """A slide: as ``SlideEnd`` and, relative to its way, its path and the load beyond friction at its end."""
 
     length: float
     stopped: bool
     speed: float
     top: float
     path: float
+    load: float
 
 
 def first_ahead(waves: Waves, row: int, phase: float) -> int:
@@ -150,10 +151,10 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
         at_end = speed + fallen(fall, end).velocity
         if at_end <= 0.0 and rises:
             end = crossing(fall, low, end, at_low, at_end)
-            return WaveSlide(end, True, 0.0, top, speed * end + fallen(fall, end).path)
+            return _ended(fall, end, True, 0.0, top)
         top = max(top, at_end)
         if far >= limit:
-            return WaveSlide(limit, False, max(at_end, 0.0), top, speed * limit + fallen(fall, limit).path)
+            return _ended(fall, limit, False, max(at_end, 0.0), top)
         if rises:
             least = min(least, at_end)
             minima += 2
@@ -162,7 +163,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
         if minima >= count and limit == INF:
             # all minima of a turn were passed: each turn takes as much from them
             if not drop > 0.0 or least / drop > _MOST_TURNS:
-                return WaveSlide(INF, False, NAN, NAN, NAN)
+                return WaveSlide(INF, False, NAN, NAN, NAN, NAN)
             turns = math.floor(least / drop)
             if turns >= 1.0:
                 index += count * int(turns)
@@ -176,11 +177,16 @@ def _monotone(fall: Fall, limit: float) -> WaveSlide:
     drop = -TURN * fall.mix.constant
     if limit == INF:
         if not drop > 0.0 or fall.value / drop > _MOST_TURNS:
-            return WaveSlide(INF, False, NAN, NAN, NAN)
+            return WaveSlide(INF, False, NAN, NAN, NAN, NAN)
         limit = TURN * (math.floor(fall.value / drop) + 1.0)
     at_end = fall.value + fallen(fall, limit).velocity
     if at_end > 0.0:
-        path = fall.value * limit + fallen(fall, limit).path
-        return WaveSlide(limit, False, at_end, max(fall.value, at_end), path)
+        return _ended(fall, limit, False, at_end, max(fall.value, at_end))
     end = crossing(fall, 0.0, limit, fall.value, at_end) if fall.value > 0.0 else 0.0
-    return WaveSlide(end, True, 0.0, fall.value, fall.value * end + fallen(fall, end).path)
+    return _ended(fall, end, True, 0.0, fall.value)
+
+
+def _ended(fall: Fall, length: float, stopped: bool, speed: float, top: float) -> WaveSlide:
+    """Evaluate a slide at its end."""
+    then = fallen(fall, length)
+    return WaveSlide(length, stopped, speed, top, fall.value * length + then.path, then.load)

@@ -11,13 +11,13 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.buffers import Doubles, Integers
-from vibro.core.elementary import INF, QUARTER, TURN, wrap
+from vibro.core.elementary import INF, QUARTER, TURN, circle, wrap
 
 __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
     "SINE", "SPARE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Mix", "Moved", "Value", "Waves",
     "at_cell_begin", "cell_begin", "cells_of", "combine", "depart", "load_at", "moved", "nodes_of",
-    "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "trough_at",
+    "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "tabulate", "trough_at",
     "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
@@ -39,11 +39,12 @@ ROWS: Final = 7
 #: [1] Cells of a period, per harmonic, in which zeros are isolated.
 CELLS: Final = 8
 #: [1] Parts of the memory, each of which has room for the coefficients of one wave, before the tables.
-ROOM: Final = 4 + 7
+ROOM: Final = 4 + 7 + 16
 
 _WAVE: Final = 2  # [part] the mix whose zeros are sought
 _LOCAL: Final = 3  # [part] a mix, as seen from the start of a leg
 _NODES: Final = 4  # [part] zeros, a part for each row
+_CELLS: Final = 11  # [part] S, its slope, B and its slope where cells of harmonics begin
 
 # [1] Largest velocity and position of a trough whose acceleration has no mean and is nowhere above 1.
 _MOST_VELOCITY: Final = QUARTER
@@ -182,6 +183,22 @@ def with_bounds(waves: Waves) -> Waves:
     return waves._replace(velocity=velocity, height=height, steep=steep)
 
 
+def tabulate(waves: Waves) -> None:
+    """Evaluate S and B of harmonics where cells begin."""
+    number, h, part = waves.number, waves.size, part_of(waves)
+    row = _table(waves)
+    for i in range(CELLS * h):
+        for direction in range(2):
+            value, slope, start = 0.0, 0.0, direction * part
+            for k in range(h):
+                u, w, sine, cosine = number[start + k], number[start + h + k], number[row + k], number[row + h + k]
+                value += u * sine + w * cosine
+                slope += (k + 1) * (u * cosine - w * sine)
+            place = _CELLS * part + 4 * i + 2 * direction
+            number[place], number[place + 1] = value, slope
+        row += part
+
+
 def prepare_pieces(waves: Waves, breaks: Doubles, pieces: Doubles, most: float) -> None:
     """Write piecewise accelerations as S and B, and integrate them.
 
@@ -290,7 +307,8 @@ def load_at(waves: Waves, mix: Mix, phase: float) -> float:
         p = wrap(phase)
         j = piece_of(waves, p)
         return _mixed_piece(waves, mix, j, p - number[_table(waves) + j]).load
-    h, first_sine, first_cosine = waves.size, math.sin(phase), math.cos(phase)
+    h = waves.size
+    first_sine, first_cosine = circle(phase)
     sine, cosine, value = first_sine, first_cosine, mix.constant
     for k in range(h):
         u = mix.along * number[k] + mix.normal * number[2 * h + k]
@@ -317,7 +335,7 @@ def depart(waves: Waves, mix: Mix, phase: float) -> float:
     if waves.kind == PIECES:
         return load_at(waves, mix, phase)
     number, h = waves.number, waves.size
-    first_sine, first_cosine = math.sin(phase), math.cos(phase)
+    first_sine, first_cosine = circle(phase)
     sine, cosine, value = first_sine, first_cosine, mix.constant
     for k in range(h):
         u = mix.along * number[k] + mix.normal * number[2 * h + k]
@@ -346,7 +364,7 @@ def moved(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved
     if waves.kind == PIECES:
         return _moved_over_pieces(waves, mix, phase, value, s)
     number, h = waves.number, waves.size
-    first_sine, first_cosine = math.sin(0.5 * s), math.cos(0.5 * s)
+    first_sine, first_cosine = circle(0.5 * s)
     half_sine, half_cosine = first_sine, first_cosine
     load, velocity, path = value, value * s, 0.5 * value * s * s
     for k in range(h):
@@ -424,7 +442,7 @@ def trough_at(waves: Waves, normal: bool, phase: float) -> Value:
         position = number[sums + size + j] + number[sums + j] * offset + gain.path
         return Value(-position, -(number[sums + j] + gain.velocity))
     start = 2 * size if normal else 0
-    first_sine, first_cosine = math.sin(phase), math.cos(phase)
+    first_sine, first_cosine = circle(phase)
     sine, cosine, position, velocity = first_sine, first_cosine, 0.0, 0.0
     for k in range(size):
         u, w, order = number[start + k], number[start + size + k], float(k + 1)
@@ -437,25 +455,18 @@ def trough_at(waves: Waves, normal: bool, phase: float) -> Value:
 # ---------------------------------------------------------------------------------- cells of a mix of loads
 
 
-def combine(waves: Waves, mix: Mix, derivative: bool) -> Bounds:
-    """Write the coefficients of a mix, or of its derivative, where cells read them; its constant apart."""
+def combine(waves: Waves, mix: Mix) -> Bounds:
+    """Write the coefficients of a mix where cells read them, its constant apart for harmonics."""
     number, part = waves.number, part_of(waves)
     for i in range(part):
         number[_WAVE * part + i] = mix.along * number[i] + mix.normal * number[part + i]
     if waves.kind == PIECES:
         for j in range(waves.size):
-            c = _WAVE * part + 4 * j
-            if derivative:
-                number[c], number[c + 1] = number[c + 1], 2.0 * number[c + 2]
-                number[c + 2], number[c + 3] = 3.0 * number[c + 3], 0.0
-            else:
-                number[c] += mix.constant
+            number[_WAVE * part + 4 * j] += mix.constant
         return Bounds(0.0, INF, 0.0)
-    h, bound, slope, fourth = waves.size, 0.0 if derivative else abs(mix.constant), 0.0, 0.0
+    h, bound, slope, fourth = waves.size, abs(mix.constant), 0.0, 0.0
     for k in range(h):
         c, order = _WAVE * part + k, float(k + 1)
-        if derivative:
-            number[c], number[c + h] = -order * number[c + h], order * number[c]
         size = math.sqrt(number[c] * number[c] + number[c + h] * number[c + h])
         bound += size
         slope += order * size
@@ -475,19 +486,17 @@ def cell_begin(waves: Waves, cell: int) -> float:
     return TURN * cell / (CELLS * waves.size)
 
 
-def at_cell_begin(waves: Waves, cell: int, constant: float) -> Value:
-    """Evaluate the mix of ``combine`` at the start of a cell; ``constant`` is that of harmonics."""
+def at_cell_begin(waves: Waves, cell: int, mix: Mix) -> Value:
+    """Evaluate the mix of ``combine`` at the start of a cell."""
     number, part = waves.number, part_of(waves)
-    wave = _WAVE * part
     if waves.kind == PIECES:
-        return Value(number[wave + 4 * cell], number[wave + 4 * cell + 1])
-    h, row = waves.size, _table(waves) + cell * part
-    value, slope = constant, 0.0
-    for k in range(h):
-        u, w, sine, cosine = number[wave + k], number[wave + h + k], number[row + k], number[row + h + k]
-        value += u * sine + w * cosine
-        slope += (k + 1) * (u * cosine - w * sine)
-    return Value(value, slope)
+        wave = _WAVE * part + 4 * cell
+        return Value(number[wave], number[wave + 1])
+    row = _CELLS * part + 4 * cell
+    return Value(
+        mix.constant + mix.along * number[row] + mix.normal * number[row + 2],
+        mix.along * number[row + 1] + mix.normal * number[row + 3],
+    )
 
 
 def value_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Value:
@@ -497,7 +506,8 @@ def value_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Val
         c, s = wave + 4 * cell, phase - number[_table(waves) + cell]
         value = number[c] + s * (number[c + 1] + s * (number[c + 2] + s * number[c + 3]))
         return Value(value, number[c + 1] + s * (2.0 * number[c + 2] + s * 3.0 * number[c + 3]))
-    h, first_sine, first_cosine = waves.size, math.sin(phase), math.cos(phase)
+    h = waves.size
+    first_sine, first_cosine = circle(phase)
     sine, cosine, value, slope = first_sine, first_cosine, constant, 0.0
     for k in range(h):
         u, w = number[wave + k], number[wave + h + k]
