@@ -206,7 +206,7 @@ def _highest(here: Value, there: Value, d: float, bound: float) -> float:
 
 
 def _is_concave(here: Value, there: Value, d: float, bound: float) -> bool:
-    """Return whether a wave is concave in a cell: the cubic's second derivative is off by M d^2 / 12 at most."""
+    """Return whether a wave is concave in a cell: the cubic's second derivative is within M d^2 / 12."""
     rise = 6.0 * (there.value - here.value) / d
     bend, turn = rise - 4.0 * here.slope - 2.0 * there.slope, 2.0 * here.slope + 4.0 * there.slope - rise
     return max(bend, turn) < -bound * d * d * d / 12.0

@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from vibro.core.bounces import Flights, bounces, single_bounce
+from vibro.core.cells import behind, number_of_nodes
 from vibro.core.drives import Loads
 from vibro.core.elementary import PI, QUARTER, TURN
 from vibro.core.flight import Bed, bed_of
@@ -17,6 +18,7 @@ from vibro.core.hopping import enter
 from vibro.core.legs import track_of
 from vibro.core.orbits import hopping_cycle, orbit_from, others_on
 from vibro.core.return_map import Hops
+from vibro.core.waves import NORMAL, SINE, nodes_of
 
 __all__ = ["coexisting"]
 
@@ -62,6 +64,12 @@ def coexisting(
 def _flies_otherwise(bed: Bed, restitution: float, period: float, impact: float, flights: Flights) -> bool:
     """Return whether other flights repeat than those from rest, whose largest landing speed is ``impact``."""
     most = 0
+    if bed.waves.kind != SINE:
+        for i in range(number_of_nodes(bed.waves, NORMAL)):  # bodies that rest until another lift-off
+            lifts = not behind(bed.waves, NORMAL, i)
+            phase = bed.waves.number[nodes_of(bed.waves, NORMAL) + i]
+            if lifts and _leads_elsewhere(bed, restitution, phase, 0.0, period, impact, flights):
+                return True
     for turns in range(1, _LONGEST + 1):
         bounce = single_bounce(bed, restitution, turns, 0)
         # where there is no such bounce a start from the crest, with its speed, is as good as any
@@ -90,8 +98,8 @@ def _leads_elsewhere(
 ) -> bool:
     """Return whether a take-off leads to flights that repeat and are not those from rest."""
     motion = bounces(bed, restitution, flights, _MOST_FLIGHTS, phase, speed, False)
-    if not motion.repeats or motion.rest > 0.0:
-        return False  # a contact leads to the motion from rest
+    if not motion.repeats or (motion.rest > 0.0 and bed.waves.kind == SINE):
+        return False  # a contact leads to the motion from rest, where there is one lift-off
     largest = 0.0
     for row in range(motion.first, motion.first + motion.count):
         largest = max(largest, flights.impact[row])

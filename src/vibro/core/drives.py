@@ -107,9 +107,7 @@ def weight_over_load(amplitude: float, frequency: float, gravity: float) -> floa
     return min(max(gravity / w / amplitude / w, _LEAST_WEIGHT), _MOST_WEIGHT)
 
 
-def line_loads(
-    weight: float, angles: Directions, static_friction: float, kinetic_friction: float
-) -> Loads:
+def line_loads(weight: float, angles: Directions, static_friction: float, kinetic_friction: float) -> Loads:
     """Form the groups of a drive along a line, Eq. (1), from 1/G."""
     across = weight * angles.sum_cosine
     return Loads(

@@ -10,7 +10,8 @@ from typing import Final, NamedTuple
 
 __all__ = [
     "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Circle", "Motion", "circle",
-    "free_motion", "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap", "wrap", "wrap_around",
+    "free_motion", "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap",
+    "wrap", "wrap_around",
 ]  # fmt: skip
 
 PI: Final = math.pi
@@ -128,7 +129,7 @@ def circle(phase: float) -> Circle:
     )  # fmt: skip
     gap = (
         (((((
-            -1.13596475577881948265e-11 * y + 2.08757232129817482790e-09) * y - 2.75573143513906633035e-07) * y
+            2.08757232129817482790e-09 - 1.13596475577881948265e-11 * y) * y - 2.75573143513906633035e-07) * y
             + 2.48015872894767294178e-05) * y - 1.38888888888741095749e-03) * y + 4.16666666666666019037e-02
         ) * y * y
     )  # fmt: skip

@@ -180,9 +180,7 @@ def tipping_loads(
         out[i] = tipping_load(point.loads, stand_ratio[i])
 
 
-def load_slopes(
-    scenes: Scenes, place: Place, pattern: Integers, out: Doubles, begin: int, end: int
-) -> None:
+def load_slopes(scenes: Scenes, place: Place, pattern: Integers, out: Doubles, begin: int, end: int) -> None:
     """Differentiate the displacement over A of contact cycles, of known patterns, with respect to ln G."""
     for i in range(begin, end):
         seek(scenes, place, i)

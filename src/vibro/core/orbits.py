@@ -25,8 +25,18 @@ from vibro.core.return_map import Hops, Return, return_map
 from vibro.core.waves import SINE, STATIC_BACK, STATIC_FORWARD, nodes_of
 
 __all__ = [
-    "ROUNDING", "HoppingCycle", "Orbit", "between", "cycle_from", "has_stop", "hopping_cycle", "orbit_from",
-    "only_orbit", "others_on", "stopping", "stops_of",
+    "ROUNDING",
+    "HoppingCycle",
+    "Orbit",
+    "between",
+    "cycle_from",
+    "has_stop",
+    "hopping_cycle",
+    "only_orbit",
+    "orbit_from",
+    "others_on",
+    "stopping",
+    "stops_of",
 ]  # fmt: skip
 
 #: [1] Rounding of one evaluation of the return map, relative to the velocities in it.

@@ -7,6 +7,8 @@ steady motion. Lengths in A, speeds in A w, phases in radians.
 
 from __future__ import annotations
 
+from typing import Final
+
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
@@ -17,6 +19,8 @@ from vibro.core.return_map import no_hops
 from vibro.core.windows import Thresholds
 
 __all__ = ["canonical", "wave_cycle"]
+
+_MOST_WEIGHT: Final = 1e50  # [1] above which bodies slip next to no friction alone, and products overflow
 
 
 def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
@@ -29,6 +33,8 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
     if not (at.forward or at.back):
         return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(loose))
     hops = no_hops()
+    if not loads.weight_normal + abs(loads.weight_tangential) < _MOST_WEIGHT:
+        return unanswered(Regime.UNDEFINED, Status.UNRESOLVED)
     cycle = hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, TURN, TURN)
     # One-way bodies are in order, so that all are at rest when the fastest one stops. Of others those as fast
     # as can be, either way, mostly come to one velocity within a cycle: then there is one motion alone.

@@ -2,7 +2,8 @@
 
 Between two zeros the height over the trough is concave, where the trough would bear a body, or convex, where
 it falls away under one. So each piece has a known number of landings. Seen from the ground the body flies
-along a parabola: while that is above the highest point that the trough reaches it cannot land. Normal speeds are over n [A w n], phases in radians.
+along a parabola: while that is above the highest point that the trough reaches it cannot land. Normal speeds
+are over n [A w n], phases in radians.
 """
 
 from __future__ import annotations
@@ -20,9 +21,7 @@ __all__ = ["fly_over_waves"]
 _MOST_PIECES: Final = 1_000_000  # [1] of a flight near the highest point of the trough, in a tiny gravity
 
 
-def fly_over_waves(
-    waves: Waves, lift: Mix, phase: float, speed: float, lifted: bool
-) -> tuple[float, float]:
+def fly_over_waves(waves: Waves, lift: Mix, phase: float, speed: float, lifted: bool) -> tuple[float, float]:
     """Fly to the first landing: return the phase until then [rad] and the speed there [A w n].
 
     Parameters

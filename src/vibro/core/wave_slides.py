@@ -81,7 +81,7 @@ def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float)
             step = 0.5 * (low + high) - x
         before = abs(step)
         x += step
-        # Newton's next step would be of the square of this one, over the distance from a double zero at an end
+        # the next step would be of the square of this one, over the distance from a double zero at an end
         if before <= EPS * x or (newton and before * before <= _SETTLED * x * min(x - begin, end - x)):
             break
     return x

@@ -17,8 +17,8 @@ __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
     "SINE", "SPARE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Mix", "Moved", "Value", "Waves",
     "at_cell_begin", "cell_begin", "cells_of", "combine", "depart", "load_at", "moved", "nodes_of",
-    "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "tabulate", "trough_at",
-    "value_in_cell", "with_bounds",
+    "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "tabulate",
+    "trough_at", "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
 #: [kind] One harmonic, for which there are closed forms; several; pieces of cubic polynomials.
@@ -191,7 +191,12 @@ def tabulate(waves: Waves) -> None:
         for direction in range(2):
             value, slope, start = 0.0, 0.0, direction * part
             for k in range(h):
-                u, w, sine, cosine = number[start + k], number[start + h + k], number[row + k], number[row + h + k]
+                u, w, sine, cosine = (
+                    number[start + k],
+                    number[start + h + k],
+                    number[row + k],
+                    number[row + h + k],
+                )
                 value += u * sine + w * cosine
                 slope += (k + 1) * (u * cosine - w * sine)
             place = _CELLS * part + 4 * i + 2 * direction
