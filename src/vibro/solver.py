@@ -78,9 +78,13 @@ class Grid:
             size, most = breaks.size - 1, _largest_of_pieces(pieces)
         self.hold(further, starts, breaks, pieces)
         self.scenes: Any = (
-            *buffers[:FIELDS], doors().row(further), doors().row(starts), doors().row(sizes), doors().row(strides),
-            axes, kind, size, most,
-        )  # fmt: skip
+            *buffers[:FIELDS],
+            *(doors().row(x) for x in (further, starts, sizes, strides)),
+            axes,
+            kind,
+            size,
+            most,
+        )
         self._memory = _NO_MEMORY
         if kind in (HARMONICS, PIECES):
             part, table = (2 * size, 16 * size * size) if kind == HARMONICS else (4 * size, 5 * size + 1)
@@ -105,7 +109,7 @@ _NO_MEMORY: Final = (np.empty(1), np.empty(1, np.int64))
 
 
 def _largest_of_pieces(pieces: Floats) -> float:
-    """Bound the largest acceleration, exactly where it is constant: a cubic's Bernstein coefficients [m/s^2]."""
+    """Bound the largest acceleration by Bernstein coefficients: exact where it is constant [m/s^2]."""
     c0, c1, c2, c3 = np.moveaxis(pieces, -1, 0)
     corners = c0, c0 + c1 / 3.0, c0 + (2.0 * c1 + c2) / 3.0, c0 + c1 + c2 + c3
     return float(np.abs(corners).max()) or 1.0

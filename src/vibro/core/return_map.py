@@ -19,7 +19,17 @@ from vibro.core.drives import Loads, along_cosine, mix_of, normal_load, phase_di
 from vibro.core.elementary import PI, TURN, free_motion, wrap
 from vibro.core.flight import BOUNCE
 from vibro.core.legs import Track, contact_leg, mode_of, next_lift_off
-from vibro.core.waves import FORCE, SINE, depart, moved, nodes_of
+from vibro.core.wave_slides import first_ahead
+from vibro.core.waves import (
+    FORCE,
+    ROWS,
+    SINE,
+    STATIC_BACK,
+    STATIC_FORWARD,
+    depart,
+    moved,
+    nodes_of,
+)
 
 __all__ = [
     "Hops", "Release", "Return", "no_hops", "release", "return_map", "with_same_ground_speed", "write_hop",
@@ -29,6 +39,9 @@ __all__ = [
 _MOST_LEGS: Final = 20_000
 # [rad] An onset this close to the lift-off is at it: where a load jumps both are at the same phase.
 _CLOSE: Final = 1e-14
+# Of marks: two numbers without a common divisor.
+_RADIX: Final = 131
+_MARKS: Final = 1_000_000_007
 _FULL: Final = 5 ** (MOST_LETTERS - 1)  # [1] a pattern from here on has no room for another digit
 
 
@@ -85,6 +98,8 @@ class Return(NamedTuple):
         Legs of the cycle, as digits of ``Mode`` to base 5; negative where cut after ``MOST_LETTERS``.
     settled : bool
         Whether every slide was solved.
+    turns : int
+        Mark of the static windows in which the body turns round at once, of drives beyond one harmonic.
     """
 
     velocity: float
@@ -94,6 +109,7 @@ class Return(NamedTuple):
     peak: float
     pattern: int
     settled: bool
+    turns: int
 
 
 def write_hop(loads: Loads, phase: float, length: float, impulse: float, hops: Hops, row: int) -> None:
@@ -195,7 +211,7 @@ def return_map(
     Return
         The cycle.
     """
-    out = Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0, True)
+    out = Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0, True, 0)
     for row in range(first, last):
         v = out.velocity
         top = max(abs(v + hops.high[row]), abs(v + hops.low[row]))
@@ -210,6 +226,7 @@ def return_map(
             max(out.peak, top),
             _with_flight(track, out.pattern, hops.length[row]),
             out.settled,
+            out.turns,
         )
         if hops.rest[row] > 0.0:
             out = _contact(track, out, hops.landing[row], hops.rest[row], track.landed_friction)
@@ -232,10 +249,16 @@ def _contact(track: Track, out: Return, landing: float, rest: float, friction: f
             max(out.peak, leg.top),
             _append(out.pattern, mode),
             out.settled and leg.settled,
+            out.turns,
         )
         if not leg.length < left - _CLOSE:
             return out
-        phase, left, mode = phase + leg.length, left - leg.length, leg.next_mode
+        phase, left = phase + leg.length, left - leg.length
+        if track.loads.waves.kind != SINE and leg.gain > 0.0:
+            row = STATIC_FORWARD if leg.next_mode == Mode.FORWARD else STATIC_BACK
+            window = row + ROWS * first_ahead(track.loads.waves, row, wrap(phase))
+            out = out._replace(turns=(_RADIX * out.turns + window) % _MARKS)
+        mode = leg.next_mode
     return out._replace(settled=False)
 
 
@@ -288,7 +311,7 @@ def release(track: Track) -> Release:
         return Release(False, begins.phase, 0.0)
     if normal_load(loads, phase) < 0.0:
         return Release(True, wrap(phase), 0.0)
-    at_rest = Return(0.0, 1.0, 0.0, 0.0, 0.0, 0, True)
+    at_rest = Return(0.0, 1.0, 0.0, 0.0, 0.0, 0, True, 0)
     slid = _contact(track, at_rest, phase, begins.wait, loads.static_friction)
     return Release(False, begins.phase, slid.velocity)
 

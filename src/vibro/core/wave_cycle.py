@@ -14,12 +14,21 @@ from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
 from vibro.core.elementary import TURN
 from vibro.core.legs import track_of
-from vibro.core.orbits import cycle_from, has_stop, hopping_cycle, only_orbit, orbit_from, others_on
-from vibro.core.return_map import no_hops
+from vibro.core.orbits import (
+    HoppingCycle,
+    cycle_from,
+    has_stop,
+    hopping_cycle,
+    only_orbit,
+    orbit_from,
+    others_on,
+)
+from vibro.core.return_map import Hops, no_hops
 from vibro.core.windows import Thresholds
 
 __all__ = ["canonical", "wave_cycle"]
 
+_ROUNDS: Final = 3  # [cycle] after which bodies from afar are near their motion, or slow to come there
 _MOST_WEIGHT: Final = 1e50  # [1] above which bodies slip next to no friction alone, and products overflow
 
 
@@ -36,14 +45,11 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
     if not loads.weight_normal + abs(loads.weight_tangential) < _MOST_WEIGHT:
         return unanswered(Regime.UNDEFINED, Status.UNRESOLVED)
     cycle = hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, TURN, TURN)
-    # One-way bodies are in order, so that all are at rest when the fastest one stops. Of others those as fast
-    # as can be, either way, mostly come to one velocity within a cycle: then there is one motion alone.
-    merged, alone = 0.0, not loose and not (at.forward and at.back)
+    # one-way bodies are in order, so that all are at rest when the fastest one stops
+    start, alone = 0.0, not loose and not (at.forward and at.back)
     if not (loose or alone):
-        ahead, behind = cycle_from(cycle, hops, cycle.bound), cycle_from(cycle, hops, -cycle.bound)
-        alone = has_stop(ahead) and has_stop(behind) and ahead.velocity == behind.velocity
-        merged = ahead.velocity if alone else 0.0
-    home = only_orbit(cycle, hops, merged) if alone else orbit_from(cycle, hops, 0.0)
+        start, alone = _converging(cycle, hops)
+    home = only_orbit(cycle, hops, start) if alone else orbit_from(cycle, hops, 0.0)
     regime = _regime_of(home.cycle.pattern, loads)
     if home.status != Status.OK and home.status != Status.BOUNDARY:
         return unanswered(regime if home.status == Status.RUNAWAY else Regime.UNDEFINED, home.status)
@@ -56,6 +62,27 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
         regime, status, _code_of(home.cycle.pattern), Model.SLIDES, home.cycle.displacement, home.cycle.peak,
         int(coexists),
     )  # fmt: skip
+
+
+def _converging(cycle: HoppingCycle, hops: Hops) -> tuple[float, bool]:
+    """Return whether bodies as fast as can be, either way, prove that there is one motion alone, and where.
+
+    All cycles lie between the images of both. They may come to one velocity; or both turn round in the same
+    static windows without a stop, and so does each body between them: there the map is smooth, its slope
+    below 1.
+    """
+    high, low = cycle.bound, -cycle.bound
+    for _ in range(_ROUNDS):
+        ahead, behind = cycle_from(cycle, hops, high), cycle_from(cycle, hops, low)
+        high, low = ahead.velocity, behind.velocity
+        if has_stop(ahead) and has_stop(behind):
+            if high == low:
+                return high, True
+        elif not (has_stop(ahead) or has_stop(behind)):
+            alike = ahead.turns == behind.turns and ahead.pattern == behind.pattern
+            if alike and ahead.slope < 1.0 and behind.slope < 1.0:
+                return 0.5 * (high + low), True
+    return 0.0, False
 
 
 def _regime_of(pattern: int, loads: Loads) -> int:
