@@ -318,4 +318,6 @@ def release(track: Track) -> Release:
 
 def with_same_ground_speed(loads: Loads, velocity: float, phase: float, other: float) -> float:
     """Return the velocity relative to the trough of the same velocity over the ground, at another phase."""
+    if phase == other:
+        return velocity
     return velocity + loads.drive_tangential * (along_cosine(loads, phase) - along_cosine(loads, other))
