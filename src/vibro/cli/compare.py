@@ -14,6 +14,15 @@ from typer.core import TyperCommand
 from vibro.cli.completion import complete_fitted
 from vibro.cli.console import Console
 from vibro.cli.options import FormatOption, Options, picture_formats
+from vibro.cli.record_options import (
+    ReverseOption,
+    SensitivityOption,
+    TimeOption,
+    TroughAlongOption,
+    TroughNormalOption,
+    column_option,
+    scene_and_data,
+)
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR, QUANTITIES, STANDS_FOR, scene_fields
 
@@ -59,56 +68,31 @@ def _is_header(text: str) -> bool:
     return not (text.startswith("-") or is_file)
 
 
-def _column(name: str, text: str) -> Any:
-    return typer.Option(f"--{name}", metavar="HEADER", help=text, show_default=False)
-
-
 def compare_command(
     context: typer.Context,
     options: Options,
     data: Annotated[
         Path | None, typer.Argument(metavar="DATA.csv", help="Signals over time.", show_default=False)
     ] = None,
-    time: Annotated[str | None, _column("time", "Column of the time.")] = None,
+    time: TimeOption = None,
     displacement: Annotated[
-        str | None, _column("displacement", "Column of the displacement relative to the trough.")
+        str | None, column_option("displacement", "Column of the displacement relative to the trough.")
     ] = None,
-    velocity: Annotated[str | None, _column("velocity", "Column of the relative velocity.")] = None,
+    velocity: Annotated[str | None, column_option("velocity", "Column of the relative velocity.")] = None,
     acceleration: Annotated[
-        str | None, _column("acceleration", "Column of the relative acceleration.")
+        str | None, column_option("acceleration", "Column of the relative acceleration.")
     ] = None,
     friction: Annotated[
         str | None,
-        _column("friction", "Column of the friction on the body, or --force HEADER; needs --mass."),
+        column_option("friction", "Column of the friction on the body, or --force HEADER; needs --mass."),
     ] = None,
-    trough_along: Annotated[
-        str | None,
-        _column(
-            "trough-along",
-            "Column of the trough's acceleration along its surface: gives amplitude, frequency.",
-        ),
-    ] = None,
-    trough_normal: Annotated[
-        str | None,
-        _column(
-            "trough-normal", "The same normal to its surface, upwards; both give drive angle or ellipse too."
-        ),
-    ] = None,
-    sensitivity: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--sensitivity",
-            metavar="100mV/g",
-            help="What a sensor's voltage stands for; of one of several columns: velocity=125mm/s/V.",
-            show_default=False,
-        ),
-    ] = None,
+    trough_along: TroughAlongOption = None,
+    trough_normal: TroughNormalOption = None,
+    sensitivity: SensitivityOption = None,
     mass: Annotated[
         str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
     ] = None,
-    reverse: Annotated[
-        bool, typer.Option("--reverse", help="The data's axis points against the conveying direction.")
-    ] = False,
+    reverse: ReverseOption = False,
     fitted: Annotated[
         str | None,
         typer.Option(
@@ -141,7 +125,7 @@ def compare_command(
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     names = _fitted_names(fitted)
-    options, data = _arguments(options, data)
+    options, data = scene_and_data(options, data, "compare")
     body = None
     if mass is not None:
         body = float(exact_number(mass, MASS))
@@ -226,23 +210,6 @@ def compare_command(
     else:
         print(comparison_report(tables, data, request))
     return 0
-
-
-def _arguments(options: Options, data: Path | None) -> tuple[Options, Path]:
-    """Tell scene file and data apart: the scene may be given by options alone."""
-    from dataclasses import replace
-
-    if data is None and options.scene is not None and options.scene.suffix.casefold() != ".toml":
-        return replace(options, scene=None), options.scene
-    if data is None:
-        raise InputError("missing: DATA.csv", hint="for example: vibro compare scene.toml data.csv")
-    first, second = (path.suffix.casefold() if path else "" for path in (options.scene, data))
-    if second == ".toml" != first:
-        raise InputError(
-            f"{data} is a scene file: the scene comes before the data",
-            hint=f"vibro compare {data} {options.scene}",
-        )
-    return options, data
 
 
 def _elliptical(options: Options) -> bool:

@@ -98,6 +98,11 @@ class Tolerances(NamedTuple):
     # Rows at an end over those in the band: 2.4 of a sine of whole digits, 5.3 of a flatter crest.
     clip_ratio: float = 8.0
 
+    draws: int = 200  # of the noise: their standard deviation is known to 5 %
+    gain: float = 0.02  # usual errors of calibration: of a sensitivity,
+    tilt: float = float(np.radians(1.0))  # [rad] of the way that sensors are put on,
+    delay: float = 50e-6  # [s] and of the time between two channels
+
     # --- comparison -----------------------------------------------------------------------------------
     slide_level: float = 0.1  # of a slide's computed peak speed, at its start and end
     fine: int = 4096  # points a cycle at which folded signals are searched

@@ -186,7 +186,8 @@ class MeasuredMotion:
     def shares(self) -> Floats:
         """Acceleration of each harmonic over that of the first, both directions together, shape (H,)."""
         sizes = np.linalg.norm(self.accelerations, axis=1)
-        return np.asarray(sizes / sizes[0], np.float64)
+        shares: Floats = sizes / sizes[0]
+        return shares
 
     def drive(self) -> dict[str, Any]:
         """Return the fields of a ``Scene`` that are measured: frequency, amplitudes and phases.
@@ -224,7 +225,7 @@ class MeasuredMotion:
 
     @property
     def _rates(self) -> Floats:
-        return math.tau * self.frequency * np.arange(1, self.order + 1)
+        return np.asarray(math.tau * self.frequency * np.arange(1, self.order + 1), np.float64)
 
     def _motions(self, frequency: Floats, accelerations: Complexes) -> Motions:
         """Return motions by their accelerations, (H, channels, n), with the clock set to each."""
