@@ -394,10 +394,10 @@ def _check_sensors(record: Record, drive_angle: float | None) -> None:
 def _check_size(record: Record, span: float, frequency: float) -> None:
     """Refuse a record that is too short for errors, or too coarse for harmonics."""
     cycles, samples = span * frequency, (record.time.size - 1) / (span * frequency)
-    if cycles < TOL.motion_cycles * (1.0 - TOL.printed):
+    if cycles < TOL.motion_cycles * (1.0 - TOL.about):
         short = f"the record has {math.floor(100.0 * cycles) / 100.0:g} cycles of {frequency:.6g} Hz"
         raise InputError(f"{short}: at least {TOL.motion_cycles:g} are needed", hint="record longer")
-    if samples < TOL.least_samples * (1.0 - TOL.printed):
+    if samples < TOL.least_samples * (1.0 - TOL.about):
         coarse = (
             f"the record has {math.floor(100.0 * samples) / 100.0:g} samples a cycle of {frequency:.6g} Hz"
         )
