@@ -84,7 +84,7 @@ def motion_command(
     from vibro.records.waveforms import motion_of
 
     console = Console(quiet=options.quiet)
-    options, data = scene_and_data(options, data, "motion")
+    options, data = scene_and_data(options, data, "motion", "RECORD.csv")
     if json and output == "-":
         raise InputError("--json and -o - both want stdout", hint="leave one of them out")
     angle = None

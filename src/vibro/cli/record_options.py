@@ -56,12 +56,14 @@ ReverseOption = Annotated[
 ]
 
 
-def scene_and_data(options: Options, data: Path | None, command: str) -> tuple[Options, Path]:
+def scene_and_data(
+    options: Options, data: Path | None, command: str, called: str = "DATA.csv"
+) -> tuple[Options, Path]:
     """Tell scene file and data apart: the scene may be given by options alone."""
     if data is None and options.scene is not None and options.scene.suffix.casefold() != ".toml":
         return replace(options, scene=None), options.scene
     if data is None:
-        raise InputError("missing: DATA.csv", hint=f"for example: vibro {command} scene.toml data.csv")
+        raise InputError(f"missing: {called}", hint=f"for example: vibro {command} scene.toml data.csv")
     first, second = (path.suffix.casefold() if path else "" for path in (options.scene, data))
     if second == ".toml" != first:
         raise InputError(
