@@ -50,13 +50,13 @@ def test_the_nut_s_record_becomes_a_scene_that_is_solved(run: Run) -> None:
     assert "warning" not in result.stderr
     for said in (
         r"^record +\S*nut_trough_mv\.csv: 479 rows, 12 cycles, 39\.83 samples a cycle$",
-        r"^fundamental +a line: amplitude 1\.0218 ± 0\.0011 mm, frequency 15\.00\d+ ± 0\.0006\d Hz, drive",
+        r"^fundamental +a line: amplitude 1\.0218 ± 0\.001\d mm, frequency 15\.00\d+ ± 0\.0006\d Hz, drive",
         r"^harmonics +1 of 16 stand out of the noise \(each by chance in one record of 1000\)$",
         r"^throw number +0\.323\d ± 0\.001\d$",
         r"^mean speed +17\.7\d+ ± 0\.0\d+ mm/s, forward-slip$",
         r"^ +noise alone, in 200 draws: 100 % forward-slip$",
         r"^calibration +errors would change it by: 2 % of gain \d.* %, 1 deg of tilt .* %, 50 us between",
-        r"^1 +0\.9573 ± 0\.0011 +0 +0\.3571 ± 0\.0012 +-0\.1\d ± 0\.2\d +100$",
+        r"^1 +0\.9573 ± 0\.001\d +0 +0\.3571 ± 0\.001\d +-0\.1\d ± 0\.2\d +100$",
     ):
         assert re.search(said, result.stdout, re.MULTILINE), said
     assert "last harmonic" not in result.stdout

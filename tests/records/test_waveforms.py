@@ -17,6 +17,7 @@ import vibro
 from vibro.errors import InputError
 from vibro.quantities import MOST_HARMONICS
 from vibro.records.reading import Record
+from vibro.records.tolerances import TOL
 from vibro.records.waveforms import MeasuredMotion, motion_of
 
 FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
@@ -181,6 +182,43 @@ def test_where_nothing_moves_along_the_normal_motion_sets_the_clock() -> None:
     assert measured.normal[0].imag == 0.0
     assert measured.normal[0].real == pytest.approx(abs(true.normal[0]), rel=1e-3)
     assert any("no wave of" in warning for warning in measured.warnings)
+
+
+def test_the_frequency_of_a_long_record_is_found_from_its_middle_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first part has 8 cycles of 240, and an error that is many times that of the whole."""
+    true = feeder(9)
+    record = true.record(9, density=10.0 * QUIET, seconds=240.0 / true.frequency)
+    whole = motion_of(record)
+    rows = record.time.size // 30
+    monkeypatch.setattr("vibro.records.waveforms.TOL", TOL._replace(frequency_rows=rows))
+    by_parts = motion_of(record)
+    assert by_parts.frequency == pytest.approx(whole.frequency, abs=1e-3 * whole.frequency_error)
+    assert abs(whole.frequency - true.frequency) < 3.0 * whole.frequency_error
+
+
+@pytest.mark.parametrize("strong", [2, 3])
+def test_a_harmonic_may_be_stronger_than_the_fundamental(strong: int) -> None:
+    true = feeder(11)
+    scale = np.where(
+        np.arange(1, 4) == strong, 2.0 * abs(true.along[0] / true.along) / np.arange(1, 4) ** 2, 1.0
+    )
+    true = true._replace(along=scale * true.along, normal=scale * true.normal)
+    measured = motion_of(true.record(11, seconds=2.0))
+    assert measured.order == 3
+    assert measured.shares[strong - 1] == pytest.approx(2.0, rel=0.2)
+    assert measured.frequency == pytest.approx(true.frequency, rel=1e-5)
+
+
+def test_times_that_are_rounded_do_no_harm() -> None:
+    """At 1600 Hz with four digits neighbours are 0.0006 or 0.0007 s apart."""
+    off = []
+    for seed in range(30):
+        true = feeder(seed)
+        record = true.record(seed, seconds=1.0, rate=1600.0, density=30.0 * QUIET)
+        measured = motion_of(replace(record, time=np.round(record.time, 4)))
+        off += offs(measured, true)
+    assert 0.60 < np.mean(np.abs(off) < 1.0) < 0.76
+    assert 0.92 < np.mean(np.abs(off) < 2.0) < 0.98
 
 
 def test_reverse_turns_the_motion_along_alone() -> None:

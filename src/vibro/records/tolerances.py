@@ -91,10 +91,11 @@ class Tolerances(NamedTuple):
     about: float = 1e-3  # by which cycles and samples may fall short, as the frequency is measured
     usual_samples: float = 40.0  # a cycle, which show 16 harmonics
     by_chance: float = 1e-3  # probability by which noise passes for a harmonic
+    frequency_rows: int = 40_000  # in the middle of a record in which its frequency is searched,
+    frequency_growth: int = 4  # and growth of that part from one refinement to the next
     frequency_rounds: int = 8  # of Gauss and Newton's method; two are usual,
     frequency_step: float = 0.1  # [1/T] largest step of it, as the first frequency is better
     frequency_close: float = 1e-7  # of that step: the last one
-    uneven: float = 0.01  # of the sample time: more is no even sampling
     clip_band: float = 0.002  # of a signal's range, beside its ends
     # Rows at an end over those in the band: 2.4 of a sine of whole digits, 5.3 of a flatter crest.
     clip_ratio: float = 8.0

@@ -7,7 +7,7 @@ would drift by many amplitudes, while a harmonic is divided by (k w)^2.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -318,8 +318,8 @@ def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | Non
     """
     _check_sensors(record, drive_angle)
     signals = trough_signals(record, reverse=reverse)
-    frequency = drive_frequency(record, signals).value
     span = float(np.ptp(record.time))
+    frequency = _frequency(record, signals)
     _check_size(record, span, frequency)
     middle = 0.5 * float(record.time[0] + record.time[-1])
     time, values = record.time - middle, np.stack(list(signals.values()), axis=1)
@@ -327,16 +327,15 @@ def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | Non
     count = min(TOL.motion_harmonics, int(TOL.of_sampling * rate / frequency))
 
     frequency = _refined(time, values, frequency, count)
-    _, _, p_values = _measured(time, values, frequency, count)
+    _, _, p_values, _ = _measured(time, values, frequency, count)
     standing = np.flatnonzero(p_values < TOL.by_chance)
     significant = int(standing[-1]) + 1 if standing.size else 1
     # Noise in a harmonic that the motion lacks would shift the frequency, the more the higher it is.
     frequency = _refined(time, values, frequency, significant)
-    sizes, covariance, p_values = _measured(time, values, frequency, count)
+    sizes, covariance, p_values, bins = _measured(time, values, frequency, count)
     order = min(significant, MOST_HARMONICS)
     sizes, covariance = sizes[:order], covariance[:order]
     channels = tuple(signals)
-    bins = 2 * int(TOL.band * (span + 1.0 / rate) * frequency)
 
     first = _reference(sizes, covariance)
     phase = float(np.angle(-sizes[0, first]))
@@ -406,6 +405,23 @@ def _check_size(record: Record, span: float, frequency: float) -> None:
         raise InputError(f"{coarse}: at least {TOL.least_samples} are needed", hint=hint)
 
 
+def _frequency(record: Record, signals: Mapping[str, Floats]) -> float:
+    """Return the frequency of a record to well within 1/T, T its length.
+
+    The search takes long in many rows: it begins in the middle of a long record, whose part then grows.
+    """
+    size, rows = record.time.size, min(record.time.size, TOL.frequency_rows)
+    part = slice((size - rows) // 2, (size - rows) // 2 + rows)
+    middle = {name: values[part] for name, values in signals.items()}
+    frequency = drive_frequency(replace(record, time=record.time[part]), middle).value
+    while (rows := TOL.frequency_growth * rows) < size:
+        part = slice((size - rows) // 2, (size - rows) // 2 + rows)
+        time = record.time[part] - 0.5 * float(record.time[part][0] + record.time[part][-1])
+        values = np.stack([x[part] for x in signals.values()], axis=1)
+        frequency = _refined(time, values, frequency, 1)
+    return frequency
+
+
 def _reference(sizes: Complexes, covariance: Complexes) -> int:
     """Return the channel whose first harmonic has the phase 0: the first, unless it does not stand out."""
     error = math.sqrt(0.5 * float(covariance[0, 0, 0].real))
@@ -454,8 +470,8 @@ def _variances(left: Floats, values: Floats) -> Floats:
 
 def _measured(
     time: Floats, values: Floats, frequency: float, count: int
-) -> tuple[Complexes, Complexes, Floats]:
-    """Return all harmonics, (K, channels), their covariances, and how likely noise alone is so large."""
+) -> tuple[Complexes, Complexes, Floats, int]:
+    """Return all harmonics, (K, channels), their covariances, how likely noise is so large, and the bins."""
     basis = _basis(time, frequency, count)
     coefficients = _solved(basis, values)
     cosines, sines = coefficients[_TRENDS:].reshape(2, count, -1)
@@ -468,28 +484,27 @@ def _measured(
     channels = sizes.shape[1]
     freedom = bins - channels + 1
     p_values = fdtrc(2.0 * channels, 2.0 * freedom, statistic * freedom / (bins * channels))
-    return sizes, covariance, np.asarray(p_values)
+    return sizes, covariance, np.asarray(p_values), bins
 
 
 def _covariances(time: Floats, left: Floats, frequency: float, count: int) -> tuple[Complexes, int]:
     """Return the covariance of each harmonic by the spectrum of the residual beside it, and its bins.
 
     The bins lie at whole multiples of 1/T from the harmonic, where they are independent of it and of each
-    other. They see noise through the same window as the regression does: no taper is wanted.
+    other. They see noise through the same window as the regression does: no taper is wanted. Rows that are
+    left out, and times that are rounded, do no harm where each row takes the nearest place of an even clock.
     """
-    rate = (time.size - 1) / float(np.ptp(time))
-    rows = time.size
-    if np.ptp(np.diff(time)) > TOL.uneven / rate:  # rows without a value are left out
-        step = float(np.median(np.diff(time)))
-        even = np.arange(time[0], time[-1] + 0.5 * step, step)
-        left = np.stack([np.interp(even, time, column) for column in left.T], axis=1)
-        time, rate = even, 1.0 / step
-    each = int(TOL.band * frequency * time.size / rate)
+    step = float(np.median(np.diff(time)))
+    places = np.rint((time - time[0]) / step).astype(np.intp)
+    clock = np.zeros((int(places[-1]) + 1, left.shape[1]), np.complex128)
+    each = int(TOL.band * frequency * len(clock) * step)
     found = np.empty((count, left.shape[1], left.shape[1]), np.complex128)
     for k in range(1, count + 1):
-        waves = np.fft.fft(left * np.exp(-1j * math.tau * k * frequency * time)[:, None], axis=0)
+        clock[:] = 0.0
+        np.add.at(clock, places, left * np.exp(-1j * math.tau * k * frequency * time)[:, None])
+        waves = np.fft.fft(clock, axis=0)
         beside = np.concatenate([waves[1 : each + 1], waves[-each:]])
-        found[k - 1] = 4.0 / (time.size * rows) * (beside.T @ beside.conj()) / (2 * each)
+        found[k - 1] = 4.0 / time.size**2 * (beside.T @ beside.conj()) / (2 * each)
     return found, 2 * each
 
 
