@@ -184,7 +184,7 @@ def compare_command(
         if names:
             from vibro.records.fitting import fit as fit_scene
 
-            fit = fit_scene(scene, observation, names)
+            fit = fit_scene(scene, observation, names, drive.quantities if drive else None)
 
         tables = ComparisonTables(comparison, record, body, fit, drive)
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}

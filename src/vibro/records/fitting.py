@@ -15,7 +15,7 @@ from vibro.motion.settled import settled_motion
 from vibro.quantities import AMPLITUDES, QUANTITIES
 from vibro.records.alignment import Observation, check_scene
 from vibro.records.cycles import HOPS
-from vibro.records.folding import Floats
+from vibro.records.folding import Estimate, Floats
 from vibro.records.minimisation import (
     Minimum,
     best_of,
@@ -46,9 +46,9 @@ class Parameter:
     value : float
         The best fit [SI].
     intervals : tuple of pairs of float
-        Confidence intervals at 95 %, ascending and disjoint [SI]; they cover noise and misfit, not what the
-        model leaves out. More than one if patterns fit that are apart from each other. Empty if the data do
-        not bound the quantity.
+        Confidence intervals at 95 %, ascending and disjoint [SI]; they cover noise, misfit and the errors of
+        a measured drive, not what the model leaves out. More than one if patterns fit that are apart from
+        each other. Empty if the data do not bound the quantity.
     identified : bool
         Whether the data determine a value; else at most a range is known.
     """
@@ -89,7 +89,12 @@ class Fit:
     statements: tuple[str, ...]
 
 
-def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
+def fit(
+    scene: Scene,
+    observation: Observation,
+    names: Sequence[str],
+    measured: Mapping[str, Estimate] | None = None,
+) -> Fit:
     """Estimate quantities of a scene from a record.
 
     Parameters
@@ -100,6 +105,8 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
         The record.
     names : sequence of str
         Some of ``FITTABLE``.
+    measured : mapping of str to Estimate, optional
+        Quantities of the drive that were measured, whose errors widen the intervals [SI].
 
     Returns
     -------
@@ -118,7 +125,9 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     -----
     The misfit jumps where the pattern of the motion changes. It is therefore minimised within each pattern,
     and the patterns are compared. Intervals come from the profile of the misfit: they hold every value with
-    which the record can be fitted, in any pattern, after the other quantities are fitted again.
+    which the record can be fitted, in any pattern, after the other quantities are fitted again. What the
+    errors of a measured drive make of the estimates, by fits with each quantity moved by its error, is added
+    in quadrature.
     """
     check_scene(scene)
     _check_names(scene, names)
@@ -140,7 +149,11 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
         if better.squares > minima[0].squares - TOL.better * threshold:
             break
         minima = _least_of_each(problem, [better, *minima])
-    return _judged(problem, fitting, [found for found, _ in profiles], threshold)
+    found = [intervals for intervals, _ in profiles]
+    if measured:
+        spreads = math.sqrt(threshold) * _spreads(problem, fitting[0], measured)
+        found = [_widened(*pair) for pair in zip(found, fitting[0].point, spreads, strict=False)]
+    return _judged(problem, fitting, found, threshold)
 
 
 def _check_names(scene: Scene, names: Sequence[str]) -> None:
@@ -310,6 +323,37 @@ def _profile(
             best = min(best, met, key=_squares)
         pieces.append((ends[0], ends[1]))
     return _merged(pieces), best
+
+
+def _spreads(problem: Problem, minimum: Minimum, measured: Mapping[str, Estimate]) -> Floats:
+    """Return the standard errors of the estimates that come from those of a measured drive, (P,).
+
+    Each quantity of the drive is moved by its error to both sides, and the estimates are fitted again.
+    """
+    squares = np.zeros(len(problem.names))
+    movable = range(len(problem.names))
+    for name, (value, error) in measured.items():
+        if name in problem.names or not 0.0 < error < math.inf:
+            continue
+        moved = []
+        for way in (1.0, -1.0):
+            other = problem.with_fixed(name, value + way * error)
+            begun = nearest_inside(other, minimum.label, minimum.point, movable)
+            if begun is not None:
+                found = minimise(other, begun, TOL.enough)
+                moved.append(way * (found.point - minimum.point)[:-1])
+        if moved:
+            squares += np.mean(moved, axis=0) ** 2
+    return np.sqrt(squares)
+
+
+def _widened(intervals: Intervals, estimate: float, spread: float) -> Intervals:
+    """Move the ends of each interval away from its estimate, by errors of another origin in quadrature."""
+    pieces = []
+    for low, high in intervals:
+        middle = estimate if low <= estimate <= high else 0.5 * (low + high)
+        pieces.append((middle - math.hypot(middle - low, spread), middle + math.hypot(high - middle, spread)))
+    return _merged(pieces) if pieces else ()
 
 
 def _merged(pieces: list[tuple[float, float]]) -> Intervals:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from itertools import product
 from typing import Final, NamedTuple
 
@@ -100,6 +101,12 @@ class Problem:
             folded = observation.folded[name]
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
             self._weigh(name, np.ones(values.size), rest, values.size)
+
+    def with_fixed(self, name: str, value: float) -> Problem:
+        """Return the same problem with another value of a quantity that is not free [SI]."""
+        other = copy(self)
+        other.fixed = self.fixed | {name: value}
+        return other
 
     @property
     def own(self) -> Floats:
