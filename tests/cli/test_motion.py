@@ -221,6 +221,62 @@ def test_compare_says_which_command_measures_a_trough_alone(run: Run) -> None:
     assert "hint: vibro motion measures the trough alone" in result.stderr
 
 
+# --- compare ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def parted(made: tuple[Path, Feeder], tmp_path: Path) -> Path:
+    """The same record with a displacement of a part, which only has to be there."""
+    path, _ = made
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    way = 1e3 * 0.02 * table[:, :1]
+    header = "t [s],x [m/s^2],y [g],way [mm]"
+    target = tmp_path / "part.csv"
+    np.savetxt(target, np.hstack([table, way]), "%.8g", ",", header=header, comments="")
+    return target
+
+
+def test_compare_takes_the_harmonics_that_change_the_speed(run: Run, parted: Path) -> None:
+    Path("own.toml").write_text(
+        "[scene]\nalong_amplitudes_mm = [9, 1, 1, 1]\nalong_phases_deg = [0, 0, 0, 5]\nfrequency_hz = 50\n"
+        "static_friction = 0.4\nkinetic_friction = 0.3\n",
+        encoding="utf-8",
+    )
+    args = (parted, "--displacement", "way", *BOTH)
+    result = run("compare", "own.toml", *args, "--json")
+    assert result.exit_code == 0, result.stderr
+    assert re.search(
+        r"the trough moves with 3 harmonics, which change the computed speed by [+-]\d", result.stderr
+    )
+    assert "pure sine" not in result.stderr
+    content = json.loads(result.stdout)
+    measured = vibro.measured_motion(parted, trough_along="x", trough_normal="y")
+    advance = 1e3 * float(
+        vibro.solve(
+            vibro.Scene(**measured.drive(), static_friction=0.4, kinetic_friction=0.3)
+        ).displacement_per_cycle
+    )
+    assert content["figures"]["stroke_advance"]["computed"] == pytest.approx(advance, rel=1e-9)
+    assert content["trough"]["along_amplitude_3_mm"]["measured"] == pytest.approx(
+        1e3 * abs(measured.along[2])
+    )
+    assert content["scene"]["along_amplitude_4_mm"] == 0.0  # the file's own goes
+    printed = run("compare", "own.toml", *args, "-q").stdout
+    assert "second along amplitude 0.0" in printed
+
+
+def test_compare_keeps_to_the_fundamental_where_harmonics_do_not_matter_or_are_not_known(
+    run: Run, parted: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    args = ("compare", parted, "--displacement", "way", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
+    for change, said in ((9e-4, False), (float("nan"), True)):
+        monkeypatch.setattr("vibro.records.measured_speeds.change_by_harmonics", lambda *_, x=change: x)
+        result = run(*args)
+        assert result.exit_code == 0, result.stderr
+        assert ("the first is taken alone" in result.stderr) == said
+        assert "along_amplitude_2_mm" not in json.loads(result.stdout)["scene"]
+
+
 # --- the guide ----------------------------------------------------------------------------------------
 
 

@@ -577,10 +577,10 @@ def fitted_with_its_drive(seed: int, *, carried: bool) -> Fit:
     way = Walked(nut()).displacement(record.time + 0.0137) + 2e-6 * random.standard_normal(record.time.size)
     trough = trough_of(record)
     assert trough is not None
-    found = trough.drive_on_line().quantities
-    scene = nut(**{name: estimate.value for name, estimate in found.items()})
+    drive = trough.drive_on_line()
+    scene = nut(**{name: estimate.value for name, estimate in drive.quantities.items()})
     observation = Observation.of(replace(record, signals={"displacement": way}), float(scene.frequency))
-    return fit(scene, observation, ["static_friction", "kinetic_friction"], found if carried else None)
+    return fit(scene, observation, ["static_friction", "kinetic_friction"], drive.moved if carried else ())
 
 
 def test_intervals_carry_the_errors_of_a_measured_drive() -> None:
@@ -604,9 +604,16 @@ def test_a_drive_that_is_known_exactly_widens_nothing() -> None:
     scene, names = nut(), ["static_friction", "kinetic_friction"]
     observation = Walked(scene).observe("displacement", cycles=8)
     plain = fit(scene, observation, names)
+    trough = trough_of(trough_record())
+    assert trough is not None
     for error in (0.0, math.nan, math.inf):
-        exact = {"amplitude": Estimate(1e-3, error), "static_friction": Estimate(0.74, 0.1)}
-        assert fit(scene, observation, names, exact).parameters == plain.parameters
+        exact = trough.drive_on_line()._replace(quantities={"amplitude": Estimate(1e-3, error)})
+        assert exact.moved == []
+        assert fit(scene, observation, names, exact.moved).parameters == plain.parameters
+    # Of a quantity that is fitted itself the measured value does not count.
+    fitted = [({"kinetic_friction": 0.6}, {"kinetic_friction": 0.5})]
+    for one, other in zip(fit(scene, observation, names, fitted).parameters, plain.parameters, strict=True):
+        assert (one.low, one.high) == pytest.approx((other.low, other.high), rel=1e-3)
 
 
 def test_intervals_of_two_patterns_are_both_widened() -> None:

@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from vibro.records.folding import Estimate
+    from vibro.records.reading import Record
     from vibro.records.trough import MeasuredDrive, Trough
+    from vibro.records.waveforms import HarmonicDrive
     from vibro.sweeps.request import Request
 
 __all__ = ["CompareCommand", "compare_command"]
@@ -150,10 +152,14 @@ def compare_command(
         console.warn(f"column {record.headers['force']!r} is left out: a force needs --mass")
     elliptical = _elliptical(options)
     trough = trough_of(record, reverse=reverse, down=elliptical)
+    drive: MeasuredDrive | HarmonicDrive | None = None
     if trough is None:
-        drive, request = None, request_of(options, context.obj)
+        request = request_of(options, context.obj)
     else:
-        drive, request = _with_measured(trough, elliptical, options, context.obj, console)
+        first, request = _with_measured(trough, elliptical, options, context.obj, console)
+        drive, request = _with_harmonics(record, reverse, first, request, options, context.obj, console)
+        for warning in drive.warnings:
+            console.warn(warning)
     scene = request.scene()
     check_scene(scene)
     observation = Observation.of(
@@ -184,7 +190,7 @@ def compare_command(
         if names:
             from vibro.records.fitting import fit as fit_scene
 
-            fit = fit_scene(scene, observation, names, drive.quantities if drive else None)
+            fit = fit_scene(scene, observation, names, drive.moved if drive else ())
 
         tables = ComparisonTables(comparison, record, body, fit, drive)
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}
@@ -278,9 +284,52 @@ def _with_measured(
                     f"column {columns}: the {QUANTITIES[name].label} is about"
                     f" {rounded(float(ratio))} times the scene's: {doubt(' or '.join(texts))}"
                 )
-    for warning in drive.warnings:
-        console.warn(warning)
     return drive, request_with(drive.quantities)
+
+
+def _with_harmonics(
+    record: Record,
+    reverse: bool,
+    drive: MeasuredDrive,
+    request: Request,
+    options: Options,
+    argv: Sequence[str],
+    console: Console,
+) -> tuple[MeasuredDrive | HarmonicDrive, Request]:
+    """Put the measured harmonics in the place of the fundamental alone, where they change the speed."""
+    from dataclasses import replace
+
+    from vibro.cli.request import request_of
+    from vibro.errors import VibroError
+    from vibro.quantities import DRIVES, HARMONIC
+    from vibro.records.measured_speeds import change_by_harmonics
+    from vibro.records.tolerances import TOL
+    from vibro.records.waveforms import motion_of
+
+    try:  # the record may be too short for harmonics, and one sensor tells those of one direction alone
+        measured = motion_of(record, reverse=reverse)
+    except VibroError:
+        return drive, request
+    rest = {name: x for name, x in request.fixed.items() if name not in (*DRIVES, "frequency")}
+    change = change_by_harmonics(measured, scene_fields(rest)) if measured.order > 1 else 0.0
+    if abs(change) <= TOL.harmonics_matter:
+        return drive, request
+    said = f"the trough moves with {measured.order} harmonics"
+    if math.isnan(change):
+        console.warn(
+            f"{said}, but the motion of a part that hops on it is not known: the first is taken alone"
+        )
+        return drive, request
+    console.echo(f"{said}, which change the computed speed by {100.0 * change:+.2g} %: they are taken")
+    for text in measured.warnings[len(measured.trough.doubts(pure=False)) :]:
+        console.warn(text)
+    harmonics = measured.measured_drive()
+    texts = dict.fromkeys((name for name in request.own if name in HARMONIC), "0")
+    texts |= {
+        name: repr(float(QUANTITIES[name].from_si(estimate.value)))
+        for name, estimate in harmonics.quantities.items()
+    }
+    return harmonics, request_of(replace(options, given={**options.given, **texts}), argv)
 
 
 def _fitted_names(text: str | None) -> list[str]:

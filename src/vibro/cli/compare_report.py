@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vibro.records.fitting import Parameter
     from vibro.records.folding import Estimate
     from vibro.records.trough import MeasuredDrive
+    from vibro.records.waveforms import HarmonicDrive
     from vibro.sweeps.request import Request
 
 __all__ = ["comparison_report", "measured", "uncertain"]
@@ -128,7 +129,7 @@ def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
     return f"{parameter.value / size:.{digits}f}" if parameter.identified else "-", interval
 
 
-def _trough(drive: MeasuredDrive) -> list[tuple[str, str]]:
+def _trough(drive: MeasuredDrive | HarmonicDrive) -> list[tuple[str, str]]:
     """Say what was measured of the trough's motion."""
     facts = [("trough", ", ".join(measured(name, estimate) for name, estimate in drive.quantities.items()))]
     for wave in drive.trough.waves:

@@ -6,16 +6,17 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 from scipy.special import stdtrit
 
 from vibro.errors import InputError, cut, shown
-from vibro.motion.settled import settled_motion
 from vibro.quantities import AMPLITUDES, QUANTITIES
 from vibro.records.alignment import Observation, check_scene
 from vibro.records.cycles import HOPS
-from vibro.records.folding import Estimate, Floats
+from vibro.records.folding import Floats
+from vibro.records.harmonic_motion import steady_motion
 from vibro.records.minimisation import (
     Minimum,
     best_of,
@@ -33,6 +34,7 @@ __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
 Intervals = tuple[tuple[float, float], ...]
 Groups = list[tuple[str, ...]]
+Moves = tuple[Mapping[str, Any], Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ def fit(
     scene: Scene,
     observation: Observation,
     names: Sequence[str],
-    measured: Mapping[str, Estimate] | None = None,
+    moved: Sequence[Moves] = (),
 ) -> Fit:
     """Estimate quantities of a scene from a record.
 
@@ -105,8 +107,9 @@ def fit(
         The record.
     names : sequence of str
         Some of ``FITTABLE``.
-    measured : mapping of str to Estimate, optional
-        Quantities of the drive that were measured, whose errors widen the intervals [SI].
+    moved : sequence of pair of mapping of str to object
+        For each independent error of a measured drive the fields of the scene that it changes, one standard
+        error to either side [SI]; these errors widen the intervals.
 
     Returns
     -------
@@ -126,7 +129,7 @@ def fit(
     The misfit jumps where the pattern of the motion changes. It is therefore minimised within each pattern,
     and the patterns are compared. Intervals come from the profile of the misfit: they hold every value with
     which the record can be fitted, in any pattern, after the other quantities are fitted again. What the
-    errors of a measured drive make of the estimates, by fits with each quantity moved by its error, is added
+    errors of a measured drive make of the estimates, by fits with each of them moved, is added
     in quadrature.
     """
     check_scene(scene)
@@ -150,8 +153,8 @@ def fit(
             break
         minima = _least_of_each(problem, [better, *minima])
     found = [intervals for intervals, _ in profiles]
-    if measured:
-        spreads = math.sqrt(threshold) * _spreads(problem, fitting[0], measured)
+    if moved:
+        spreads = math.sqrt(threshold) * _spreads(problem, fitting[0], moved)
         found = [_widened(*pair) for pair in zip(found, fitting[0].point, spreads, strict=False)]
     return _judged(problem, fitting, found, threshold)
 
@@ -325,25 +328,23 @@ def _profile(
     return _merged(pieces), best
 
 
-def _spreads(problem: Problem, minimum: Minimum, measured: Mapping[str, Estimate]) -> Floats:
+def _spreads(problem: Problem, minimum: Minimum, moved: Sequence[Moves]) -> Floats:
     """Return the standard errors of the estimates that come from those of a measured drive, (P,).
 
-    Each quantity of the drive is moved by its error to both sides, and the estimates are fitted again.
+    The drive is moved by each of its errors to both sides, and the estimates are fitted again.
     """
     squares = np.zeros(len(problem.names))
     movable = range(len(problem.names))
-    for name, (value, error) in measured.items():
-        if name in problem.names or not 0.0 < error < math.inf:
-            continue
-        moved = []
-        for way in (1.0, -1.0):
-            other = problem.with_fixed(name, value + way * error)
+    for sides in moved:
+        found = []
+        for way, fields in zip((1.0, -1.0), sides, strict=True):
+            other = problem.with_fixed({n: x for n, x in fields.items() if n not in problem.names})
             begun = nearest_inside(other, minimum.label, minimum.point, movable)
             if begun is not None:
-                found = minimise(other, begun, TOL.enough)
-                moved.append(way * (found.point - minimum.point)[:-1])
-        if moved:
-            squares += np.mean(moved, axis=0) ** 2
+                refitted = minimise(other, begun, TOL.enough)
+                found.append(way * (refitted.point - minimum.point)[:-1])
+        if found:
+            squares += np.mean(found, axis=0) ** 2
     return np.sqrt(squares)
 
 
@@ -431,7 +432,7 @@ def _statements(
 ) -> list[str]:
     """Say what determines the estimates, which quantities cannot be identified, and which are at a limit."""
     best = minima[0]
-    pattern = settled_motion(fitted).pattern if best.label == HOPS else best.label
+    pattern = steady_motion(fitted).pattern if best.label == HOPS else best.label
     lost = {p.name: p for p in parameters if not p.identified}
     if "F" not in pattern and "B" not in pattern:
         said = ", ".join(QUANTITIES[name].letter for name in lost)

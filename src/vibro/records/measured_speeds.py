@@ -15,7 +15,7 @@ from vibro.records.waveforms import MeasuredMotion, Motions
 from vibro.scene import Scene
 from vibro.steady import solve
 
-__all__ = ["Speeds", "speeds_of", "throw_number"]
+__all__ = ["Speeds", "change_by_harmonics", "speeds_of", "throw_number"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,10 @@ def speeds_of(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
         Number of draws.
     """
     motion = measured.motion
-    variants = {"as it is": [motion], "last": [motion.without_last()] if measured.order > 1 else []}
+    variants = {
+        "as it is": [motion],
+        "last": [motion.up_to(measured.order - 1)] if measured.order > 1 else [],
+    }
     variants |= _miscalibrated(motion, sensors=len(measured.channels))
     cycle = solve(Scene(**_stacked([m for made in variants.values() for m in made]).drive(), **others))
     sample = solve(Scene(**measured.drawn(draws).drive(), **others))
@@ -89,6 +92,19 @@ def speeds_of(measured: MeasuredMotion, others: Mapping[str, float], draws: int 
         last_harmonic=speed - float(last[0]) if last.size else math.nan,
         calibrations={name: float(np.abs(x - speed).max()) for name, x in found.items() if x.size},
     )
+
+
+def change_by_harmonics(measured: MeasuredMotion, others: Mapping[str, float]) -> float:
+    """Return by how much the harmonics change the speed of the fundamental alone, relative to that [1].
+
+    NaN where a speed is unknown, inf where the fundamental alone conveys nothing. Parameters are those of
+    ``speeds_of``.
+    """
+    both = _stacked([measured.motion, measured.motion.up_to(1)])
+    speed, first = (float(x) for x in solve(Scene(**both.drive(), **others)).mean_velocity)
+    if speed == first:
+        return 0.0
+    return (speed - first) / abs(first) if first else math.copysign(math.inf, speed)
 
 
 def throw_number(measured: MeasuredMotion, others: Mapping[str, float], draws: int = TOL.draws) -> Estimate:

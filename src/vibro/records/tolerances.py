@@ -100,6 +100,7 @@ class Tolerances(NamedTuple):
     # Rows at an end over those in the band: 2.4 of a sine of whole digits, 5.3 of a flatter crest.
     clip_ratio: float = 8.0
 
+    harmonics_matter: float = 1e-3  # of the speed: a smaller change by harmonics is left out of a comparison
     draws: int = 200  # of the noise: their standard deviation is known to 5 %
     gain: float = 0.02  # usual errors of calibration: of a sensitivity,
     tilt: float = float(np.radians(1.0))  # [rad] of the way that sensors are put on,

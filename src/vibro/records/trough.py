@@ -240,6 +240,16 @@ class MeasuredDrive(NamedTuple):
     clock: Estimate
     warnings: tuple[str, ...]
 
+    @property
+    def moved(self) -> list[tuple[dict[str, float], dict[str, float]]]:
+        """Fields of the scene that each error changes, one standard error to either side [SI]."""
+        certain = (0.0, math.inf)
+        return [
+            ({name: value + error}, {name: value - error})
+            for name, (value, error) in self.quantities.items()
+            if error not in certain and not math.isnan(error)
+        ]
+
 
 def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> Trough | None:
     """Measure the trough's motion from its accelerations; return None for a record without any.

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ from vibro.records.trough import Trough, Wave, drive_frequency, refuse_line_down
 if TYPE_CHECKING:
     from os import PathLike
 
-__all__ = ["MeasuredMotion", "Motions", "measured_motion", "motion_of"]
+__all__ = ["HarmonicDrive", "MeasuredMotion", "Motions", "measured_motion", "motion_of"]
 
 Complexes = NDArray[np.complex128]
 
@@ -82,9 +83,9 @@ class Motions:
         orders = np.arange(1, count + 1).reshape(count, *([1] * self.frequency.ndim))
         return replace(self, normal=self.normal * np.exp(-1j * math.tau * orders * self.frequency * delay))
 
-    def without_last(self) -> Motions:
-        """Leave out the last harmonic, which becomes 0."""
-        kept = np.arange(len(self.along)) < len(self.along) - 1
+    def up_to(self, order: int) -> Motions:
+        """Leave out the harmonics above an order, which become 0."""
+        kept = np.arange(1, len(self.along) + 1) <= order
         kept = kept.reshape(-1, *([1] * self.frequency.ndim))
         return replace(self, along=self.along * kept, normal=self.normal * kept)
 
@@ -223,6 +224,38 @@ class MeasuredMotion:
         frequency = self.frequency + self.frequency_error * random.standard_normal(count)
         return self._motions(frequency, self.accelerations[..., None] + off)
 
+    def measured_drive(self) -> HarmonicDrive:
+        """Return the harmonics as quantities of a scene, with their errors, for a comparison."""
+        motion, size = self.motion, self.standard_errors
+        frequency = Estimate(self.frequency, self.frequency_error)
+        quantities = {"frequency": frequency}
+        for i, (way, values) in enumerate((("along", motion.along), ("normal", motion.normal))):
+            for k, z in enumerate(values):
+                end = f"_{k + 1}" if k else ""
+                quantities[f"{way}_amplitude{end}"] = Estimate(float(abs(z)), float(size[k, i]))
+                quantities[f"{way}_phase{end}"] = Estimate(float(np.angle(z)), float(self.phase_errors[k, i]))
+        warnings = self.trough.doubts(pure=False)
+        return HarmonicDrive(
+            self.trough, quantities, self.trough.drive_on_ellipse().clock, warnings, self._moved
+        )
+
+    @property
+    def _moved(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+        """Fields of a scene for each independent error, one standard error to either side."""
+        offsets = []
+        values, vectors = np.linalg.eigh(self.covariance)
+        for k, channel, unit in product(range(self.order), range(len(self.channels)), (1.0, 1j)):
+            off = np.zeros_like(self.accelerations)
+            off[k] = unit * math.sqrt(0.5 * max(float(values[k, channel]), 0.0)) * vectors[k, :, channel]
+            offsets.append((0.0, off))
+        offsets.append((self.frequency_error, np.zeros_like(self.accelerations)))
+
+        def fields(late: float, off: Complexes) -> dict[str, Any]:
+            moved = self._motions(np.array(self.frequency + late), (self.accelerations + off)[..., None])
+            return {n: float(x) if isinstance(x, np.ndarray) else x for n, x in moved.drive().items()}
+
+        return [(fields(late, off), fields(-late, -off)) for late, off in offsets]
+
     @property
     def _rates(self) -> Floats:
         return np.asarray(math.tau * self.frequency * np.arange(1, self.order + 1), np.float64)
@@ -241,6 +274,16 @@ class MeasuredMotion:
         (one,), slope = motion.transpose(1, 0, *range(2, motion.ndim)), math.tan(self.drive_angle)
         along, normal = (one, slope * one) if _ALONG in self.channels else (one / slope, one)
         return Motions(frequency, along, normal)
+
+
+class HarmonicDrive(NamedTuple):
+    """Measured harmonics of a scene's drive, with the attributes of ``MeasuredDrive``."""
+
+    trough: Trough
+    quantities: dict[str, Estimate]
+    clock: Estimate
+    warnings: tuple[str, ...]
+    moved: list[tuple[dict[str, Any], dict[str, Any]]]
 
 
 def measured_motion(
@@ -530,7 +573,9 @@ def _fundamental(
     span: float,
 ) -> Trough:
     """Return the fundamental as ``vibro compare`` knows it."""
-    basis = _basis(record.time - 0.5 * float(record.time[0] + record.time[-1]), frequency.value, len(sizes))
+    middle = 0.5 * float(record.time[0] + record.time[-1])
+    basis = _basis(record.time - middle, frequency.value, len(sizes))
+    at_zero = np.exp(-1j * math.tau * frequency.value * middle)
     rest = np.square(values - basis @ _solved(basis, values)).mean(axis=0)
     powers = 0.5 * abs(sizes) ** 2
     waves: dict[str, Wave] = {}
@@ -538,7 +583,7 @@ def _fundamental(
         own = float(powers[0, i]) or 1.0
         waves[name] = Wave(
             record.headers[name],
-            complex(sizes[0, i]),
+            complex(sizes[0, i] * at_zero),
             math.sqrt(0.5 * float(covariance[0, i, i].real)),
             math.sqrt(float(powers[1:, i].sum()) / own),
             math.sqrt(float(rest[i]) / own),
