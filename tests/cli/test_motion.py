@@ -269,12 +269,25 @@ def test_compare_keeps_to_the_fundamental_where_harmonics_do_not_matter_or_are_n
     run: Run, parted: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     args = ("compare", parted, "--displacement", "way", *BOTH, "--mu-s", ".4", "--mu-d", ".3", "--json")
-    for change, said in ((9e-4, False), (float("nan"), True)):
+    for change, said, taken in ((1e-3, False, False), (-1.1e-3, False, True), (float("nan"), True, False)):
         monkeypatch.setattr("vibro.records.measured_speeds.change_by_harmonics", lambda *_, x=change: x)
         result = run(*args)
         assert result.exit_code == 0, result.stderr
         assert ("the first is taken alone" in result.stderr) == said
-        assert "along_amplitude_2_mm" not in json.loads(result.stdout)["scene"]
+        assert ("along_amplitude_2_mm" in json.loads(result.stdout)["scene"]) == taken
+
+
+def test_compare_takes_harmonics_of_one_sensor_along_the_line_of_the_scene(run: Run, parted: Path) -> None:
+    args = ("compare", parted, "--displacement", "way", *BOTH[:2], "--mu-s", ".4", "--mu-d", ".3", "--json")
+    result = run(*args, "-a", "25")
+    assert result.exit_code == 0, result.stderr
+    scene = json.loads(result.stdout)["scene"]
+    assert scene["normal_amplitude_3_mm"] == pytest.approx(
+        np.tan(np.radians(25.0)) * scene["along_amplitude_3_mm"]
+    )
+    ellipse = run(*args, "--normal", "0.2")
+    assert ellipse.exit_code == 0, ellipse.stderr
+    assert "along_amplitude_2_mm" not in json.loads(ellipse.stdout)["scene"]
 
 
 # --- the guide ----------------------------------------------------------------------------------------

@@ -200,3 +200,13 @@ def test_a_measured_drive_is_moved_by_all_its_errors() -> None:
     assert quantities["normal_phase_3"].error == pytest.approx(measured.phase_errors[2, 1])
     turns = (drive.clock.value + measured.clock) * measured.frequency
     assert abs(math.remainder(turns, 1.0)) < 1e-6
+
+
+def test_one_sensor_gives_both_motions_the_same_relative_errors() -> None:
+    measured = motion_of(feeder(3).record(3, sensors=1), drive_angle=0.4)
+    drive = measured.measured_drive()
+    assert len(drive.moved) == 2 * 3 + 1
+    for end in ("", "_2", "_3"):
+        along, normal = (drive.quantities[f"{way}_amplitude{end}"] for way in ("along", "normal"))
+        assert normal.value == pytest.approx(math.tan(0.4) * along.value)
+        assert normal.error == pytest.approx(math.tan(0.4) * along.error)

@@ -12,7 +12,7 @@ from helpers.feeders import QUIET, feeder
 from helpers.made_records import trough_record
 
 import vibro
-from vibro.records.measured_speeds import speeds_of, throw_number
+from vibro.records.measured_speeds import change_by_harmonics, speeds_of, throw_number
 from vibro.records.waveforms import Motions, motion_of
 
 FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
@@ -110,3 +110,15 @@ def test_the_throw_number_needs_no_friction() -> None:
     feeding = motion_of(feeder(8).record(8))
     cycle = vibro.solve(vibro.Scene(**feeding.drive(), **FRICTION))
     assert throw_number(feeding, {}).value == pytest.approx(float(cycle.throw_number))
+
+
+def test_the_change_by_harmonics_is_relative_to_the_fundamental_alone() -> None:
+    measured = motion_of(feeder(3).record(3))
+    alone = speed(measured.motion.up_to(1).drive())
+    assert change_by_harmonics(measured, FRICTION) == pytest.approx(speed(measured.drive()) / alone - 1.0)
+    assert change_by_harmonics(measured, {**FRICTION, "gravity": 1e3}) == 0.0  # it rests with either
+    onset = 1.0 / float(
+        vibro.solve(vibro.Scene(**measured.motion.up_to(1).drive(), **FRICTION)).forward_ratio
+    )
+    weak = replace(measured, accelerations=0.999 * onset * measured.accelerations)
+    assert change_by_harmonics(weak, FRICTION) == math.inf  # the fundamental alone conveys nothing

@@ -306,8 +306,9 @@ def _with_harmonics(
     from vibro.records.tolerances import TOL
     from vibro.records.waveforms import motion_of
 
-    try:  # the record may be too short for harmonics, and one sensor tells those of one direction alone
-        measured = motion_of(record, reverse=reverse)
+    angle = None if len(record.trough) == 2 else scene_fields(request.fixed).get("drive_angle")
+    try:  # the record may be too short for harmonics, and of an ellipse one sensor tells one direction alone
+        measured = motion_of(record, reverse=reverse, drive_angle=angle)
     except VibroError:
         return drive, request
     rest = {name: x for name, x in request.fixed.items() if name not in (*DRIVES, "frequency")}
@@ -320,7 +321,8 @@ def _with_harmonics(
             f"{said}, but the motion of a part that hops on it is not known: the first is taken alone"
         )
         return drive, request
-    console.echo(f"{said}, which change the computed speed by {100.0 * change:+.2g} %: they are taken")
+    by = f"by {100.0 * change:+.2g} %" if math.isfinite(change) else "from 0"
+    console.echo(f"{said}, which change the computed speed {by}: they are taken")
     for text in measured.warnings[len(measured.trough.doubts(pure=False)) :]:
         console.warn(text)
     harmonics = measured.measured_drive()
@@ -329,7 +331,9 @@ def _with_harmonics(
         name: repr(float(QUANTITIES[name].from_si(estimate.value)))
         for name, estimate in harmonics.quantities.items()
     }
-    return harmonics, request_of(replace(options, given={**options.given, **texts}), argv)
+    # The line that one sensor needs is part of the harmonics now.
+    given = {name: text for name, text in options.given.items() if name not in LINEAR}
+    return harmonics, request_of(replace(options, given={**given, **texts}), argv)
 
 
 def _fitted_names(text: str | None) -> list[str]:

@@ -226,14 +226,18 @@ class MeasuredMotion:
 
     def measured_drive(self) -> HarmonicDrive:
         """Return the harmonics as quantities of a scene, with their errors, for a comparison."""
-        motion, size = self.motion, self.standard_errors
+        motion, both = self.motion, len(self.channels) == 2
+        own = motion.along if _ALONG in self.channels else motion.normal
         frequency = Estimate(self.frequency, self.frequency_error)
         quantities = {"frequency": frequency}
         for i, (way, values) in enumerate((("along", motion.along), ("normal", motion.normal))):
             for k, z in enumerate(values):
                 end = f"_{k + 1}" if k else ""
-                quantities[f"{way}_amplitude{end}"] = Estimate(float(abs(z)), float(size[k, i]))
-                quantities[f"{way}_phase{end}"] = Estimate(float(np.angle(z)), float(self.phase_errors[k, i]))
+                # One sensor tells both motions, with the same relative errors.
+                channel, share = (i, 1.0) if both else (0, abs(z) / abs(own[k]))
+                size = Estimate(float(abs(z)), float(share * self.standard_errors[k, channel]))
+                phase = Estimate(float(np.angle(z)), float(self.phase_errors[k, channel]))
+                quantities |= {f"{way}_amplitude{end}": size, f"{way}_phase{end}": phase}
         warnings = self.trough.doubts(pure=False)
         return HarmonicDrive(
             self.trough, quantities, self.trough.drive_on_ellipse().clock, warnings, self._moved
