@@ -13,6 +13,7 @@ from helpers.plans import store
 import vibro
 
 NUT = Path(__file__).parents[1] / "examples" / "safety_nut.toml"
+RECORD = NUT.parent / "data" / "nut_trough_mv.csv"
 HEAVY = ("numpy", "scipy", "pandas", "matplotlib", "typer", "rich")
 
 
@@ -33,6 +34,10 @@ def test_solving_loads_no_library_for_tables_pictures_or_the_command_line() -> N
     assert _loaded_after(f"import vibro; vibro.solve(vibro.Scene({scene}))") == {"numpy"}
 
 
+_MEASURED = (
+    f"vibro.measured_motion({str(RECORD)!r}, trough_along='Trog längs', sensitivity='1V/g', drive_angle=0)"
+)
+
 # What each public name gives when it is called as its documentation says.
 CALLS = {
     "Certificate": "vibro.guarantee(scene, drive_angle=(0, 1)).certificate_min._fields[2] == 'bound'",
@@ -42,6 +47,7 @@ CALLS = {
     "Guarantee": "isinstance(vibro.guarantee(scene), vibro.Guarantee)",
     "Interval": "isinstance(vibro.feasible_amplitudes(scene, 0.02)[0], vibro.Interval)",
     "History": "vibro.simulate(scene, cycles=1).__class__ is vibro.History",
+    "MeasuredMotion": f"isinstance({_MEASURED}, vibro.MeasuredMotion)",
     "Motion": "isinstance(vibro.Motion.steps([(0.5, 1.0), (0.5, -1.0)]), vibro.Motion)",
     "Regime": "vibro.Regime(0).label == 'no-slip'",
     "Scene": "scene.shape == ()",
@@ -54,6 +60,7 @@ CALLS = {
     "design": "len(vibro.design(question).designs) == 9",
     "feasible_amplitudes": "len(vibro.feasible_amplitudes(scene, 0.02)) == 1",
     "guarantee": "vibro.guarantee(scene).speed_min == vibro.solve(scene).mean_velocity",
+    "measured_motion": f"{_MEASURED}.order == 1",
     "open_sweep": "vibro.open_sweep(stored).shape == (2,)",
     "read_scene": "vibro.read_scene(nut).shape == ()",
     "simulate": "vibro.simulate(scene, cycles=1).end > 0",

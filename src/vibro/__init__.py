@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.histories import simulate
+    from vibro.records.waveforms import MeasuredMotion, measured_motion
     from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
     from vibro.results.history import History
     from vibro.results.steady import SteadyCycle
@@ -36,6 +37,7 @@ __all__ = [
     "History",
     "InputError",
     "Interval",
+    "MeasuredMotion",
     "Motion",
     "Regime",
     "Scene",
@@ -48,6 +50,7 @@ __all__ = [
     "design",
     "feasible_amplitudes",
     "guarantee",
+    "measured_motion",
     "open_sweep",
     "read_scene",
     "simulate",
@@ -67,6 +70,7 @@ _HOMES = {
     "History": "vibro.results.history",
     "InputError": "vibro.errors",
     "Interval": "vibro.results.designs",
+    "MeasuredMotion": "vibro.records.waveforms",
     "Motion": "vibro.waveforms",
     "Regime": "vibro.core.codes",
     "Scene": "vibro.scene",
@@ -79,6 +83,7 @@ _HOMES = {
     "design": "vibro.inverse.designs",
     "feasible_amplitudes": "vibro.inverse.windows",
     "guarantee": "vibro.inverse.guarantees",
+    "measured_motion": "vibro.records.waveforms",
     "open_sweep": "vibro.sweeps.stored",
     "read_scene": "vibro.sweeps.whole",
     "simulate": "vibro.motion.histories",

@@ -141,16 +141,3 @@ def test_the_unknowns_of_an_ellipse_are_fitted(run: Run, data: Path, ellipse: Pa
         refused = run("compare", ellipse, data, *BODY, "--fit", names)
         assert (refused.exit_code, refused.stdout) == (2, "")
         assert said in refused.stderr
-
-
-def test_drives_with_harmonics_are_refused(run: Run, data: Path, tmp_path: Path) -> None:
-    path = tmp_path / "waves.toml"
-    text = FILE.replace(
-        "along_amplitude_mm = 1.1", "along_amplitudes_mm = [1, 0.3]\nalong_phases_deg = [0, 90]"
-    )
-    text = text.replace("normal_amplitude_mm = 0.45\nnormal_phase_deg = -50\n", "")
-    path.write_text(text, encoding="utf-8")
-    for columns in (BODY, (*BODY, *TROUGH)):
-        result = run("compare", path, data, *columns)
-        assert (result.exit_code, result.stdout) == (2, "")
-        assert "error: a drive with harmonics: flights, histories" in result.stderr

@@ -14,6 +14,7 @@ Scenes and loads:
     solver_boxes      boxes of the solver's bounds, drawn, and their bodies solved (shares the record ``Box``)
 Records and questions:
     made_records      records of motions that the engines walk (shares the records' containers)
+    feeders           troughs with harmonics, and their accelerations with coloured noise
     made_tables       small tables of measurements, as text
     boxed             boxes of bands for inverse design, drawn and sampled
     certificates      a checker of certificates that computes its own bounds (shares nothing)

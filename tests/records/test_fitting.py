@@ -3,21 +3,33 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.made_records import FREQUENCY, ON_ELLIPSES, PERIOD, STUDY, STUDY_FILE, Walked, bowl, nut
+from helpers.made_records import (
+    FREQUENCY,
+    ON_ELLIPSES,
+    PERIOD,
+    STUDY,
+    STUDY_FILE,
+    Walked,
+    bowl,
+    nut,
+    trough_record,
+)
 from scipy import stats
 
 import vibro
 from vibro.errors import InputError
 from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation
-from vibro.records.fitting import FITTABLE, Fit, Parameter, _profile, fit
-from vibro.records.folding import Floats
+from vibro.records.fitting import FITTABLE, Fit, Parameter, _profile, _widened, fit
+from vibro.records.folding import Estimate, Floats
 from vibro.records.minimisation import Minimum
 from vibro.records.problem import Problem
 from vibro.records.reading import read_record
+from vibro.records.trough import trough_of
 
 SLIP = ("static_friction", "kinetic_friction")
 MOTION = ("displacement", "velocity", "acceleration")
@@ -553,3 +565,61 @@ def test_two_quantities_of_an_ellipse_that_cancel_have_no_interval(
         f"the data cannot tell {symbols} apart: their effects cancel; give one of them"
     ]
     assert [(p.intervals, p.identified) for p in found.parameters] == [((), False)] * 2
+
+
+# --- a measured drive ----------------------------------------------------------------------------------
+
+
+def fitted_with_its_drive(seed: int, *, carried: bool) -> Fit:
+    """Fit the frictions of a nut, with the drive that two noisy accelerometers measured."""
+    record = trough_record(1e-3, FREQUENCY, math.radians(20.0), noise=1.5, seed=seed, trigger=0.0137)
+    random = np.random.default_rng(seed + 1000)
+    way = Walked(nut()).displacement(record.time + 0.0137) + 2e-6 * random.standard_normal(record.time.size)
+    trough = trough_of(record)
+    assert trough is not None
+    drive = trough.drive_on_line()
+    scene = nut(**{name: estimate.value for name, estimate in drive.quantities.items()})
+    observation = Observation.of(replace(record, signals={"displacement": way}), float(scene.frequency))
+    return fit(scene, observation, ["static_friction", "kinetic_friction"], drive.moved if carried else ())
+
+
+def test_intervals_carry_the_errors_of_a_measured_drive() -> None:
+    """Without them three of four intervals of mu_d miss its true value."""
+    held = {False: 0, True: 0}
+    for seed in range(14):
+        widths = []
+        for carried in held:
+            static, kinetic = fitted_with_its_drive(seed, carried=carried).parameters
+            held[carried] += kinetic.low < 0.57 < kinetic.high
+            widths.append((static.high - static.low, kinetic.high - kinetic.low))
+            if carried:
+                assert static.low < 0.74 < static.high
+        assert (np.array(widths[1]) > widths[0]).all()
+        assert widths[1][1] > 4.0 * widths[0][1]
+    assert held[True] >= 12
+    assert held[False] <= 7
+
+
+def test_a_drive_that_is_known_exactly_widens_nothing() -> None:
+    scene, names = nut(), ["static_friction", "kinetic_friction"]
+    observation = Walked(scene).observe("displacement", cycles=8)
+    plain = fit(scene, observation, names)
+    trough = trough_of(trough_record())
+    assert trough is not None
+    for error in (0.0, math.nan, math.inf):
+        exact = trough.drive_on_line()._replace(quantities={"amplitude": Estimate(1e-3, error)})
+        assert exact.moved == []
+        assert fit(scene, observation, names, exact.moved).parameters == plain.parameters
+    # Of a quantity that is fitted itself the measured value does not count.
+    fitted = [({"kinetic_friction": 0.6}, {"kinetic_friction": 0.5})]
+    for one, other in zip(fit(scene, observation, names, fitted).parameters, plain.parameters, strict=True):
+        assert (one.low, one.high) == pytest.approx((other.low, other.high), rel=1e-3)
+
+
+def test_intervals_of_two_patterns_are_both_widened() -> None:
+    assert _widened(((1.0, 3.0), (5.0, 6.0)), 2.5, 0.0) == ((1.0, 3.0), (5.0, 6.0))
+    (low, high), (above, top) = _widened(((1.0, 3.0), (8.0, 9.0)), 2.5, 0.5)
+    assert (low, high) == pytest.approx((2.5 - math.hypot(1.5, 0.5), 2.5 + math.hypot(0.5, 0.5)))
+    assert (above, top) == pytest.approx((8.5 - math.hypot(0.5, 0.5), 8.5 + math.hypot(0.5, 0.5)))
+    assert _widened((), 2.5, 1.0) == ()
+    assert len(_widened(((1.0, 3.0), (3.5, 5.0)), 2.5, 1.0)) == 1

@@ -24,6 +24,7 @@ from vibro.cli.design import design_command
 from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
+from vibro.cli.motion import motion_command
 from vibro.cli.options import print_version, shares_options
 from vibro.cli.schema import schema_command
 from vibro.cli.simulate import simulate_command
@@ -153,6 +154,7 @@ _SCENES: dict[str, Callable[..., int]] = {
 }
 _OTHERS: dict[str, Callable[..., int]] = {
     "design": shares_options(design_command, of_scene=False),
+    "motion": shares_options(motion_command, of_drive=False, of_answer=False),
     "friction": friction_command,
     "explore": shares_options(explore_command, of_answer=False),
     "schema": schema_command,

@@ -14,6 +14,15 @@ from typer.core import TyperCommand
 from vibro.cli.completion import complete_fitted
 from vibro.cli.console import Console
 from vibro.cli.options import FormatOption, Options, picture_formats
+from vibro.cli.record_options import (
+    ReverseOption,
+    SensitivityOption,
+    TimeOption,
+    TroughAlongOption,
+    TroughNormalOption,
+    column_option,
+    scene_and_data,
+)
 from vibro.errors import InputError, cut, shown
 from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR, QUANTITIES, STANDS_FOR, scene_fields
 
@@ -21,7 +30,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from vibro.records.folding import Estimate
+    from vibro.records.reading import Record
     from vibro.records.trough import MeasuredDrive, Trough
+    from vibro.records.waveforms import HarmonicDrive
     from vibro.sweeps.request import Request
 
 __all__ = ["CompareCommand", "compare_command"]
@@ -59,56 +70,31 @@ def _is_header(text: str) -> bool:
     return not (text.startswith("-") or is_file)
 
 
-def _column(name: str, text: str) -> Any:
-    return typer.Option(f"--{name}", metavar="HEADER", help=text, show_default=False)
-
-
 def compare_command(
     context: typer.Context,
     options: Options,
     data: Annotated[
         Path | None, typer.Argument(metavar="DATA.csv", help="Signals over time.", show_default=False)
     ] = None,
-    time: Annotated[str | None, _column("time", "Column of the time.")] = None,
+    time: TimeOption = None,
     displacement: Annotated[
-        str | None, _column("displacement", "Column of the displacement relative to the trough.")
+        str | None, column_option("displacement", "Column of the displacement relative to the trough.")
     ] = None,
-    velocity: Annotated[str | None, _column("velocity", "Column of the relative velocity.")] = None,
+    velocity: Annotated[str | None, column_option("velocity", "Column of the relative velocity.")] = None,
     acceleration: Annotated[
-        str | None, _column("acceleration", "Column of the relative acceleration.")
+        str | None, column_option("acceleration", "Column of the relative acceleration.")
     ] = None,
     friction: Annotated[
         str | None,
-        _column("friction", "Column of the friction on the body, or --force HEADER; needs --mass."),
+        column_option("friction", "Column of the friction on the body, or --force HEADER; needs --mass."),
     ] = None,
-    trough_along: Annotated[
-        str | None,
-        _column(
-            "trough-along",
-            "Column of the trough's acceleration along its surface: gives amplitude, frequency.",
-        ),
-    ] = None,
-    trough_normal: Annotated[
-        str | None,
-        _column(
-            "trough-normal", "The same normal to its surface, upwards; both give drive angle or ellipse too."
-        ),
-    ] = None,
-    sensitivity: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--sensitivity",
-            metavar="100mV/g",
-            help="What a sensor's voltage stands for; of one of several columns: velocity=125mm/s/V.",
-            show_default=False,
-        ),
-    ] = None,
+    trough_along: TroughAlongOption = None,
+    trough_normal: TroughNormalOption = None,
+    sensitivity: SensitivityOption = None,
     mass: Annotated[
         str | None, typer.Option("--mass", metavar="VALUE", help="Of the body [kg].", show_default=False)
     ] = None,
-    reverse: Annotated[
-        bool, typer.Option("--reverse", help="The data's axis points against the conveying direction.")
-    ] = False,
+    reverse: ReverseOption = False,
     fitted: Annotated[
         str | None,
         typer.Option(
@@ -141,7 +127,7 @@ def compare_command(
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
     names = _fitted_names(fitted)
-    options, data = _arguments(options, data)
+    options, data = scene_and_data(options, data, "compare")
     body = None
     if mass is not None:
         body = float(exact_number(mass, MASS))
@@ -166,10 +152,14 @@ def compare_command(
         console.warn(f"column {record.headers['force']!r} is left out: a force needs --mass")
     elliptical = _elliptical(options)
     trough = trough_of(record, reverse=reverse, down=elliptical)
+    drive: MeasuredDrive | HarmonicDrive | None = None
     if trough is None:
-        drive, request = None, request_of(options, context.obj)
+        request = request_of(options, context.obj)
     else:
-        drive, request = _with_measured(trough, elliptical, options, context.obj, console)
+        first, request = _with_measured(trough, elliptical, options, context.obj, console)
+        drive, request = _with_harmonics(record, reverse, first, request, options, context.obj, console)
+        for warning in drive.warnings:
+            console.warn(warning)
     scene = request.scene()
     check_scene(scene)
     observation = Observation.of(
@@ -200,7 +190,7 @@ def compare_command(
         if names:
             from vibro.records.fitting import fit as fit_scene
 
-            fit = fit_scene(scene, observation, names)
+            fit = fit_scene(scene, observation, names, drive.moved if drive else ())
 
         tables = ComparisonTables(comparison, record, body, fit, drive)
         content = {"scene": scene_record(request), "data": str(data), **tables.content()}
@@ -226,23 +216,6 @@ def compare_command(
     else:
         print(comparison_report(tables, data, request))
     return 0
-
-
-def _arguments(options: Options, data: Path | None) -> tuple[Options, Path]:
-    """Tell scene file and data apart: the scene may be given by options alone."""
-    from dataclasses import replace
-
-    if data is None and options.scene is not None and options.scene.suffix.casefold() != ".toml":
-        return replace(options, scene=None), options.scene
-    if data is None:
-        raise InputError("missing: DATA.csv", hint="for example: vibro compare scene.toml data.csv")
-    first, second = (path.suffix.casefold() if path else "" for path in (options.scene, data))
-    if second == ".toml" != first:
-        raise InputError(
-            f"{data} is a scene file: the scene comes before the data",
-            hint=f"vibro compare {data} {options.scene}",
-        )
-    return options, data
 
 
 def _elliptical(options: Options) -> bool:
@@ -311,9 +284,56 @@ def _with_measured(
                     f"column {columns}: the {QUANTITIES[name].label} is about"
                     f" {rounded(float(ratio))} times the scene's: {doubt(' or '.join(texts))}"
                 )
-    for warning in drive.warnings:
-        console.warn(warning)
     return drive, request_with(drive.quantities)
+
+
+def _with_harmonics(
+    record: Record,
+    reverse: bool,
+    drive: MeasuredDrive,
+    request: Request,
+    options: Options,
+    argv: Sequence[str],
+    console: Console,
+) -> tuple[MeasuredDrive | HarmonicDrive, Request]:
+    """Put the measured harmonics in the place of the fundamental alone, where they change the speed."""
+    from dataclasses import replace
+
+    from vibro.cli.request import request_of
+    from vibro.errors import VibroError
+    from vibro.quantities import DRIVES, HARMONIC
+    from vibro.records.measured_speeds import change_by_harmonics
+    from vibro.records.tolerances import TOL
+    from vibro.records.waveforms import motion_of
+
+    angle = None if len(record.trough) == 2 else scene_fields(request.fixed).get("drive_angle")
+    try:  # the record may be too short for harmonics, and of an ellipse one sensor tells one direction alone
+        measured = motion_of(record, reverse=reverse, drive_angle=angle)
+    except VibroError:
+        return drive, request
+    rest = {name: x for name, x in request.fixed.items() if name not in (*DRIVES, "frequency")}
+    change = change_by_harmonics(measured, scene_fields(rest)) if measured.order > 1 else 0.0
+    if abs(change) <= TOL.harmonics_matter:
+        return drive, request
+    said = f"the trough moves with {measured.order} harmonics"
+    if math.isnan(change):
+        console.warn(
+            f"{said}, but the motion of a part that hops on it is not known: the first is taken alone"
+        )
+        return drive, request
+    by = f"by {100.0 * change:+.2g} %" if math.isfinite(change) else "from 0"
+    console.echo(f"{said}, which change the computed speed {by}: they are taken")
+    for text in measured.warnings[len(measured.trough.doubts(pure=False)) :]:
+        console.warn(text)
+    harmonics = measured.measured_drive()
+    texts = dict.fromkeys((name for name in request.own if name in HARMONIC), "0")
+    texts |= {
+        name: repr(float(QUANTITIES[name].from_si(estimate.value)))
+        for name, estimate in harmonics.quantities.items()
+    }
+    # The line that one sensor needs is part of the harmonics now.
+    given = {name: text for name, text in options.given.items() if name not in LINEAR}
+    return harmonics, request_of(replace(options, given={**given, **texts}), argv)
 
 
 def _fitted_names(text: str | None) -> list[str]:

@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     from vibro.records.fitting import Parameter
     from vibro.records.folding import Estimate
     from vibro.records.trough import MeasuredDrive
+    from vibro.records.waveforms import HarmonicDrive
     from vibro.sweeps.request import Request
 
-__all__ = ["comparison_report", "measured"]
+__all__ = ["comparison_report", "measured", "uncertain"]
 
 
 def comparison_report(tables: ComparisonTables, data: Path, request: Request) -> str:
@@ -101,7 +102,7 @@ class _Report:
     def _row(self, row: Row) -> tuple[str, str, str, str]:
         unit, size = self.units[row.kind]
         measured, error = row.measured.value / size, row.measured.error / size
-        text = "not seen" if math.isnan(measured) else _uncertain(measured, error)
+        text = "not seen" if math.isnan(measured) else uncertain(measured, error)
         computed = "" if math.isnan(row.computed) else f"{row.computed / size:.6g}"
         difference = ""
         if not math.isnan(measured) and not math.isnan(row.computed):
@@ -128,7 +129,7 @@ def _estimated(parameter: Parameter, size: float) -> tuple[str, str]:
     return f"{parameter.value / size:.{digits}f}" if parameter.identified else "-", interval
 
 
-def _trough(drive: MeasuredDrive) -> list[tuple[str, str]]:
+def _trough(drive: MeasuredDrive | HarmonicDrive) -> list[tuple[str, str]]:
     """Say what was measured of the trough's motion."""
     facts = [("trough", ", ".join(measured(name, estimate) for name, estimate in drive.quantities.items()))]
     for wave in drive.trough.waves:
@@ -147,10 +148,10 @@ def measured(name: str, estimate: Estimate) -> str:
     """Write an estimate of a quantity of a scene, given in SI units, in the user's."""
     quantity = QUANTITIES[name]
     value, error = (float(quantity.from_si(number)) for number in estimate)
-    return f"{quantity.label} {_uncertain(value, error)} {quantity.unit}"
+    return f"{quantity.label} {uncertain(value, error)} {quantity.unit}"
 
 
-def _uncertain(value: float, error: float) -> str:
+def uncertain(value: float, error: float) -> str:
     """Write a value with its standard error, to two digits of that."""
     if not math.isfinite(error) or error <= 0.0:
         return f"{value:.4g}"

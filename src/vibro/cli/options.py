@@ -16,7 +16,7 @@ from vibro.cli.completion import complete_formats
 from vibro.core.codes import Level
 from vibro.errors import InputError, cut, shown
 from vibro.files.stems import PICTURE_FORMATS
-from vibro.quantities import QUANTITIES
+from vibro.quantities import DRIVES, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -162,7 +162,7 @@ def _quantity_parameter(quantity: Quantity) -> inspect.Parameter:
 
 
 def shares_options(
-    run: Callable[..., int], *, of_scene: bool = True, of_answer: bool = True
+    run: Callable[..., int], *, of_scene: bool = True, of_drive: bool = True, of_answer: bool = True
 ) -> Callable[..., int]:
     """Give a command the shared options.
 
@@ -172,6 +172,8 @@ def shares_options(
         ``run(context, options, **own)``, where ``own`` are the command's own options; returns the exit code.
     of_scene : bool
         Whether it takes a scene file, and the quantities of a scene.
+    of_drive : bool
+        Whether it takes those of the drive too.
     of_answer : bool
         Whether it has an answer, which can be printed and written to files.
 
@@ -181,7 +183,10 @@ def shares_options(
         Whose signature has a parameter for every shared option, as typer needs it.
     """
     annotations = get_type_hints(Options, include_extras=True)
-    quantities = [name for name, quantity in QUANTITIES.items() if of_scene and quantity.options]
+    refused = () if of_drive else ("stroke", "frequency", *DRIVES)
+    quantities = [
+        name for name, quantity in QUANTITIES.items() if of_scene and quantity.options and name not in refused
+    ]
     left_out = {*([] if of_scene else ["scene"]), *([] if of_answer else _OF_ANSWER)}
     shared = []
     for f in fields(Options):

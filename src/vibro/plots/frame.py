@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.plots.style import INK, axis_label, figure_text, values_text
+from vibro.plots.style import INK, axis_label, broken_lines, figure_text, values_text
 from vibro.quantities import DRIVES
 
 if TYPE_CHECKING:
@@ -146,11 +146,12 @@ def set_heading(figure: Figure, headline: str, below: str = "") -> None:
     headline : str
         May contain names from users: nothing in it is markup, and it is cut to fit.
     below : str, optional
-        A second line, for matplotlib.
+        Further lines, for matplotlib, which are broken after commas to fit.
     """
     figure.set_label(headline)
     room = _HEADING_SHARE * _POINTS * float(figure.get_figwidth())
-    lines = [figure_text(headline, _HEADING_SIZE, room), below]
+    told = [broken_lines(line, _HEADING_SIZE, room) for line in below.splitlines()]
+    lines = [figure_text(headline, _HEADING_SIZE, room), *told]
     figure.suptitle("\n".join(line for line in lines if line), fontsize=_HEADING_SIZE, linespacing=1.5)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import unicodedata
 from bisect import bisect_right
@@ -37,6 +38,7 @@ __all__ = [
     "ZERO_SPEED",
     "CurveStyle",
     "axis_label",
+    "broken_lines",
     "figure_text",
     "house_style",
     "ink_on",
@@ -129,6 +131,10 @@ _MARKS: Final = ("Mn", "Me")
 _MOST_MARKS: Final = 3  # on one letter: each stands on top of the one before
 
 UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
+_TOLD_HARMONICS: Final = 2  # that a heading lists; more would not fit
+_COMMAND: Final = re.compile(r"\\[a-z]+")
+_MARKUP: Final = re.compile(r"[${}_]")
+_LETTER: Final = 0.56  # width of a letter of a formula, over the size of the type
 _EVEN_LUMINANCE: Final = 0.2  # relative luminance of a colour on which INK and white are about as legible
 
 
@@ -247,13 +253,31 @@ def value_text(name: str, value: float) -> str:
 def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> str:
     """Write quantities in the user's units, in the order of tables: ``α = 20°, f = 15 Hz``.
 
-    Quantities with their usual value are left out unless all are asked for.
+    Quantities with their usual value are left out unless all are asked for, and so are harmonics from the
+    third on, which are counted.
     """
-    parts = []
+    parts, highest = [], 0
     for name, quantity in QUANTITIES.items():
         if name in values and (all_of_them or quantity.default != values[name]):
-            parts.append(f"${quantity.symbol}$ = {value_text(name, values[name])}")
-    return ", ".join(parts)
+            order = int(name.rpartition("_")[2]) if name[-1].isdigit() else 1
+            highest = max(highest, order)
+            if order <= _TOLD_HARMONICS or all_of_them:
+                parts.append(f"${quantity.symbol}$ = {value_text(name, values[name])}")
+    return ", ".join([*parts, f"{highest} harmonics"] if highest > _TOLD_HARMONICS else parts)
+
+
+def broken_lines(text: str, size: float, room: float) -> str:
+    """Break a list of formulas after its commas, into lines of about the width that they may have [pt]."""
+    lines = [""]
+    for part in text.split(", "):
+        longer = f"{lines[-1]}, {part}" if lines[-1] else part
+        letters = len(_MARKUP.sub("", _COMMAND.sub("x", longer)))
+        if lines[-1] and letters * _LETTER * size > room:
+            lines[-1] += ","
+            lines.append(part)
+        else:
+            lines[-1] = longer
+    return "\n".join(lines)
 
 
 def spans_text(spans: Mapping[str, tuple[float, float]]) -> str:

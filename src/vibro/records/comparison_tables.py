@@ -14,6 +14,7 @@ from vibro.records.comparison import Comparison
 from vibro.records.fitting import Fit, Parameter
 from vibro.records.reading import Record
 from vibro.records.trough import MeasuredDrive
+from vibro.records.waveforms import HarmonicDrive
 
 __all__ = ["ComparisonTables"]
 
@@ -42,7 +43,7 @@ class ComparisonTables:
         Mass of the body [kg]; without it friction is per unit mass.
     fit : Fit or None
         Estimates from the record.
-    drive : MeasuredDrive or None
+    drive : MeasuredDrive, HarmonicDrive or None
         Quantities of the drive, if accelerations of the trough were measured.
     """
 
@@ -50,7 +51,7 @@ class ComparisonTables:
     record: Record
     mass: float | None = None
     fit: Fit | None = None
-    drive: MeasuredDrive | None = None
+    drive: MeasuredDrive | HarmonicDrive | None = None
 
     @property
     def units(self) -> dict[str, tuple[str, float]]:
@@ -126,7 +127,7 @@ class ComparisonTables:
         return content
 
 
-def _measured(drive: MeasuredDrive) -> dict[str, Any]:
+def _measured(drive: MeasuredDrive | HarmonicDrive) -> dict[str, Any]:
     """Return the measured motion of the trough."""
     trough = drive.trough
     content: dict[str, Any] = {}

@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibro.core.codes import PATTERNS, Regime, is_answered
-from vibro.drives import Ellipse, Line
+from vibro.drives import Ellipse, Harmonics, Line
 from vibro.errors import VibroError
-from vibro.motion.settled import SettledMotion, settled_motion
 from vibro.records.alignment import computed_signals
 from vibro.records.folding import Floats
+from vibro.records.harmonic_motion import SteadyMotion, steady_motion
 from vibro.results.steady import SteadyCycle
 from vibro.scene import Scene
 from vibro.slopes import slides_of
@@ -24,6 +24,7 @@ from vibro.steady import solve
 __all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
 
 Labels = NDArray[np.str_]
+Fields = Line | Ellipse | Harmonics
 
 #: Label of every scene that hops: their patterns are too many, and too close to each other.
 HOPS: Final = "H"
@@ -42,14 +43,14 @@ class SceneCycles:
         Fields of the scenes, each of shape (M,).
     slides : array, shape (7, 2, M)
         Both slides of each cycle, with the rows of ``Slides``; 0 where there is no slide.
-    hopping : mapping of int to SettledMotion
-        Motions of scenes that hop, by their place among all.
+    followed : mapping of int to SteadyMotion
+        Motions of scenes that hop, and of all with harmonics, by their place among all.
     """
 
     labels: Labels
-    fields: Line | Ellipse
+    fields: Fields
     slides: Floats
-    hopping: Mapping[int, SettledMotion]
+    followed: Mapping[int, SteadyMotion]
 
     def signals(self, names: Iterable[str], time: Floats, shift: Floats, window: float) -> dict[str, Floats]:
         """Sample signals as ``computed_signals`` does.
@@ -71,7 +72,19 @@ class SceneCycles:
             The signals; those of a body at rest for scenes without a steady cycle.
         """
         names = list(names)
-        rate = math.tau * self.fields.frequency[:, None]
+        if isinstance(self.fields, Harmonics):
+            result = {name: np.zeros((shift.size, time.size)) for name in names}
+        else:
+            result = self._closed_forms(self.fields, names, time, shift, window)
+        for scene, motion in self.followed.items():
+            for name, values in computed_signals(motion, names, time + shift[scene], window).items():
+                result[name][scene] = values
+        return {name: result[name] for name in names}
+
+    def _closed_forms(
+        self, fields: Line | Ellipse, names: list[str], time: Floats, shift: Floats, window: float
+    ) -> dict[str, Floats]:
+        rate = math.tau * fields.frequency[:, None]
         phase = rate * (time + shift[:, None])
         result = {}
         if "displacement" in names:
@@ -82,13 +95,10 @@ class SceneCycles:
             half = 0.5 * window * rate
             gained = self._velocities(phase + half) - self._velocities(phase - half)
             result["acceleration"] = gained / window
-            weight = self.fields.gravity * np.sin(self.fields.trough_angle)
-            inertial = self.fields.along[:, None] * rate**2 * np.sin(phase) - weight[:, None]
+            weight = fields.gravity * np.sin(fields.trough_angle)
+            inertial = fields.along[:, None] * rate**2 * np.sin(phase) - weight[:, None]
             result["friction"] = result["acceleration"] - inertial
-        for scene, motion in self.hopping.items():
-            for name, values in computed_signals(motion, names, time + shift[scene], window).items():
-                result[name][scene] = values
-        return {name: result[name] for name in names}
+        return result
 
     def _velocities(self, phase: Floats) -> Floats:
         total = np.zeros_like(phase)
@@ -113,8 +123,8 @@ class SceneCycles:
         return [slide for slide in self.slides.swapaxes(0, 1)[..., None] if slide[0].any()]
 
 
-def labels_of(values: Mapping[str, Floats]) -> Labels:
-    """Return the labels of scenes as in ``SceneCycles``, from all their fields, each of shape (M,) [SI]."""
+def labels_of(values: Mapping[str, Any]) -> Labels:
+    """Return the labels of scenes as in ``SceneCycles``, from their fields as for ``scene_cycles``."""
     return _labels(solve(Scene.allowing_infeasible(**values), flight=False))
 
 
@@ -123,24 +133,45 @@ def _labels(cycle: SteadyCycle) -> Labels:
     return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
 
 
-def scene_cycles(values: Mapping[str, Floats], *, hops: bool = True) -> SceneCycles:
+def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles:
     """Solve the steady cycles of scenes.
 
     Parameters
     ----------
     values : mapping of str to array
-        All fields of the scenes, each of shape (M,) [SI].
+        All fields of the scenes, each of shape (M,) [SI]; harmonics are pairs of numbers, the same in all.
     hops : bool
         Whether to solve scenes that hop; else they have their label, and the signals of a body at rest.
     """
     scene = Scene.allowing_infeasible(**values)
     cycle = solve(scene, flight=False)
     labels = _labels(cycle)
-    hopping = {}
-    for place in np.flatnonzero(labels == HOPS).tolist() if hops else ():
+    has_harmonics = isinstance(scene.arrays(), Harmonics)
+    wanted = (labels != "") if has_harmonics else (labels == HOPS)
+    followed = {}
+    for place in np.flatnonzero(wanted & ((labels != HOPS) | hops)).tolist():
         try:
-            hopping[place] = settled_motion(Scene(**{name: float(v[place]) for name, v in values.items()}))
-        except VibroError:  # its motion repeats only every few cycles, or never
+            followed[place] = steady_motion(Scene(**{name: _at(v, place) for name, v in values.items()}))
+        except VibroError:  # its motion repeats only every few cycles, or never, or is not known
             labels[place] = ""
-    slides = np.nan_to_num(slides_of(scene, np.broadcast_to(cycle.pattern_code, labels.shape)))
-    return SceneCycles(labels, cast("Line | Ellipse", scene.flat()), slides, hopping)
+    if has_harmonics:
+        slides = _slides(followed, labels.size)
+    else:
+        slides = np.nan_to_num(slides_of(scene, np.broadcast_to(cycle.pattern_code, labels.shape)))
+    return SceneCycles(labels, scene.flat(), slides, followed)
+
+
+def _at(values: Any, place: int) -> Any:
+    """Return the field of one scene among several; harmonics are the same in all."""
+    return float(values[place]) if isinstance(values, np.ndarray) else values
+
+
+def _slides(followed: Mapping[int, SteadyMotion], count: int) -> Floats:
+    """Return direction, begin and end of the slides of motions in the rows of ``Slides``; else 0."""
+    most = max((len(motion.slides) for motion in followed.values()), default=0)
+    found = np.zeros((7, most, count))
+    for place, motion in followed.items():
+        for i, (way, start, end) in enumerate(motion.slides):
+            rate = math.tau / motion.period
+            found[[0, 2, 3], i, place] = way, rate * start, rate * end
+    return found

@@ -6,16 +6,17 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 from scipy.special import stdtrit
 
 from vibro.errors import InputError, cut, shown
-from vibro.motion.settled import settled_motion
 from vibro.quantities import AMPLITUDES, QUANTITIES
 from vibro.records.alignment import Observation, check_scene
 from vibro.records.cycles import HOPS
 from vibro.records.folding import Floats
+from vibro.records.harmonic_motion import steady_motion
 from vibro.records.minimisation import (
     Minimum,
     best_of,
@@ -33,6 +34,7 @@ __all__ = ["FITTABLE", "Fit", "Parameter", "fit"]
 
 Intervals = tuple[tuple[float, float], ...]
 Groups = list[tuple[str, ...]]
+Moves = tuple[Mapping[str, Any], Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -46,9 +48,9 @@ class Parameter:
     value : float
         The best fit [SI].
     intervals : tuple of pairs of float
-        Confidence intervals at 95 %, ascending and disjoint [SI]; they cover noise and misfit, not what the
-        model leaves out. More than one if patterns fit that are apart from each other. Empty if the data do
-        not bound the quantity.
+        Confidence intervals at 95 %, ascending and disjoint [SI]; they cover noise, misfit and the errors of
+        a measured drive, not what the model leaves out. More than one if patterns fit that are apart from
+        each other. Empty if the data do not bound the quantity.
     identified : bool
         Whether the data determine a value; else at most a range is known.
     """
@@ -89,7 +91,12 @@ class Fit:
     statements: tuple[str, ...]
 
 
-def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
+def fit(
+    scene: Scene,
+    observation: Observation,
+    names: Sequence[str],
+    moved: Sequence[Moves] = (),
+) -> Fit:
     """Estimate quantities of a scene from a record.
 
     Parameters
@@ -100,6 +107,9 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
         The record.
     names : sequence of str
         Some of ``FITTABLE``.
+    moved : sequence of pair of mapping of str to object
+        For each independent error of a measured drive the fields of the scene that it changes, one standard
+        error to either side [SI]; these errors widen the intervals.
 
     Returns
     -------
@@ -118,7 +128,9 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
     -----
     The misfit jumps where the pattern of the motion changes. It is therefore minimised within each pattern,
     and the patterns are compared. Intervals come from the profile of the misfit: they hold every value with
-    which the record can be fitted, in any pattern, after the other quantities are fitted again.
+    which the record can be fitted, in any pattern, after the other quantities are fitted again. What the
+    errors of a measured drive make of the estimates, by fits with each of them moved, is added
+    in quadrature.
     """
     check_scene(scene)
     _check_names(scene, names)
@@ -140,7 +152,11 @@ def fit(scene: Scene, observation: Observation, names: Sequence[str]) -> Fit:
         if better.squares > minima[0].squares - TOL.better * threshold:
             break
         minima = _least_of_each(problem, [better, *minima])
-    return _judged(problem, fitting, [found for found, _ in profiles], threshold)
+    found = [intervals for intervals, _ in profiles]
+    if moved:
+        spreads = math.sqrt(threshold) * _spreads(problem, fitting[0], moved)
+        found = [_widened(*pair) for pair in zip(found, fitting[0].point, spreads, strict=False)]
+    return _judged(problem, fitting, found, threshold)
 
 
 def _check_names(scene: Scene, names: Sequence[str]) -> None:
@@ -312,6 +328,35 @@ def _profile(
     return _merged(pieces), best
 
 
+def _spreads(problem: Problem, minimum: Minimum, moved: Sequence[Moves]) -> Floats:
+    """Return the standard errors of the estimates that come from those of a measured drive, (P,).
+
+    The drive is moved by each of its errors to both sides, and the estimates are fitted again.
+    """
+    squares = np.zeros(len(problem.names))
+    movable = range(len(problem.names))
+    for sides in moved:
+        found = []
+        for way, fields in zip((1.0, -1.0), sides, strict=True):
+            other = problem.with_fixed({n: x for n, x in fields.items() if n not in problem.names})
+            begun = nearest_inside(other, minimum.label, minimum.point, movable)
+            if begun is not None:
+                refitted = minimise(other, begun, TOL.enough)
+                found.append(way * (refitted.point - minimum.point)[:-1])
+        if found:
+            squares += np.mean(found, axis=0) ** 2
+    return np.sqrt(squares)
+
+
+def _widened(intervals: Intervals, estimate: float, spread: float) -> Intervals:
+    """Move the ends of each interval away from its estimate, by errors of another origin in quadrature."""
+    pieces = []
+    for low, high in intervals:
+        middle = estimate if low <= estimate <= high else 0.5 * (low + high)
+        pieces.append((middle - math.hypot(middle - low, spread), middle + math.hypot(high - middle, spread)))
+    return _merged(pieces) if pieces else ()
+
+
 def _merged(pieces: list[tuple[float, float]]) -> Intervals:
     """Unite intervals that overlap, or nearly do."""
     pieces = sorted(pieces)
@@ -387,7 +432,7 @@ def _statements(
 ) -> list[str]:
     """Say what determines the estimates, which quantities cannot be identified, and which are at a limit."""
     best = minima[0]
-    pattern = settled_motion(fitted).pattern if best.label == HOPS else best.label
+    pattern = steady_motion(fitted).pattern if best.label == HOPS else best.label
     lost = {p.name: p for p in parameters if not p.identified}
     if "F" not in pattern and "B" not in pattern:
         said = ", ".join(QUANTITIES[name].letter for name in lost)

@@ -14,6 +14,7 @@ from vibro.records.signals import (
     KINDS,
     SIGNAL_UNITS,
     SIGNALS,
+    TROUGH,
     Sensitivity,
     Unit,
     option_of,
@@ -50,10 +51,14 @@ class Header(NamedTuple):
 
 
 class Wanted(NamedTuple):
-    """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages."""
+    """Columns that a user names: headers by the keys of ``KINDS``, and the sensitivities of voltages.
+
+    Signals of the body are needed unless ``body`` is false: then accelerations of the trough are.
+    """
 
     headers: Mapping[str, str]
     sensitivities: Sequence[Sensitivity] = ()
+    body: bool = True
 
 
 class Column(NamedTuple):
@@ -137,7 +142,8 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
     headers = _headers(above)
     problems, hints, found = list[str](), list[str](), Columns()
     # A user who names one signal wants no others; the time is always needed.
-    sought = ("time",) if any(role in wanted.headers for role in SIGNALS) else ("time", *SIGNALS)
+    named_one = any(role in wanted.headers for role in SIGNALS)
+    sought = ("time",) if named_one or not wanted.body else ("time", *SIGNALS)
     named = [role for role in KINDS if role in wanted.headers]
     for role in dict.fromkeys([*named, *sought]):
         try:
@@ -152,10 +158,13 @@ def columns_of(path: Path, above: list[list[str]], wanted: Wanted) -> Columns:
     if not problems and "time" not in found:
         problems.append(f"{path}: no column of time found among {_list(headers)}")
         hints.append('name it, with its unit: --time "t [s]"')
-    if not problems and not any(role in found for role in SIGNALS):
+    needed = SIGNALS if wanted.body else TROUGH
+    if not problems and not any(role in found for role in needed):
         of_body = " of the body" if len(found) > 1 else ""
-        problems.append(f"{path}: no signal{of_body} found among {_list(headers)}")
+        what = f"signal{of_body} found" if wanted.body else "acceleration of the trough named"
+        problems.append(f"{path}: no {what} among {_list(headers)}")
         hints.append(_name_one(headers, wanted))
+        hints += ["vibro motion measures the trough alone"] if of_body else []
     if problems:
         raise InputError(*problems, hint="\n".join(dict.fromkeys(filter(None, hints))))
     _check_use(path, headers, found, wanted)
@@ -185,6 +194,13 @@ def _voltages(headers: list[Header]) -> list[Header]:
 
 def _name_one(headers: list[Header], wanted: Wanted) -> str:
     """Show how to name a signal, with a sensitivity if the table holds a voltage."""
+    if not wanted.body:
+        units = {"voltage": f" --sensitivity {EXAMPLES['acceleration']}", "acceleration": ""}
+        for header in headers:
+            if header.unit and header.unit[0] in units:
+                example = f'--trough-along "{header.text}"{units[header.unit[0]]}'
+                return f"name one or both, --trough-along and --trough-normal: {example}"
+        return 'name one or both, with the unit: --trough-along "ax [m/s^2]" --trough-normal "ay [m/s^2]"'
     for header in _voltages(headers):
         role = next((role for role in SIGNALS if _WORDS[role].fullmatch(header.name)), "acceleration")
         name = f'{option_of(role)} "{header.text}"'

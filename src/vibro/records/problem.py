@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from itertools import product
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from vibro.drives import Harmonics
 from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR
 from vibro.records.alignment import Observation, misfits_at_shifts
 from vibro.records.cycles import HOPS, Labels, SceneCycles, labels_of, scene_cycles
@@ -62,6 +64,18 @@ def _tried(name: str, values: Iterable[float], own: float) -> list[float]:
     return [own * value if name in AMPLITUDES else value for value in values]
 
 
+def _fields_of(scene: Scene) -> dict[str, Any]:
+    """Return the fields of one scene as numbers; its harmonics, if it has any, as pairs of such."""
+    pairs = {name: getattr(scene, name) for name in Harmonics.told_by}
+    harmonics = {
+        name: [(float(size), float(phase)) for size, phase in value]
+        for name, value in pairs.items()
+        if value is not None
+    }
+    fields = scene.arrays()._asdict().items()
+    return harmonics | {name: float(value) for name, value in fields if not isinstance(value, tuple)}
+
+
 class Residuals(NamedTuple):
     """Weighted residuals of M points, (M, K), and whether each point lies in the pattern."""
 
@@ -85,7 +99,7 @@ class Problem:
         self.observation = observation
         self.names = tuple(names)
         self.fittable = fittable(scene)
-        self.fixed = {name: float(value) for name, value in scene.arrays()._asdict().items()}
+        self.fixed = _fields_of(scene)
         self.bounds = np.array([_tried(name, _BOUNDS[name], self.fixed[name]) for name in names]).T
         if "drive_angle" in names:
             upright = 0.5 * math.pi - self.fixed["trough_angle"] - _BOUNDS["drive_angle"][0]
@@ -100,6 +114,12 @@ class Problem:
             folded = observation.folded[name]
             rest = detrended(observation.time, values - folded.periodic(observation.time), folded.trends)
             self._weigh(name, np.ones(values.size), rest, values.size)
+
+    def with_fixed(self, values: Mapping[str, Any]) -> Problem:
+        """Return the same problem with other values of quantities that are not free [SI]."""
+        other = copy(self)
+        other.fixed = self.fixed | dict(values)
+        return other
 
     @property
     def own(self) -> Floats:
@@ -212,9 +232,10 @@ class Problem:
         shift = points[:, -1] * observation.period + lag * step
         return cycles.signals(observation.signals, observation.time, shift, TOL.jump_window * step)
 
-    def _fields(self, points: Floats) -> dict[str, Floats]:
+    def _fields(self, points: Floats) -> dict[str, Any]:
         """Return the fields of the scenes at points, (M, P) or (M, P + 1), clipped to the bounds."""
-        values = {name: np.full(points.shape[0], value) for name, value in self.fixed.items()}
+        count = points.shape[0]
+        values = {name: np.full(count, x) if isinstance(x, float) else x for name, x in self.fixed.items()}
         clipped = np.clip(points[:, : len(self.names)], *self.bounds)
         return values | dict(zip(self.names, clipped.T.copy(), strict=True))
 

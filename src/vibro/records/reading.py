@@ -102,7 +102,11 @@ class _Table(NamedTuple):
 
 
 def read_record(
-    path: Path, columns: Mapping[str, str] | None = None, sensitivities: Sequence[Sensitivity] = ()
+    path: Path,
+    columns: Mapping[str, str] | None = None,
+    sensitivities: Sequence[Sensitivity] = (),
+    *,
+    body: bool = True,
 ) -> Record:
     """Read a record from a text file of columns.
 
@@ -117,6 +121,8 @@ def read_record(
         is named, every column whose unit is unambiguous is read.
     sensitivities : sequence of Sensitivity
         Sensitivities of the sensors whose voltages the file holds.
+    body : bool
+        Whether a signal of the body is needed; else an acceleration of the trough is.
 
     Returns
     -------
@@ -132,7 +138,7 @@ def read_record(
         the time has gaps, repeats or goes back. Row and column are named.
     """
     text, notes = _decode(path)
-    table, chosen = _take_apart(path, text, Wanted(columns or {}, sensitivities))
+    table, chosen = _take_apart(path, text, Wanted(columns or {}, sensitivities, body))
     if table.separator != "," or table.decimal_comma:
         decimals = ", decimal commas" if table.decimal_comma else ""
         notes.append(f"{path.name}: separated by {_SEPARATORS[table.separator]}s{decimals}")

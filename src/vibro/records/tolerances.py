@@ -82,6 +82,30 @@ class Tolerances(NamedTuple):
     # Of a motion: the phase of a smaller component does not matter, and the motion cannot be scaled from it.
     least_component: float = 1e-3
 
+    # --- harmonics of the trough's motion -------------------------------------------------------------
+    motion_harmonics: int = 16  # that are looked for
+    of_sampling: float = 0.45  # of the sampling rate: the highest of them, with the band beside it
+    band: float = 0.35  # of the drive's frequency, to each side of a harmonic: noise there is that in it
+    # Two bins to each side of a harmonic, of which two channels need more than one for their covariance.
+    motion_cycles: float = 6.0
+    about: float = 1e-3  # by which cycles and samples may fall short, as the frequency is measured
+    usual_samples: float = 40.0  # a cycle, which show 16 harmonics
+    by_chance: float = 1e-3  # probability by which noise passes for a harmonic
+    frequency_rows: int = 40_000  # in the middle of a record in which its frequency is searched,
+    frequency_growth: int = 4  # and growth of that part from one refinement to the next
+    frequency_rounds: int = 8  # of Gauss and Newton's method; two are usual,
+    frequency_step: float = 0.1  # [1/T] largest step of it, as the first frequency is better
+    frequency_close: float = 1e-7  # of that step: the last one
+    clip_band: float = 0.002  # of a signal's range, beside its ends
+    # Rows at an end over those in the band: 2.4 of a sine of whole digits, 5.3 of a flatter crest.
+    clip_ratio: float = 8.0
+
+    harmonics_matter: float = 1e-3  # of the speed: a smaller change by harmonics is left out of a comparison
+    draws: int = 200  # of the noise: their standard deviation is known to 5 %
+    gain: float = 0.02  # usual errors of calibration: of a sensitivity,
+    tilt: float = float(np.radians(1.0))  # [rad] of the way that sensors are put on,
+    delay: float = 50e-6  # [s] and of the time between two channels
+
     # --- comparison -----------------------------------------------------------------------------------
     slide_level: float = 0.1  # of a slide's computed peak speed, at its start and end
     fine: int = 4096  # points a cycle at which folded signals are searched

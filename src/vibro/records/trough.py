@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -17,7 +18,10 @@ from vibro.records.reading import Record
 from vibro.records.signals import SIGNAL_UNITS, doubt, option_of
 from vibro.records.tolerances import TOL
 
-__all__ = ["MeasuredDrive", "Trough", "Wave", "spelled", "trough_of"]
+__all__ = [
+    "MeasuredDrive", "Trough", "Wave", "drive_frequency", "refuse_line_down", "spelled", "trough_of",
+    "trough_signals",
+]  # fmt: skip
 
 _ALONG, _NORMAL = "trough_along", "trough_normal"
 _TRENDS: Final = 2  # offset, with gravity's part in it, and slow drift of the sensor
@@ -192,6 +196,10 @@ class Trough:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Reasons to doubt that each of the two motions is one sinusoid."""
+        return self.doubts(pure=True)
+
+    def doubts(self, *, pure: bool) -> tuple[str, ...]:
+        """Return reasons to doubt the sensors, and if ``pure`` that each motion is one sinusoid."""
         found = []
         for wave in self.waves:
             size, text = abs(wave.value), f"column {shown(wave.header)}: "
@@ -202,7 +210,7 @@ class Trough:
             if size > TOL.usual_acceleration:
                 usual = f"{size / _G:.3g} g is more than conveyors usually have"
                 found.append(f"{text}{usual}: {doubt(wave.sensitivity)}")
-            if wave.harmonics > TOL.few_harmonics:
+            if pure and wave.harmonics > TOL.few_harmonics:
                 share = f"harmonics have {100.0 * wave.harmonics:.0f} % of the fundamental"
                 found.append(f"{text}{share}, but the computed trough moves as a pure sine")
             if wave.rest > TOL.much_rest:
@@ -232,6 +240,16 @@ class MeasuredDrive(NamedTuple):
     clock: Estimate
     warnings: tuple[str, ...]
 
+    @property
+    def moved(self) -> list[tuple[dict[str, float], dict[str, float]]]:
+        """Fields of the scene that each error changes, one standard error to either side [SI]."""
+        certain = (0.0, math.inf)
+        return [
+            ({name: value + error}, {name: value - error})
+            for name, (value, error) in self.quantities.items()
+            if error not in certain and not math.isnan(error)
+        ]
+
 
 def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> Trough | None:
     """Measure the trough's motion from its accelerations; return None for a record without any.
@@ -259,7 +277,29 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
     """
     if not record.trough:
         return None
-    signals = {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
+    signals = trough_signals(record, reverse=reverse)
+    found = drive_frequency(record, signals)
+    frequency = Estimate(float(spelled(*found)), found.error)
+    waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
+    trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
+    if not down:
+        refuse_line_down(trough, reverse=reverse)
+    return trough
+
+
+def trough_signals(record: Record, *, reverse: bool) -> dict[str, Floats]:
+    """Return the accelerations of the trough, positive in the conveying direction and upwards [m/s^2]."""
+    return {name: -x if reverse and name == _ALONG else x for name, x in record.trough.items()}
+
+
+def drive_frequency(record: Record, signals: Mapping[str, Floats]) -> Estimate:
+    """Return the frequency at which accelerations of the trough repeat [Hz].
+
+    Raises
+    ------
+    InputError
+        If a signal does not vibrate, or no wave stands out.
+    """
     repetition = Repetition(record.time, signals, dict.fromkeys(signals, 0))
     for name, alive in zip(signals, repetition.alive, strict=True):
         if not alive or float(np.abs(signals[name]).max()) < 1.0 / TOL.largest:
@@ -270,15 +310,16 @@ def trough_of(record: Record, *, reverse: bool = False, down: bool = False) -> T
         columns = " and ".join(shown(record.headers[name]) for name in signals)
         hint = "is it the acceleration of a trough that runs?"
         raise InputError(f"no wave stands out in column {columns}", hint=hint)
-    frequency = Estimate(float(spelled(*frequency)), frequency.error)
-    waves = {name: _wave(record, name, values, frequency.value) for name, values in signals.items()}
-    trough = Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), float(np.ptp(record.time)))
-    if abs(trough.phase) > 0.5 * math.pi and not (down or trough.on_an_ellipse):  # no drive angle is below 0
+    return frequency
+
+
+def refuse_line_down(trough: Trough, *, reverse: bool) -> None:
+    """Raise InputError if the trough moves down along a line while it moves forwards."""
+    if abs(trough.phase) > 0.5 * math.pi and not trough.on_an_ellipse:  # no drive angle is below 0
         why = "the axis along the trough points against the conveying direction"
         hint = f"{'leave out --reverse, unless' if reverse else '--reverse, if'} {why}"
         inverted = "the trough moves down while it moves forwards: one of its two sensors is inverted"
         raise InputError(inverted, hint=f"{hint}; a negative sensitivity turns one sensor alone")
-    return trough
 
 
 def spelled(value: float, error: float) -> str:

@@ -1,0 +1,161 @@
+"""``vibro motion``: a drive, measured by accelerometers on the trough."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, Self
+
+import typer
+
+from vibro.cli.console import Console
+from vibro.cli.options import ForceOption, JsonOption, Options
+from vibro.cli.record_options import (
+    ReverseOption,
+    SensitivityOption,
+    TimeOption,
+    TroughAlongOption,
+    TroughNormalOption,
+    scene_and_data,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from vibro.sweeps.request import Request
+
+__all__ = ["motion_command"]
+
+_UNRESOLVED: Final = 3  # exit code
+# In the place of the drive, while the rest of a scene is read: valid whatever that is, in users' units.
+_HARMLESS: Final = {"amplitude": "1", "drive_angle": "0", "frequency": "1"}
+_FRICTIONS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
+
+
+def motion_command(
+    context: typer.Context,
+    options: Options,
+    data: Annotated[
+        Path | None,
+        typer.Argument(metavar="RECORD.csv", help="Accelerations over time.", show_default=False),
+    ] = None,
+    time: TimeOption = None,
+    trough_along: TroughAlongOption = None,
+    trough_normal: TroughNormalOption = None,
+    sensitivity: SensitivityOption = None,
+    reverse: ReverseOption = False,
+    drive_angle: Annotated[
+        str | None,
+        typer.Option(
+            "-a",
+            "--drive-angle",
+            metavar="VALUE",
+            help="Angle of the drive's line, which a single accelerometer does not tell [deg].",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="DRIVE.toml",
+            help="Scene file to be written, or its folder; - for stdout.",
+            show_default=False,
+        ),
+    ] = None,
+    json: JsonOption = False,
+    force: ForceOption = False,
+) -> int:
+    """Measure a trough's motion, with its harmonics, by one or two accelerometers on it.
+
+    Amplitudes and phases are printed with their standard errors, and with the friction of a part (--mu-s,
+    --mu-d, or SCENE.toml) the speed: what noise, the last harmonic and wrong calibration make of it. With -o
+    the motion goes to a scene file, which every command reads.
+    """
+    from vibro.cli.motion_report import MotionReport
+    from vibro.errors import InputError
+    from vibro.files.publication import json_text
+    from vibro.quantities import DRIVES, QUANTITIES, checked_number, scene_fields
+    from vibro.records.measured_speeds import speeds_of, throw_number
+    from vibro.records.reading import read_record
+    from vibro.records.signals import read_sensitivities
+    from vibro.records.waveforms import motion_of
+
+    console = Console(quiet=options.quiet)
+    options, data = scene_and_data(options, data, "motion", "RECORD.csv")
+    if json and output == "-":
+        raise InputError("--json and -o - both want stdout", hint="leave one of them out")
+    angle = None
+    if drive_angle is not None:
+        angle = float(QUANTITIES["drive_angle"].to_si(checked_number(drive_angle, QUANTITIES["drive_angle"])))
+    request, has_friction = _rest_of_scene(options, context.obj)
+    given = {"time": time, "trough_along": trough_along, "trough_normal": trough_normal}
+    columns = {name: text for name, text in given.items() if text is not None}
+    with _Target(output, data, options, console, force=force) as target:
+        record = read_record(data, columns, read_sensitivities(sensitivity or ()), body=False)
+        for note in record.notes:
+            console.echo(note)
+        measured = motion_of(record, reverse=reverse, drive_angle=angle)
+        for warning in measured.warnings:
+            console.warn(warning)
+
+        rest = {name: value for name, value in request.fixed.items() if name not in (*DRIVES, "frequency")}
+        if not has_friction:
+            rest = {name: value for name, value in rest.items() if name not in _FRICTIONS}
+        others = scene_fields(rest)
+        speeds = speeds_of(measured, others) if has_friction else None
+        throw = throw_number(measured, others)
+        lengths = {} if request.length is None else {"trough_length": request.length}
+        report = MotionReport(data, measured, throw, speeds, rest | lengths)
+        target.write(report.scene_file())
+    if output != "-":
+        print(json_text(report.content()) if json else report.text())
+    return _UNRESOLVED if report.unresolved else 0
+
+
+def _rest_of_scene(options: Options, argv: Sequence[str]) -> tuple[Request, bool]:
+    """Read what is given besides the drive, and whether friction is."""
+    from vibro.cli.request import request_of
+    from vibro.files.scene_files import read_scene_file
+
+    own = read_scene_file(options.scene).scene if options.scene else {}
+    has_friction = not {*options.given, *own}.isdisjoint(_FRICTIONS)
+    frictions = {} if has_friction else {"static_friction": "1", "kinetic_friction": "1"}
+    return request_of(replace(options, given={**options.given, **_HARMLESS, **frictions}), argv), has_friction
+
+
+class _Target:
+    """Where the scene file goes: a file, which is claimed before anything is computed, stdout or nowhere."""
+
+    def __init__(
+        self, output: str | None, data: Path, options: Options, console: Console, *, force: bool
+    ) -> None:
+        from vibro.files.outputs import OutputSet
+        from vibro.files.stems import output_stem, suffixed
+
+        self._takes_stdout = output == "-"
+        self._path: Path | None = None
+        self._files: AbstractContextManager[Any] = nullcontext()
+        if output is not None and not self._takes_stdout:
+            is_named = output.casefold().endswith(".toml") and not Path(output).is_dir()
+            stem = Path(output) if is_named else output_stem(output, f"{data.stem}-drive")
+            self._path = stem if is_named else suffixed(stem, ".toml")
+            reads = (data, options.scene)
+            # The file is its own stem: pictures of the scene, whose names begin with its stem, stay.
+            self._files = OutputSet(self._path, [self._path], force=force, tell=console.echo, reads=reads)
+
+    def write(self, text: str) -> None:
+        """Write the scene file, if it is wanted."""
+        if self._takes_stdout:
+            print(text, end="")
+        elif self._path is not None:
+            self._written[self._path].write_text(text, encoding="utf-8")
+
+    def __enter__(self) -> Self:
+        self._written = self._files.__enter__()
+        return self
+
+    def __exit__(self, *raised: Any) -> None:
+        self._files.__exit__(*raised)

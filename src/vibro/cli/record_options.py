@@ -1,0 +1,73 @@
+"""What the commands that read records share: the options of columns, and their two arguments."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vibro.cli.options import Options
+from vibro.errors import InputError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = [
+    "ReverseOption",
+    "SensitivityOption",
+    "TimeOption",
+    "TroughAlongOption",
+    "TroughNormalOption",
+    "column_option",
+    "scene_and_data",
+]
+
+
+def column_option(name: str, text: str) -> Any:
+    """Make the option that names a column of a record."""
+    return typer.Option(f"--{name}", metavar="HEADER", help=text, show_default=False)
+
+
+TimeOption = Annotated[str | None, column_option("time", "Column of the time.")]
+TroughAlongOption = Annotated[
+    str | None,
+    column_option(
+        "trough-along", "Column of the trough's acceleration along its surface: gives amplitude, frequency."
+    ),
+]
+TroughNormalOption = Annotated[
+    str | None,
+    column_option(
+        "trough-normal", "The same normal to its surface, upwards; both give drive angle or ellipse too."
+    ),
+]
+SensitivityOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--sensitivity",
+        metavar="100mV/g",
+        help="What a sensor's voltage stands for; of one of several columns: velocity=125mm/s/V.",
+        show_default=False,
+    ),
+]
+ReverseOption = Annotated[
+    bool, typer.Option("--reverse", help="The data's axis points against the conveying direction.")
+]
+
+
+def scene_and_data(
+    options: Options, data: Path | None, command: str, called: str = "DATA.csv"
+) -> tuple[Options, Path]:
+    """Tell scene file and data apart: the scene may be given by options alone."""
+    if data is None and options.scene is not None and options.scene.suffix.casefold() != ".toml":
+        return replace(options, scene=None), options.scene
+    if data is None:
+        raise InputError(f"missing: {called}", hint=f"for example: vibro {command} scene.toml data.csv")
+    first, second = (path.suffix.casefold() if path else "" for path in (options.scene, data))
+    if second == ".toml" != first:
+        raise InputError(
+            f"{data} is a scene file: the scene comes before the data",
+            hint=f"vibro {command} {data} {options.scene}",
+        )
+    return options, data

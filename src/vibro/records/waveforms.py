@@ -1,0 +1,612 @@
+"""The trough's motion with all its harmonics, measured by accelerometers on it, and its uncertainty.
+
+Everything is done with accelerations, which the loads of a drive are: a displacement by double integration
+would drift by many amplitudes, while a harmonic is divided by (k w)^2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import fdtrc
+
+from vibro.errors import InputError, shown
+from vibro.quantities import MOST_HARMONICS, QUANTITIES
+from vibro.records.folding import Estimate, Floats, harmonics
+from vibro.records.reading import Record, read_record
+from vibro.records.signals import read_sensitivities
+from vibro.records.tolerances import TOL
+from vibro.records.trough import Trough, Wave, drive_frequency, refuse_line_down, trough_signals
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+__all__ = ["HarmonicDrive", "MeasuredMotion", "Motions", "measured_motion", "motion_of"]
+
+Complexes = NDArray[np.complex128]
+
+_ALONG, _NORMAL = "trough_along", "trough_normal"
+_TRENDS: Final = 2  # offset, with gravity's part in it, and slow drift of the sensor
+_SEED: Final = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """One motion of a trough, or one of each of several draws.
+
+    Attributes
+    ----------
+    frequency : array
+        Drive frequency [Hz], of any shape.
+    along, normal : complex array
+        Displacement harmonics, the first one first, shape (H, *shape of the frequency): the trough moves
+        along itself as the sum of ``abs(x) * sin(k w t + angle(x))`` [m].
+    """
+
+    frequency: Floats
+    along: Complexes
+    normal: Complexes
+
+    def drive(self) -> dict[str, Any]:
+        """Return the fields of a ``Scene``: of an ellipse if there is one harmonic, else of harmonics."""
+        x, y = self.along, self.normal
+        if len(x) == 1:
+            phase = np.angle(y[0]) - np.angle(x[0])
+            fields = {"along_amplitude": abs(x[0]), "normal_amplitude": abs(y[0]), "normal_phase": phase}
+        else:
+            fields = {
+                name: [(abs(z), np.angle(z)) for z in way] if way.any() else ()
+                for name, way in (("along_harmonics", x), ("normal_harmonics", y))
+            }
+        return {**fields, "frequency": self.frequency}
+
+    def scaled(self, along: float = 1.0, normal: float = 1.0) -> Motions:
+        """Multiply the motions along the trough and normal to it by factors."""
+        return replace(self, along=along * self.along, normal=normal * self.normal)
+
+    def turned(self, angle: float) -> Motions:
+        """Turn the sensors in their plane: what the trough moves along itself seems to lead upwards [rad]."""
+        cosine, sine = math.cos(angle), math.sin(angle)
+        x, y = self.along, self.normal
+        return replace(self, along=cosine * x - sine * y, normal=sine * x + cosine * y)
+
+    def delayed(self, delay: float) -> Motions:
+        """Delay the motion normal to the trough [s]."""
+        count = len(self.normal)
+        orders = np.arange(1, count + 1).reshape(count, *([1] * self.frequency.ndim))
+        return replace(self, normal=self.normal * np.exp(-1j * math.tau * orders * self.frequency * delay))
+
+    def up_to(self, order: int) -> Motions:
+        """Leave out the harmonics above an order, which become 0."""
+        kept = np.arange(1, len(self.along) + 1) <= order
+        kept = kept.reshape(-1, *([1] * self.frequency.ndim))
+        return replace(self, along=self.along * kept, normal=self.normal * kept)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredMotion:
+    """A trough's periodic motion, as one or two accelerometers on it measured it.
+
+    Times count from where the first harmonic along the trough passes its middle forwards, or, where nothing
+    moves along it, the first one normal to it passes its middle upwards.
+
+    Attributes
+    ----------
+    frequency, frequency_error : float
+        Drive frequency and its standard error [Hz].
+    channels : tuple of str
+        What was measured: ``"trough_along"``, ``"trough_normal"`` or both.
+    accelerations : complex array, shape (H, channels)
+        Harmonics of the accelerations: the sum of ``abs(a) * sin(k w t + angle(a))`` [m/s^2].
+    covariance : complex array, shape (H, channels, channels)
+        Covariance of each harmonic over the channels, E[da conj(db)] of the noise; that of its real parts,
+        and of its imaginary ones, is half the real part [m^2/s^4].
+    freedom : float
+        Degrees of freedom of the covariance of each harmonic, with which draws follow Student's t.
+    p_values : array
+        For every harmonic that was looked for, the probability that noise alone is so large.
+    significant : int
+        The last harmonic that stands out of the noise. H is at most the number that a drive can have.
+    drive_angle : float or None
+        Angle of the drive's line, with which one sensor tells both motions; None with two sensors [rad].
+    clock : float
+        Time of the record at which times count from 0 [s].
+    span : float
+        Length of the record [s].
+    rows : int
+        Rows of the record.
+    trough : Trough
+        The fundamental alone: line or ellipse, with standard errors.
+    warnings : tuple of str
+        Reasons to doubt the measurement.
+    """
+
+    frequency: float
+    frequency_error: float
+    channels: tuple[str, ...]
+    accelerations: Complexes
+    covariance: Complexes
+    freedom: float
+    p_values: Floats
+    significant: int
+    drive_angle: float | None
+    clock: float
+    span: float
+    rows: int
+    trough: Trough
+    warnings: tuple[str, ...]
+
+    @property
+    def order(self) -> int:
+        """Number of harmonics, H."""
+        return len(self.accelerations)
+
+    @property
+    def motion(self) -> Motions:
+        """The motion that was measured."""
+        return self._motions(np.array(self.frequency), self.accelerations[..., None])
+
+    @property
+    def along(self) -> Complexes:
+        """Displacement harmonics along the trough [m], shape (H,): amplitudes with phases as their angles."""
+        return self.motion.along
+
+    @property
+    def normal(self) -> Complexes:
+        """The same normal to the trough [m]."""
+        return self.motion.normal
+
+    @property
+    def standard_errors(self) -> Floats:
+        """Standard error of each displacement harmonic's amplitude by channel, (H, channels) [m]."""
+        variances = 0.5 * np.diagonal(self.covariance, axis1=1, axis2=2).real
+        return np.asarray(np.sqrt(variances) / self._rates[:, None] ** 2)
+
+    @property
+    def phase_errors(self) -> Floats:
+        """Standard error of each phase, (H, channels), at most that of an unknown one, pi / sqrt(3) [rad].
+
+        Phases count from that of the first harmonic, whose own error is therefore 0.
+        """
+        first = _reference(self.accelerations, self.covariance)
+        relative = self.covariance / (self.accelerations[:, :, None] * self.accelerations[:, None, :].conj())
+        own = 0.5 * np.diagonal(relative, axis1=1, axis2=2).real
+        orders = np.arange(1, self.order + 1)[:, None]
+        variances = own + orders**2 * own[0, first]
+        variances[0] -= relative[0, :, first].real
+        return np.asarray(np.minimum(np.sqrt(np.maximum(variances, 0.0)), math.pi / math.sqrt(3.0)))
+
+    @property
+    def shares(self) -> Floats:
+        """Acceleration of each harmonic over that of the first, both directions together, shape (H,)."""
+        sizes = np.linalg.norm(self.accelerations, axis=1)
+        shares: Floats = sizes / sizes[0]
+        return shares
+
+    def drive(self) -> dict[str, Any]:
+        """Return the fields of a ``Scene`` that are measured: frequency, amplitudes and phases.
+
+        Those of an ellipse if one harmonic stands out; else those of a drive with harmonics.
+        """
+        return self.motion.drive()
+
+    def draws(self, count: int, seed: int = _SEED) -> dict[str, Any]:
+        """Draw motions that the record might as well have come from, as fields of a ``Scene``.
+
+        Parameters
+        ----------
+        count : int
+            Number of draws, the shape of each field.
+        seed : int
+            The same draws for the same seed.
+        """
+        return self.drawn(count, seed).drive()
+
+    def drawn(self, count: int, seed: int = _SEED) -> Motions:
+        """Draw motions that the record might as well have come from."""
+        random = np.random.default_rng(seed)
+        size, channels = self.accelerations.shape
+        normal = random.standard_normal((2, size, channels, count))
+        # The covariance is itself measured, from few bins in a short record: errors follow Student's t,
+        # whose scale makes Hotelling's statistic exact.
+        bins = 0.5 * self.freedom + channels - 1.0
+        heavy = np.sqrt(self.freedom / random.chisquare(self.freedom, (size, 1, count)))
+        heavy *= math.sqrt(bins / (0.5 * self.freedom))
+        roots = np.linalg.cholesky(self.covariance)
+        off = np.einsum("kab,kbn->kan", roots, (normal[0] + 1j * normal[1]) / math.sqrt(2.0)) * heavy
+        frequency = self.frequency + self.frequency_error * random.standard_normal(count)
+        return self._motions(frequency, self.accelerations[..., None] + off)
+
+    def measured_drive(self) -> HarmonicDrive:
+        """Return the harmonics as quantities of a scene, with their errors, for a comparison."""
+        motion, both = self.motion, len(self.channels) == 2
+        own = motion.along if _ALONG in self.channels else motion.normal
+        frequency = Estimate(self.frequency, self.frequency_error)
+        quantities = {"frequency": frequency}
+        for i, (way, values) in enumerate((("along", motion.along), ("normal", motion.normal))):
+            for k, z in enumerate(values):
+                end = f"_{k + 1}" if k else ""
+                # One sensor tells both motions, with the same relative errors.
+                channel, share = (i, 1.0) if both else (0, abs(z) / abs(own[k]))
+                size = Estimate(float(abs(z)), float(share * self.standard_errors[k, channel]))
+                phase = Estimate(float(np.angle(z)), float(self.phase_errors[k, channel]))
+                quantities |= {f"{way}_amplitude{end}": size, f"{way}_phase{end}": phase}
+        warnings = self.trough.doubts(pure=False)
+        return HarmonicDrive(
+            self.trough, quantities, self.trough.drive_on_ellipse().clock, warnings, self._moved
+        )
+
+    @property
+    def _moved(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+        """Fields of a scene for each independent error, one standard error to either side."""
+        offsets = []
+        values, vectors = np.linalg.eigh(self.covariance)
+        for k, channel, unit in product(range(self.order), range(len(self.channels)), (1.0, 1j)):
+            off = np.zeros_like(self.accelerations)
+            off[k] = unit * math.sqrt(0.5 * max(float(values[k, channel]), 0.0)) * vectors[k, :, channel]
+            offsets.append((0.0, off))
+        offsets.append((self.frequency_error, np.zeros_like(self.accelerations)))
+
+        def fields(late: float, off: Complexes) -> dict[str, Any]:
+            moved = self._motions(np.array(self.frequency + late), (self.accelerations + off)[..., None])
+            return {n: float(x) if isinstance(x, np.ndarray) else x for n, x in moved.drive().items()}
+
+        return [(fields(late, off), fields(-late, -off)) for late, off in offsets]
+
+    @property
+    def _rates(self) -> Floats:
+        return np.asarray(math.tau * self.frequency * np.arange(1, self.order + 1), np.float64)
+
+    def _motions(self, frequency: Floats, accelerations: Complexes) -> Motions:
+        """Return motions by their accelerations, (H, channels, n), with the clock set to each."""
+        first = _reference(self.accelerations, self.covariance)
+        orders = np.arange(1, self.order + 1)[:, None, None]
+        # The acceleration of X sin(k w t + xi) has the opposite sign.
+        motion = -accelerations / (math.tau * orders * frequency) ** 2
+        motion = motion * np.exp(-1j * orders * np.angle(motion[0, first]))
+        motion[0, first] = abs(motion[0, first])
+        motion = motion.reshape(self.order, len(self.channels), *frequency.shape)
+        if self.drive_angle is None:
+            return Motions(frequency, motion[:, 0], motion[:, 1])
+        (one,), slope = motion.transpose(1, 0, *range(2, motion.ndim)), math.tan(self.drive_angle)
+        along, normal = (one, slope * one) if _ALONG in self.channels else (one / slope, one)
+        return Motions(frequency, along, normal)
+
+
+class HarmonicDrive(NamedTuple):
+    """Measured harmonics of a scene's drive, with the attributes of ``MeasuredDrive``."""
+
+    trough: Trough
+    quantities: dict[str, Estimate]
+    clock: Estimate
+    warnings: tuple[str, ...]
+    moved: list[tuple[dict[str, Any], dict[str, Any]]]
+
+
+def measured_motion(
+    path: str | PathLike[str],
+    *,
+    trough_along: str | None = None,
+    trough_normal: str | None = None,
+    time: str | None = None,
+    sensitivity: str | Sequence[str] = (),
+    reverse: bool = False,
+    drive_angle: float | None = None,
+) -> MeasuredMotion:
+    """Measure a trough's motion with its harmonics from a record of one or two accelerometers on it.
+
+    Parameters
+    ----------
+    path : str or path
+        A text file of columns, as for ``vibro compare``: any separator, decimal points or commas.
+    trough_along, trough_normal : str, optional
+        Headers of the columns of the accelerations along the trough's surface, positive in the conveying
+        direction, and normal to it, positive up and away from it [m/s^2, g, or voltages]. One may be missing.
+    time : str, optional
+        Header of the column of the time; without it the only column in a unit of time.
+    sensitivity : str or sequence of str
+        Sensitivities of voltages: ``"100mV/g"``, or ``"trough-along=101mV/g"`` of one column.
+    reverse : bool
+        Whether the axis along the trough points against the conveying direction.
+    drive_angle : float, optional
+        With one sensor, which cannot tell the other motion: the angle of the line along which the trough
+        moves, 0 where it moves along itself alone [rad].
+
+    Returns
+    -------
+    MeasuredMotion
+        Its ``drive()`` are fields of a ``Scene``, its ``draws(n)`` those of n scenes that the noise allows.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    InputError
+        If columns are missing or wrong; if no wave stands out, or the record is too short or too coarse; if
+        one sensor comes without a drive angle, or two with one; if one of two is inverted.
+
+    Notes
+    -----
+    Both channels are regressed on one frequency, an offset and a trend each, and up to 16 harmonics. The
+    covariance of a harmonic is the spectral matrix of what is left within 0.35 of the frequency to both
+    sides. Harmonics are kept up to the last one that noise reaches once in 1000 records, by an F-test. Errors
+    are those of noise: on synthetic feeders 64 to 70 % lie within one standard error and 93 to 98 % within
+    two (tests/records/test_waveforms.py). Calibration is not part of them.
+
+    Examples
+    --------
+    >>> import vibro
+    >>> feeder = vibro.measured_motion("examples/data/nut_trough_mv.csv", trough_along="Trog längs",
+    ...                                trough_normal="Trog normal", sensitivity="100mV/g")
+    >>> print(f"{feeder.frequency:.2f} Hz, {feeder.order} harmonic")
+    15.00 Hz, 1 harmonic
+    >>> nut = vibro.Scene(**feeder.drive(), static_friction=0.74, kinetic_friction=0.57)
+    >>> print(f"{1e3 * float(vibro.solve(nut).mean_velocity):.1f} mm/s")
+    17.7 mm/s
+    """
+    given = {_ALONG: trough_along, _NORMAL: trough_normal, "time": time}
+    columns = {name: text for name, text in given.items() if text is not None}
+    texts = [sensitivity] if isinstance(sensitivity, str) else sensitivity
+    record = read_record(Path(path), columns, read_sensitivities(texts), body=False)
+    return motion_of(record, reverse=reverse, drive_angle=drive_angle)
+
+
+def motion_of(record: Record, *, reverse: bool = False, drive_angle: float | None = None) -> MeasuredMotion:
+    """Measure the trough's motion from a record with accelerations of it.
+
+    Parameters and errors are those of ``measured_motion``.
+    """
+    _check_sensors(record, drive_angle)
+    signals = trough_signals(record, reverse=reverse)
+    span = float(np.ptp(record.time))
+    frequency = _frequency(record, signals)
+    _check_size(record, span, frequency)
+    middle = 0.5 * float(record.time[0] + record.time[-1])
+    time, values = record.time - middle, np.stack(list(signals.values()), axis=1)
+    rate = (time.size - 1) / span
+    count = min(TOL.motion_harmonics, int(TOL.of_sampling * rate / frequency))
+
+    frequency = _refined(time, values, frequency, count)
+    _, _, p_values, _ = _measured(time, values, frequency, count)
+    standing = np.flatnonzero(p_values < TOL.by_chance)
+    significant = int(standing[-1]) + 1 if standing.size else 1
+    # Noise in a harmonic that the motion lacks would shift the frequency, the more the higher it is.
+    frequency = _refined(time, values, frequency, significant)
+    sizes, covariance, p_values, bins = _measured(time, values, frequency, count)
+    order = min(significant, MOST_HARMONICS)
+    sizes, covariance = sizes[:order], covariance[:order]
+    channels = tuple(signals)
+
+    first = _reference(sizes, covariance)
+    phase = float(np.angle(-sizes[0, first]))
+    error = _frequency_error(time, values, frequency, sizes, covariance)
+    trough = _fundamental(record, Estimate(frequency, error), sizes, covariance, channels, values, span)
+    refuse_line_down(trough, reverse=reverse)
+    beyond = significant - order
+    too_many = f"the motion has {significant} harmonics, a drive has at most {order}: {beyond} are left out"
+    return MeasuredMotion(
+        frequency=frequency,
+        frequency_error=error,
+        channels=channels,
+        accelerations=sizes * np.exp(-1j * np.arange(1, order + 1) * phase)[:, None],
+        covariance=covariance,
+        freedom=2.0 * (bins - len(channels) + 1),
+        p_values=p_values,
+        significant=significant,
+        drive_angle=drive_angle,
+        clock=middle - phase / (math.tau * frequency),
+        span=span,
+        rows=time.size,
+        trough=trough,
+        warnings=(*trough.doubts(pure=False), *_clipped(record), *([too_many] if beyond else [])),
+    )
+
+
+def _check_sensors(record: Record, drive_angle: float | None) -> None:
+    """Refuse one sensor without a drive angle, and two with one."""
+    if len(record.trough) == 2:
+        if drive_angle is not None:
+            both = "two accelerometers measure the drive angle, which is given too"
+            raise InputError(both, hint="leave out --drive-angle, or one of the sensors")
+        return
+    (name,) = record.trough
+    other = _NORMAL if name == _ALONG else _ALONG
+    option, missing = (
+        f"--{other.replace('_', '-')}",
+        "normal to the trough" if other == _NORMAL else "along it",
+    )
+    if drive_angle is None:
+        unknown = f"one accelerometer alone does not tell the motion {missing}"
+        hint = (
+            f"name {option} too, or give the angle of the line that the trough moves along: --drive-angle 20"
+        )
+        raise InputError(unknown, hint=hint)
+    quantity = QUANTITIES["drive_angle"]
+    if not (math.isfinite(drive_angle) and quantity.allows(drive_angle)):
+        said = f"drive_angle = {quantity.text(quantity.from_si(drive_angle))}"
+        raise InputError(f"{said}: must be {quantity.allowed.text(quantity.unit)}")
+    if name == _NORMAL and math.sin(drive_angle) < TOL.least_component:
+        level = "--trough-normal cannot measure a motion along the trough, at a drive angle of"
+        raise InputError(f"{level} {math.degrees(drive_angle):.6g} deg", hint=f"name {option}")
+
+
+def _check_size(record: Record, span: float, frequency: float) -> None:
+    """Refuse a record that is too short for errors, or too coarse for harmonics."""
+    cycles, samples = span * frequency, (record.time.size - 1) / (span * frequency)
+    if cycles < TOL.motion_cycles * (1.0 - TOL.about):
+        short = f"the record has {math.floor(100.0 * cycles) / 100.0:g} cycles of {frequency:.6g} Hz"
+        raise InputError(f"{short}: at least {TOL.motion_cycles:g} are needed", hint="record longer")
+    if samples < TOL.least_samples * (1.0 - TOL.about):
+        coarse = (
+            f"the record has {math.floor(100.0 * samples) / 100.0:g} samples a cycle of {frequency:.6g} Hz"
+        )
+        faster = math.ceil(TOL.usual_samples * frequency)
+        hint = f"sample faster: at {faster} Hz and more harmonics are seen"
+        raise InputError(f"{coarse}: at least {TOL.least_samples} are needed", hint=hint)
+
+
+def _frequency(record: Record, signals: Mapping[str, Floats]) -> float:
+    """Return the frequency of a record to well within 1/T, T its length.
+
+    The search takes long in many rows: it begins in the middle of a long record, whose part then grows.
+    """
+    size, rows = record.time.size, min(record.time.size, TOL.frequency_rows)
+    part = slice((size - rows) // 2, (size - rows) // 2 + rows)
+    middle = {name: values[part] for name, values in signals.items()}
+    frequency = drive_frequency(replace(record, time=record.time[part]), middle).value
+    while (rows := TOL.frequency_growth * rows) < size:
+        part = slice((size - rows) // 2, (size - rows) // 2 + rows)
+        time = record.time[part] - 0.5 * float(record.time[part][0] + record.time[part][-1])
+        values = np.stack([x[part] for x in signals.values()], axis=1)
+        frequency = _refined(time, values, frequency, 1)
+    return frequency
+
+
+def _reference(sizes: Complexes, covariance: Complexes) -> int:
+    """Return the channel whose first harmonic has the phase 0: the first, unless it does not stand out."""
+    error = math.sqrt(0.5 * float(covariance[0, 0, 0].real))
+    return 0 if abs(sizes[0, 0]) >= TOL.likely_sigmas * error or sizes.shape[1] == 1 else 1
+
+
+# --- regression -----------------------------------------------------------------------------------------
+
+
+def _basis(time: Floats, frequency: float, count: int) -> Floats:
+    trend = np.vander(time / float(time[-1]), _TRENDS, increasing=True)
+    return np.hstack([trend, harmonics(time, frequency, count)])
+
+
+def _solved(basis: Floats, values: Floats) -> Floats:
+    """Return the coefficients of least squares, refined once, as normal equations lose digits."""
+    inverse = np.linalg.pinv(basis.T @ basis)
+    coefficients = inverse @ (basis.T @ values)
+    return np.asarray(coefficients + inverse @ (basis.T @ (values - basis @ coefficients)))
+
+
+def _refined(time: Floats, values: Floats, frequency: float, count: int) -> float:
+    """Return the frequency of least squares of all channels together, by Gauss and Newton's method.
+
+    Each channel weighs by the inverse of its residual's variance.
+    """
+    step_limit = TOL.frequency_step / float(np.ptp(time))
+    for _ in range(TOL.frequency_rounds):
+        basis = _basis(time, frequency, count)
+        coefficients = _solved(basis, values)
+        left = values - basis @ coefficients
+        slope = harmonics(time, frequency, count, 1) @ coefficients[_TRENDS:] * (time / frequency)[:, None]
+        slope -= basis @ _solved(basis, slope)
+        weights = 1.0 / _variances(left, values)
+        step = float((slope * left).sum(axis=0) @ weights / ((slope**2).sum(axis=0) @ weights))
+        frequency += min(max(step, -step_limit), step_limit)
+        if abs(step) < TOL.frequency_close * step_limit:
+            break
+    return frequency
+
+
+def _variances(left: Floats, values: Floats) -> Floats:
+    """Return the variance of each residual, at least that of rounding."""
+    return np.asarray(np.square(left).mean(axis=0) + TOL.rounding * np.square(values).mean(axis=0))
+
+
+def _measured(
+    time: Floats, values: Floats, frequency: float, count: int
+) -> tuple[Complexes, Complexes, Floats, int]:
+    """Return all harmonics, (K, channels), their covariances, how likely noise is so large, and the bins."""
+    basis = _basis(time, frequency, count)
+    coefficients = _solved(basis, values)
+    cosines, sines = coefficients[_TRENDS:].reshape(2, count, -1)
+    sizes = sines + 1j * cosines
+    covariance, bins = _covariances(time, values - basis @ coefficients, frequency, count)
+    # Data may be exact: add their rounding.
+    rounding = TOL.rounding * np.square(values).mean(axis=0) / time.size
+    covariance = covariance + np.diag(rounding)
+    statistic = np.einsum("ka,kab,kb->k", sizes.conj(), np.linalg.inv(covariance), sizes).real
+    channels = sizes.shape[1]
+    freedom = bins - channels + 1
+    p_values = fdtrc(2.0 * channels, 2.0 * freedom, statistic * freedom / (bins * channels))
+    return sizes, covariance, np.asarray(p_values), bins
+
+
+def _covariances(time: Floats, left: Floats, frequency: float, count: int) -> tuple[Complexes, int]:
+    """Return the covariance of each harmonic by the spectrum of the residual beside it, and its bins.
+
+    The bins lie at whole multiples of 1/T from the harmonic, where they are independent of it and of each
+    other. They see noise through the same window as the regression does: no taper is wanted. Rows that are
+    left out, and times that are rounded, do no harm where each row takes the nearest place of an even clock.
+    """
+    step = float(np.median(np.diff(time)))
+    places = np.rint((time - time[0]) / step).astype(np.intp)
+    clock = np.zeros((int(places[-1]) + 1, left.shape[1]), np.complex128)
+    each = int(TOL.band * frequency * len(clock) * step)
+    found = np.empty((count, left.shape[1], left.shape[1]), np.complex128)
+    for k in range(1, count + 1):
+        clock[:] = 0.0
+        np.add.at(clock, places, left * np.exp(-1j * math.tau * k * frequency * time)[:, None])
+        waves = np.fft.fft(clock, axis=0)
+        beside = np.concatenate([waves[1 : each + 1], waves[-each:]])
+        found[k - 1] = 4.0 / time.size**2 * (beside.T @ beside.conj()) / (2 * each)
+    return found, 2 * each
+
+
+def _frequency_error(
+    time: Floats, values: Floats, frequency: float, sizes: Complexes, covariance: Complexes
+) -> float:
+    """Return the standard error of the frequency, from the noise around each harmonic."""
+    basis = _basis(time, frequency, len(sizes))
+    weights = 1.0 / _variances(values - basis @ _solved(basis, values), values)
+    rates = (math.tau * np.arange(1, len(sizes) + 1)) ** 2
+    noise = np.einsum("ka,kab,kb->k", (sizes * weights).conj(), covariance, sizes * weights).real @ rates
+    power = (abs(sizes) ** 2 @ weights) @ rates
+    return math.sqrt(6.0 * float(noise)) / (float(power) * float(np.ptp(time)))
+
+
+def _fundamental(
+    record: Record,
+    frequency: Estimate,
+    sizes: Complexes,
+    covariance: Complexes,
+    channels: Sequence[str],
+    values: Floats,
+    span: float,
+) -> Trough:
+    """Return the fundamental as ``vibro compare`` knows it."""
+    middle = 0.5 * float(record.time[0] + record.time[-1])
+    basis = _basis(record.time - middle, frequency.value, len(sizes))
+    at_zero = np.exp(-1j * math.tau * frequency.value * middle)
+    rest = np.square(values - basis @ _solved(basis, values)).mean(axis=0)
+    powers = 0.5 * abs(sizes) ** 2
+    waves: dict[str, Wave] = {}
+    for i, name in enumerate(channels):
+        own = float(powers[0, i]) or 1.0
+        waves[name] = Wave(
+            record.headers[name],
+            complex(sizes[0, i] * at_zero),
+            math.sqrt(0.5 * float(covariance[0, i, i].real)),
+            math.sqrt(float(powers[1:, i].sum()) / own),
+            math.sqrt(float(rest[i]) / own),
+            record.sensitivities.get(name, ""),
+        )
+    return Trough(frequency, waves.get(_ALONG), waves.get(_NORMAL), span)
+
+
+def _clipped(record: Record) -> list[str]:
+    """Warn of signals that stand at their largest or smallest value, as a sensor beyond its range does."""
+    found = []
+    for name, values in record.trough.items():
+        levels = np.unique(values)
+        near = max(TOL.clip_band * float(np.ptp(values)), 1.5 * float(np.diff(levels).min(initial=math.inf)))
+        for end in (levels[0], levels[-1]):
+            off = abs(values - end)
+            there = int(np.count_nonzero(off == 0.0))
+            beside = int(np.count_nonzero(off <= near)) - there
+            if there > TOL.clip_ratio * max(beside, 1):
+                text = f"column {shown(record.headers[name])} stands at {end:.6g} m/s^2 in {there} rows"
+                found.append(f"{text}: it looks clipped, and so do its harmonics; record with a larger range")
+    return found

@@ -1,0 +1,124 @@
+"""What noise, calibration and the last harmonic make of the speed, against scenes made by hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.feeders import QUIET, feeder
+from helpers.made_records import trough_record
+
+import vibro
+from vibro.records.measured_speeds import change_by_harmonics, speeds_of, throw_number
+from vibro.records.waveforms import Motions, motion_of
+
+FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
+
+
+def speed(drive: dict[str, Any]) -> float:
+    return float(vibro.solve(vibro.Scene(**drive, **FRICTION)).mean_velocity)
+
+
+def test_speed_and_its_error_are_those_of_the_scene_and_its_draws() -> None:
+    measured = motion_of(feeder(3).record(3, seconds=1.0))
+    speeds = speeds_of(measured, FRICTION, draws=80)
+    assert speeds.speed.value == speed(measured.drive())
+    drawn = vibro.solve(vibro.Scene(**measured.draws(80), **FRICTION))
+    assert speeds.speed.error == pytest.approx(float(np.std(drawn.mean_velocity, ddof=1)))
+    assert (speeds.draws, speeds.unknown, speeds.status) == (80, 0.0, vibro.Status.OK)
+    assert speeds.shares == {speeds.regime: 1.0}
+
+
+def test_the_last_harmonic_is_left_out_alone() -> None:
+    measured = motion_of(feeder(3).record(3))
+    less = measured.drive()
+    for name in ("along_harmonics", "normal_harmonics"):
+        less[name] = less[name][:-1]
+    change = speeds_of(measured, FRICTION, draws=2).last_harmonic
+    assert change == pytest.approx(speed(measured.drive()) - speed(less))
+    assert abs(change) > 0.01 * speed(measured.drive())
+    one = motion_of(trough_record(noise=0.05, cycles=30.0))
+    assert math.isnan(speeds_of(one, FRICTION, draws=2).last_harmonic)
+
+
+def test_errors_of_calibration_are_those_of_scenes_made_by_hand() -> None:
+    measured = motion_of(feeder(8).record(8))
+    x, y, rate = measured.along, measured.normal, math.tau * measured.frequency
+    one = math.radians(1.0)
+
+    def changed(along: Any, normal: Any) -> float:
+        motion = Motions(np.array(measured.frequency), along, normal)
+        return abs(speed(motion.drive()) - speed(measured.drive()))
+
+    late = np.exp(1j * np.arange(1, 4) * rate * 50e-6)
+    found = speeds_of(measured, FRICTION, draws=2).calibrations
+    assert found["gain"] == pytest.approx(max(changed(s * x, y) for s in (0.98, 1.02)), rel=1e-9) or found[
+        "gain"
+    ] == pytest.approx(max(changed(x, s * y) for s in (0.98, 1.02)), rel=1e-9)
+    turned = [
+        changed(math.cos(a) * x - math.sin(a) * y, math.sin(a) * x + math.cos(a) * y) for a in (one, -one)
+    ]
+    assert found["tilt"] == pytest.approx(max(turned), rel=1e-6)
+    assert found["delay"] == pytest.approx(max(changed(x, y * late), changed(x, y / late)), rel=1e-6)
+
+
+def test_one_sensor_has_one_gain_and_no_delay() -> None:
+    record = feeder(8).record(8, sensors=1)
+    measured = motion_of(record, drive_angle=0.4)
+    found = speeds_of(measured, FRICTION, draws=2).calibrations
+    assert found.keys() == {"gain", "tilt"}
+    more, less = (
+        speed(measured.motion.scaled(gain, gain).drive()) - speed(measured.drive()) for gain in (1.02, 0.98)
+    )
+    assert found["gain"] == pytest.approx(max(abs(more), abs(less)))
+
+
+def test_draws_in_two_regimes_are_shared_out() -> None:
+    """A load at the onset of forward slip: about half of the draws rest."""
+    measured = motion_of(trough_record(noise=0.5, cycles=30.0))
+    scale = 1.0 / float(vibro.solve(vibro.Scene(**measured.drive(), **FRICTION)).forward_ratio)
+    small = replace(
+        measured, accelerations=scale * measured.accelerations, covariance=scale**2 * measured.covariance
+    )
+    shares = speeds_of(small, FRICTION).shares
+    assert shares.keys() == {vibro.Regime.NO_SLIP, vibro.Regime.FORWARD_SLIP}
+    assert sum(shares.values()) == pytest.approx(1.0)
+    assert 0.3 < shares[vibro.Regime.NO_SLIP] < 0.7
+    assert list(shares.values()) == sorted(shares.values(), reverse=True)
+
+
+def test_draws_without_a_speed_are_counted() -> None:
+    """Near the hop, where a drive with harmonics may have no numbers."""
+    measured = motion_of(feeder(8).record(8, seconds=0.5, density=30.0 * QUIET))
+    throw = throw_number(measured, {})
+    light = {**FRICTION, "gravity": 9.81 * throw.value}
+    speeds = speeds_of(measured, light)
+    drawn = vibro.solve(vibro.Scene(**measured.draws(200), **light))
+    assert speeds.unknown == pytest.approx(float(np.isnan(drawn.mean_velocity).mean()))
+    assert 0.2 < speeds.shares[vibro.Regime.HOPPING] < 0.8
+
+
+def test_the_throw_number_needs_no_friction() -> None:
+    measured = motion_of(trough_record(noise=0.05, cycles=40.0))
+    throw = throw_number(measured, {})
+    exact = 1.02e-3 * math.sin(math.radians(20.5)) * (math.tau * 15.003) ** 2 / 9.81
+    assert abs(throw.value - exact) < 3.0 * throw.error < 0.01 * exact
+    assert throw_number(measured, {"gravity": 9.81 / 2.0}).value == pytest.approx(2.0 * throw.value)
+    feeding = motion_of(feeder(8).record(8))
+    cycle = vibro.solve(vibro.Scene(**feeding.drive(), **FRICTION))
+    assert throw_number(feeding, {}).value == pytest.approx(float(cycle.throw_number))
+
+
+def test_the_change_by_harmonics_is_relative_to_the_fundamental_alone() -> None:
+    measured = motion_of(feeder(3).record(3))
+    alone = speed(measured.motion.up_to(1).drive())
+    assert change_by_harmonics(measured, FRICTION) == pytest.approx(speed(measured.drive()) / alone - 1.0)
+    assert change_by_harmonics(measured, {**FRICTION, "gravity": 1e3}) == 0.0  # it rests with either
+    onset = 1.0 / float(
+        vibro.solve(vibro.Scene(**measured.motion.up_to(1).drive(), **FRICTION)).forward_ratio
+    )
+    weak = replace(measured, accelerations=0.999 * onset * measured.accelerations)
+    assert change_by_harmonics(weak, FRICTION) == math.inf  # the fundamental alone conveys nothing

@@ -1,0 +1,378 @@
+"""Harmonics of a trough's motion against motions with known truth: values, errors, order, refusals."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.feeders import QUIET, Feeder, feeder, noise
+from helpers.made_records import EXAMPLES, trough_record
+
+import vibro
+from vibro.errors import InputError
+from vibro.quantities import MOST_HARMONICS
+from vibro.records.reading import Record
+from vibro.records.tolerances import TOL
+from vibro.records.waveforms import MeasuredMotion, motion_of
+
+FRICTION = {"static_friction": 0.4, "kinetic_friction": 0.3}
+
+
+def offs(measured: MeasuredMotion, true: Feeder) -> list[float]:
+    """Return the errors of all amplitudes and phases that are measured, in standard errors."""
+    true = true.on_its_clock
+    found = []
+    for k in range(min(measured.order, true.along.size)):
+        for i, (got, exact) in enumerate(((measured.along, true.along), (measured.normal, true.normal))):
+            found.append((abs(got[k]) - abs(exact[k])) / measured.standard_errors[k, i])
+            if k or i:
+                turned = float(np.angle(got[k] / exact[k]))
+                found.append(turned / measured.phase_errors[k, i])
+    return found
+
+
+@pytest.mark.parametrize("sensors", [1, 2])
+@pytest.mark.parametrize("start", [0.0, -3.7, 500.0])
+def test_exact_records_give_exact_harmonics(sensors: int, start: float) -> None:
+    true = feeder(3)
+    record = true.record(3, density=0.0, sensors=sensors)
+    record = replace(record, time=record.time + start)
+    measured = motion_of(record, drive_angle=0.0 if sensors == 1 else None)
+    assert measured.order == 3
+    assert measured.frequency == pytest.approx(true.frequency, rel=1e-9)
+    np.testing.assert_allclose(measured.along, true.on_its_clock.along, rtol=1e-7)
+    np.testing.assert_allclose(
+        measured.normal, true.on_its_clock.normal if sensors == 2 else np.zeros(3), rtol=1e-7
+    )
+    turns = (measured.clock - start) * true.frequency + np.angle(true.along[0]) / math.tau
+    assert abs(math.remainder(turns, 1.0)) < 1e-6
+
+
+@pytest.mark.parametrize(("seconds", "rate", "density"), [(4.0, 1600.0, QUIET), (1.0, 3200.0, 10.0 * QUIET)])
+def test_errors_are_those_of_noise_and_the_order_is_right(
+    seconds: float, rate: float, density: float
+) -> None:
+    """Of 60 feeders; frequencies too."""
+    off: list[float] = []
+    late: list[float] = []
+    orders = []
+    for seed in range(60):
+        true = feeder(seed)
+        measured = motion_of(true.record(seed, seconds=seconds, rate=rate, density=density))
+        off += offs(measured, true)
+        late.append((measured.frequency - true.frequency) / measured.frequency_error)
+        orders.append(measured.significant)
+    sizes = np.abs(off)
+    assert sizes.size > 600
+    assert 0.60 < np.mean(sizes < 1.0) < 0.74
+    assert 0.93 < np.mean(sizes < 2.0) < 0.98
+    assert sizes.max() < 5.0
+    assert abs(np.mean(off)) < 0.15  # no bias
+    assert 0.55 < np.mean(np.abs(late) < 1.0) < 0.82
+    assert orders.count(3) >= 57
+
+
+def test_errors_hold_in_short_records_and_with_rows_left_out() -> None:
+    """Of 12 cycles, in which eight bins give the covariance: draws follow Student's t."""
+    within = []
+    for seed in range(120):
+        true = feeder(seed)
+        record = true.record(seed, seconds=12.0 / true.frequency, rate=60.0 * true.frequency, density=QUIET)
+        kept = np.random.default_rng(seed).random(record.time.size) > 0.03
+        signals = {name: values[kept] for name, values in record.trough.items()}
+        measured = motion_of(replace(record, time=record.time[kept], trough=signals))
+        drawn = measured.drawn(400, seed)
+        exact = true.on_its_clock
+        for sample, one, best in (
+            (drawn.along, exact.along, measured.along),
+            (drawn.normal, exact.normal, measured.normal),
+        ):
+            for k in range(min(3, measured.order)):
+                within.append(np.mean(abs(abs(sample[k]) - abs(best[k])) < abs(abs(one[k]) - abs(best[k]))))
+    # The rank of the truth among draws is uniform.
+    for share in (0.5, 0.68, 0.95):
+        assert np.mean(np.array(within) < share) == pytest.approx(share, abs=0.05)
+
+
+def test_correlated_channels_are_drawn_correlated() -> None:
+    """Noise that both sensors share, as of one machine beside the other."""
+    true, random = feeder(5), np.random.default_rng(5)
+    record = true.record(5, density=0.0)
+    shared = noise(record.time.size, 3200.0, 10.0 * QUIET, random)
+    own = noise(record.time.size, 3200.0, QUIET, random)
+    ways = record.trough
+    both = {
+        "trough_along": ways["trough_along"] + shared,
+        "trough_normal": ways["trough_normal"] + shared + own,
+    }
+    measured = motion_of(replace(record, trough=both))
+    for k in range(3):
+        (a, cross), (_, b) = measured.covariance[k]
+        assert (cross / np.sqrt(a * b)).real > 0.95
+    drawn = measured.drawn(300)
+    off = abs(drawn.along[1]) - abs(measured.along[1]), abs(drawn.normal[1]) - abs(measured.normal[1])
+    assert np.std(off[0]) == pytest.approx(measured.standard_errors[1, 0], rel=0.2)
+    assert np.std(off[1]) == pytest.approx(measured.standard_errors[1, 1], rel=0.2)
+
+
+def test_draws_are_fields_of_scenes_and_repeat_by_their_seed() -> None:
+    measured = motion_of(feeder(1).record(1))
+    draws = measured.draws(50)
+    scene = vibro.Scene(**draws, **FRICTION)
+    assert scene.shape == (50,)
+    np.testing.assert_array_equal(draws["frequency"], measured.draws(50)["frequency"])
+    assert (draws["frequency"] != measured.draws(50, seed=2)["frequency"]).any()
+    np.testing.assert_array_equal(draws["along_harmonics"][0][1], 0.0)  # the clock of each
+    speeds = vibro.solve(scene).mean_velocity
+    own = float(vibro.solve(vibro.Scene(**measured.drive(), **FRICTION)).mean_velocity)
+    assert abs(speeds.mean() - own) < 0.5 * speeds.std() < 0.01 * own
+
+
+def test_speeds_are_within_the_errors_of_draws() -> None:
+    """By 40 feeders: the standardised error of the speed is that of a normal distribution."""
+    off = []
+    for seed in range(40):
+        true = feeder(seed)
+        measured = motion_of(true.record(seed, seconds=1.0, rate=1600.0, density=10.0 * QUIET))
+        speeds = vibro.solve(vibro.Scene(**measured.draws(100), **FRICTION)).mean_velocity
+        own, exact = (
+            float(vibro.solve(vibro.Scene(**drive, **FRICTION)).mean_velocity)
+            for drive in (measured.drive(), true.drive())
+        )
+        assert own == pytest.approx(exact, rel=0.06)
+        off.append((own - exact) / speeds.std())
+    assert 0.5 < np.mean(np.abs(off) < 1.0) < 0.85
+    assert np.mean(np.abs(off) < 2.0) > 0.89
+    assert np.max(np.abs(off)) < 4.5
+
+
+def test_one_harmonic_is_an_ellipse_of_scenes() -> None:
+    lead = math.radians(-60.0)
+    measured = motion_of(trough_record(ellipse=lead, noise=0.05, cycles=40.0))
+    drive = measured.drive()
+    assert drive.keys() == {"along_amplitude", "normal_amplitude", "normal_phase", "frequency"}
+    assert drive["normal_phase"] == pytest.approx(lead, abs=5e-3)
+    assert measured.trough.on_an_ellipse
+    assert vibro.Scene(**measured.draws(7), **FRICTION).shape == (7,)
+
+
+def test_a_sensor_and_an_angle_tell_both_motions() -> None:
+    true, angle = feeder(2), math.radians(30.0)
+    record = true.record(2, density=QUIET)
+    along = Record(record.time, {}, {"trough_along": record.trough["trough_along"]}, record.headers)
+    normal = Record(record.time, {}, {"trough_normal": record.trough["trough_along"]}, record.headers)
+    by_along, by_normal = (motion_of(one, drive_angle=angle) for one in (along, normal))
+    np.testing.assert_allclose(by_along.normal, math.tan(angle) * by_along.along, rtol=1e-12)
+    np.testing.assert_allclose(by_normal.along, by_along.along / math.tan(angle), rtol=1e-12)
+    alone = motion_of(along, drive_angle=0.0)
+    assert alone.drive()["normal_harmonics"] == ()
+    assert by_along.standard_errors.shape == (3, 1)
+
+
+def test_where_nothing_moves_along_the_normal_motion_sets_the_clock() -> None:
+    true = feeder(4)
+    record = true.record(4)
+    still = noise(record.time.size, 3200.0, QUIET, np.random.default_rng(4))
+    measured = motion_of(replace(record, trough={**record.trough, "trough_along": still}))
+    assert measured.normal[0].imag == 0.0
+    assert measured.normal[0].real == pytest.approx(abs(true.normal[0]), rel=1e-3)
+    assert any("no wave of" in warning for warning in measured.warnings)
+
+
+def test_the_frequency_of_a_long_record_is_found_from_its_middle_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first part has 8 cycles of 240, and an error that is many times that of the whole."""
+    true = feeder(9)
+    record = true.record(9, density=10.0 * QUIET, seconds=240.0 / true.frequency)
+    whole = motion_of(record)
+    rows = record.time.size // 30
+    monkeypatch.setattr("vibro.records.waveforms.TOL", TOL._replace(frequency_rows=rows))
+    by_parts = motion_of(record)
+    assert by_parts.frequency == pytest.approx(whole.frequency, abs=1e-3 * whole.frequency_error)
+    assert abs(whole.frequency - true.frequency) < 3.0 * whole.frequency_error
+
+
+@pytest.mark.parametrize("strong", [2, 3])
+def test_a_harmonic_may_be_stronger_than_the_fundamental(strong: int) -> None:
+    true = feeder(11)
+    scale = np.where(
+        np.arange(1, 4) == strong, 2.0 * abs(true.along[0] / true.along) / np.arange(1, 4) ** 2, 1.0
+    )
+    true = true._replace(along=scale * true.along, normal=scale * true.normal)
+    measured = motion_of(true.record(11, seconds=2.0))
+    assert measured.order == 3
+    assert measured.shares[strong - 1] == pytest.approx(2.0, rel=0.2)
+    assert measured.frequency == pytest.approx(true.frequency, rel=1e-5)
+
+
+def test_times_that_are_rounded_do_no_harm() -> None:
+    """At 1600 Hz with four digits neighbours are 0.0006 or 0.0007 s apart."""
+    off = []
+    for seed in range(30):
+        true = feeder(seed)
+        record = true.record(seed, seconds=1.0, rate=1600.0, density=30.0 * QUIET)
+        measured = motion_of(replace(record, time=np.round(record.time, 4)))
+        off += offs(measured, true)
+    assert 0.60 < np.mean(np.abs(off) < 1.0) < 0.76
+    assert 0.92 < np.mean(np.abs(off) < 2.0) < 0.98
+
+
+def test_reverse_turns_the_motion_along_alone() -> None:
+    record = feeder(6).record(6)
+    turned = replace(record, trough={**record.trough, "trough_along": -record.trough["trough_along"]})
+    plain, reversed_ = motion_of(record), motion_of(turned, reverse=True)
+    np.testing.assert_allclose(reversed_.along, plain.along)
+    np.testing.assert_allclose(reversed_.normal, plain.normal)
+
+
+def test_harmonics_beyond_those_of_a_drive_are_counted_and_left_out() -> None:
+    rates = math.tau * 25.0 * np.arange(1, 17)
+    for count in (MOST_HARMONICS, min(MOST_HARMONICS + 1, 16)):
+        sizes = np.where(np.arange(1, 17) <= count, 2.0, 0.0) / rates**2
+        measured = motion_of(Feeder(25.0, sizes + 0j, 0.5 * sizes + 0j).record(1))
+        assert measured.significant == count
+        assert measured.order == min(count, MOST_HARMONICS)
+        said = [w for w in measured.warnings if "harmonics, a drive has at most" in w]
+        assert len(said) == (count > MOST_HARMONICS)
+
+
+# --- refusals and warnings ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("cycles", "fits"), [(5.9, False), (6.0, True), (6.1, True)])
+def test_a_record_of_fewer_than_six_cycles_is_too_short(cycles: float, fits: bool) -> None:
+    record = trough_record(cycles=cycles, samples=200, noise=0.01)
+    if fits:
+        assert motion_of(record).order >= 1
+        return
+    with pytest.raises(
+        InputError, match=r"has 5\.9\d? cycles of 15\.\d* Hz: at least 6 are needed"
+    ) as caught:
+        motion_of(record)
+    assert caught.value.hint == "record longer"
+
+
+@pytest.mark.parametrize(("samples", "fits"), [(7, False), (8, True)])
+def test_a_record_of_fewer_than_eight_samples_a_cycle_is_too_coarse(samples: int, fits: bool) -> None:
+    record = trough_record(samples=samples, cycles=30.0, noise=0.01)
+    if fits:
+        assert motion_of(record).p_values.size == 3
+        return
+    with pytest.raises(InputError, match=r"has \d\.?\d* samples a cycle of 15\.003 Hz: at least 8") as caught:
+        motion_of(record)
+    assert caught.value.hint == "sample faster: at 601 Hz and more harmonics are seen"
+
+
+def test_a_record_without_a_wave_is_refused() -> None:
+    time = np.arange(3000) / 600.0
+    random = np.random.default_rng(1)
+    signals = {name: noise(time.size, 600.0, QUIET, random) for name in ("trough_along", "trough_normal")}
+    with pytest.raises(InputError, match="no wave stands out in column 'trough_along' and") as caught:
+        motion_of(Record(time, {}, signals, {name: name for name in signals}))
+    assert caught.value.hint == "is it the acceleration of a trough that runs?"
+
+
+def test_sensors_and_drive_angle_must_fit() -> None:
+    record = trough_record(noise=0.1)
+    with pytest.raises(InputError, match="two accelerometers measure the drive angle, which is given too"):
+        motion_of(record, drive_angle=0.3)
+    one = trough_record(noise=0.1, columns=("trough_along",))
+    with pytest.raises(InputError, match="alone does not tell the motion normal to the trough") as caught:
+        motion_of(one)
+    assert "name --trough-normal too" in caught.value.hint
+    assert "--drive-angle 20" in caught.value.hint
+    for angle in (-0.1, 0.5 * math.pi, math.nan):
+        with pytest.raises(InputError, match=r"drive_angle = .* deg: must be in \[0, 90\) deg"):
+            motion_of(one, drive_angle=angle)
+    upright = trough_record(noise=0.1, columns=("trough_normal",))
+    with pytest.raises(InputError, match="alone does not tell the motion along it") as caught:
+        motion_of(upright)
+    with pytest.raises(
+        InputError, match="cannot measure a motion along the trough, at a drive angle of 0 deg"
+    ):
+        motion_of(upright, drive_angle=0.0)
+
+
+def test_a_line_that_leads_down_is_refused() -> None:
+    record = trough_record(noise=0.1)
+    turned = replace(record, trough={**record.trough, "trough_normal": -record.trough["trough_normal"]})
+    with pytest.raises(InputError, match="the trough moves down while it moves forwards") as caught:
+        motion_of(turned)
+    assert "--reverse, if the axis along the trough points against" in caught.value.hint
+
+
+@pytest.mark.parametrize(("most", "warned"), [(0.9, True), (0.98, True), (1.01, False)])
+def test_clipped_signals_are_warned_of(most: float, warned: bool) -> None:
+    record = trough_record(cycles=30.0, samples=50)
+    values = record.trough["trough_along"]
+    cut = np.minimum(values, most * values.max())
+    measured = motion_of(replace(record, trough={**record.trough, "trough_along": cut}))
+    said = [text for text in measured.warnings if "clipped" in text]
+    assert len(said) == warned
+    assert all(
+        re.search(r"'trough_along' stands at [\d.]+ m/s\^2 in \d+ rows: it looks clipped", x) for x in said
+    )
+
+
+@pytest.mark.parametrize("levels", [7, 20, 300])
+def test_coarse_digits_are_not_clipping(levels: int) -> None:
+    record = trough_record(cycles=30.0, samples=200, noise=0.003)
+    size = max(float(np.ptp(values)) for values in record.trough.values()) / levels
+    coarse = {name: size * np.rint(values / size) for name, values in record.trough.items()}
+    assert not [text for text in motion_of(replace(record, trough=coarse)).warnings if "clipped" in text]
+
+
+# --- from a file --------------------------------------------------------------------------------------
+
+
+def read(**options: Any) -> MeasuredMotion:
+    columns = {"trough_along": "Trog längs", "trough_normal": "Trog normal", "sensitivity": "100mV/g"}
+    return vibro.measured_motion(EXAMPLES / "data" / "nut_trough_mv.csv", **{**columns, **options})
+
+
+def test_the_nut_s_record_is_measured() -> None:
+    """Its truth: 1.02 mm, 15.003 Hz, 20.5 deg."""
+    measured = read()
+    assert (measured.order, measured.channels) == (1, ("trough_along", "trough_normal"))
+    exact = 1.02e-3 * np.array([math.cos(math.radians(20.5)), math.sin(math.radians(20.5))])
+    found = abs(np.array([measured.along[0], measured.normal[0]]))
+    assert (abs(found - exact) < 2.5 * measured.standard_errors[0]).all()
+    assert abs(measured.frequency - 15.003) < 2.0 * measured.frequency_error < 3e-3
+    assert measured.warnings == ()
+
+
+def test_sensitivities_may_be_several() -> None:
+    both = ["trough-along=100mV/g", "trough-normal=50mV/g"]
+    measured, plain = read(sensitivity=both), read()
+    np.testing.assert_allclose(abs(measured.normal), 2.0 * abs(plain.normal), rtol=1e-4)
+    np.testing.assert_allclose(abs(measured.along), abs(plain.along), rtol=1e-4)
+
+
+def test_columns_must_be_named() -> None:
+    with pytest.raises(InputError, match="no acceleration of the trough named among 'Zeit in s'") as caught:
+        read(trough_along=None, trough_normal=None, sensitivity=())
+    assert "--trough-along" in caught.value.hint
+    assert "--sensitivity 100mV/g" in caught.value.hint
+    with pytest.raises(InputError, match="no column 'Trog quer' for --trough-along") as caught:
+        read(trough_along="Trog quer")
+    assert "write it as the header row does" in caught.value.hint
+    with pytest.raises(InputError, match="the sensitivity of its sensor is missing"):
+        read(sensitivity=())
+    with pytest.raises(vibro.FileError, match="cannot read"):
+        vibro.measured_motion(Path("nowhere.csv"), trough_along="x [g]")
+
+
+def test_accelerations_without_voltages_are_hinted_at(tmp_path: Path) -> None:
+    path = tmp_path / "r.csv"
+    for header, hint in (
+        ("t [s],a [m/s^2]", '--trough-along "a [m/s^2]"'),
+        ("t [s],b", '--trough-along "ax [m/s^2]" --trough-normal "ay [m/s^2]"'),
+    ):
+        path.write_text(f"{header}\n0,1\n1,2\n", encoding="utf-8")
+        with pytest.raises(InputError, match="no acceleration of the trough named") as caught:
+            vibro.measured_motion(path)
+        assert caught.value.hint.endswith(hint)
