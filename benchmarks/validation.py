@@ -29,13 +29,20 @@ from scipy.interpolate import CubicSpline
 Floats = NDArray[np.float64]
 
 TABLE: Final = Path(__file__).parent / "data" / "grasped_part.csv"
-STATIC_FRICTION, KINETIC_FRICTION, GRAVITY = 0.72, 0.59, 9.81  # [1], [1], [m/s^2], as the authors' scripts have them
+STATIC_FRICTION, KINETIC_FRICTION, GRAVITY = (
+    0.72,
+    0.59,
+    9.81,
+)  # [1], [1], [m/s^2], as the authors' scripts have them
 SAMPLING: Final = 960.0  # [1/s]
 STEPS: Final = 8  # [1] steps of acceleration a sample, along a cubic spline of the finger's velocity
 FORCE_ERRORS: Final = (0.8, 1.0, 1.2)  # [1] times the measured normal force
 FIRST, LAST = 3, -2  # rows between which the authors read their records: velocities are missing at both ends
 MOST_CYCLES: Final = 400
 MM: Final = 1e-3
+COLUMNS: Final = (
+    "trial", "cycles", "normal_force_weights", "period_ms", "advance_mm", "advance_error_mm", "finger_mm_s",
+)  # fmt: skip
 
 # Normal force over the part's weight [1], as the authors' scripts list it.
 NORMAL_FORCES: Final = (11.089, 16.901, 5.278, 5.278, 5.278, 5.278, 5.278, 5.278, 5.278, 22.841)
@@ -107,7 +114,10 @@ def walk(velocity: Floats, step: float, static: float, kinetic: float, start: fl
     way, speed, place, places = math.copysign(1.0, start), start, 0.0, [0.0]
     slides = start != 0.0
     for change in np.diff(velocity).tolist():
-        pull, left = -GRAVITY - change / step, step  # what moves the part against the finger, but for friction
+        pull, left = (
+            -GRAVITY - change / step,
+            step,
+        )  # what moves the part against the finger, but for friction
         while left > 0.0:
             if not slides:
                 if abs(pull) <= static:
@@ -152,12 +162,16 @@ def read_record(folder: Path, number: int) -> Record:
         np.array([float(row[name]) for row in rows]) for name in ("t", "zp", "zo", "vzp", "vzo")
     )
     return Record(
-        time - time[0], (finger - finger[0]) * MM, (part - part[0]) * MM, finger_velocity * MM, part_velocity * MM
+        time - time[0],
+        (finger - finger[0]) * MM,
+        (part - part[0]) * MM,
+        finger_velocity * MM,
+        part_velocity * MM,
     )
 
 
 def mean_cycle(record: Record, number: int) -> Trial:
-    """Average a record's last whole cycles, with the period after which the finger's velocity differs least."""
+    """Average the last whole cycles, with the period after which the finger's velocity differs least."""
     begin, frequency = REPEATS[number - 1]
     time, velocity = record.time, CubicSpline(record.time, record.finger_velocity)
 
@@ -180,9 +194,7 @@ def mean_cycle(record: Record, number: int) -> Trial:
 def write_table(trials: list[Trial]) -> None:
     with TABLE.open("w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
-        out.writerow(
-            "trial cycles normal_force_weights period_ms advance_mm advance_error_mm finger_mm_s".split()
-        )
+        out.writerow(COLUMNS)
         for trial in trials:
             number, cycles, force, period, advance, error, finger = trial
             numbers = f"{period / MM:.3f}", f"{advance / MM:.4f}", f"{error / MM:.4f}"
@@ -205,21 +217,43 @@ def read_table() -> list[Trial]:
         ]
 
 
+def computed_advances(trial: Trial) -> Floats:
+    """Advance a cycle [m] for each of ``FORCE_ERRORS``."""
+    velocity = fine(trial.finger)
+    return np.array([steady_advance(velocity, trial.period, factor * trial.force) for factor in FORCE_ERRORS])
+
+
 def compare_cycles(trials: list[Trial]) -> None:
-    print("One mean cycle; advance of the part on the finger a cycle [mm], computed for 0.8, 1, 1.2 times the")
+    print(
+        "One mean cycle; advance of the part on the finger a cycle [mm], computed for 0.8, 1, 1.2 times the"
+    )
     print("measured normal force; acceleration of the finger, and what starts a slide down and up, in g:")
-    print("trial  f [Hz]  N/mg  cycles  measured         x 0.8      x 1    x 1.2   finger        slides beyond")
-    for number, cycles, force, period, advance, error, finger in trials:
+    print(
+        "trial  f [Hz]  N/mg  cycles  measured         x 0.8      x 1    x 1.2   finger        slides beyond"
+    )
+    found = np.array([computed_advances(trial) for trial in trials])
+    for trial, advances in zip(trials, found / MM, strict=True):
+        number, cycles, force, period, advance, error, finger = trial
         velocity = fine(finger)
-        found = [steady_advance(velocity, period, factor * force) / MM for factor in FORCE_ERRORS]
         acceleration = np.diff(velocity) / period * (velocity.size - 1) / GRAVITY
-        measured = f"{advance / MM:6.3f} +- {error / MM:5.3f}" if cycles > 1 else f"{advance / MM:6.3f}         "
+        spread = f"+- {error / MM:5.3f}" if cycles > 1 else 8 * " "
         print(
-            f"{number:5} {1.0 / period:7.2f} {force:6.2f} {cycles:5}   {measured}",
-            *(f"{d:8.3f}" for d in found),
+            f"{number:5} {1.0 / period:7.2f} {force:6.2f} {cycles:5}   {advance / MM:6.3f} {spread}",
+            *(f"{d:8.3f}" for d in advances),
             f" {acceleration.min():6.1f} to {acceleration.max():4.1f}",
             f" {-STATIC_FRICTION * force - 1.0:6.1f}, {STATIC_FRICTION * force - 1.0:5.1f}",
         )
+    measured, computed = np.array([trial.advance for trial in trials]), found[:, FORCE_ERRORS.index(1.0)]
+    share = computed / measured
+    within = (found.min(axis=1) <= measured) & (measured <= found.max(axis=1))
+    miss, median = np.mean(np.abs(computed - measured)) / MM, 100.0 * np.median(np.abs(share - 1.0))
+    near = ", ".join(str(trial.number) for trial, is_near in zip(trials, within, strict=True) if is_near)
+    print(
+        f"right direction in {np.sum(share > 0.0)} of {len(trials)}; too small in {np.sum(share < 1.0)}",
+        end="; ",
+    )
+    print(f"median miss {median:.0f} %, mean {miss:.3f} mm a cycle")
+    print(f"measured lies between the computed ones in trials {near}")
 
 
 def compare_records(records: list[Record]) -> None:
@@ -235,20 +269,30 @@ def compare_records(records: list[Record]) -> None:
             step = record.time[-1] / (record.time.size - 1) / steps
             times = step * np.arange(steps * (record.time.size - 1) + 1)
             splined = steps > 1
-            velocity = CubicSpline(record.time, record.finger_velocity)(times) if splined else record.finger_velocity
+            velocity = (
+                CubicSpline(record.time, record.finger_velocity)(times) if splined else record.finger_velocity
+            )
             push, start = force * GRAVITY, record.part_velocity[0] - record.finger_velocity[0]
-            part = record.finger + walk(velocity, step, STATIC_FRICTION * push, kinetic * push, start)[::steps]
+            part = (
+                record.finger + walk(velocity, step, STATIC_FRICTION * push, kinetic * push, start)[::steps]
+            )
             errors[i], largest[i] = np.mean(np.abs(part - record.part)) / MM, np.max(np.abs(record.part)) / MM
             right += part[-1] * record.part[-1] > 0.0
         share = 100.0 * errors / largest
-        print(f"{name}: mean {errors.mean():.3f}; of the largest position: mean {share.mean():.1f} %,", end=" ")
+        print(
+            f"{name}: mean {errors.mean():.3f}; of the largest position: mean {share.mean():.1f} %,", end=" "
+        )
         print(f"median {np.median(share):.1f} %; ends on the right side in {right} of {len(records)}")
         print("   trial by trial:", *(f"{error:.2f}" for error in errors))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--records", type=Path, metavar="FOLDER", help="matlab/data of a clone of the records")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--records", type=Path, metavar="FOLDER", help="matlab/data of a clone of the records"
+    )
     parser.add_argument("--write", action="store_true", help="make the table of mean cycles anew")
     given = parser.parse_args()
     if given.write and not given.records:
