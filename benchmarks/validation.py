@@ -227,7 +227,9 @@ def compare_cycles(trials: list[Trial]) -> None:
     print(
         "One mean cycle; advance of the part on the finger a cycle [mm], computed for 0.8, 1, 1.2 times the"
     )
-    print("measured normal force; acceleration of the finger, and what starts a slide down and up, in g:")
+    print(
+        "measured normal force; acceleration of the finger [g], and beyond which the part slides up, down it:"
+    )
     print(
         "trial  f [Hz]  N/mg  cycles  measured         x 0.8      x 1    x 1.2   finger        slides beyond"
     )
@@ -264,7 +266,7 @@ def compare_records(records: list[Record]) -> None:
         ("the authors' fit, velocity linear", FITTED_FRICTION, FITTED_FORCES, 1),
         ("the authors' fit, spline of the velocity", FITTED_FRICTION, FITTED_FORCES, STEPS),
     ):
-        errors, largest, right = np.empty(len(records)), np.empty(len(records)), 0
+        errors, largest, wrong = np.empty(len(records)), np.empty(len(records)), []
         for i, (record, force) in enumerate(zip(records, forces, strict=True)):
             step = record.time[-1] / (record.time.size - 1) / steps
             times = step * np.arange(steps * (record.time.size - 1) + 1)
@@ -277,12 +279,12 @@ def compare_records(records: list[Record]) -> None:
                 record.finger + walk(velocity, step, STATIC_FRICTION * push, kinetic * push, start)[::steps]
             )
             errors[i], largest[i] = np.mean(np.abs(part - record.part)) / MM, np.max(np.abs(record.part)) / MM
-            right += part[-1] * record.part[-1] > 0.0
+            wrong += [str(i + 1)] * bool(part[-1] * record.part[-1] <= 0.0)
         share = 100.0 * errors / largest
         print(
             f"{name}: mean {errors.mean():.3f}; of the largest position: mean {share.mean():.1f} %,", end=" "
         )
-        print(f"median {np.median(share):.1f} %; ends on the right side in {right} of {len(records)}")
+        print(f"median {np.median(share):.1f} %; wrong side at the end: {', '.join(wrong) or 'none'}")
         print("   trial by trial:", *(f"{error:.2f}" for error in errors))
 
 
