@@ -7,7 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from validation import GRAVITY, MM, STATIC_FRICTION, Trial, computed_advances, fine, read_table, walk
+from validation import (
+    GRAVITY,
+    MM,
+    STATIC_FRICTION,
+    Trial,
+    computed_advances,
+    fine,
+    read_table,
+    walk,
+    walked_advances,
+)
 
 PAGE = (Path(__file__).parents[1] / "docs" / "validation.md").read_text(encoding="utf-8")
 ROWS = {int(row[1]): row[0] for row in re.finditer(r"^\| (\d+) \|.*\|$", PAGE, flags=re.MULTILINE)}
@@ -39,6 +49,11 @@ def test_all_ten_trials_are_told() -> None:
 @pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: str(trial.number))
 def test_every_row_is_what_the_benchmark_computes(trial: Trial) -> None:
     assert ROWS[trial.number] == row(trial)
+
+
+@pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: str(trial.number))
+def test_the_solver_agrees_with_a_walk_that_shares_nothing_with_it(trial: Trial) -> None:
+    assert computed_advances(trial) == pytest.approx(walked_advances(trial), rel=0.0, abs=1e-12)
 
 
 def test_what_the_page_says_of_all_ten() -> None:
