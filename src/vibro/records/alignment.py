@@ -197,7 +197,7 @@ def check_scene(scene: Scene) -> None:
     """
     fields = scene.arrays()
     fundamental = "give its fundamental alone: -A and -a, or --along, --normal and --phase"
-    fields.require(Ability.FLIGHT, hint=fundamental)
+    fields.require(Ability.LIMITS, hint=fundamental)
     largest = max((name for name in AMPLITUDES if name in fields._fields), key=lambda n: getattr(fields, n))
     problems = []
     for name in (largest, "frequency", "gravity"):
