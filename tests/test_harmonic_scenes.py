@@ -96,10 +96,13 @@ def test_what_is_wrong_is_named(values: dict[str, Any], said: str) -> None:
     assert said in error(**values)
 
 
-def test_hopping_is_told_and_not_followed() -> None:
+def test_bodies_that_hop_are_followed() -> None:
+    """Without a motion along the trough nothing is conveyed."""
     cycle = solve(Scene(normal_harmonics=[(1e-3, 0.0), (3e-3, 0.0)], **REST))
-    assert cycle.status == Status.FLIGHT_NOT_MODELLED
+    assert cycle.status == Status.OK
     assert cycle.throw_number > 1.0
+    assert cycle.mean_velocity == 0.0
+    assert 0.0 < cycle.flight_fraction < 1.0
 
 
 @pytest.mark.parametrize(
@@ -107,11 +110,24 @@ def test_hopping_is_told_and_not_followed() -> None:
     [
         vibro.critical_loads,
         vibro.transitions,
-        lambda scene: vibro.simulate(scene, cycles=1),
-        lambda scene: vibro.arrival_time(scene, 0.1),
+        vibro.guarantee,
+        lambda scene: vibro.feasible_amplitudes(scene, 0.01),
     ],
-    ids=["critical loads", "transitions", "simulate", "arrival time"],
+    ids=["critical loads", "transitions", "guarantee", "feasible amplitudes"],
 )
-def test_what_is_not_known_is_refused_with_what_there_is(ask: Any) -> None:
-    with pytest.raises(VibroError, match="a drive with harmonics: flights, histories and critical loads"):
-        ask(Scene(along_harmonics=SLIP_STICK, **REST))
+@pytest.mark.parametrize(
+    ("motion", "kind"),
+    [
+        (vibro.Motion.harmonics(SLIP_STICK), "with harmonics"),
+        (vibro.Motion.steps([(0.5, 1.0), (0.5, -1.0)]), "with steps or sampled accelerations"),
+    ],
+    ids=["harmonics", "steps"],
+)
+def test_what_is_not_known_is_refused_with_what_there_is(ask: Any, motion: vibro.Motion, kind: str) -> None:
+    with pytest.raises(VibroError) as caught:
+        ask(Scene(motion=motion, **REST))
+    assert str(caught.value) == (
+        f"a drive {kind}: critical loads, guarantees and comparisons are known of drives along a line or"
+        " along an ellipse alone"
+    )
+    assert "vibro.simulate" in caught.value.__notes__[0]

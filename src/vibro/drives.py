@@ -34,9 +34,9 @@ _STEPS: Final = 6  # of Newton's method from there; each squares the error, whic
 
 
 class Ability(Enum):
-    """Results that only some kinds of drive have; every kind has a steady cycle in contact."""
+    """Results that only some kinds of drive have; every kind has steady cycles, histories and arrivals."""
 
-    FLIGHT = "flights, histories and critical loads"
+    LIMITS = "critical loads, guarantees and comparisons"
     PROOF = "closed forms and proved bounds"
 
 
@@ -98,7 +98,7 @@ class Drive:
 
     def _refusal(self, ability: Ability, hint: str = "") -> InputError:
         able = " or ".join(kind.kind for kind in KINDS if ability in kind.abilities)
-        hint = hint or "vibro.solve and vibro.sweep, vibro solve and vibro map give its cycle in contact"
+        hint = hint or "vibro.solve, vibro.simulate, vibro.arrival_time and vibro.sweep take any drive"
         return InputError(f"a drive {self.kind}: {ability.value} are known of drives {able} alone", hint=hint)
 
     @property
@@ -123,21 +123,21 @@ class Drive:
 
     @property
     def along(self) -> Floats:
-        """Amplitude of the motion along the trough [m]; InputError without FLIGHT."""
-        raise self._refusal(Ability.FLIGHT)
+        """Amplitude of the motion along the trough [m]; InputError without LIMITS."""
+        raise self._refusal(Ability.LIMITS)
 
     @property
     def phase(self) -> Floats:
-        """Phase by which the normal motion leads that along the trough [rad]; InputError without FLIGHT."""
-        raise self._refusal(Ability.FLIGHT)
+        """Phase by which the normal motion leads that along the trough [rad]; InputError without LIMITS."""
+        raise self._refusal(Ability.LIMITS)
 
     def columns(self) -> Columns:
-        """Return the columns that the solver reads; raise InputError without ``Ability.FLIGHT``."""
-        raise self._refusal(Ability.FLIGHT)
+        """Return the columns that the solver reads."""
+        raise NotImplementedError
 
     def at_any_load(self) -> Self:
-        """Replace fields that critical loads do not depend on by scalars; InputError without FLIGHT."""
-        raise self._refusal(Ability.FLIGHT)
+        """Replace fields that critical loads do not depend on by scalars; InputError without LIMITS."""
+        raise self._refusal(Ability.LIMITS)
 
     def changed(self, change: Callable[[Floats], Floats]) -> Self:
         """Change every array."""
@@ -219,7 +219,7 @@ class Ellipse(_EllipseFields, Drive):
     __slots__ = ()
     kind = "along an ellipse"
     told_by = ELLIPTICAL
-    abilities = frozenset({Ability.FLIGHT})
+    abilities = frozenset({Ability.LIMITS})
 
     @property
     def scale(self) -> Floats:
@@ -325,7 +325,7 @@ class Harmonics(_HarmonicFields, _Moved):
 
     __slots__ = ()
     kind = "with harmonics"
-    abilities = frozenset({Ability.FLIGHT})
+    abilities = frozenset()
 
     @classmethod
     def of(cls, scene: Any) -> Self:
@@ -405,7 +405,7 @@ class Piecewise(_PiecewiseFields, _Moved):
 
     __slots__ = ()
     kind = "with steps or sampled accelerations"
-    abilities = frozenset({Ability.FLIGHT})
+    abilities = frozenset()
 
     @classmethod
     def of(cls, scene: Any) -> Self:

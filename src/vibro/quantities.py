@@ -146,7 +146,7 @@ _ANY: Final = Range(-math.inf, with_low=False)
 
 STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
-MOST_HARMONICS: Final = 8  # of a drive
+MOST_HARMONICS: Final = 16  # of a drive
 
 
 # fmt: off

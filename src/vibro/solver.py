@@ -38,11 +38,6 @@ class Grid:
     fields : Drive
         Of a scene; they broadcast against each other, and nothing is copied for that.
 
-    Raises
-    ------
-    InputError
-        If the drive has harmonics: it lacks ``Ability.FLIGHT``.
-
     Attributes
     ----------
     shape : tuple of int

@@ -12,6 +12,9 @@ two_axis_walk
 harmonic_walk
     Steady cycle in contact of a drive with harmonics: slide after slide; Newton's law integrated in closed
     form, zeros bracketed on a fine mesh and found by Brent's method. Shares nothing.
+step_walk
+    Steady cycle in contact of a trough whose acceleration is constant on steps: one uniform acceleration of
+    the body after the other. Shares nothing.
 integrated
     Motion, flights and bounces included, of a drive along a line or an ellipse: ``scipy.integrate.solve_ivp``
     with an event for every change, no closed form. Shares nothing.

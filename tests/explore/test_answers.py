@@ -181,8 +181,8 @@ def test_histories_of_other_drives(answers: Answers) -> None:
     assert [curve["array"] for curve in header["panels"][0]["curves"]] == ["trough_normal", "trough_along"]
     assert "gap" not in arrays
     header, arrays = unpacked(answers.history(state_of(drive="harmonics")))
-    assert (header["panels"], arrays) == ([], {})
-    assert "not followed" in header["note"]
+    assert [curve["array"] for curve in header["panels"][0]["curves"]] == ["trough_normal", "trough_along"]
+    assert arrays["time"].size > 100
 
 
 def test_a_history_of_a_body_without_friction_has_forces_of_any_size(answers: Answers) -> None:

@@ -19,6 +19,7 @@ from vibro.sweeps.whole import read_scene, request_of_call
 INITIAL = initial_state()
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENES = sorted(path for path in EXAMPLES.glob("*.toml") if not path.stem.startswith("design"))
+MOTIONS = ["slip_stick"]
 
 
 def changed(**query: str) -> State:
@@ -169,7 +170,7 @@ def test_presets_are_states(name: str) -> None:
         assert low < float(state.texts[state.texts[key]]) < high
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [p for p in SCENES if p.stem not in MOTIONS], ids=lambda path: path.stem)
 def test_every_scene_of_the_examples_can_be_explored(path: Path) -> None:
     request = gather({}, read_scene_file(path), _Call(), reads_map=True, takes_axes=True, ranges=RANGES)
     state = initial_state(request)
@@ -180,6 +181,25 @@ def test_every_scene_of_the_examples_can_be_explored(path: Path) -> None:
     assert len(state.grid().axes) == 2
     assert state.point.name == path.stem
     assert read_state(state.texts, INITIAL).texts == state.texts
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_motions_of_steps_are_refused(name: str) -> None:
+    (path,) = (path for path in SCENES if path.stem == name)
+    request = gather({}, read_scene_file(path), _Call(), reads_map=True, takes_axes=True, ranges=RANGES)
+    with pytest.raises(InputError, match="the page shows no motions of steps or samples"):
+        initial_state(request)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [({"motion_scale": "2"}, "motion scale"), ({"normal_acceleration": "9"}, "normal acceleration")],
+)
+def test_scales_and_clamped_parts_are_refused(given: dict[str, str], said: str) -> None:
+    drive = {"along_amplitude": "1", "along_amplitude_2": "1", "frequency": "15", "normal_amplitude": "0"}
+    request = gather({**drive, "static_friction": "0.4", "friction_ratio": "0.8", **given}, None, _Call())
+    with pytest.raises(InputError, match=f"neither motions with a scale nor clamped parts, as {said} tells"):
+        initial_state(request)
 
 
 def test_what_the_page_cannot_show_is_refused() -> None:

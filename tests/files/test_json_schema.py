@@ -94,7 +94,7 @@ def test_the_docs_show_a_scene_that_is_read_and_valid(tmp_path: Path) -> None:
         {"scene": {"friction_ratio": 1.1}},
         {"scene": {"along_amplitudes_mm": []}},
         {"scene": {"along_amplitudes_mm": [1, -1]}},
-        {"scene": {"along_amplitudes_mm": 9 * [1]}},
+        {"scene": {"along_amplitudes_mm": 17 * [1]}},
         {"map": {"along_amplitudes_mm": [1]}},
         {"map": {"amplitude_mm": "1kg"}},
         {"map": {"amplitude_mm": "0.1:"}},

@@ -51,11 +51,7 @@ def traverse_time_command(
     if sweep and not request.varying:
         option = QUANTITIES[request.drive[0]].options[0]
         raise InputError("nothing varies", hint=f"give an axis, for example {option} 0.1:3:200")
-    if exact and request.has_harmonics:
-        raise InputError(
-            "--exact: bodies of a drive with harmonics are not followed from rest", hint="leave it out"
-        )
-    follows = exact or not (request.varying or request.has_harmonics)
+    follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
     usual = columns_of(request.varying, *extra, drive=request.drive)
     table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
@@ -111,8 +107,6 @@ def _exactly(scene: OneScene, steady: float | None) -> list[tuple[str, str]]:
 
 def _why_not(scene: OneScene) -> str:
     """Say why nobody knows when a body arrives whose mean speed is known."""
-    if scene.has_harmonics:
-        return "bodies of a drive with harmonics are not followed from rest"
     if scene.hops:
         bodies = "; a body may differ from the mean by more than its error" if scene.relative_error else ""
         return f"flights amplify rounding, which grows past 1e-9 rad before the body arrives{bodies}"

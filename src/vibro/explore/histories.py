@@ -38,12 +38,8 @@ def packed_history(state: State) -> bytes:
     -------
     bytes
         As ``pack`` makes them: ``time`` [ms], and what each curve of the panels shows, in the panel's unit;
-        NaN interrupts a curve. For drives with harmonics only a note: their bodies are not followed.
+        NaN interrupts a curve.
     """
-    if state.point.has_harmonics:
-        return pack(
-            {"panels": [], "phases": [], "note": "Bodies of drives with harmonics are not followed."}, {}
-        )
     history = simulate(state.point.scene(), cycles=state.cycles)
     phases = history.phases
     rows = trace(history, until=history.end, samples_per_cycle=_SAMPLES, both_sides=True)

@@ -111,7 +111,7 @@ class MapCells:
         values = grid.values()
         scene = scene_of(values)
         drive = scene.arrays()
-        self._harmonic = not drive.can(Ability.FLIGHT)
+        self._harmonic = not drive.can(Ability.LIMITS)
         if self._harmonic:
             self._solved, waiting = _unsolved(grid.shape), np.ones(grid.shape, np.bool_)
         else:

@@ -327,7 +327,7 @@ class _Drawn:
                 else "Colours are of all bodies of the bands, curves of those of least and of most friction."
             )
         if self._state.view in _FLIGHT_ALONE and (self.cycle["status"] == Status.FLIGHT_NOT_MODELLED).all():
-            notes.append("Flights of drives with harmonics are not modelled.")
+            notes.append("The flights of these bodies are not modelled.")
         return notes
 
 

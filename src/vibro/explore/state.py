@@ -145,6 +145,11 @@ def initial_state(request: Request | None = None) -> State:
     """
     if request is None:
         return _state({**_USUAL, **_OTHERS})
+    if request.motion is not None:
+        raise InputError(
+            "the page shows no motions of steps or samples",
+            hint="vibro solve and vibro map take all that a scene file can give",
+        )
     point = request.fixed | ({} if request.length is None else {"trough_length": request.length})
     if not point.get("along_phase"):  # where phases are counted from
         point.pop("along_phase", None)

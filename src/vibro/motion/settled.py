@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import LETTERS, Mode, Regime, Status
-from vibro.core.harmonic.arrays import CycleLeg, each
-from vibro.core.harmonic.legs import harmonic_legs
-from vibro.drives import Ability, Harmonics
+from vibro.core.harmonic.arrays import CycleLeg
+from vibro.drives import Ability
 from vibro.errors import VibroError
 from vibro.motion.histories import follow, is_followed, simulate
 from vibro.results.history import Legs
@@ -73,15 +72,15 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
         where flights do not begin to repeat within 1000 drive cycles.
     """
     fields = scene.arrays()
-    if not fields.can(Ability.FLIGHT):
-        legs = harmonic_legs(each(Harmonics.of(scene), np.ravel).loads())
+    grid = Grid(fields)
+    if not is_followed(grid):
+        return ()
+    if not fields.can(Ability.LIMITS):
+        legs = _legs_of_motion(grid, str(solve(scene).pattern))
     else:
-        grid = Grid(scene.arrays())
-        if not is_followed(grid):
-            return ()
         cycle = solve(scene, flight=False)
         if cycle.regime == Regime.HOPPING:
-            legs = _legs_with_flights(grid, math.remainder(fields.phase.item(), _TURN))
+            legs = _followed_legs(grid, math.remainder(fields.phase.item(), _TURN))
         else:
             legs = _contact_legs(scene, cycle)
     w, scale = 2.0 * math.pi * float(scene.frequency), float(scene.scale)
@@ -103,8 +102,24 @@ def _contact_legs(scene: Scene, cycle: SteadyCycle) -> list[CycleLeg]:
     return legs
 
 
-def _legs_with_flights(grid: Grid, lead: float) -> list[CycleLeg]:
-    """Legs of the steady cycle of a body that hops; none if they do not repeat soon.
+def _legs_of_motion(grid: Grid, pattern: str) -> list[CycleLeg]:
+    """Legs of the steady cycle of any periodic drive, in the order of its pattern."""
+    if pattern == "_":
+        return [CycleLeg("_", 0.0, _TURN, 0.0)]
+    legs = _followed_legs(grid, 0.0)
+    letters = "".join(leg.kind for leg in legs)
+    first = f"{letters}{letters}".find(pattern) if len(pattern) == len(letters) else -1
+    if first <= 0:
+        return legs
+    period = legs[-1].end - legs[0].start
+    before = [leg._replace(start=leg.start + period, end=leg.end + period) for leg in legs[:first]]
+    turns = _TURN * math.floor(legs[first].start / _TURN)
+    ordered = [*legs[first:], *before]
+    return [leg._replace(start=leg.start - turns, end=leg.end - turns) for leg in ordered]
+
+
+def _followed_legs(grid: Grid, lead: float) -> list[CycleLeg]:
+    """Legs of the steady cycle of a body that is followed until it repeats; none if it does not soon.
 
     ``lead`` is the phase by which the normal motion leads that along the trough [rad].
     """

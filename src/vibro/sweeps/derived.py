@@ -84,7 +84,7 @@ def _stroke(block: Block) -> Floats:
 def _speed_exponent(block: Block) -> Floats:
     """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where the speed is 0."""
     cycle, scene = block.cycle, scene_of(block.values)
-    if not scene.arrays().can(Ability.FLIGHT):
+    if not scene.arrays().can(Ability.LIMITS):
         return _unknown(block)
     pattern = cycle.pattern_code
     displacement = cycle.displacement_per_cycle / scene.scale

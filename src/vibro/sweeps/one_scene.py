@@ -28,6 +28,7 @@ __all__ = ["OneScene", "beginnings", "estimate", "facts_of", "number", "phase_ro
 
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
+_TOLD: Final = 9  # decimals of a percentage, below which there is rounding alone
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
 
 
@@ -221,7 +222,7 @@ class OneScene:
     @property
     def has_harmonics(self) -> bool:
         """Whether the drive has harmonics, whose critical loads are not computed."""
-        return not self.scene.arrays().can(Ability.FLIGHT)
+        return not self.scene.arrays().can(Ability.LIMITS)
 
     def transitions(self) -> tuple[Transition, ...]:
         """Return where each class of motion begins; empty if that is not known."""
@@ -229,7 +230,7 @@ class OneScene:
 
     def phases(self) -> tuple[CyclePhase, ...]:
         """Return the cycle's phases; empty if they are not modelled, or too many."""
-        if self.hops and (self.has_harmonics or not self._cycle.flight_fraction > 0.0):
+        if self.hops and not self._cycle.flight_fraction > 0.0:
             return ()
         phases = cycle_phases(self.scene)
         return phases if len(phases) <= _MOST_PHASES else ()
@@ -284,7 +285,7 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
     elif not still and then / speed > 0.0:
         gain = then / speed
         error = 100.0 * gain * math.hypot(one.relative_error, raised.relative_error)
-        told = f"{100.0 * (gain - 1.0):+z.3g} % speed"
+        told = f"{round(100.0 * (gain - 1.0), _TOLD):+z.3g} % speed"
         told += f" +- {error:.2g} % (standard error)" if error else ""
     else:
         told = estimate(then, raised.result("mean_velocity_error"), "mm/s")
