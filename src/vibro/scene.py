@@ -117,9 +117,9 @@ class Scene:
         Phase by which the normal motion leads the motion along the trough, modulo 2 pi [rad]. Others count
         the lag, or from the normal motion: theory.md, section 15.
     along_harmonics, normal_harmonics : sequence of pair of array_like
-        In place of all these, up to 8 pairs of an amplitude [m] and a phase [rad], of a motion with harmonics
-        ``amplitude * sin(2 pi n frequency t + phase)``, n = 1 first; either may be left out. They stand for
-        ``motion=Motion.harmonics(...)``.
+        In place of all these, up to 16 pairs of an amplitude [m] and a phase [rad], of a motion with
+        harmonics ``amplitude * sin(2 pi n frequency t + phase)``, n = 1 first; either may be left out. They
+        stand for ``motion=Motion.harmonics(...)``.
     motion : Motion
         In place of all these, any periodic motion: harmonics, steps or samples.
     motion_scale : array_like, optional
@@ -154,6 +154,10 @@ class Scene:
     >>> Scene(along_amplitude=1e-3, normal_amplitude=3e-4, normal_phase=[-1.0, 0.0, 1.0],
     ...       frequency=25, static_friction=0.4, kinetic_friction=0.3).shape
     (3,)
+    >>> sawtooth = Motion.steps(along=[(0.8, 2.4), (0.2, -9.6)])
+    >>> Scene(motion=sawtooth, motion_scale=[0.5, 1.0], frequency=2.5,
+    ...       static_friction=0.3, kinetic_friction=0.25).load.round(3)
+    array([0.489, 0.979])
     """
 
     amplitude: Floats | None

@@ -140,8 +140,23 @@ class Motion:
 
         Notes
         -----
-        Samples of acceleration are joined by a periodic cubic spline of the acceleration. Samples of
-        displacement become harmonics, as many as stand out from their noise.
+        Samples of acceleration are joined by a periodic cubic spline of the acceleration, samples of
+        displacement become harmonics, up to 16, as many as stand out from the mean power of those beyond
+        (there are such from 49 samples on). Both were chosen by measurement, as errors of the acceleration,
+        root mean square over the largest (benchmarks/samples.py). From 128 accelerations a period the spline
+        misses a sine with harmonics by 3e-5 %, a trapezoid with ramps of 5 % by 0.23 %, two levels by 8 %
+        (1024: 2.3 %); 16 harmonics of the same samples by rounding, 1.1 % and 11 %, however many samples
+        there are. Displacements are the other way round: from 128 with noise of 0.1 %, a spline
+        that is differentiated twice misses the sine by 130 %, all 16 harmonics by 4 %, those that stand out
+        by 0.3 %. Where the acceleration jumps give ``Motion.steps``: it is exact.
+
+        Examples
+        --------
+        >>> import numpy as np, vibro
+        >>> share = np.arange(64) / 64
+        >>> motion = vibro.Motion.samples(along=-3.0 * np.sin(2.0 * np.pi * share))
+        >>> print(f"{motion.largest_acceleration:.6f} m/s^2")
+        3.000000 m/s^2
         """
         return sampled_motion(along, normal, of, ("along", "normal"))
 

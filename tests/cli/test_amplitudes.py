@@ -121,7 +121,7 @@ def test_an_amplitude_of_an_ellipse_may_be_0(run: Run) -> None:
 def test_harmonics_are_refused(run: Run) -> None:
     result = run("solve", *BOWL, "--along-2", "1", "--speed", "5")
     assert result.exit_code == 2
-    assert "not of drives with harmonics\nhint: vibro map --speed draws" in result.stderr
+    assert "along a line or an ellipse alone\nhint: vibro map --speed draws" in result.stderr
 
 
 def test_hopping_is_about_amplitudes(run: Run) -> None:

@@ -95,7 +95,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     if request.has_harmonics:
         option = "--motion-scale" if request.motion else "--along"
         raise InputError(
-            "--speed finds amplitudes of drives along a line or an ellipse, not of drives with harmonics",
+            "--speed finds amplitudes of drives along a line or an ellipse alone",
             hint=f"vibro map --speed draws where such a drive reaches a speed: give {option} as a range",
         )
     unit, size = given_unit(text, LEAST_SPEED)

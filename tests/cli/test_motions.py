@@ -1,0 +1,163 @@
+"""Motions on the command line: steps and samples from scene files, their scale as an axis, clamped parts."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.commands import Run, rows_of
+
+import vibro
+
+STEPS = "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n"
+SAMPLES = "[motion]\nalong_samples_mm = [0, 6, 10, 11, 9, 4, -3, -9, -12, -9, -4, -2]\n"
+POINT = """
+[scene]
+frequency_hz = 2.5
+static_friction = 0.3
+kinetic_friction = 0.25
+trough_length_mm = 3000
+"""
+MOTION = vibro.Motion.steps(along=[(0.8, 2.4), (0.2, -9.6)])
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "conveyor.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def scene(**fields: float) -> vibro.Scene:
+    given = {"frequency": 2.5, "static_friction": 0.3, "kinetic_friction": 0.25, **fields}
+    return vibro.Scene(motion=MOTION, **given)
+
+
+def test_a_report_of_steps(run: Run, tmp_path: Path) -> None:
+    result = run("solve", written(tmp_path, POINT + STEPS))
+    assert result.exit_code == 0, result.stderr
+    lines = dict(line.split("  ", 1) for line in result.stdout.split("\n\n")[0].splitlines())
+    told = {name: text.strip() for name, text in lines.items()}
+    assert told["scene"].startswith(
+        "motion of 2 pieces (stroke 38.4 mm peak to peak), frequency 2.5 Hz, motion"
+    )
+    assert told["regime"] == "forward-slip, pattern F_"
+    speed = float(vibro.solve(scene()).mean_velocity)
+    assert float(told["mean speed"].removesuffix(" mm/s")) == pytest.approx(1e3 * speed, rel=1e-5)
+    gain = float(vibro.solve(scene(motion_scale=1.1)).mean_velocity) / speed - 1.0
+    assert told["sensitivity"] == f"+10 % motion scale: {100.0 * gain:+.3g} % speed"
+    assert told["comes next"] == "not known of drives with steps or sampled accelerations"
+
+
+@pytest.mark.parametrize("table", [STEPS, SAMPLES])
+def test_the_scale_is_an_axis_and_a_column(run: Run, tmp_path: Path, table: str) -> None:
+    file = written(tmp_path, POINT + table)
+    result = run("map", file, "--motion-scale", "0.5:1.5:3", "-f", "2,3", "-o", "-")
+    assert result.exit_code == 0, result.stderr
+    rows = rows_of(result.stdout)
+    assert [*rows[0]][:2] == ["frequency_hz", "motion_scale"]
+    assert [(float(r["frequency_hz"]), float(r["motion_scale"])) for r in rows] == [
+        (f, c) for f in (2.0, 3.0) for c in (0.5, 1.0, 1.5)
+    ]
+    own = vibro.read_scene(file)
+    for row in rows:
+        one = vibro.Scene(
+            motion=own.motion,
+            motion_scale=float(row["motion_scale"]),
+            frequency=float(row["frequency_hz"]),
+            static_friction=0.3,
+            kinetic_friction=0.25,
+        )
+        speed = 1e3 * float(vibro.solve(one).mean_velocity)
+        assert float(row["mean_velocity_mm_s"]) == pytest.approx(speed, rel=1e-13)
+    assert len({row["mean_velocity_mm_s"] for row in rows}) == len(rows)
+
+
+def test_a_map_with_pictures_says_what_was_given(run: Run, tmp_path: Path) -> None:
+    file = written(tmp_path, f'{POINT}{STEPS}[map]\nmotion_scale = "0.2:3:12"\nfrequency_hz = "1:5:9"\n')
+    assert run("map", file, "-o", tmp_path / "out").exit_code == 0
+    content = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
+    assert content["motion"] == {"along_steps": [[0.8, 2.4], [0.2, -9.6]]}
+    assert {"out-regime.png", "out-speed.png", "out-traverse.png"} <= {p.name for p in tmp_path.iterdir()}
+
+
+def test_stored_sweeps_keep_their_motion(run: Run, tmp_path: Path) -> None:
+    file = written(tmp_path, f'{POINT}{STEPS}[map]\nmotion_scale = "0.2:3:30"\nfrequency_hz = "1:5:20"\n')
+    arguments = ("map", file, "--table", "parquet", "-o", tmp_path / "stored")
+    assert run(*arguments).exit_code == 0
+    stored, swept = vibro.open_sweep(tmp_path / "stored"), vibro.sweep(file)
+    speed = stored.to_frame()["mean_velocity_mm_s"].to_numpy().reshape(stored.shape)
+    np.testing.assert_allclose(speed, 1e3 * swept.cycle.mean_velocity, rtol=1e-14)
+    assert stored.fixed == swept.fixed
+    assert stored.draw("speed").axes
+    # another motion is another sweep
+    other = f"{POINT}{STEPS}".replace("-9.6", "-9.61")
+    written(tmp_path, f'{other}[map]\nmotion_scale = "0.2:3:30"\nfrequency_hz = "1:5:20"\n')
+    refused = run(*arguments, "--resume")
+    assert refused.exit_code != 0
+    assert "along_steps: [[0.8, 2.4], [0.2, -9.6]] there, [[0.8, 2.4], [0.2, -9.61]] here" in refused.stderr
+
+
+def test_histories_and_arrivals(run: Run, tmp_path: Path) -> None:
+    file = written(tmp_path, POINT + STEPS)
+    answer = json.loads(run("traverse-time", file, "--json").stdout)
+    assert answer["arrival_time_s"] == pytest.approx(float(vibro.arrival_time(scene(), 3.0)), rel=1e-13)
+    result = run("simulate", file, "--cycles", 2)
+    assert result.exit_code == 0, result.stderr
+    assert "forward slide" in result.stdout
+
+
+def test_a_clamped_part_on_a_vertical_trough(run: Run, tmp_path: Path) -> None:
+    text = f"{POINT}trough_angle_deg = 90\nnormal_force_n = 80\nmass_kg = 2\n{STEPS}"
+    answer = json.loads(run("solve", written(tmp_path, text), "--json").stdout)
+    own = scene(normal_acceleration=40.0, trough_angle=math.pi / 2)
+    assert answer["mean_velocity_mm_s"] == pytest.approx(
+        1e3 * float(vibro.solve(own).mean_velocity), rel=1e-13
+    )
+    force = run("map", written(tmp_path, text), "--normal-acceleration", "30:50:3", "-o", "-")
+    assert [float(row["normal_acceleration_m_s2"]) for row in rows_of(force.stdout)] == [30.0, 40.0, 50.0]
+
+
+def test_an_ellipse_has_a_scale_too(run: Run) -> None:
+    ellipse = ("--along", 1, "--normal", 0.3, "-f", 25, "--mu-s", 0.4, "--mu-d", 0.3)
+    other = ("--along", 2, "--normal", 0.6, "-f", 25, "--mu-s", 0.4, "--mu-d", 0.3)
+    scaled, same = (
+        json.loads(run("solve", *x, "--json").stdout) for x in ((*ellipse, "--motion-scale", 2), other)
+    )
+    for name in ("mean_velocity_mm_s", "stroke_mm", "throw_number"):
+        assert scaled[name] == pytest.approx(same[name], rel=1e-14)
+    assert scaled["motion_scale"] == 2.0
+
+
+@pytest.mark.parametrize(
+    ("command", "said", "hint"),
+    [
+        (("solve", "-A", "1"), "the command line gives amplitude and [motion] gives motion", "[motion]"),
+        (
+            ("solve", "--speed", "30"),
+            "finds amplitudes of drives along a line or an ellipse alone",
+            "--motion-scale as a range",
+        ),
+        (("accuracy",), "for a drive along a line alone", "give -A and -a"),
+        (("explore", "--no-open"), "the page shows no motions of steps or samples", "vibro solve"),
+        (("solve", "--motion-scale", "0"), "motion scale = 0: must be finite and > 0", ""),
+    ],
+)
+def test_what_takes_no_motion_says_so(
+    run: Run, tmp_path: Path, command: tuple[str, ...], said: str, hint: str
+) -> None:
+    name, *options = command
+    result = run(name, written(tmp_path, POINT + STEPS), *options)
+    assert result.exit_code != 0
+    assert said in result.stderr
+    assert hint in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_a_drive_of_the_command_line_replaces_the_motion(run: Run, tmp_path: Path) -> None:
+    drive = ("-A", 1, "-a", 20, "-f", 15, "--mu-s", 0.74, "--mu-d", 0.57)
+    here = json.loads(run("solve", written(tmp_path, POINT + STEPS), *drive, "--json").stdout)
+    assert here["mean_velocity_mm_s"] == pytest.approx(16.263456166287, rel=1e-12)
+    assert "motion_scale" not in here
