@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, Self, cast
 
 import numpy as np
 
-from vibro.core.harmonic.arrays import each, largest_amplitude
-from vibro.core.harmonic.loads import HarmonicLoads, harmonic_loads
 from vibro.errors import InputError
 from vibro.paths import widest
 from vibro.quantities import ELLIPTICAL, LINEAR
@@ -36,7 +34,8 @@ _STEPS: Final = 6  # of Newton's method from there; each squares the error, whic
 class Ability(Enum):
     """Results that only some kinds of drive have; every kind has steady cycles, histories and arrivals."""
 
-    LIMITS = "critical loads, guarantees and comparisons"
+    LIMITS = "critical loads"
+    ONE_HARMONIC = "guarantees, designs and comparisons with records"
     PROOF = "closed forms and proved bounds"
 
 
@@ -98,7 +97,7 @@ class Drive:
 
     def _refusal(self, ability: Ability, hint: str = "") -> InputError:
         able = " or ".join(kind.kind for kind in KINDS if ability in kind.abilities)
-        hint = hint or "vibro.solve, vibro.simulate, vibro.arrival_time and vibro.sweep take any drive"
+        hint = hint or "vibro.solve, vibro.simulate and vibro.arrival_time take it, as do vibro solve and map"
         return InputError(f"a drive {self.kind}: {ability.value} are known of drives {able} alone", hint=hint)
 
     @property
@@ -123,13 +122,13 @@ class Drive:
 
     @property
     def along(self) -> Floats:
-        """Amplitude of the motion along the trough [m]; InputError without LIMITS."""
-        raise self._refusal(Ability.LIMITS)
+        """Amplitude of the motion along the trough [m]; InputError without ONE_HARMONIC."""
+        raise self._refusal(Ability.ONE_HARMONIC)
 
     @property
     def phase(self) -> Floats:
-        """Phase by which the normal motion leads that along the trough [rad]; InputError without LIMITS."""
-        raise self._refusal(Ability.LIMITS)
+        """Phase by which the normal motion leads that along the trough [rad]; 0 where both have harmonics."""
+        return np.zeros(())
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
@@ -141,7 +140,7 @@ class Drive:
 
     def changed(self, change: Callable[[Floats], Floats]) -> Self:
         """Change every array."""
-        changed: Self = each(self, change)
+        changed: Self = _each(self, change)
         return changed
 
     def members(self) -> list[tuple[str, str, Floats]]:
@@ -151,6 +150,22 @@ class Drive:
 
 def _names(fields: Any) -> tuple[str, ...]:
     return tuple(fields._fields)
+
+
+def _each(group: Any, change: Callable[[Floats], Floats]) -> Any:
+    """Change every array of a nested (named) tuple of arrays."""
+    if not isinstance(group, tuple):
+        return change(group)
+    members = [_each(member, change) for member in group]
+    return group._make(members) if hasattr(group, "_make") else tuple(members)
+
+
+def _largest_amplitude(first: Floats, *others: Floats) -> Floats:
+    """Scale of the lengths of a drive with several amplitudes; 1 where the trough stands still [m]."""
+    largest = first
+    for amplitude in others:
+        largest = np.maximum(largest, amplitude)
+    return largest if np.all(largest) else np.where(largest > 0.0, largest, 1.0)
 
 
 class _LineFields(NamedTuple):
@@ -187,11 +202,6 @@ class Line(_LineFields, Drive):
         """Amplitude of the motion along the trough [m]."""
         return np.asarray(self.amplitude * np.cos(self.drive_angle))
 
-    @property
-    def phase(self) -> Floats:
-        """Phase by which the normal motion leads the motion along the trough [rad]."""
-        return np.zeros(())
-
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
         return Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), 0)
@@ -219,12 +229,12 @@ class Ellipse(_EllipseFields, Drive):
     __slots__ = ()
     kind = "along an ellipse"
     told_by = ELLIPTICAL
-    abilities = frozenset({Ability.LIMITS})
+    abilities = frozenset({Ability.LIMITS, Ability.ONE_HARMONIC})
 
     @property
     def scale(self) -> Floats:
         """Unit of length of the solvers: the larger of both amplitudes [m]."""
-        return largest_amplitude(self.along_amplitude, self.normal_amplitude)
+        return _largest_amplitude(self.along_amplitude, self.normal_amplitude)
 
     @property
     def reach(self) -> Floats:
@@ -342,7 +352,7 @@ class Harmonics(_HarmonicFields, _Moved):
     @property
     def scale(self) -> Floats:
         """Unit of length of the solvers: the largest of all amplitudes [m]."""
-        return largest_amplitude(*(self.motion_scale * x for x in (*self[0], *self[2])))
+        return _largest_amplitude(*(self.motion_scale * x for x in (*self[0], *self[2])))
 
     @property
     def reach(self) -> Floats:
@@ -363,15 +373,6 @@ class Harmonics(_HarmonicFields, _Moved):
     def moves_normal(self) -> bool:
         """Whether any trough moves normal to itself."""
         return any(np.any(x != 0.0) for x in self.normal_amplitudes)
-
-    def loads(self) -> HarmonicLoads:
-        """Return the dimensionless groups, without the restitution."""
-        scale, normal, frequency, *others = self.moved
-        along, across = (tuple(scale * x for x in amplitudes) for amplitudes in (self[0], self[2]))
-        loads = harmonic_loads(along, self[1], across, self[3], frequency, *others[:4])
-        with np.errstate(over="ignore", divide="ignore"):
-            clamped = normal / ((2.0 * np.pi * frequency) ** 2 * self.scale)
-        return loads._replace(normal=np.where(np.isnan(normal), loads.normal, clamped))
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
@@ -444,7 +445,7 @@ class Piecewise(_PiecewiseFields, _Moved):
 
     def changed(self, change: Callable[[Floats], Floats]) -> Self:
         """Change every array; the motion serves all cells."""
-        moved: _MovedFields = each(self.moved, change)
+        moved: _MovedFields = _each(self.moved, change)
         return self._replace(**moved._asdict())
 
     def columns(self) -> Columns:
@@ -470,7 +471,7 @@ def _farthest(fields: Harmonics, derivative: int) -> Floats:
     Its square is a trigonometric polynomial of degree 2 H. Parabolas through neighbouring points find its
     highest maximum to within 1e-6 of the value, and Newton's method refines that one.
     """
-    count, unit = len(fields.along_amplitudes), largest_amplitude(*fields[0], *fields[2])
+    count, unit = len(fields.along_amplitudes), _largest_amplitude(*fields[0], *fields[2])
     waves = [
         [(n, n**derivative * (x / unit), phase) for n, (x, phase) in enumerate(zip(*part, strict=True), 1)]
         for part in (fields[0:2], fields[2:4])

@@ -113,7 +113,7 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     Raises
     ------
     InputError
-        If the drive has harmonics: it lacks ``Ability.LIMITS``.
+        If the drive lacks ``Ability.LIMITS``.
 
     Notes
     -----
@@ -192,7 +192,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     SceneError
         If the scene is more than one operating point.
     InputError
-        If its drive has harmonics: it lacks ``Ability.LIMITS``.
+        If its drive lacks ``Ability.LIMITS``.
 
     Examples
     --------
@@ -266,7 +266,7 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     SceneError
         If a stand ratio is no number, or not > 0.
     InputError
-        If the drive has harmonics: it lacks ``Ability.LIMITS``.
+        If the drive lacks ``Ability.LIMITS``.
 
     Notes
     -----
@@ -317,7 +317,7 @@ def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
     SceneError
         If a stand ratio is no number, or not > 0.
     InputError
-        If the drive has harmonics: it lacks ``Ability.LIMITS``.
+        If the drive lacks ``Ability.LIMITS``.
     """
     load = tipping_load(scene, stand_ratio)
     hops = solve(scene, accuracy="regimes").regime == int(Regime.HOPPING)

@@ -92,7 +92,7 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     """
     speed = checked_number(text, LEAST_SPEED)
     request = request_of(options, argv, asked_for="amplitude")
-    if request.has_harmonics:
+    if request.is_waveform:
         option = "--motion-scale" if request.motion else "--along"
         raise InputError(
             "--speed finds amplitudes of drives along a line or an ellipse alone",

@@ -196,7 +196,7 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
     facts = [*facts_of(one, grid), *_throughput(one, part)]
     if STAND_RATIO.column in part:
         facts.append(("upright", _upright(one, part[STAND_RATIO.column])))
-    if one.has_harmonics:
+    if not one.has_limits:
         facts.append(("comes next", f"not known of drives {one.scene.arrays().kind}"))
     tables = [rows for rows in (beginnings(one), phase_rows(one)) if rows]
     return "\n\n".join([aligned(facts, right=False), *map(aligned, tables)])

@@ -1,7 +1,7 @@
 """The cells of a map, solved in the order in which people need them: contact at once, flights coarse to fine.
 
-Contact takes a few milliseconds a map. A flight takes 13 to 50 us where bodies do not bounce, and a
-millisecond or more where they do, and a cell of a drive with harmonics 14 us. These cells come one lattice
+Contact takes a few milliseconds a map, of drives beyond one harmonic a few tenths of a second. A flight takes
+13 to 50 us where bodies do not bounce, and a millisecond or more where they do. These cells come one lattice
 after the other, each with half the spacing, and show a solved neighbour meanwhile. Over amplitude and
 frequency everything depends on the load G alone, up to the scales of length and time: there a line of loads
 shows the whole map before.
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Regime, Status
+from vibro.core.codes import Status
 from vibro.core.hopping import MOST_THROW
 from vibro.drives import Ability
 from vibro.limits import CriticalLoads
@@ -44,7 +44,6 @@ _FIRST_LOADS: Final = 128
 _FIRST_BOUNCING: Final = 64
 _SPACINGS: Final = (16, 8, 4, 2, 1)  # of the lattices [cells]
 
-_FIRST_HARMONIC: Final = 8  # spacing of the lattice of the first picture of drives with harmonics
 _LIMIT_ROWS: Final = 15  # of a map whose critical loads are found at once, which takes 40 us a cell
 _FIRST_CELLS: Final = 64  # solved first, to measure how long they take
 _TURN: Final = 0.25  # [s] that solving so many at once may take: of few, each takes ten times as long
@@ -66,8 +65,8 @@ class Shown(NamedTuple):
     known : bool array
         Whether each cell shows numbers, or has a status that says why there are none.
     limits : CriticalLoads or None
-        Critical loads of the cells; of ellipses they take long and are None at first, and of drives with
-        harmonics always.
+        Critical loads of the cells; of ellipses they take long and are None at first, and of drives without
+        ``Ability.LIMITS`` always.
     is_done : bool
         Whether all cells are computed.
     share : float
@@ -111,22 +110,16 @@ class MapCells:
         values = grid.values()
         scene = scene_of(values)
         drive = scene.arrays()
-        self._harmonic = not drive.can(Ability.LIMITS)
-        if self._harmonic:
-            self._solved, waiting = _unsolved(grid.shape), np.ones(grid.shape, np.bool_)
-        else:
-            self._solved = replace(grid, flight=False).solve(values)
-            waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
-            waiting &= self._solved.throw_number <= MOST_THROW
+        self._solved = replace(grid, flight=False).solve(values)
+        waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
+        waiting &= self._solved.throw_number <= MOST_THROW
         self._exact = ~waiting
         self._waiting = _coarse_to_fine(waiting, _SPACINGS[0])
         self._done = 0
-        if self._harmonic:
-            self._solve_more(math.prod(-(-n // _FIRST_HARMONIC) for n in grid.shape))
         self._line = None if self._is_solved else _Line.over(grid, scene, waiting)
         if self._line is not None and not grid.fixed["restitution"] and expected <= patience:
             self._line.solve_more()
-        self._has_limits = drive.can(Ability.PROOF) or self._harmonic
+        self._has_limits = drive.can(Ability.PROOF) or not drive.can(Ability.LIMITS)
         if self._has_limits:
             self._limits = limits_of(values)
         self._turn = _Turn()
@@ -144,12 +137,11 @@ class MapCells:
         share = self._done / self._waiting.size if self._waiting.size else 1.0
         if not self._has_limits:
             return share, "boundaries of back slip: a preview"
-        what = "cells" if self._harmonic else "hopping"
         if self._line is None or not self._line.is_known:
-            return share, f"{what}: {share:.0%} exact, the rest from neighbours or to come"
+            return share, f"hopping: {share:.0%} exact, the rest from neighbours or to come"
         told = f"of loads within {math.ceil(1e4 * self._line.spread) / 100:.4g} %"
         told = told if self._line.is_done else "a preview"
-        return share, f"{what}: {share:.0%} exact, the rest {told}"
+        return share, f"hopping: {share:.0%} exact, the rest {told}"
 
     @property
     def is_done(self) -> bool:
@@ -324,15 +316,6 @@ class _Line:
             elif name in _WITH_SPEED:
                 numbers = numbers * faster
             values[where] = numbers
-
-
-def _unsolved(shape: tuple[int, ...]) -> SteadyCycle:
-    """Make cells without any result yet."""
-    cycle: dict[str, NDArray[Any]] = {
-        r.name: np.full(shape, np.nan if r.is_number else -1 if r.is_flag else 0, r.dtype) for r in RESULTS
-    }
-    cycle["regime"][:], cycle["status"][:] = int(Regime.UNDEFINED), int(Status.UNRESOLVED)
-    return SteadyCycle(**cycle)
 
 
 def _coarse_to_fine(chosen: NDArray[np.bool_], spacing: int) -> Indices:

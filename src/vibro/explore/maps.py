@@ -161,7 +161,7 @@ class _Drawn:
         return self.title + (f" [{unit}]" if unit else "")
 
     def progress_text(self, cells: Shown) -> str:
-        """List what is not exact yet: numbers, and regimes of ellipses and of drives with harmonics."""
+        """List what is not exact yet: numbers, and regimes where critical loads are not known, or not yet."""
         is_exact = self._state.view == "regime" and cells.limits is not None
         return "" if is_exact else cells.text
 
@@ -326,8 +326,6 @@ class _Drawn:
                 if self._state.view in _FLIGHT_ALONE
                 else "Colours are of all bodies of the bands, curves of those of least and of most friction."
             )
-        if self._state.view in _FLIGHT_ALONE and (self.cycle["status"] == Status.FLIGHT_NOT_MODELLED).all():
-            notes.append("The flights of these bodies are not modelled.")
         return notes
 
 

@@ -29,7 +29,7 @@ def one_point(scene: object) -> None:
     """Raise unless the scene is one operating point (SceneError) of a line or an ellipse (InputError)."""
     if not isinstance(scene, Scene):
         raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
-    scene.arrays().require(Ability.LIMITS)
+    scene.arrays().require(Ability.ONE_HARMONIC)
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
 
@@ -53,7 +53,7 @@ def uncertainty_set(
     SceneError
         If the scene is more than one operating point or a band is invalid; it lists every problem.
     InputError
-        If the drive lacks ``Ability.LIMITS``.
+        If the drive lacks ``Ability.ONE_HARMONIC``.
     """
     one_point(scene)
     space = SPACES[type(scene.arrays())]

@@ -56,6 +56,8 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     ------
     SceneError
         If the scene is more than one operating point.
+    InputError
+        If the drive lacks ``Ability.ONE_HARMONIC``.
 
     Notes
     -----
@@ -65,7 +67,9 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    is_line = scene.arrays().can(Ability.PROOF)
+    drive = scene.arrays()
+    drive.require(Ability.ONE_HARMONIC)
+    is_line = drive.can(Ability.PROOF)
     inputs = _OF_LINES if is_line else _OF_ELLIPSES
     names = {name: name + "_deg" * is_angle for name, is_angle in inputs.items()}
     cycle = solve(scene)

@@ -71,7 +71,7 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     SceneError
         If the scene is more than one operating point, or a band is invalid; it lists every problem.
     InputError
-        If the drive has harmonics: it lacks ``Ability.LIMITS``.
+        If the drive is neither a line nor an ellipse: it lacks ``Ability.ONE_HARMONIC``.
 
     Notes
     -----

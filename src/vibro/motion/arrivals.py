@@ -45,8 +45,6 @@ def arrival_time(scene: Scene, length: ArrayLike) -> Any:
     ------
     SceneError
         If the length is not finite and positive, or does not broadcast.
-    InputError
-        If the drive has harmonics.
 
     Notes
     -----

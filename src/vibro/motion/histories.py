@@ -63,8 +63,6 @@ def simulate(
     SceneError, VibroError
         If an argument is out of its range, or the motion of the scene cannot be followed, or the body
         never covers ``length``.
-    InputError
-        If the drive has harmonics.
 
     Notes
     -----

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from vibro.core.codes import LETTERS, Mode, Regime, Status
-from vibro.core.harmonic.arrays import CycleLeg
 from vibro.drives import Ability
 from vibro.errors import VibroError
 from vibro.motion.histories import follow, is_followed, simulate
@@ -46,7 +45,7 @@ class CyclePhase:
         ``"F"`` forward slide, ``"B"`` back slide, ``"_"`` rest, ``"H"`` flight; ``"h"`` several flights of
         less than 0.01 rad each, one after the other.
     start, end : float
-        Time since the trough passed its middle upwards; of an ellipse, forwards [s].
+        Time since the trough passed its middle upwards; of an ellipse, forwards; of others since phase 0 [s].
     displacement : float
         Displacement relative to the trough during the phase [m].
     """
@@ -71,71 +70,67 @@ def cycle_phases(scene: Scene) -> tuple[CyclePhase, ...]:
         In the order of the pattern; empty where there is no steady cycle, where it cannot be followed, or
         where flights do not begin to repeat within 1000 drive cycles.
     """
-    fields = scene.arrays()
-    grid = Grid(fields)
+    grid = Grid(scene.arrays())
     if not is_followed(grid):
         return ()
-    if not fields.can(Ability.LIMITS):
-        legs = _legs_of_motion(grid, str(solve(scene).pattern))
-    else:
-        cycle = solve(scene, flight=False)
-        if cycle.regime == Regime.HOPPING:
-            legs = _followed_legs(grid, math.remainder(fields.phase.item(), _TURN))
-        else:
-            legs = _contact_legs(scene, cycle)
-    w, scale = 2.0 * math.pi * float(scene.frequency), float(scene.scale)
+    cycle = solve(scene, flight=False)
+    hops = cycle.regime == Regime.HOPPING
+    legs = _followed_legs(scene, grid, _LONGEST_RUN) if hops else _contact_legs(scene, grid, cycle)
+    w, scale = _TURN * float(scene.frequency), float(scene.scale)
     return tuple(CyclePhase(leg.kind, leg.start / w, leg.end / w, leg.displacement * scale) for leg in legs)
 
 
-def _contact_legs(scene: Scene, cycle: SteadyCycle) -> list[CycleLeg]:
+class _Leg(NamedTuple):
+    """One leg of a cycle: its kind as in a pattern, drive phases at its ends [rad], displacement [A].
+
+    The first leg starts in [0, 2 pi), each other one at the end before it.
+    """
+
+    kind: str
+    start: float
+    end: float
+    displacement: float
+
+
+def _contact_legs(scene: Scene, grid: Grid, cycle: SteadyCycle) -> list[_Leg]:
     """Legs of a steady contact cycle, in the order of its pattern; none if there is none."""
     pattern = str(cycle.pattern)
     if pattern in ("", "_"):
-        return [CycleLeg("_", 0.0, _TURN, 0.0)] if pattern else []
+        return [_Leg("_", 0.0, _TURN, 0.0)] if pattern else []
+    if not scene.arrays().can(Ability.ONE_HARMONIC):
+        return _followed_legs(scene, grid, _SETTLING)
     slides = slides_of(scene, cycle.pattern_code)
     columns = (x.tolist() for x in (slides.begin, slides.end, slides.displacement))
-    legs = [CycleLeg(kind, *leg) for kind, *leg in zip(pattern.replace("_", ""), *columns, strict=False)]
+    legs = [_Leg(kind, *leg) for kind, *leg in zip(pattern.replace("_", ""), *columns, strict=False)]
     for i, kind in enumerate(pattern):
         if kind == "_":
             until = legs[i].start if i < len(legs) else legs[0].start + _TURN
-            legs.insert(i, CycleLeg("_", legs[i - 1].end, until, 0.0))
+            legs.insert(i, _Leg("_", legs[i - 1].end, until, 0.0))
     return legs
 
 
-def _legs_of_motion(grid: Grid, pattern: str) -> list[CycleLeg]:
-    """Legs of the steady cycle of any periodic drive, in the order of its pattern."""
-    if pattern == "_":
-        return [CycleLeg("_", 0.0, _TURN, 0.0)]
-    legs = _followed_legs(grid, 0.0)
-    letters = "".join(leg.kind for leg in legs)
-    first = f"{letters}{letters}".find(pattern) if len(pattern) == len(letters) else -1
-    if first <= 0:
-        return legs
-    period = legs[-1].end - legs[0].start
-    before = [leg._replace(start=leg.start + period, end=leg.end + period) for leg in legs[:first]]
-    turns = _TURN * math.floor(legs[first].start / _TURN)
-    ordered = [*legs[first:], *before]
-    return [leg._replace(start=leg.start - turns, end=leg.end - turns) for leg in ordered]
-
-
-def _followed_legs(grid: Grid, lead: float) -> list[CycleLeg]:
-    """Legs of the steady cycle of a body that is followed until it repeats; none if it does not soon.
-
-    ``lead`` is the phase by which the normal motion leads that along the trough [rad].
-    """
-    motion = follow(grid, 0.0, 0.0, _LONGEST_RUN)
+def _followed_legs(scene: Scene, grid: Grid, most: float) -> list[_Leg]:
+    """Legs of the steady cycle, by following a body from rest; none if they do not repeat within ``most``."""
+    motion, drive = follow(grid, 0.0, 0.0, most), scene.arrays()
     steady = Legs._make(x[motion.first :] for x in motion.legs)
-    phases = steady.phase - lead
-    turns = steady.cycle - steady.cycle[:1] - np.floor(phases[:1] / _TURN)
-    starts = _TURN * turns + phases
+    turns = _TURN * motion.period
+    # a drive of one harmonic counts phases from the middle of its motion along the trough
+    starts = _TURN * steady.cycle + steady.phase - math.remainder(drive.phase.item(), _TURN)
     columns = (steady.mode, starts, starts + steady.length, steady.displacement)
-    legs: list[CycleLeg] = []
+    legs: list[_Leg] = []
     for mode, start, end, displacement in zip(*(column.tolist() for column in columns), strict=True):
         kind = "h" if mode == Mode.FLIGHT and end - start < _SHORT else LETTERS[mode]
         if legs and legs[-1].kind == kind == "h":
             start, displacement = legs[-1].start, legs.pop().displacement + displacement
-        legs.append(CycleLeg(kind, start, end, displacement))
-    return legs
+        legs.append(_Leg(kind, start, end, displacement))
+    if legs and not drive.can(Ability.ONE_HARMONIC):
+        # its patterns begin where their letters are least in the order of ``Mode``
+        order = [LETTERS.index(leg.kind.upper()) for leg in legs]
+        first = min(range(len(legs)), key=lambda i: order[i:] + order[:i])
+        later = [leg._replace(start=leg.start + turns, end=leg.end + turns) for leg in legs[:first]]
+        legs = legs[first:] + later
+    since = _TURN * math.floor(legs[0].start / _TURN) if legs else 0.0
+    return [leg._replace(start=leg.start - since, end=leg.end - since) for leg in legs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,9 +195,10 @@ def settled_motion(scene: Scene) -> SettledMotion:
     if status is Status.AVERAGED or not status.answered:
         raise VibroError(f"no steady motion to compare with: {status.message}")
     frequency = float(scene.frequency)
-    if not is_followed(Grid(scene.arrays())):
+    grid = Grid(scene.arrays())
+    if not is_followed(grid):
         raise VibroError("no steady motion to compare with: its loads or frictions are too extreme")
-    contact = [] if cycle.regime == Regime.HOPPING else _contact_legs(scene, cycle)
+    contact = [] if cycle.regime == Regime.HOPPING else _contact_legs(scene, grid, cycle)
     if contact:
         # The cycle has a slide that begins at a known phase: start there instead of following the transient.
         history = simulate(scene, cycles=1.0, start_phase=contact[0].start)

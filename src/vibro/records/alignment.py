@@ -191,12 +191,14 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        If its amplitude (of several the largest one), its frequency or gravity is beyond 1e-20 to 1e20 in SI
-        units, so that squares could not be summed with the record's.
+        If its drive is neither a line nor an ellipse; or if its amplitude (of an ellipse the larger one), its
+        frequency or gravity is beyond 1e-20 to 1e20 in SI units, so that squares could not be summed with the
+        record's.
     """
     fields = scene.arrays()
-    own = [name for name in AMPLITUDES if name in fields._fields]
-    largest = max(own, key=lambda name: getattr(fields, name), default="along_amplitude")
+    fundamental = "give its fundamental alone: -A and -a, or --along, --normal and --phase"
+    fields.require(Ability.ONE_HARMONIC, hint=fundamental)
+    largest = max((name for name in AMPLITUDES if name in fields._fields), key=lambda n: getattr(fields, n))
     problems = []
     for name in (largest, "frequency", "gravity"):
         value = float(getattr(scene, name) if name in fields._fields else scene.scale)

@@ -24,7 +24,7 @@ from vibro.results.steady import (
     Result,
 )
 from vibro.results.sweep import Block, Column
-from vibro.slopes import load_slope
+from vibro.slopes import load_slope, scale_slope
 from vibro.sweeps.grid import scene_of
 
 if TYPE_CHECKING:
@@ -82,14 +82,17 @@ def _stroke(block: Block) -> Floats:
 
 
 def _speed_exponent(block: Block) -> Floats:
-    """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where the speed is 0."""
+    """Follow the speed as the amplitude changes, Eq. (51); NaN at thresholds, and where the speed is 0.
+
+    Beyond one harmonic it is a difference of speeds, ``scale_slope``.
+    """
     cycle, scene = block.cycle, scene_of(block.values)
-    if not scene.arrays().can(Ability.LIMITS):
-        return _unknown(block)
     pattern = cycle.pattern_code
     displacement = cycle.displacement_per_cycle / scene.scale
     one_way = (pattern == Pattern.F_) | (pattern == Pattern.B_)
     conveyed = np.abs(displacement) > np.where(one_way, 0.0, LEAST_DIFFERENCE)
+    if not scene.arrays().can(Ability.ONE_HARMONIC):
+        return np.where(conveyed, scale_slope(scene, cycle), np.nan)
     slides = (pattern > Pattern.R) & (pattern < SPELT_PATTERNS)
     known = slides & conveyed & (cycle.status == Status.OK)
     slope = load_slope(scene, np.where(known, pattern, Pattern.NONE))

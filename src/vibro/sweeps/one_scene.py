@@ -146,7 +146,7 @@ class OneScene:
         """Describe other motions of a disturbed body; empty if none exist, or none were searched for."""
         if self._cycle.coexists > 0:
             slope, mu_d = math.tan(float(self.scene.trough_angle)), float(self.scene.kinetic_friction)
-            if not self.has_harmonics and abs(slope) > mu_d:
+            if abs(slope) > mu_d:
                 return "a body pushed downhill runs away: gravity along the trough exceeds kinetic friction"
             return "a disturbed body can settle into another steady motion than one from rest"
         if self._cycle.coexists == 0 and self.hops:
@@ -183,10 +183,8 @@ class OneScene:
             return f"never: the body is conveyed backwards at {number(-speed, 'mm/s')}"
         if self.regime is not Regime.NO_SLIP:
             return "never: the body slides to and fro without being conveyed"
-        if self.has_harmonics:
-            return "never: the body rests"
         begins = next((t for t in self.transitions() if t.name in ("forward slip", "hopping")), None)
-        if begins is None:  # beyond the range of doubles
+        if begins is None:  # not known of this kind of drive, or beyond the range of doubles
             return "never: the body rests"
         frequency = begins.frequency
         by_amplitude = f"{self.amplitudes(begins.ratio)} ({1.0 / begins.ratio:.4g} x)"
@@ -220,13 +218,13 @@ class OneScene:
         return "amplitude" not in self.driven
 
     @property
-    def has_harmonics(self) -> bool:
-        """Whether the drive has harmonics, whose critical loads are not computed."""
-        return not self.scene.arrays().can(Ability.LIMITS)
+    def has_limits(self) -> bool:
+        """Whether critical loads are computed for this kind of drive."""
+        return self.scene.arrays().can(Ability.LIMITS)
 
     def transitions(self) -> tuple[Transition, ...]:
         """Return where each class of motion begins; empty if that is not known."""
-        return () if self.has_harmonics else transitions(self.scene)
+        return transitions(self.scene) if self.has_limits else ()
 
     def phases(self) -> tuple[CyclePhase, ...]:
         """Return the cycle's phases; empty if they are not modelled, or too many."""
@@ -298,7 +296,7 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
 
 def beginnings(one: OneScene) -> list[tuple[str, ...]]:
     """Return the rows of a table of where each kind of motion begins, its head first; empty if unknown."""
-    if one.has_harmonics:
+    if not one.has_limits:
         return []
     which = "both amplitudes" if one.is_two_axis else "amplitude [mm]"
     rows: list[tuple[str, ...]] = [("begins", "load now / then", which, "frequency [Hz]")]

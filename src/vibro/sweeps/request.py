@@ -110,7 +110,7 @@ class Request:
         return drive_of(self.specs)
 
     @property
-    def has_harmonics(self) -> bool:
+    def is_waveform(self) -> bool:
         """Whether the drive has harmonics, steps or samples, or its part is clamped."""
         names = {*HARMONIC, "normal_acceleration"}
         return self.motion is not None or not names.isdisjoint(self.specs)

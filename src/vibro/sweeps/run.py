@@ -169,7 +169,7 @@ def _solved_indices(grid: Grid, drawn: Mapping[str, tuple[int, ...]]) -> dict[st
 
 
 def limits_of(values: Mapping[str, Floats]) -> CriticalLoads | None:
-    """Find the critical loads of cells; None for drives with harmonics."""
+    """Find the critical loads of cells; None for drives without ``Ability.LIMITS``."""
     scene = scene_of(values)
     return critical_loads(scene) if scene.arrays().can(Ability.LIMITS) else None
 

@@ -1,1 +1,0 @@
-"""Steady contact cycles of drives whose motion along and off the trough has several harmonics."""
