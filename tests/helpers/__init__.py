@@ -6,7 +6,7 @@ Scenes and loads:
     scenes            scenes by their load G, lines mostly; equality of cycles
     two_axis_scenes   drives along two axes as scenes and as bodies of ``engines.two_axis_walk``, compared
     reference_tables  reference tables of tests/data: rows, scenes, solved
-    harmonics         drives with harmonics, drawn; as bodies of ``engines.harmonic_walk`` (shares the loads)
+    harmonics         drives with harmonics, drawn; as bodies of ``engines.harmonic_walk``
     contact_loads     loads of bodies in contact; their motion with 50 digits (shares the record ``Loads``)
     hopping_bodies    loads of bodies that hop; rounds of ``engines.two_axis_walk`` (shares ``Loads``)
     followed          bodies stepped by the core; Newton's law by quadrature (shares the core's steps)

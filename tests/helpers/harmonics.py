@@ -1,35 +1,17 @@
-"""Drives with harmonics for the tests: random ones, and how the core and the second solver see them."""
+"""Drives with harmonics for the tests: random ones, and how the second solver sees them."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from engines.harmonic_walk import Drive
 
 from vibro import Scene
-from vibro.core.harmonic.loads import HarmonicLoads
-from vibro.core.harmonic.solver import SteadyState, harmonic_state
-from vibro.drives import Harmonics
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-
-
-def solved(loads: HarmonicLoads, count: int, *, classes_alone: bool = False) -> SteadyState:
-    """Solve scenes."""
-    out = unsolved(count)
-    harmonic_state(loads, out, classes_alone=classes_alone)
-    return out
-
-
-def unsolved(count: int) -> SteadyState:
-    """Make arrays to be filled."""
-    codes = [np.empty(count, dtype) for dtype in (np.int8, np.int8, np.int64, np.int8)]
-    return SteadyState._make((*codes, *np.empty((5, count)), np.empty(count, np.int8)))
+    from vibro.waveforms import Pairs
 
 
 def random_harmonics(
@@ -66,30 +48,15 @@ def random_harmonics(
     )
 
 
-def drawn(count: int, seed: int, harmonics: int = 2, **kind: Any) -> HarmonicLoads:
-    """Draw the loads of such scenes."""
-    fields = random_harmonics(count, seed, harmonics, **kind).arrays()
-    assert isinstance(fields, Harmonics)
-    return fields.loads()
+def drive_of(scene: Scene, i: int) -> Drive:
+    """Return one of these scenes as the second solver sees it, which counts lengths in g/w^2 = 1."""
 
+    def pairs(harmonics: Pairs | None) -> list[tuple[float, float]]:
+        found = []
+        for n, (sizes, phases) in enumerate(harmonics or (), 1):
+            load, phase = n * n * float(sizes[i]), float(phases[i])
+            found.append((load * math.cos(phase), load * math.sin(phase)))
+        return found
 
-def drive_of(loads: HarmonicLoads, i: int) -> tuple[Drive, float]:
-    """Return a scene as the second solver sees it, and its g/w^2 over A."""
-
-    def at(x: Floats) -> float:
-        return float(x[i] if x.ndim else x)
-
-    normal, lean = at(loads.normal), at(loads.tangential)
-    weight = float(np.hypot(normal, lean))
-
-    def pairs(sines: tuple[Floats, ...], cosines: tuple[Floats, ...]) -> list[tuple[float, float]]:
-        return [(at(s) / weight, at(c) / weight) for s, c in zip(sines, cosines, strict=True)]
-
-    drive = Drive(
-        pairs(loads.along_sine, loads.along_cosine),
-        pairs(loads.across_sine, loads.across_cosine),
-        at(loads.static_friction),
-        at(loads.kinetic_friction),
-        float(np.arctan2(lean, normal)),
-    )
-    return drive, weight
+    others = (scene.static_friction, scene.kinetic_friction, scene.trough_angle)
+    return Drive(pairs(scene.along_harmonics), pairs(scene.normal_harmonics), *(float(x[i]) for x in others))

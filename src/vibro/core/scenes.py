@@ -106,7 +106,7 @@ class Place(NamedTuple):
         Those of ``Waves``.
     """
 
-    index: Integers
+    index: Integers  # type: ignore[assignment]  # nobody looks for members of this tuple
     number: Doubles
     mark: Integers
 

@@ -32,6 +32,7 @@ _TURN: Final = 2.0 * math.pi
 _SETTLING: Final = 20_000.0  # [drive cycles] at most; more than any scene within the tables needs
 _PERIODIC: Final = 1e-6  # relative change between cycles that count as the same
 _LONGEST_RUN: Final = 1000.0  # [drive cycles] from rest in which phases with flights must begin to repeat
+_ROUNDING: Final = 1e-12  # [drive cycles] shorter phases at the ends of a cycle are rounding
 _SHORT: Final = 1e-2  # [rad] shorter flights are listed as one phase
 
 
@@ -235,9 +236,10 @@ def _settled_flight(scene: Scene) -> tuple[History, float]:
 
 def _at_trough_times(history: History, since: float, lag: float) -> list[Phase]:
     """Cut one cycle out of a history."""
-    until = since + 1.0 / float(history.scene.frequency)
+    period = 1.0 / float(history.scene.frequency)
+    until, rounding = since + period, _ROUNDING * period
     return [
         replace(p, start=max(p.start, since) - since + lag, end=min(p.end, until) - since + lag)
         for p in history.phases
-        if p.end > since and p.start < until
+        if p.end > since + rounding and p.start < until - rounding
     ]

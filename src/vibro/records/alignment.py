@@ -12,9 +12,9 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from vibro.errors import InputError
+from vibro.motion.settled import SettledMotion
 from vibro.quantities import AMPLITUDES, QUANTITIES
 from vibro.records.folding import Estimate, Floats, Folded, detrended, fold, independent_samples
-from vibro.records.harmonic_motion import SteadyMotion
 from vibro.records.reading import Record
 from vibro.records.tolerances import TOL
 from vibro.scene import Scene
@@ -144,7 +144,7 @@ class Observation:
         signals = {name: values[part] for name, values in self.signals.items()}
         return replace(self, time=self.time[part], signals=signals)
 
-    def rough_shift(self, motion: SteadyMotion) -> tuple[float, Floats]:
+    def rough_shift(self, motion: SettledMotion) -> tuple[float, Floats]:
         """Return the best shift on a grid over the cycle, and the negative log-likelihood of every shift.
 
         Displacements are compared without their trend.
@@ -191,14 +191,12 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        If its drive is neither a line nor an ellipse; or if its amplitude (of an ellipse the larger one), its
-        frequency or gravity is beyond 1e-20 to 1e20 in SI units, so that squares could not be summed with the
-        record's.
+        If its amplitude (of several the largest one), its frequency or gravity is beyond 1e-20 to 1e20 in SI
+        units, so that squares could not be summed with the record's.
     """
     fields = scene.arrays()
-    fundamental = "give its fundamental alone: -A and -a, or --along, --normal and --phase"
-    fields.require(Ability.ONE_HARMONIC, hint=fundamental)
-    largest = max((name for name in AMPLITUDES if name in fields._fields), key=lambda n: getattr(fields, n))
+    own = [name for name in AMPLITUDES if name in fields._fields]
+    largest = max(own, key=lambda name: getattr(fields, name), default="along_amplitude")
     problems = []
     for name in (largest, "frequency", "gravity"):
         value = float(getattr(scene, name) if name in fields._fields else scene.scale)
@@ -210,7 +208,7 @@ def check_scene(scene: Scene) -> None:
 
 
 def computed_signals(
-    motion: SteadyMotion, names: Iterable[str], time: Floats, window: float
+    motion: SettledMotion, names: Iterable[str], time: Floats, window: float
 ) -> dict[str, Floats]:
     """Compute signals of the model at trough times.
 
@@ -219,7 +217,7 @@ def computed_signals(
 
     Parameters
     ----------
-    motion : SteadyMotion
+    motion : SettledMotion
         The model.
     names : iterable of str
         Signals of ``Observation``.
@@ -241,7 +239,7 @@ def computed_signals(
     return {name: signals[name] for name in names}
 
 
-def align(observation: Observation, motion: SteadyMotion) -> Alignment:
+def align(observation: Observation, motion: SettledMotion) -> Alignment:
     """Find the trough time of a record's clock, unless it was measured.
 
     The shift of least mean absolute misfit is searched, each signal weighted by the inverse of its own
@@ -254,7 +252,7 @@ def align(observation: Observation, motion: SteadyMotion) -> Alignment:
     ----------
     observation : Observation
         The record.
-    motion : SteadyMotion
+    motion : SettledMotion
         The model.
     """
     if observation.clock is not None:

@@ -10,11 +10,10 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from vibro.motion.settled import CyclePhase
+from vibro.motion.settled import SettledMotion, settled_motion
 from vibro.records.alignment import Alignment, Observation, align, check_scene, computed_signals
 from vibro.records.folding import Estimate, Floats, Folded, detrended, fold
 from vibro.records.frequencies import foreign_frequency
-from vibro.records.harmonic_motion import SteadyMotion, steady_motion
 from vibro.records.signals import doubt, rounded
 from vibro.records.tolerances import TOL
 from vibro.results.history import Phase
@@ -57,7 +56,7 @@ class Comparison:
     ----------
     observation : Observation
         The record.
-    motion : SteadyMotion
+    motion : SettledMotion
         The model.
     alignment : Alignment
         Trough time of the record's clock.
@@ -76,7 +75,7 @@ class Comparison:
     """
 
     observation: Observation
-    motion: SteadyMotion
+    motion: SettledMotion
     alignment: Alignment
     rows: tuple[Row, ...]
     trough_time: Floats
@@ -135,7 +134,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     """
     check_scene(scene)
     _ = observation.folded  # refuses a record that is too short, before anything is computed
-    motion = steady_motion(scene)
+    motion = settled_motion(scene)
     alignment = align(observation, motion)
     # A body at rest fits with any shift.
     shift = 0.0 if math.isnan(alignment.shift) else alignment.shift
@@ -159,7 +158,7 @@ def compare(scene: Scene, observation: Observation) -> Comparison:
     return Comparison(*seen, trough_time, passing, signals, cycle, curves)
 
 
-def _means(observation: Observation, motion: SteadyMotion) -> list[Row]:
+def _means(observation: Observation, motion: SettledMotion) -> list[Row]:
     """Compare advance, mean speed and its drift, from the displacement or else from the velocity."""
     powers, period = {"displacement": 1, "velocity": 0}, observation.period
     name = next((name for name in powers if name in observation.signals), None)
@@ -197,7 +196,7 @@ class _Clocked:
         return Estimate(time, math.hypot(error, 0.0 if math.isnan(self.clock_error) else self.clock_error))
 
 
-def _speeds(velocity: _Clocked, motion: SteadyMotion) -> list[Row]:
+def _speeds(velocity: _Clocked, motion: SettledMotion) -> list[Row]:
     """Compare peak speed, speed at rest, start and end of every slide."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
     model = motion.sample(cycle).velocity
@@ -214,7 +213,7 @@ def _speeds(velocity: _Clocked, motion: SteadyMotion) -> list[Row]:
     return rows
 
 
-def _slide(velocity: _Clocked, motion: SteadyMotion, phase: Phase | CyclePhase) -> list[Row]:
+def _slide(velocity: _Clocked, motion: SettledMotion, phase: Phase) -> list[Row]:
     """Compare start and end of a slide, where measured and computed speed pass the same level."""
     way = _WAYS[phase.kind]
     name = "forward" if way > 0 else "back"
@@ -230,7 +229,7 @@ def _slide(velocity: _Clocked, motion: SteadyMotion, phase: Phase | CyclePhase) 
     return rows
 
 
-def _middle_of_rest(motion: SteadyMotion) -> float | None:
+def _middle_of_rest(motion: SettledMotion) -> float | None:
     """Return the middle of the longest rest of a cycle, as a trough time [s]."""
     rests = [phase for phase in motion.phases if phase.kind == "_" and motion.slides]
     longest = max(rests, key=lambda phase: phase.end - phase.start, default=None)
@@ -266,7 +265,7 @@ def _misfits(observation: Observation, computed: Mapping[str, Floats]) -> list[R
     return rows
 
 
-def _of_another_size(observation: Observation, motion: SteadyMotion) -> list[str]:
+def _of_another_size(observation: Observation, motion: SettledMotion) -> list[str]:
     """Warn of signals so much larger or smaller than computed that their unit may be wrong."""
     cycle = np.arange(TOL.fine) * motion.period / TOL.fine
     model = computed_signals(motion, observation.signals, cycle, observation.sample_time)
@@ -305,7 +304,7 @@ def _of_another_frequency(observation: Observation) -> list[str]:
     return [f"the data repeat at {said}, the scene says {observation.frequency:.5g} Hz: {remedy}"]
 
 
-def _of_another_clock(observation: Observation, motion: SteadyMotion, clock: Alignment) -> list[str]:
+def _of_another_clock(observation: Observation, motion: SettledMotion, clock: Alignment) -> list[str]:
     """Warn if the body's signals alone would place the record elsewhere in the cycle."""
     if observation.clock is None:
         return []

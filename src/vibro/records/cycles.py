@@ -10,25 +10,23 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vibro.core.codes import PATTERNS, Regime, is_answered
-from vibro.drives import Ellipse, Harmonics, Line
+from vibro.core.codes import Regime, is_answered, pattern_texts
+from vibro.drives import Ability
 from vibro.errors import VibroError
+from vibro.motion.settled import SettledMotion, settled_motion
 from vibro.records.alignment import computed_signals
 from vibro.records.folding import Floats
-from vibro.records.harmonic_motion import SteadyMotion, steady_motion
 from vibro.results.steady import SteadyCycle
-from vibro.scene import Scene
+from vibro.scene import Fields, Scene
 from vibro.slopes import slides_of
 from vibro.steady import solve
 
 __all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
 
 Labels = NDArray[np.str_]
-Fields = Line | Ellipse | Harmonics
 
 #: Label of every scene that hops: their patterns are too many, and too close to each other.
 HOPS: Final = "H"
-_TEXTS: Final = np.array(PATTERNS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +41,14 @@ class SceneCycles:
         Fields of the scenes, each of shape (M,).
     slides : array, shape (7, 2, M)
         Both slides of each cycle, with the rows of ``Slides``; 0 where there is no slide.
-    followed : mapping of int to SteadyMotion
-        Motions of scenes that hop, and of all with harmonics, by their place among all.
+    followed : mapping of int to SettledMotion
+        Motions of scenes that hop, and of all beyond one harmonic, by their place among all.
     """
 
     labels: Labels
     fields: Fields
     slides: Floats
-    followed: Mapping[int, SteadyMotion]
+    followed: Mapping[int, SettledMotion]
 
     def signals(self, names: Iterable[str], time: Floats, shift: Floats, window: float) -> dict[str, Floats]:
         """Sample signals as ``computed_signals`` does.
@@ -72,17 +70,17 @@ class SceneCycles:
             The signals; those of a body at rest for scenes without a steady cycle.
         """
         names = list(names)
-        if isinstance(self.fields, Harmonics):
-            result = {name: np.zeros((shift.size, time.size)) for name in names}
-        else:
+        if self.fields.can(Ability.ONE_HARMONIC):
             result = self._closed_forms(self.fields, names, time, shift, window)
+        else:
+            result = {name: np.zeros((shift.size, time.size)) for name in names}
         for scene, motion in self.followed.items():
             for name, values in computed_signals(motion, names, time + shift[scene], window).items():
                 result[name][scene] = values
         return {name: result[name] for name in names}
 
     def _closed_forms(
-        self, fields: Line | Ellipse, names: list[str], time: Floats, shift: Floats, window: float
+        self, fields: Fields, names: list[str], time: Floats, shift: Floats, window: float
     ) -> dict[str, Floats]:
         rate = math.tau * fields.frequency[:, None]
         phase = rate * (time + shift[:, None])
@@ -129,7 +127,7 @@ def labels_of(values: Mapping[str, Any]) -> Labels:
 
 
 def _labels(cycle: SteadyCycle) -> Labels:
-    labels = np.where(is_answered(cycle.status), _TEXTS[cycle.pattern_code], "")
+    labels = np.where(is_answered(cycle.status), pattern_texts(cycle.pattern_code), "")
     return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
 
 
@@ -146,18 +144,18 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles
     scene = Scene.allowing_infeasible(**values)
     cycle = solve(scene, flight=False)
     labels = _labels(cycle)
-    has_harmonics = isinstance(scene.arrays(), Harmonics)
-    wanted = (labels != "") if has_harmonics else (labels == HOPS)
+    one_harmonic = scene.arrays().can(Ability.ONE_HARMONIC)
+    wanted = (labels == HOPS) if one_harmonic else (labels != "")
     followed = {}
     for place in np.flatnonzero(wanted & ((labels != HOPS) | hops)).tolist():
         try:
-            followed[place] = steady_motion(Scene(**{name: _at(v, place) for name, v in values.items()}))
+            followed[place] = settled_motion(Scene(**{name: _at(v, place) for name, v in values.items()}))
         except VibroError:  # its motion repeats only every few cycles, or never, or is not known
             labels[place] = ""
-    if has_harmonics:
-        slides = _slides(followed, labels.size)
-    else:
+    if one_harmonic:
         slides = np.nan_to_num(slides_of(scene, np.broadcast_to(cycle.pattern_code, labels.shape)))
+    else:
+        slides = _slides(followed, labels.size)
     return SceneCycles(labels, scene.flat(), slides, followed)
 
 
@@ -166,7 +164,7 @@ def _at(values: Any, place: int) -> Any:
     return float(values[place]) if isinstance(values, np.ndarray) else values
 
 
-def _slides(followed: Mapping[int, SteadyMotion], count: int) -> Floats:
+def _slides(followed: Mapping[int, SettledMotion], count: int) -> Floats:
     """Return direction, begin and end of the slides of motions in the rows of ``Slides``; else 0."""
     most = max((len(motion.slides) for motion in followed.values()), default=0)
     found = np.zeros((7, most, count))

@@ -12,11 +12,11 @@ import numpy as np
 from scipy.special import stdtrit
 
 from vibro.errors import InputError, cut, shown
+from vibro.motion.settled import settled_motion
 from vibro.quantities import AMPLITUDES, QUANTITIES
 from vibro.records.alignment import Observation, check_scene
 from vibro.records.cycles import HOPS
 from vibro.records.folding import Floats
-from vibro.records.harmonic_motion import steady_motion
 from vibro.records.minimisation import (
     Minimum,
     best_of,
@@ -432,7 +432,7 @@ def _statements(
 ) -> list[str]:
     """Say what determines the estimates, which quantities cannot be identified, and which are at a limit."""
     best = minima[0]
-    pattern = steady_motion(fitted).pattern if best.label == HOPS else best.label
+    pattern = settled_motion(fitted).pattern if best.label == HOPS else best.label
     lost = {p.name: p for p in parameters if not p.identified}
     if "F" not in pattern and "B" not in pattern:
         said = ", ".join(QUANTITIES[name].letter for name in lost)

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from vibro.drives import Harmonics
 from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR
 from vibro.records.alignment import Observation, misfits_at_shifts
 from vibro.records.cycles import HOPS, Labels, SceneCycles, labels_of, scene_cycles
@@ -65,15 +64,17 @@ def _tried(name: str, values: Iterable[float], own: float) -> list[float]:
 
 
 def _fields_of(scene: Scene) -> dict[str, Any]:
-    """Return the fields of one scene as numbers; its harmonics, if it has any, as pairs of such."""
-    pairs = {name: getattr(scene, name) for name in Harmonics.told_by}
-    harmonics = {
-        name: [(float(size), float(phase)) for size, phase in value]
-        for name, value in pairs.items()
-        if value is not None
+    """Return the fields of one scene as numbers; harmonics as pairs of such, other motions as they are."""
+    pairs = {"along_harmonics": scene.along_harmonics, "normal_harmonics": scene.normal_harmonics}
+    motion: dict[str, Any] = {
+        name: [(float(size), float(phase)) for size, phase in value] for name, value in pairs.items() if value
     }
+    if scene.motion is not None and not motion:
+        motion = {"motion": scene.motion}
     fields = scene.arrays()._asdict().items()
-    return harmonics | {name: float(value) for name, value in fields if not isinstance(value, tuple)}
+    values = {name: float(value) for name, value in fields if isinstance(value, np.ndarray)}
+    # without a clamped body its force is NaN
+    return motion | {name: value for name, value in values.items() if not math.isnan(value)}
 
 
 class Residuals(NamedTuple):

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 import vibro
 from vibro.errors import VibroError
-from vibro.motion.settled import SettledMotion
+from vibro.motion.settled import settled_motion
 from vibro.records.alignment import Observation
 from vibro.records.comparison import compare
 from vibro.records.cycles import HOPS, scene_cycles
 from vibro.records.fitting import FITTABLE, fit
-from vibro.records.harmonic_motion import HarmonicMotion, steady_motion
 from vibro.records.waveforms import motion_of
 
 GRAVITY, FREQUENCY, RATE = 9.81, 15.0, 600.0
@@ -68,8 +67,8 @@ def stepped(mu_s: float, mu_d: float, cycles: int, slope: float = 0.0, steps: in
     [(0.5, 0.4, 0.0, "F_B_"), (0.2, 0.15, 0.0, "FB"), (0.6, 0.48, 0.1, "B_"), (0.9, 0.8, 0.0, "_")],
 )
 def test_motions_are_those_of_small_steps(mu_s: float, mu_d: float, slope: float, pattern: str) -> None:
-    motion = steady_motion(scene_of(mu_s, mu_d, trough_angle=slope))
-    assert isinstance(motion, HarmonicMotion)
+    scene = scene_of(mu_s, mu_d, trough_angle=slope)
+    motion = settled_motion(scene)
     assert motion.pattern == pattern
     walked = stepped(mu_s, mu_d, 3, slope)
     found = motion.sample(walked["time"])
@@ -77,19 +76,10 @@ def test_motions_are_those_of_small_steps(mu_s: float, mu_d: float, slope: float
     np.testing.assert_allclose(found.velocity, walked["velocity"], atol=2e-3 * size)
     np.testing.assert_allclose(found.position - found.position[0], walked["displacement"], atol=4e-3 * _SIZE)
     np.testing.assert_allclose(found.inertial, walked["inertial"], atol=1e-9)
-    assert motion.advance == pytest.approx(
-        float(vibro.solve(motion.scene).displacement_per_cycle), abs=1e-9 * _SIZE
-    )
+    assert motion.advance == pytest.approx(float(vibro.solve(scene).displacement_per_cycle), abs=1e-9 * _SIZE)
     later = motion.sample(walked["time"] + 7.0 * motion.period)
     np.testing.assert_allclose(later.position - found.position, 7.0 * motion.advance, atol=1e-9 * _SIZE)
     np.testing.assert_allclose(later.velocity, found.velocity, atol=1e-9 * size)
-
-
-def test_other_drives_are_solved_as_before() -> None:
-    line = vibro.Scene(
-        amplitude=1e-3, frequency=15, drive_angle=0.35, static_friction=0.74, kinetic_friction=0.57
-    )
-    assert isinstance(steady_motion(line), SettledMotion)
 
 
 def test_cycles_of_several_scenes_are_those_of_each() -> None:
@@ -107,7 +97,7 @@ def test_cycles_of_several_scenes_are_those_of_each() -> None:
     time, shift = np.linspace(0.0, 0.2, 50), np.array([0.0, 0.01, 0.02])
     signals = cycles.signals(["velocity", "displacement", "friction"], time, shift, 1e-4)
     for i, (mu_s, mu_d) in enumerate(((0.5, 0.4), (0.2, 0.15), (0.9, 0.8))):
-        exact = steady_motion(scene_of(mu_s, mu_d)).sample(time + shift[i])
+        exact = settled_motion(scene_of(mu_s, mu_d)).sample(time + shift[i])
         np.testing.assert_allclose(signals["velocity"][i], exact.velocity, atol=1e-12)
         np.testing.assert_allclose(signals["displacement"][i], exact.position, atol=1e-12)
     ways, _, begin, end = cycles.slides[:4]
@@ -115,7 +105,7 @@ def test_cycles_of_several_scenes_are_those_of_each() -> None:
     assert (end[:, 0] > begin[:, 0]).all()
     assert not ways[:, 2].any()
     # A body at rest is held by friction alone.
-    still = steady_motion(scene_of(0.9, 0.8)).sample(time + shift[2])
+    still = settled_motion(scene_of(0.9, 0.8)).sample(time + shift[2])
     np.testing.assert_allclose(signals["friction"][2], -still.inertial, atol=1e-9)
 
 
@@ -125,7 +115,7 @@ def test_a_scene_whose_motion_is_not_known_is_told_or_left_out() -> None:
     assert cycle.regime == vibro.Regime.HOPPING
     if math.isnan(float(cycle.mean_velocity)):
         with pytest.raises(VibroError, match="no steady motion to compare with: "):
-            steady_motion(scene_of(0.5, 0.4, high))
+            settled_motion(scene_of(0.5, 0.4, high))
     fields: dict[str, Any] = {
         **high.drive(),
         "gravity": np.full(1, GRAVITY),
