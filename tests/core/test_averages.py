@@ -306,13 +306,13 @@ def test_stable_cycles_of_one_bounce_are_averaged_with_the_irregular_motion() ->
     track = track_of(loads, e)
     means = Means(Status.AVERAGED, 2.0, 0.1, 0.9, 0.3, 0.25)
     turns = [
-        m for m in range(1, 65) if single_bounce(throw, e, m).exists and single_bounce(throw, e, m).stable
+        m for m in range(1, 65) if single_bounce(sinusoidal(throw), e, m, 0).exists and single_bounce(sinusoidal(throw), e, m, 0).stable
     ]
     assert len(turns) >= 1
     found, peaks = [], []
     for m in turns:
         # it lands at the speed 2 pi m / (1 + e), and the impulse is that of the weight
-        write_hop(loads, single_bounce(throw, e, m).phase, TURN * m, TURN * m, HOPS, 0)
+        write_hop(loads, single_bounce(sinusoidal(throw), e, m, 0).phase, TURN * m, TURN * m, HOPS, 0)
         orbit = orbit_from(hopping_cycle(track, 0, 1, 0.0, 0.0, TURN * m), HOPS, 0.1)
         found.append(orbit.cycle.displacement / m)
         peaks.append(orbit.cycle.peak)

@@ -71,9 +71,9 @@ def test_each_hop_starts_where_the_one_before_it_ends_or_is_kicked(
     phase, speed, hardest, landed = lift_off, _kick(0, body), 0.0, False
     events, shoved = 0, False
     for count, row in enumerate(range(3, sample.last), start=1):
-        flown = flight(throw, lift_off, phase, speed)
+        flown = flight(sinusoidal(throw), phase, speed)
         hardest = max(hardest, flown.impact)
-        after = after_landing(throw, phase + flown.length, flown.impact, restitution, 5e-2)
+        after = after_landing(sinusoidal(throw), phase + flown.length, flown.impact, restitution, 5e-2)
         length = flown.length + after.length
         assert HOPS.length[row] == length
         assert HOPS.landing[row] == pytest.approx((phase + length) % TURN, rel=1e-12)
