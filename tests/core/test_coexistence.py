@@ -10,11 +10,12 @@ from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
 from vibro.core import coexistence as coexistence_module
 from vibro.core.bounces import bounces, single_bounce
 from vibro.core.codes import Status
-from vibro.core.coexistence import _differ, _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
+from vibro.core.coexistence import _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
 from vibro.core.drives import Loads, directions, line_loads, weight_over_load
+from vibro.core.flight import sinusoidal
 from vibro.core.hopping import enter, hopping
 from vibro.core.legs import track_of
-from vibro.core.orbits import HoppingCycle, Orbit, cycle_from, hopping_cycle
+from vibro.core.orbits import HoppingCycle, Orbit, _differ, cycle_from, hopping_cycle
 from vibro.core.return_map import Return, return_map, write_hop
 
 TURN = 2.0 * math.pi
@@ -69,7 +70,7 @@ def test_a_start_leads_elsewhere_by_its_period_or_its_impact() -> None:
     impact = max(FLIGHTS.impact[row] for row in range(motion.first, motion.first + motion.count))
 
     def leads(period: float, speed: float) -> bool:
-        return _leads_elsewhere(THROW, RESTITUTION, *start, period, speed, FLIGHTS)
+        return _leads_elsewhere(sinusoidal(THROW), RESTITUTION, *start, period, speed, FLIGHTS)
 
     assert not leads(1.0, impact)
     assert not leads(1.0, impact * (1.0 + 1e-7))
@@ -81,7 +82,7 @@ def test_a_start_leads_elsewhere_by_its_period_or_its_impact() -> None:
     # what comes to contact goes on as from rest
     rested = bounces(sinusoidal(1.3), 0.0, FLIGHTS, 64, 1.5, 1.0, False)
     assert rested.rest > 0.0
-    assert not _leads_elsewhere(1.3, 0.0, 1.5, 1.0, 5.0, 9.0, FLIGHTS)
+    assert not _leads_elsewhere(sinusoidal(1.3), 0.0, 1.5, 1.0, 5.0, 9.0, FLIGHTS)
 
 
 def test_flights_are_told_from_those_from_rest() -> None:
@@ -96,7 +97,9 @@ def test_flights_are_told_from_those_from_rest() -> None:
             if motion.repeats and motion.rest > 0.0:
                 rows = range(motion.first, motion.first + motion.count)
                 impact = max(FLIGHTS.impact[row] for row in rows)
-                found = _flies_otherwise(sinusoidal(throw), restitution, float(motion.cycles), impact, FLIGHTS)
+                found = _flies_otherwise(
+                    sinusoidal(throw), restitution, float(motion.cycles), impact, FLIGHTS
+                )
                 assert found == bounce.exists
 
 
@@ -189,7 +192,7 @@ def test_means_are_looked_at_for_other_flights_alone() -> None:
     loads = line(2.45, 30.0, 0.5, 0.4)
     # an irregular motion: a period is unknown, so that any cycle of flights is another
     assert coexisting(loads, 0.3, math.nan, 1.0, FLIGHTS, HOPS) == _flies_otherwise(
-        2.45, 0.3, math.nan, 1.0 / loads.weight_normal, FLIGHTS
+        sinusoidal(2.45), 0.3, math.nan, 1.0 / loads.weight_normal, FLIGHTS
     )
     assert not _slides_otherwise(loads, 0.3, FLIGHTS, HOPS)
 
@@ -204,7 +207,7 @@ def test_fixed_points_are_told_apart_beyond_rounding() -> None:
     cycle = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.4), 0.0), 0, 0, 0.0, 0.0, TURN)
 
     def orbit(velocity: float, slope: float) -> Orbit:
-        return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0, True), Status.OK)
+        return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0, True, 0), Status.OK)
 
     home = orbit(0.3, 0.0)
     assert not _differ(cycle, orbit(0.3 + 0.9e-9, 0.0), home)

@@ -199,7 +199,9 @@ def test_a_body_let_go_at_a_crest_lands_within_the_turns_that_its_fall_takes(thr
 
 
 def test_an_impact_reverses_the_normal_speed_and_shrinks_it() -> None:
-    assert after_landing(sinusoidal(2.0), 0.5 * math.pi, 1.5, 0.4, ACCUMULATED) == pytest.approx((0.6, 0.0, 2.1, False))
+    assert after_landing(sinusoidal(2.0), 0.5 * math.pi, 1.5, 0.4, ACCUMULATED) == pytest.approx(
+        (0.6, 0.0, 2.1, False)
+    )
     # a plastic body stays where the trough presses, and is thrown again where it falls away
     assert after_landing(sinusoidal(2.0), 3.0, 1.5, 0.0, ACCUMULATED) == (0.0, 0.0, 1.5, True)
     assert after_landing(sinusoidal(2.0), 1.0, 1.5, 0.0, ACCUMULATED) == (0.0, 0.0, 1.5, False)
@@ -245,7 +247,9 @@ def test_bounces_are_not_summed_where_the_trough_falls_away_before_they_end() ->
         seen.add(after.contact)
     assert seen == {True, False}
     # where the load grows it does not matter how small it is
-    assert after_landing(sinusoidal(throw), math.pi - math.asin(1.0 / throw) + 1e-6, 1e-16, 0.5, ACCUMULATED).contact
+    assert after_landing(
+        sinusoidal(throw), math.pi - math.asin(1.0 / throw) + 1e-6, 1e-16, 0.5, ACCUMULATED
+    ).contact
 
 
 @pytest.mark.parametrize("impact", [0.0, 1e-320])
