@@ -19,15 +19,25 @@ from vibro.core.bounces import (
     bounces,
     single_bounce,
 )
-from vibro.core.flight import BOUNCE, Covariance, Flight, after_landing, flight, propagate, tangent_map
+from vibro.core.flight import (
+    BOUNCE,
+    Bed,
+    Covariance,
+    Flight,
+    after_landing,
+    flight,
+    propagate,
+    sinusoidal,
+    tangent_map,
+)
 
 TURN = 2.0 * math.pi
 BYTES = 8 * (MOST_BOUNCES + LONGEST_CYCLE)
-FLIGHTS = Flights(*(memoryview(bytearray(BYTES)).cast("d") for _ in range(6)))
+FLIGHTS = Flights(*(memoryview(bytearray(BYTES)).cast("d") for _ in Flights._fields))
 
 
 def _from_rest(throw: float, restitution: float, most: int = MOST_FLIGHTS) -> Bounces:
-    return bounces(throw, restitution, FLIGHTS, most, math.nan, math.nan, True)
+    return bounces(sinusoidal(throw), restitution, FLIGHTS, most, math.asin(1.0 / throw), 0.0, True)
 
 
 def _column(column: memoryview[float], motion: Bounces) -> list[float]:
@@ -37,7 +47,7 @@ def _column(column: memoryview[float], motion: Bounces) -> list[float]:
 
 def _onward(throw: float, restitution: float, phase: float, speed: float) -> tuple[float, float]:
     """Fly once and bounce."""
-    flown = flight(throw, math.asin(1.0 / throw), phase, speed)
+    flown = flight(sinusoidal(throw), phase, speed)
     return (phase + flown.length) % TURN, restitution * flown.impact
 
 
@@ -121,12 +131,11 @@ def test_rounding_decides_longer_hops_and_they_have_no_cycle() -> None:
     # past 1.8e-3 rad after the lift-off the landing must be known to 1e-9 rad
     throw, restitution = 1.0 + 1e-5, 0.3
     motion = _from_rest(throw, restitution)
-    lift_off = math.asin(1.0 / throw)
     errors = Covariance(0.0, 0.0, 0.0)
     for row in range(motion.count):
         phase, speed = FLIGHTS.phase[row], FLIGHTS.speed[row]
-        flown = flight(throw, lift_off, phase, speed)
-        errors = propagate(throw, restitution, phase, speed, flown, 0.0, errors)
+        flown = flight(sinusoidal(throw), phase, speed)
+        errors = propagate(sinusoidal(throw), restitution, phase, speed, flown, 0.0, errors)
     assert sum(_column(FLIGHTS.length, motion)) > 1.8e-3
     assert motion.repeats is (math.sqrt(errors.phase) < 1e-9)
 
@@ -182,7 +191,6 @@ def test_a_cycle_that_never_rests_is_one_of_the_flight_map(
     # it is looked for after 8, 16, 32 ... flights
     assert (motion.count, motion.cycles, motion.approach) == (count, cycles, approach)
     assert (motion.landing, motion.rest) == (0.0, 0.0)
-    lift_off = math.asin(1.0 / throw)
     # its flights stand behind those of the approach, and behind the one that it was started from
     assert motion.first == motion.approach + 1
     assert FLIGHTS.phase[motion.approach] == motion.approach_end
@@ -190,13 +198,17 @@ def test_a_cycle_that_never_rests_is_one_of_the_flight_map(
     jacobian = np.eye(2)
     for row, following in zip(rows, [*rows[1:], rows[0]], strict=True):
         phase, speed = FLIGHTS.phase[row], FLIGHTS.speed[row]
-        flown = flight(throw, lift_off, phase, speed)
+        flown = flight(sinusoidal(throw), phase, speed)
         assert (FLIGHTS.length[row], FLIGHTS.impact[row]) == pytest.approx(flown, rel=1e-12)
         assert FLIGHTS.impulse[row] == pytest.approx((1.0 + restitution) * flown.impact)
-        assert not after_landing(throw, phase + flown.length, flown.impact, restitution, 1e-8).contact
+        assert not after_landing(
+            sinusoidal(throw), phase + flown.length, flown.impact, restitution, 1e-8
+        ).contact
         assert _apart(phase + flown.length, FLIGHTS.phase[following]) < 1e-11
         assert restitution * flown.impact == pytest.approx(FLIGHTS.speed[following], abs=1e-11)
-        jacobian = np.array(tangent_map(throw, restitution, phase, flown)).reshape(2, 2) @ jacobian
+        jacobian = (
+            np.array(tangent_map(sinusoidal(throw), restitution, phase, flown)).reshape(2, 2) @ jacobian
+        )
     assert abs(np.linalg.eigvals(jacobian)).max() < 1.0
     assert sum(_column(FLIGHTS.length, motion)) == pytest.approx(TURN * cycles, rel=1e-12)
     # the approach ends near it
@@ -206,10 +218,10 @@ def test_a_cycle_that_never_rests_is_one_of_the_flight_map(
 
 def test_a_cycle_that_repeats_within_itself_is_cut() -> None:
     throw, restitution = 1.4, 0.7
-    at = single_bounce(throw, restitution, 2)
+    at = single_bounce(sinusoidal(throw), restitution, 2, 0)
     FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1e-4, at.speed - 1e-4
     for lag in (1, 2, 6):
-        assert _close(throw, math.asin(1.0 / throw), restitution, FLIGHTS, 20, lag) == (1, 2)
+        assert _close(sinusoidal(throw), restitution, FLIGHTS, 20, lag) == (1, 2)
         assert FLIGHTS.phase[21] == pytest.approx(at.phase, abs=1e-11)
         assert FLIGHTS.speed[21] == pytest.approx(at.speed, abs=1e-11)
 
@@ -217,30 +229,30 @@ def test_a_cycle_that_repeats_within_itself_is_cut() -> None:
 def test_newtons_iteration_converges_quadratically() -> None:
     # from 1e-2 to 1e-4, 1e-8 and 1e-16; with one wrong derivative it takes more steps
     throw, restitution = 1.4, 0.7
-    at, steps = single_bounce(throw, restitution, 2), 0
+    at, steps = single_bounce(sinusoidal(throw), restitution, 2, 0), 0
 
-    def counted(throw: float, lift_off: float, phase: float, speed: float) -> Flight:
+    def counted(bed: Bed, phase: float, speed: float) -> Flight:
         nonlocal steps
         steps += 1
-        return flight(throw, lift_off, phase, speed)
+        return flight(bed, phase, speed)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("vibro.core.bounces.flight", counted)
         for phase, speed in ((0.01, 0.0), (0.0, 0.01), (-0.01, 0.01)):
             FLIGHTS.phase[20], FLIGHTS.speed[20], steps = at.phase + phase, at.speed + speed, 0
-            assert _close(throw, math.asin(1.0 / throw), restitution, FLIGHTS, 20, 1) == (1, 2)
+            assert _close(sinusoidal(throw), restitution, FLIGHTS, 20, 1) == (1, 2)
             assert steps <= 5
 
 
 def test_an_unstable_cycle_and_a_start_far_from_any_are_not_closed() -> None:
     throw, restitution = 1.6, 0.7
-    at = single_bounce(throw, restitution, 2)
+    at = single_bounce(sinusoidal(throw), restitution, 2, 0)
     assert at.exists
     assert not at.stable
     FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1e-6, at.speed
-    assert _close(throw, math.asin(1.0 / throw), restitution, FLIGHTS, 20, 1) == (0, 0)
+    assert _close(sinusoidal(throw), restitution, FLIGHTS, 20, 1) == (0, 0)
     FLIGHTS.phase[20], FLIGHTS.speed[20] = at.phase + 1.0, at.speed
-    assert _close(1.4, math.asin(1.0 / 1.4), restitution, FLIGHTS, 20, 1) == (0, 0)
+    assert _close(sinusoidal(1.4), restitution, FLIGHTS, 20, 1) == (0, 0)
 
 
 def test_states_repeat_nearly_if_they_are_close_for_the_flights_between_and_not_of_one_chain() -> None:
@@ -296,10 +308,10 @@ def test_the_search_ends_after_so_many_flights_that_are_no_short_bounces() -> No
 
 
 def test_a_start_amid_the_motion_is_followed_from_there() -> None:
-    motion = bounces(1.3, 0.3, FLIGHTS, 64, 2.5, 4.0, False)
+    motion = bounces(sinusoidal(1.3), 0.3, FLIGHTS, 64, 2.5, 4.0, False)
     assert (FLIGHTS.phase[0], FLIGHTS.speed[0], FLIGHTS.before[0]) == (2.5, 4.0, 0.0)
     assert motion.repeats
-    expected = flight(1.3, math.asin(1.0 / 1.3), 2.5, 4.0)
+    expected = flight(sinusoidal(1.3), 2.5, 4.0)
     assert (FLIGHTS.length[0], FLIGHTS.impact[0]) == expected
     last = motion.count - 1
     assert _apart(motion.landing, FLIGHTS.phase[last] + FLIGHTS.length[last]) < 1e-9
@@ -307,9 +319,9 @@ def test_a_start_amid_the_motion_is_followed_from_there() -> None:
 
 
 def test_a_start_beside_a_single_bounce_is_drawn_to_it_if_that_is_stable() -> None:
-    at = single_bounce(1.4, 0.7, 2)
+    at = single_bounce(sinusoidal(1.4), 0.7, 2, 0)
     assert at.stable
-    motion = bounces(1.4, 0.7, FLIGHTS, 64, at.phase + 1e-3, at.speed, False)
+    motion = bounces(sinusoidal(1.4), 0.7, FLIGHTS, 64, at.phase + 1e-3, at.speed, False)
     assert motion.repeats
     assert (motion.count, motion.cycles, motion.rest) == (1, 2, 0.0)
     assert FLIGHTS.phase[motion.first] == pytest.approx(at.phase, abs=1e-10)
@@ -318,7 +330,7 @@ def test_a_start_beside_a_single_bounce_is_drawn_to_it_if_that_is_stable() -> No
 
 def test_a_resting_body_at_the_phase_of_one_turn_is_not_taken_for_another_start() -> None:
     # the closed form belongs to bodies from rest alone
-    motion = bounces(3.5, 0.0, FLIGHTS, 64, 0.0, 9.0, False)
+    motion = bounces(sinusoidal(3.5), 0.0, FLIGHTS, 64, 0.0, 9.0, False)
     assert FLIGHTS.speed[0] == 9.0
     assert motion.repeats
 
@@ -329,7 +341,7 @@ def test_rounding_ends_the_search_from_rest_alone() -> None:
     FLIGHTS.phase[200] = -1.0
     _from_rest(2.45, 0.3)
     assert FLIGHTS.phase[200] == -1.0
-    bounces(2.45, 0.3, FLIGHTS, 256, math.asin(1.0 / 2.45), 0.0, False)
+    bounces(sinusoidal(2.45), 0.3, FLIGHTS, 256, math.asin(1.0 / 2.45), 0.0, False)
     assert FLIGHTS.phase[200] >= 0.0
 
 
@@ -345,7 +357,8 @@ def test_a_single_bounce_repeats_and_is_stable_as_its_tangent_map_says(
     level, steep = math.pi * turns * (1.0 - restitution) / plus, 2.0 * (1.0 + restitution**2) / plus**2
     for share, stable in ((1e-3, True), (0.5, True), (0.999, True), (1.001, False), (3.0, False)):
         throw = math.hypot(level, share * steep)
-        at = single_bounce(throw, restitution, turns)
+        bed = sinusoidal(max(throw, 1.0))._replace(throw=throw)  # a body may bounce on a trough that bears it
+        at = single_bounce(bed, restitution, turns, 0)
         assert at.exists
         assert at.stable is stable
         # it lands with u = 2 pi m / (1 + e) after m turns: Eqs. (30) and (37)
@@ -353,7 +366,7 @@ def test_a_single_bounce_repeats_and_is_stable_as_its_tangent_map_says(
         assert at.speed == pytest.approx(restitution * length / plus)
         height = at.speed * length + throw * length * math.cos(at.phase) - 0.5 * length**2
         assert height == pytest.approx(0.0, abs=1e-12 * length**2)
-        slopes = tangent_map(throw, restitution, at.phase, Flight(length, length - at.speed))
+        slopes = tangent_map(bed, restitution, at.phase, Flight(length, length - at.speed))
         jacobian = np.array(slopes).reshape(2, 2)
         assert np.linalg.det(jacobian) == pytest.approx(restitution**2)
         assert stable is bool(abs(np.linalg.eigvals(jacobian)).max() < 1.0)
@@ -361,11 +374,11 @@ def test_a_single_bounce_repeats_and_is_stable_as_its_tangent_map_says(
 
 def test_a_single_bounce_exists_from_the_throw_number_on_that_can_throw_it_so_far() -> None:
     least = 2.0 * math.pi * (1.0 - 0.2) / (1.0 + 0.2)
-    below, above = single_bounce(least * (1 - 1e-9), 0.2, 2), single_bounce(least * (1 + 1e-9), 0.2, 2)
+    below, above = (single_bounce(sinusoidal(least * x), 0.2, 2, 0) for x in (1.0 - 1e-9, 1.0 + 1e-9))
     assert not below.exists
     assert not below.stable
     assert math.isnan(below.phase)
     assert math.isnan(below.speed)
     assert above.exists
     assert above.phase == pytest.approx(0.0, abs=1e-4)
-    assert not single_bounce(math.pi, 0.0, 1).exists  # equality
+    assert not single_bounce(sinusoidal(math.pi), 0.0, 1, 0).exists  # equality

@@ -10,11 +10,12 @@ from helpers.hopping_bodies import FLIGHTS, HOPS, draw, ellipse, line
 from vibro.core import coexistence as coexistence_module
 from vibro.core.bounces import bounces, single_bounce
 from vibro.core.codes import Status
-from vibro.core.coexistence import _differ, _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
+from vibro.core.coexistence import _flies_otherwise, _leads_elsewhere, _slides_otherwise, coexisting
 from vibro.core.drives import Loads, directions, line_loads, weight_over_load
+from vibro.core.flight import sinusoidal
 from vibro.core.hopping import enter, hopping
 from vibro.core.legs import track_of
-from vibro.core.orbits import HoppingCycle, Orbit, cycle_from, hopping_cycle
+from vibro.core.orbits import HoppingCycle, Orbit, _differ, cycle_from, hopping_cycle
 from vibro.core.return_map import Return, return_map, write_hop
 
 TURN = 2.0 * math.pi
@@ -46,12 +47,12 @@ def test_other_flights_are_found() -> None:
     assert _coexists(TWO_FLIGHTS, RESTITUTION)
     assert not _slides_otherwise(TWO_FLIGHTS, RESTITUTION, FLIGHTS, HOPS)
     impact = found.impact / TWO_FLIGHTS.weight_normal
-    assert _flies_otherwise(THROW, RESTITUTION, found.period, impact, FLIGHTS)
+    assert _flies_otherwise(sinusoidal(THROW), RESTITUTION, found.period, impact, FLIGHTS)
 
 
 def test_the_other_flights_of_that_scene() -> None:
     scale = TWO_FLIGHTS.weight_normal
-    other = bounces(THROW, RESTITUTION, FLIGHTS, 256, 5.919035947779313, 4.825954263930713, False)
+    other = bounces(sinusoidal(THROW), RESTITUTION, FLIGHTS, 256, 5.919035947779313, 4.825954263930713, False)
     assert (other.repeats, other.cycles, other.rest) == (True, 1, 0.0)
     last = other.first + other.count
     for row in range(other.first, last):
@@ -65,11 +66,11 @@ def test_the_other_flights_of_that_scene() -> None:
 
 def test_a_start_leads_elsewhere_by_its_period_or_its_impact() -> None:
     start = 5.919035947779313, 4.825954263930713
-    motion = bounces(THROW, RESTITUTION, FLIGHTS, 64, *start, False)
+    motion = bounces(sinusoidal(THROW), RESTITUTION, FLIGHTS, 64, *start, False)
     impact = max(FLIGHTS.impact[row] for row in range(motion.first, motion.first + motion.count))
 
     def leads(period: float, speed: float) -> bool:
-        return _leads_elsewhere(THROW, RESTITUTION, *start, period, speed, FLIGHTS)
+        return _leads_elsewhere(sinusoidal(THROW), RESTITUTION, *start, period, speed, FLIGHTS)
 
     assert not leads(1.0, impact)
     assert not leads(1.0, impact * (1.0 + 1e-7))
@@ -79,9 +80,9 @@ def test_a_start_leads_elsewhere_by_its_period_or_its_impact() -> None:
     assert leads(2.0, impact)
     assert leads(math.nan, impact)
     # what comes to contact goes on as from rest
-    rested = bounces(1.3, 0.0, FLIGHTS, 64, 1.5, 1.0, False)
+    rested = bounces(sinusoidal(1.3), 0.0, FLIGHTS, 64, 1.5, 1.0, False)
     assert rested.rest > 0.0
-    assert not _leads_elsewhere(1.3, 0.0, 1.5, 1.0, 5.0, 9.0, FLIGHTS)
+    assert not _leads_elsewhere(sinusoidal(1.3), 0.0, 1.5, 1.0, 5.0, 9.0, FLIGHTS)
 
 
 def test_flights_are_told_from_those_from_rest() -> None:
@@ -91,12 +92,14 @@ def test_flights_are_told_from_those_from_rest() -> None:
         for throw in (ratio * 0.99, ratio * 1.02):
             if throw <= 1.0:
                 continue
-            bounce = single_bounce(throw, restitution, 1)
-            motion = bounces(throw, restitution, FLIGHTS, 256, math.nan, math.nan, True)
+            bounce = single_bounce(sinusoidal(throw), restitution, 1, 0)
+            motion = bounces(sinusoidal(throw), restitution, FLIGHTS, 256, math.asin(1.0 / throw), 0.0, True)
             if motion.repeats and motion.rest > 0.0:
                 rows = range(motion.first, motion.first + motion.count)
                 impact = max(FLIGHTS.impact[row] for row in rows)
-                found = _flies_otherwise(throw, restitution, float(motion.cycles), impact, FLIGHTS)
+                found = _flies_otherwise(
+                    sinusoidal(throw), restitution, float(motion.cycles), impact, FLIGHTS
+                )
                 assert found == bounce.exists
 
 
@@ -104,9 +107,9 @@ def test_a_start_grid_finds_cycles_of_several_bounces() -> None:
     # one bounce is no longer stable, and its double is
     seen = 0
     for throw in (1.40, 1.45, 1.5, 1.55):
-        bounce = single_bounce(throw, 0.5618659984445926, 1)
+        bounce = single_bounce(sinusoidal(throw), 0.5618659984445926, 1, 0)
         if bounce.exists and not bounce.stable:
-            seen += _flies_otherwise(throw, RESTITUTION, 1.0, -1.0, FLIGHTS)
+            seen += _flies_otherwise(sinusoidal(throw), RESTITUTION, 1.0, -1.0, FLIGHTS)
     assert seen > 0
 
 
@@ -189,7 +192,7 @@ def test_means_are_looked_at_for_other_flights_alone() -> None:
     loads = line(2.45, 30.0, 0.5, 0.4)
     # an irregular motion: a period is unknown, so that any cycle of flights is another
     assert coexisting(loads, 0.3, math.nan, 1.0, FLIGHTS, HOPS) == _flies_otherwise(
-        2.45, 0.3, math.nan, 1.0 / loads.weight_normal, FLIGHTS
+        sinusoidal(2.45), 0.3, math.nan, 1.0 / loads.weight_normal, FLIGHTS
     )
     assert not _slides_otherwise(loads, 0.3, FLIGHTS, HOPS)
 
@@ -204,7 +207,7 @@ def test_fixed_points_are_told_apart_beyond_rounding() -> None:
     cycle = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.4), 0.0), 0, 0, 0.0, 0.0, TURN)
 
     def orbit(velocity: float, slope: float) -> Orbit:
-        return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0, True), Status.OK)
+        return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0, True, 0), Status.OK)
 
     home = orbit(0.3, 0.0)
     assert not _differ(cycle, orbit(0.3 + 0.9e-9, 0.0), home)

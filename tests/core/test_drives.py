@@ -23,6 +23,7 @@ from vibro.core.drives import (
     tangential_load,
     weight_over_load,
 )
+from vibro.core.waves import one_harmonic
 
 EPS = 2.0**-52
 LINE = line_loads(0.8, directions(0.4, -0.1), 0.5, 0.3)
@@ -56,7 +57,7 @@ def test_groups_of_a_line() -> None:
         n, t = weight * mpmath.cos(beta), weight * mpmath.sin(beta)
         exact = [float(x) for x in (a, b, n, t, a * n - b * t)]
     assert LINE[:5] == pytest.approx(exact, rel=2 * EPS)
-    assert LINE[5:] == (0.5, 0.3, 0.0, 1.0, True)
+    assert LINE[5:] == (0.5, 0.3, 0.0, 1.0, True, one_harmonic())
 
 
 def test_the_normal_component_of_weight_along_the_line_does_not_cancel() -> None:
@@ -70,7 +71,7 @@ def test_groups_of_an_ellipse() -> None:
     assert ELLIPSE[:2] == (1.0, 0.3)
     assert ELLIPSE[2:4] == (0.8 * math.cos(0.15), 0.8 * math.sin(0.15))
     assert ELLIPSE[4:7] == (0.0, 0.6, 0.4)
-    assert ELLIPSE[7:] == (math.sin(-2.1), math.cos(-2.1), False)
+    assert ELLIPSE[7:] == (math.sin(-2.1), math.cos(-2.1), False, one_harmonic())
 
 
 @pytest.mark.parametrize(

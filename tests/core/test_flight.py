@@ -19,6 +19,7 @@ from vibro.core.flight import (
     flight,
     lift_off_flight,
     propagate,
+    sinusoidal,
     tangent_map,
     within,
 )
@@ -30,11 +31,11 @@ EXACT = Covariance(0.0, 0.0, 0.0)
 
 
 def _flight(throw: float, phase: float, speed: float) -> Flight:
-    return flight(throw, math.asin(1.0 / throw), phase, speed)
+    return flight(sinusoidal(throw), phase, speed)
 
 
 def _released(throw: float) -> Flight:
-    return lift_off_flight(throw, math.asin(1.0 / throw))
+    return lift_off_flight(sinusoidal(throw), math.asin(1.0 / throw))
 
 
 # ------------------------------------------------------------------------------- flights from rest
@@ -90,8 +91,8 @@ def test_a_flight_from_the_lift_off_agrees_with_the_general_one(throw: float) ->
 @pytest.mark.parametrize("throw", [math.nextafter(ONE_TURN, 9.0), 3.4, 12.0, 1e6])
 def test_a_flight_from_rest_longer_than_a_turn_is_the_general_one(throw: float) -> None:
     lift_off = math.asin(1.0 / throw)
-    assert lift_off_flight(throw, lift_off) == flight(throw, lift_off, lift_off, 0.0)
-    assert lift_off_flight(throw, lift_off).length > TURN * (1.0 - 1e-12)
+    assert lift_off_flight(sinusoidal(throw), lift_off) == flight(sinusoidal(throw), lift_off, 0.0)
+    assert lift_off_flight(sinusoidal(throw), lift_off).length > TURN * (1.0 - 1e-12)
 
 
 # ------------------------------------------------------------------------------- any take-off
@@ -198,17 +199,19 @@ def test_a_body_let_go_at_a_crest_lands_within_the_turns_that_its_fall_takes(thr
 
 
 def test_an_impact_reverses_the_normal_speed_and_shrinks_it() -> None:
-    assert after_landing(2.0, 0.5 * math.pi, 1.5, 0.4, ACCUMULATED) == pytest.approx((0.6, 0.0, 2.1, False))
+    assert after_landing(sinusoidal(2.0), 0.5 * math.pi, 1.5, 0.4, ACCUMULATED) == pytest.approx(
+        (0.6, 0.0, 2.1, False)
+    )
     # a plastic body stays where the trough presses, and is thrown again where it falls away
-    assert after_landing(2.0, 3.0, 1.5, 0.0, ACCUMULATED) == (0.0, 0.0, 1.5, True)
-    assert after_landing(2.0, 1.0, 1.5, 0.0, ACCUMULATED) == (0.0, 0.0, 1.5, False)
+    assert after_landing(sinusoidal(2.0), 3.0, 1.5, 0.0, ACCUMULATED) == (0.0, 0.0, 1.5, True)
+    assert after_landing(sinusoidal(2.0), 1.0, 1.5, 0.0, ACCUMULATED) == (0.0, 0.0, 1.5, False)
 
 
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9, 0.9999])
 def test_accumulated_bounces_are_summed_as_if_one_flew_them_all(restitution: float) -> None:
     load = 1.0 - 1.5 * math.sin(3.0)
     speed = 0.4e-8 * load * (1.0 - restitution)  # of the first bounce; they last 0.8e-8 altogether
-    after = after_landing(1.5, 3.0, speed / restitution, restitution, ACCUMULATED)
+    after = after_landing(sinusoidal(1.5), 3.0, speed / restitution, restitution, ACCUMULATED)
     assert after.contact
     assert after.take_off == 0.0
     # geometric sums of 2 v / N and of (1 + e) v, the impulse of the impact before them too
@@ -224,7 +227,7 @@ def test_bounces_are_summed_once_they_are_short_enough(
 ) -> None:
     load = 1.0 - 1.5 * math.sin(3.0)
     impact = 0.5 * accumulated * factor * load * (1.0 - 0.3) / 0.3
-    after = after_landing(1.5, 3.0, impact, 0.3, accumulated)
+    after = after_landing(sinusoidal(1.5), 3.0, impact, 0.3, accumulated)
     assert after.contact is contact
     assert after.take_off == (0.0 if contact else pytest.approx(0.3 * impact))
     assert after.length == (pytest.approx(accumulated) if contact else 0.0)
@@ -237,21 +240,23 @@ def test_bounces_are_not_summed_where_the_trough_falls_away_before_they_end() ->
         phase = math.asin(1.0 / throw) - before
         load = 1.0 - throw * math.sin(phase)
         impact = 0.5 * length * load * (1.0 - restitution) / restitution
-        after = after_landing(throw, phase, impact, restitution, ACCUMULATED)
+        after = after_landing(sinusoidal(throw), phase, impact, restitution, ACCUMULATED)
         fall = throw * math.cos(phase) * length  # of the load, until the bounces end
         if abs(load / fall - 1.0) > 1e-3:
             assert after.contact is (load > fall)
         seen.add(after.contact)
     assert seen == {True, False}
     # where the load grows it does not matter how small it is
-    assert after_landing(throw, math.pi - math.asin(1.0 / throw) + 1e-6, 1e-16, 0.5, ACCUMULATED).contact
+    assert after_landing(
+        sinusoidal(throw), math.pi - math.asin(1.0 / throw) + 1e-6, 1e-16, 0.5, ACCUMULATED
+    ).contact
 
 
 @pytest.mark.parametrize("impact", [0.0, 1e-320])
 def test_a_landing_without_impact_or_load_divides_by_nothing(impact: float) -> None:
     for phase in (0.5 * math.pi, math.pi / 6.0, 3.0):
         for throw in (1.0, 2.0):
-            after = after_landing(throw, phase, impact, 0.5, ACCUMULATED)
+            after = after_landing(sinusoidal(throw), phase, impact, 0.5, ACCUMULATED)
             assert all(math.isfinite(x) for x in after)
             assert after.take_off in (0.0, 0.5 * impact)
 
@@ -278,7 +283,7 @@ def test_the_tangent_map_is_the_derivative_of_a_flight_and_its_impact() -> None:
         flown = _flight(throw, phase, speed)
         if flown.impact < 0.5:  # grazing landings bend within the difference
             continue
-        got = tangent_map(throw, restitution, phase, flown)
+        got = tangent_map(sinusoidal(throw), restitution, phase, flown)
         for column, (p, v) in enumerate(((h, 0.0), (0.0, h))):
             after = _bounce(throw, restitution, phase + p, speed + v)
             before = _bounce(throw, restitution, phase - p, speed - v)
@@ -302,7 +307,7 @@ def test_the_covariance_of_many_bodies_is_what_is_propagated() -> None:
         errors = Covariance(error**2, 0.6 * error**2, error**2)
         for _ in range(2):
             flown = _flight(throw, phase, speed)
-            errors = propagate(throw, restitution, phase, speed, flown, 0.0, errors)
+            errors = propagate(sinusoidal(throw), restitution, phase, speed, flown, 0.0, errors)
             phase, speed = _bounce(throw, restitution, phase, speed)
             bodies = [_bounce(throw, restitution, *body) for body in bodies]
             if flown.impact < 0.3 or errors.phase > 1e-12:
@@ -320,19 +325,19 @@ def test_the_covariance_of_many_bodies_is_what_is_propagated() -> None:
 def test_propagation_is_the_congruence_with_the_tangent_map() -> None:
     for throw, restitution, phase, speed in _bouncing(20):
         flown = _flight(throw, phase, speed)
-        a, b, c, d = tangent_map(throw, restitution, phase, flown)
+        a, b, c, d = tangent_map(sinusoidal(throw), restitution, phase, flown)
         matrix, before = np.array([[a, b], [c, d]]), np.array([[2.0, -0.7], [-0.7, 1.0]])
         after = matrix @ before @ matrix.T
-        got = propagate(throw, restitution, phase, speed, flown, 0.0, Covariance(2.0, -0.7, 1.0))
+        got = propagate(sinusoidal(throw), restitution, phase, speed, flown, 0.0, Covariance(2.0, -0.7, 1.0))
         assert got == pytest.approx((after[0, 0], after[0, 1], after[1, 1]), rel=1e-12)
 
 
 def test_summed_bounces_add_the_scatter_of_their_duration() -> None:
     throw, restitution, phase, speed = 1.5, 0.5, 4.0, 0.3
     flown, errors = _flight(throw, phase, speed), Covariance(0.0, 0.0, 1.0)
-    without = propagate(throw, restitution, phase, speed, flown, 0.0, errors)
+    without = propagate(sinusoidal(throw), restitution, phase, speed, flown, 0.0, errors)
     tail = 0.7
-    got = propagate(throw, restitution, phase, speed, flown, tail, errors)
+    got = propagate(sinusoidal(throw), restitution, phase, speed, flown, tail, errors)
     # they last in proportion to the speed of the first, e u
     lever = tail / (restitution * flown.impact)
     assert got.phase - without.phase == pytest.approx(lever**2 * without.speed, rel=1e-9)
@@ -344,7 +349,7 @@ def test_variances_grow_with_the_motion_and_not_with_the_number_of_bounces() -> 
     throw, restitution, phase, speed, errors = 1.5, 0.95, 4.0, 0.02, EXACT
     for _ in range(600):
         flown = _flight(throw, phase, speed)
-        errors = propagate(throw, restitution, phase, speed, flown, 0.0, errors)
+        errors = propagate(sinusoidal(throw), restitution, phase, speed, flown, 0.0, errors)
         phase, speed = _bounce(throw, restitution, phase, speed)
     assert within(errors, 1e-11)
     assert not within(errors, 1e-16)
@@ -355,7 +360,7 @@ def test_the_rounding_of_a_flight_is_covered_and_not_exaggerated() -> None:
     with mpmath.workdps(40):
         for throw, restitution, phase, speed in _bouncing(40):
             flown = _flight(throw, phase, speed)
-            errors = propagate(throw, restitution, phase, speed, flown, 0.0, EXACT)
+            errors = propagate(sinusoidal(throw), restitution, phase, speed, flown, 0.0, EXACT)
             p, v = mpmath.mpf(phase), mpmath.mpf(speed)
 
             def height(s: mpmath.mpf, k: float = throw, p: mpmath.mpf = p, v: mpmath.mpf = v) -> mpmath.mpf:
@@ -374,12 +379,12 @@ def test_a_flight_from_rest_on_the_trough_has_all_digits() -> None:
     # its terms do not cancel, however short it is: only the phase of its landing is rounded
     throw = 1.0 + 1e-10
     lift_off = math.asin(1.0 / throw)
-    flown = lift_off_flight(throw, lift_off)
-    errors = propagate(throw, 0.0, lift_off, 0.0, flown, 0.0, EXACT)
+    flown = lift_off_flight(sinusoidal(throw), lift_off)
+    errors = propagate(sinusoidal(throw), 0.0, lift_off, 0.0, flown, 0.0, EXACT)
     assert math.sqrt(errors.phase) == pytest.approx(EPS * (1.0 + flown.length))
-    kicked = propagate(throw, 0.0, lift_off, 1e-300, flown, 0.0, EXACT)
-    later = propagate(throw, 0.0, lift_off + 1e-5, 0.0, flown, 0.0, EXACT)
-    longer = propagate(throw, 0.0, lift_off, 0.0, flown._replace(length=TURN * 1.01), 0.0, EXACT)
+    kicked = propagate(sinusoidal(throw), 0.0, lift_off, 1e-300, flown, 0.0, EXACT)
+    later = propagate(sinusoidal(throw), 0.0, lift_off + 1e-5, 0.0, flown, 0.0, EXACT)
+    longer = propagate(sinusoidal(throw), 0.0, lift_off, 0.0, flown._replace(length=TURN * 1.01), 0.0, EXACT)
     for other in (kicked, later, longer):
         assert other.phase > 1e4 * errors.phase
 
@@ -387,7 +392,7 @@ def test_a_flight_from_rest_on_the_trough_has_all_digits() -> None:
 def test_a_grazing_landing_loses_digits() -> None:
     flown = _flight(2.0, 2.0, 1.0)
     known = [
-        propagate(2.0, 0.5, 2.0, 1.0, flown._replace(impact=impact), 0.0, EXACT)
+        propagate(sinusoidal(2.0), 0.5, 2.0, 1.0, flown._replace(impact=impact), 0.0, EXACT)
         for impact in (1.0, 1e-4, 1e-12, 0.0)
     ]
     assert [within(errors, SHARP) for errors in known] == [True, True, False, False]

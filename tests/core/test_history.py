@@ -243,13 +243,15 @@ def _sections(loads: Loads, restitution: float) -> Sections:
 
 
 def test_where_a_motion_is_compared_with_itself() -> None:
-    assert _sections(CONTACT["F_"], 0.0) == Sections(1, lands=True)
-    assert _sections(*HOPS["HFB"]) == Sections(1, lands=True)
+    assert _sections(CONTACT["F_"], 0.0) == Sections(1, lands=True, cycles=1)
+    assert _sections(*HOPS["HFB"]) == Sections(1, lands=True, cycles=1)
     throw = 3.5
     once = line(throw / math.sin(0.5), math.degrees(0.5), 0.5, 0.4)  # thrown once a turn, never at rest
-    assert _sections(once, 0.0) == Sections(1, lands=False)
-    assert _sections(*HOPS["HHH"]) == Sections(3, lands=False)
-    assert _sections(line(12.0, 30.0, 0.5, 0.4), 0.3) == Sections(0, lands=False)  # without a period
+    assert _sections(once, 0.0) == Sections(1, lands=False, cycles=1)
+    assert _sections(*HOPS["HHH"]) == Sections(3, lands=False, cycles=3)
+    assert _sections(line(12.0, 30.0, 0.5, 0.4), 0.3) == Sections(
+        0, lands=False, cycles=0
+    )  # without a period
 
 
 def test_sections() -> None:
@@ -259,12 +261,13 @@ def test_sections() -> None:
     def at(mode: Mode, phase: float = 1.0, rate: float = 0.0) -> State:
         return State(3, phase, int(mode), 0.0, 0.0, rate)
 
-    slides, lands, flies, none = Sections(1, True), Sections(1, True), Sections(2, False), Sections(0, False)
-    assert [is_section(contact, slides, at(m)) for m in (Mode.REST, Mode.FORWARD, Mode.BACK)] == [0, 1, 1]
-    assert [is_section(hops, lands, at(m, edge)) for m in (Mode.FLIGHT, Mode.FORWARD)] == [1, 0]
-    assert [is_section(hops, lands, at(Mode.FLIGHT, p, r)) for p, r in ((edge, 0.1), (1.0, 0.0))] == [0, 0]
-    assert [is_section(hops, flies, at(m, 1.0, 0.1)) for m in (Mode.FLIGHT, Mode.REST)] == [1, 0]
-    assert not is_section(hops, none, at(Mode.FLIGHT, edge))
+    slides = lands = Sections(1, True, 1)
+    flies, none = Sections(2, False, 2), Sections(0, False, 0)
+    assert [is_section(contact, slides, at(m), 2) for m in (Mode.REST, Mode.FORWARD, Mode.BACK)] == [0, 1, 1]
+    assert [is_section(hops, lands, at(m, edge), 2) for m in (Mode.FLIGHT, Mode.FORWARD)] == [1, 0]
+    assert [is_section(hops, lands, at(Mode.FLIGHT, p, r), 2) for p, r in ((edge, 0.1), (1.0, 0.0))] == [0, 0]
+    assert [is_section(hops, flies, at(m, 1.0, 0.1), 2) for m in (Mode.FLIGHT, Mode.REST)] == [1, 0]
+    assert not is_section(hops, none, at(Mode.FLIGHT, edge), 2)
 
 
 def test_a_cycle_of_several_flights_is_compared_flight_by_flight() -> None:
@@ -272,7 +275,7 @@ def test_a_cycle_of_several_flights_is_compared_flight_by_flight() -> None:
     loads, restitution = HOPS["HHH"]
     course, legs = course_of(loads, restitution), room(20_000)
     sections = sections_of(course, FLIGHTS)
-    assert sections == Sections(3, lands=False)
+    assert sections == Sections(3, lands=False, cycles=3)
     found = [
         follow(course, sections._replace(lag=lag), 0.0, 0.0, 900.0, legs, 20_000, LAST)
         for lag in (0, 1, 2, 3, 6)
@@ -294,7 +297,7 @@ def test_a_body_that_rounding_holds_stays_where_it_is(monkeypatch: pytest.Monkey
         return leg if steps < 3 else leg._replace(length=0.0, after=now)
 
     monkeypatch.setattr(history, "step", short)
-    found = follow(course, Sections(1, True), 0.0, 0.0, 50.0, room(99), 99, LAST)
+    found = follow(course, Sections(1, True, 1), 0.0, 0.0, 50.0, room(99), 99, LAST)
     assert found == Followed(2, 2, 0, 0.0)
     assert starting(course, 0.0, 0.0).mode == Mode.REST
     assert 50 < steps < 200

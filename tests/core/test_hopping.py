@@ -11,9 +11,10 @@ from helpers.reference_tables import read_rows
 
 from vibro.core import hopping as hopping_module
 from vibro.core.averages import Means
-from vibro.core.bounces import bounces
+from vibro.core.bounces import Bounces, bounces
 from vibro.core.codes import Mode, Status, spelt_text
 from vibro.core.drives import Loads, directions, line_loads, weight_over_load
+from vibro.core.flight import sinusoidal
 from vibro.core.hopping import MOST_THROW, Hopping, enter, hopping
 from vibro.core.legs import Track, track_of
 from vibro.core.return_map import release, return_map
@@ -119,6 +120,10 @@ def _aloft(
     return loads
 
 
+def _rested(throw: float, restitution: float) -> Bounces:
+    return bounces(sinusoidal(throw), restitution, FLIGHTS, 256, math.asin(1.0 / throw), 0.0, True)
+
+
 @pytest.mark.parametrize("phase", [0.9, 1.2, 1.6, 2.0])
 def test_a_body_released_where_the_trough_cannot_bear_it_takes_off_at_once(phase: float) -> None:
     # without friction it keeps for good what it has got by then
@@ -142,10 +147,10 @@ def test_a_contact_forgets_the_flights_from_the_release() -> None:
     track = track_of(loads, 0.0)
     entry = enter(track, 0.0, FLIGHTS, HOPS)
     # the first flight begins at the release, and ends in a contact that lasts to the lift-off
-    motion = bounces(2.0, 0.0, FLIGHTS, 256, 1.5, 0.0, False)
+    motion = bounces(sinusoidal(2.0), 0.0, FLIGHTS, 256, 1.5, 0.0, False)
     assert (motion.count, motion.approach, motion.first) == (1, 0, 0)
     assert FLIGHTS.phase[0] == 1.5
-    assert entry.motion == bounces(2.0, 0.0, FLIGHTS, 256, math.nan, math.nan, True)
+    assert entry.motion == _rested(2.0, 0.0)
     assert entry.motion.rest != motion.rest
     assert entry.velocity != 0.0
 
@@ -175,10 +180,10 @@ def test_the_motion_of_contacts_is_known_where_rounding_chooses_how_it_begins() 
     for i in range(30):
         loads = _aloft(2.5 + 0.02 * i, 0.3, 1.3)
         throw = loads.drive_normal / loads.weight_normal
-        motion = bounces(throw, 0.6, FLIGHTS, 256, 1.3, 0.0, False)
+        motion = bounces(sinusoidal(throw), 0.6, FLIGHTS, 256, 1.3, 0.0, False)
         late = not motion.repeats
         entry = enter(track_of(loads, 0.6), 0.6, FLIGHTS, HOPS)
-        rested = bounces(throw, 0.6, FLIGHTS, 256, math.nan, math.nan, True)
+        rested = _rested(throw, 0.6)
         if late and rested.repeats and rested.rest > 0.0:
             known += 1
             assert entry.motion == rested
@@ -217,7 +222,7 @@ def test_a_body_enters_a_cycle_amid_its_motion_with_the_velocity_of_its_approach
 def test_impact_and_flight_are_those_of_all_flights_of_the_cycle() -> None:
     loads = line(4.4, 25.0, 0.6, 0.45)
     found = _solved(loads)
-    motion = bounces(4.4, 0.0, FLIGHTS, 256, math.nan, math.nan, True)
+    motion = _rested(4.4, 0.0)
     rows = range(motion.first, motion.first + motion.count)
     assert motion.count > 1
     assert found.period == motion.cycles == 2

@@ -14,10 +14,12 @@ from vibro.core.codes import Mode
 from vibro.core.drives import Loads
 from vibro.core.history import Legs, sections_of
 from vibro.core.motions import EXTREME, Cycle, Moments, arrivals, followed, history, moments
-from vibro.core.scenes import Scenes, no_directions, point_at, seek
+from vibro.core.scenes import ELLIPSE as ELLIPSES
+from vibro.core.scenes import LINE as LINES
+from vibro.core.scenes import Place, Scenes, no_directions, point_at, seek
 from vibro.core.steps import State, course_of
 
-PLACE = view(np.zeros(10, np.int64))
+PLACE = Place(view(np.zeros(10, np.int64)), view(np.zeros(1)), view(np.zeros(1, np.int64)))
 LINE = {
     "first": 2e-3, "second": 0.35, "third": 1.0, "frequency": 15.0, "static_friction": 0.5,
     "kinetic_friction": 0.4, "trough_angle": 0.02, "gravity": 9.81, "restitution": 0.0,
@@ -27,8 +29,9 @@ ELLIPSE = LINE | {"second": 1.5e-3, "third": -0.7}
 
 def _scenes(*cells: dict[str, float], ellipse: bool = False) -> Scenes:
     columns: Any = [view([cell[name] for cell in cells]) for name in LINE]
-    grid: Any = view([len(cells)]), view(np.ones(9, np.int64)), 1, ellipse
-    return Scenes(*columns, *grid)
+    nothing: Any = view([0.0]), view([0])
+    grid: Any = view([len(cells)]), view(np.ones(9, np.int64)), 1, ELLIPSES if ellipse else LINES, 0, 0.0
+    return Scenes(*columns, *nothing, *grid)
 
 
 def _loads(scenes: Scenes) -> Loads:

@@ -23,6 +23,7 @@ from helpers.hopping_bodies import (
 from vibro.core.bounces import Bounces, bounces
 from vibro.core.codes import MOST_LETTERS, Mode, spelt_text
 from vibro.core.drives import Loads, phase_difference, tangential_load
+from vibro.core.flight import bed_of
 from vibro.core.legs import track_of
 from vibro.core.return_map import (
     Return,
@@ -47,9 +48,8 @@ SCENES = [
 def _hops(scene: Drawn) -> Bounces:
     """Fly the cycle from a lift-off to the next; write its hops."""
     loads = scene.loads
-    motion = bounces(
-        loads.drive_normal / loads.weight_normal, scene.restitution, FLIGHTS, 256, math.nan, math.nan, True
-    )
+    bed = bed_of(loads)
+    motion = bounces(bed, scene.restitution, FLIGHTS, 256, bed.lift_off, 0.0, True)
     for row in range(motion.first, motion.first + motion.count):
         write_hop(loads, FLIGHTS.phase[row], FLIGHTS.length[row], FLIGHTS.impulse[row], HOPS, row)
     return motion
@@ -228,7 +228,7 @@ def test_a_start_faster_than_all_that_follows_is_the_peak() -> None:
     for column, value in zip(HOPS, (-0.2, 1.0, 0.0, 10.0, 0.0, -0.2, 0.0, 0.0), strict=True):
         column[0] = value
     assert return_map(track, HOPS, 0, 1, 0.0, 0.0, 0.7).peak == 0.7
-    assert return_map(track, HOPS, 0, 0, 0.0, 0.0, -0.7) == Return(-0.7, 1.0, 0.0, 0.0, 0.7, 0, True)
+    assert return_map(track, HOPS, 0, 0, 0.0, 0.0, -0.7) == Return(-0.7, 1.0, 0.0, 0.0, 0.7, 0, True, 0)
 
 
 def test_contacts_amid_hops_are_those_at_the_end_of_a_cycle() -> None:

@@ -8,7 +8,7 @@ import math
 import pytest
 
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
-from vibro.core.flight import BOUNCE, after_landing, flight
+from vibro.core.flight import BOUNCE, after_landing, bed_of, flight
 from vibro.core.return_map import Hops, write_hop
 from vibro.core.samples import BODIES, ROWS, Sample, _kick, _spread, fly
 
@@ -64,16 +64,15 @@ def test_each_hop_starts_where_the_one_before_it_ends_or_is_kicked(
     throw: float, restitution: float, body: int
 ) -> None:
     loads = _line(throw)
-    throw = loads.drive_normal / loads.weight_normal
+    bed = bed_of(loads)
     sample = fly(loads, restitution, body, LENGTH, HOPS, 3)
     assert sample.ends
-    lift_off = math.asin(1.0 / throw)
-    phase, speed, hardest, landed = lift_off, _kick(0, body), 0.0, False
+    phase, speed, hardest, landed = bed.lift_off, _kick(0, body), 0.0, False
     events, shoved = 0, False
     for count, row in enumerate(range(3, sample.last), start=1):
-        flown = flight(throw, lift_off, phase, speed)
+        flown = flight(bed, phase, speed)
         hardest = max(hardest, flown.impact)
-        after = after_landing(throw, phase + flown.length, flown.impact, restitution, 5e-2)
+        after = after_landing(bed, phase + flown.length, flown.impact, restitution, 5e-2)
         length = flown.length + after.length
         assert HOPS.length[row] == length
         assert HOPS.landing[row] == pytest.approx((phase + length) % TURN, rel=1e-12)
@@ -83,9 +82,9 @@ def test_each_hop_starts_where_the_one_before_it_ends_or_is_kicked(
         landed = landed or after.contact
         events += length > BOUNCE or after.contact
         if after.contact:
-            rest = (lift_off - HOPS.landing[row]) % TURN
+            rest = (bed.lift_off - HOPS.landing[row]) % TURN
             assert HOPS.rest[row] == pytest.approx(rest, abs=1e-9)
-            phase, speed = lift_off, _kick(count, body)
+            phase, speed = bed.lift_off, _kick(count, body)
             continue
         assert HOPS.rest[row] == 0.0
         phase, speed = HOPS.landing[row], restitution * flown.impact

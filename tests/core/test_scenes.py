@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -13,7 +13,18 @@ from helpers.solver_doors import plain
 from vibro import Scene
 from vibro.core.compiled import Doors, doors
 from vibro.core.drives import directions, ellipse_scale
-from vibro.core.scenes import Scenes, advance, no_directions, point_at, seek, unit_point_at
+from vibro.core.scenes import (
+    ELLIPSE,
+    Place,
+    Scenes,
+    advance,
+    no_directions,
+    point_at,
+    seek,
+    unit_point_at,
+    visit,
+)
+from vibro.core.waves import HARMONICS
 from vibro.drives import Harmonics
 from vibro.solver import Grid, Scratch, over_cells
 
@@ -51,8 +62,12 @@ def _uncompiled() -> Iterator[None]:
         yield
 
 
-def scenes_of(grid: Grid) -> tuple[Scenes, Any]:
-    return Scenes(*grid.scenes), doors().row(grid.place())
+def place_of(grid: Grid) -> Place:
+    return Place(*map(doors().row, grid.place()))
+
+
+def scenes_of(grid: Grid) -> tuple[Scenes, Place]:
+    return Scenes(*grid.scenes), place_of(grid)
 
 
 @SCENES
@@ -62,7 +77,7 @@ def test_each_cell_is_the_scene_that_broadcasting_gives(scene: Scene) -> None:
     scale = np.broadcast_to(scene.scale, scene.shape).ravel()
     for i, loads in enumerate(loads_of(scene)):
         seek(scenes, place, i)
-        assert tuple(place[: scenes.axes]) == np.unravel_index(i, scene.shape)
+        assert tuple(place.index[: scenes.axes]) == np.unravel_index(i, scene.shape)
         point = point_at(scenes, place, no_directions())
         assert point.loads == loads
         assert point.scale == scale[i]
@@ -74,13 +89,13 @@ def test_each_cell_is_the_scene_that_broadcasting_gives(scene: Scene) -> None:
 def test_advancing_leads_to_the_next_cell(scene: Scene) -> None:
     grid = Grid(scene.arrays())
     scenes, place = scenes_of(grid)
-    sought = doors().row(grid.place())
+    sought = place_of(grid)
     for begin in (0, 1, 5):
         seek(scenes, place, begin)
         for i in range(begin + 1, grid.size):
             advance(scenes, place)
             seek(scenes, sought, i)
-            assert place.tolist() == sought.tolist()
+            assert place.index.tolist() == sought.index.tolist()
 
 
 def test_one_axis_and_no_axis() -> None:
@@ -104,20 +119,36 @@ def test_a_grid_without_cells() -> None:
     assert (Grid(scene.arrays()).shape, Grid(scene.arrays()).size) == ((0, 3), 0)
 
 
-def test_harmonics_have_no_cells_here() -> None:
+def test_cells_of_harmonics_have_the_waves_of_their_scenes() -> None:
+    sizes, phases = np.array([1e-3, 2e-3, 5e-4])[:, None], np.array([0.3, -2.0])
     scene = Scene(
-        along_harmonics=[(1e-3, 0.0), (2e-4, 0.3)], frequency=20.0, static_friction=0.5, kinetic_friction=0.4
-    )
+        along_harmonics=[(sizes, 0.1), (2e-4, phases)], normal_harmonics=[(0.0, 0.0), (3e-4, -phases)],
+        frequency=20.0, static_friction=0.5, kinetic_friction=[0.4, 0.3],
+    )  # fmt: skip
     fields = scene.arrays()
     assert isinstance(fields, Harmonics)
-    with pytest.raises(Exception, match="harmonic"):
-        Grid(fields)
+    scenes, place = scenes_of(Grid(fields))
+    sought = place_of(Grid(fields))
+    assert (scenes.kind, scenes.size) == (HARMONICS, 2)
+    for i, (row, column) in enumerate(np.ndindex(3, 2)):
+        visit(scenes, place, i, 0)
+        seek(scenes, sought, i)
+        assert place.index.tolist() == sought.index.tolist()
+        point = point_at(scenes, place, no_directions())
+        scale, xi = float(sizes[row, 0]), float(phases[column])
+        assert (point.scale, point.loads.kinetic_friction) == (scale, (0.4, 0.3)[column])
+        parts = [
+            math.cos(0.1), 8e-4 / scale * math.cos(xi), math.sin(0.1), 8e-4 / scale * math.sin(xi),
+            0.0, 12e-4 / scale * math.cos(xi), 0.0, -12e-4 / scale * math.sin(xi),
+        ]  # fmt: skip
+        assert point.loads.waves.number[:8].tolist() == pytest.approx(parts, rel=1e-15, abs=1e-18)
+        assert point.loads.drive_normal == pytest.approx(12e-4 / scale, rel=1e-14)
 
 
 @SCENES
 def test_angles_are_taken_from_the_cell_before_where_they_are_the_same(scene: Scene) -> None:
     scenes, place = scenes_of(Grid(scene.arrays()))
-    ellipse = scenes.ellipse
+    ellipse = scenes.kind == ELLIPSE
     first, trough = (-1.0, 0.1) if ellipse else (0.4, 0.1)
     marked = directions(first, trough)._replace(trough_cosine=0.25)  # a false value tells where it was used
     used = 0
@@ -203,7 +234,7 @@ def test_the_plain_solver_runs_in_one_thread(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_scratch_memory_has_room_for_all_flights_and_bodies() -> None:
     scratch = Scratch()
-    assert len(scratch.flights) == 6
+    assert len(scratch.flights) == 8
     assert len(scratch.hops) == 8
     assert len({len(row) for row in scratch.flights}) == 1
     assert not doors().compiled

@@ -111,7 +111,7 @@ def test_onsets_are_those_of_theory() -> None:
     assert course.track.forward_onset == pytest.approx(math.asin(ahead), rel=1e-14)
     assert course.track.back_onset == pytest.approx(math.pi + math.asin(behind), rel=1e-14)
     assert course.rests
-    assert course.throw == b / n
+    assert course.bed.throw == b / n
     assert course.restitution == 0.0
 
 

@@ -23,7 +23,7 @@ def _buffer(rows: int) -> memoryview[float]:
     return memoryview(bytearray(8 * rows)).cast("d")
 
 
-FLIGHTS = Flights(*(_buffer(MOST_BOUNCES + LONGEST_CYCLE) for _ in range(6)))
+FLIGHTS = Flights(*(_buffer(MOST_BOUNCES + LONGEST_CYCLE) for _ in Flights._fields))
 HOPS = Hops(*(_buffer(BODIES * ROWS) for _ in range(8)))
 
 

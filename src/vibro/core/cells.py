@@ -229,9 +229,9 @@ def _maximum(
             low, at_low = x, at.slope
         # the parabola with this slope and curvature rises so much further
         rise = -0.5 * at.slope * at.slope / bend if bend < 0.0 else 0.0
-        most = max(most, at.value + rise)
-        if rise <= _ROUNDED * abs(most):
-            break
+        most = max(most, at.value)
+        if rise <= _ROUNDED * abs(most):  # only now is it known: farther off the parabola may be too high
+            return max(most, at.value + rise)
         onward = x - at.slope / bend
         x = onward if low < onward < high else 0.5 * (low + high)
     return most

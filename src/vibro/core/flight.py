@@ -87,7 +87,8 @@ def bed_of(loads: Loads) -> Bed:
     """Take the normal motion of a scene that hops, whose zeros are known."""
     throw = loads.drive_normal / loads.weight_normal
     if loads.waves.kind == SINE:
-        return sinusoidal(throw)
+        # to the last bit the lift-off of ``track_of``, by which flights from rest are known
+        return sinusoidal(throw)._replace(lift_off=math.asin(loads.weight_normal / loads.drive_normal))
     lift = Mix(-1.0, 0.0, 1.0 / loads.weight_normal)
     return Bed(throw, next_event(loads.waves, NORMAL, False, 0.0).phase, lift, loads.waves)
 

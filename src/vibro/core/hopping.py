@@ -197,8 +197,8 @@ def enter(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ent
         if known:
             last = motion.first + motion.count
             _write_hops(loads, flights, hops, motion.first, last)
-            landed = return_map(track, hops, motion.first, last, motion.landing, motion.rest, start.velocity)
-            velocity = landed.velocity
+            # the contact at the end is among the hops
+            velocity = return_map(track, hops, motion.first, last, 0.0, 0.0, start.velocity).velocity
         elif motion.repeats and _is_sharp(bed, restitution, flights, motion.approach):
             return _entered(track, motion, start.velocity, flights, hops)
     motion = bounces(bed, restitution, flights, MOST_FLIGHTS, begin, 0.0, True)
