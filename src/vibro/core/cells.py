@@ -227,11 +227,12 @@ def _maximum(
             high, at_high = x, at.slope
         else:
             low, at_low = x, at.slope
-        # the parabola with this slope and curvature rises so much further
+        # the parabola with this slope and curvature rises so much further; far from the top it may overshoot
         rise = -0.5 * at.slope * at.slope / bend if bend < 0.0 else 0.0
-        most = max(most, at.value + rise)
-        if rise <= _ROUNDED * abs(most):
+        if rise <= _ROUNDED * abs(at.value):
+            most = max(most, at.value + rise)
             break
+        most = max(most, at.value)
         onward = x - at.slope / bend
         x = onward if low < onward < high else 0.5 * (low + high)
     return most
