@@ -227,7 +227,7 @@ def _maximum(
             high, at_high = x, at.slope
         else:
             low, at_low = x, at.slope
-        # the parabola with this slope and curvature rises so much further
+        # the parabola with this slope and curvature rises so much further; far from the top it may overshoot
         rise = -0.5 * at.slope * at.slope / bend if bend < 0.0 else 0.0
         most = max(most, at.value)
         if rise <= _ROUNDED * abs(most):  # only now is it known: farther off the parabola may be too high

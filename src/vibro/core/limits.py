@@ -14,7 +14,7 @@ from vibro.core.drives import Loads
 from vibro.core.elementary import INF, NAN, PI, QUARTER
 from vibro.core.windows import Thresholds, reaches, thresholds
 
-__all__ = ["CriticalLoads", "critical_loads", "tipping_load"]
+__all__ = ["CriticalLoads", "critical_loads", "onset", "tipping_load", "unknown_loads"]
 
 # [1] Load over that of the onsets up to which drives are looked at that never make bodies hop.
 _MOST: Final = 1e8
@@ -42,11 +42,11 @@ def critical_loads(unit: Loads) -> CriticalLoads:
     order there too (section 6).
     """
     if unit.kinetic_friction > unit.static_friction or unit.static_friction == 0.0:
-        return CriticalLoads(NAN, NAN, NAN, NAN, NAN)
+        return unknown_loads()
     at = thresholds(unit)
     capacity, t = unit.static_friction * unit.weight_normal, unit.weight_tangential
     hop = unit.weight_normal / unit.drive_normal if unit.drive_normal > 0.0 else INF
-    forward, back = _onset(capacity + t, at.forward_load), _onset(capacity - t, at.back_load)
+    forward, back = onset(capacity + t, at.forward_load), onset(capacity - t, at.back_load)
     held = abs(t) < capacity
     if unit.line and unit.drive_tangential <= unit.static_friction * unit.drive_normal:
         back = INF  # the drive presses the body down more than it pushes it back, Eq. (7)
@@ -64,6 +64,11 @@ def critical_loads(unit: Loads) -> CriticalLoads:
     return CriticalLoads(hop, forward, back, back_slip, vanishes if held else 0.0)
 
 
+def unknown_loads() -> CriticalLoads:
+    """Stand for the critical loads of a body that nothing holds, or whose frictions cannot be."""
+    return CriticalLoads(NAN, NAN, NAN, NAN, NAN)
+
+
 def tipping_load(unit: Loads, stand_ratio: float) -> float:
     """Load up to which no edge of a part lifts that starts from rest, Eq. (43).
 
@@ -74,10 +79,10 @@ def tipping_load(unit: Loads, stand_ratio: float) -> float:
         return INF
     at = thresholds(unit._replace(static_friction=stand_ratio, kinetic_friction=stand_ratio))
     capacity, t = stand_ratio * unit.weight_normal, unit.weight_tangential
-    return min(_onset(capacity + t, at.forward_load), _onset(capacity - t, at.back_load))
+    return min(onset(capacity + t, at.forward_load), onset(capacity - t, at.back_load))
 
 
-def _onset(needed: float, load: float) -> float:
+def onset(needed: float, load: float) -> float:
     """Load at which the drive exceeds static friction, Eqs. (5) and (55); 0 where nothing holds the body."""
     if not needed > 0.0:
         return 0.0

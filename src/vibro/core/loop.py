@@ -22,13 +22,14 @@ from vibro.core.hopping import hopping
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.motions import arrivals, followed, history, moments
 from vibro.core.return_map import Hops
+from vibro.core.scales import wave_limits, write_spans
 from vibro.core.scenes import Place, Scenes, no_directions, point_at, prepare, seek, unit_point_at, visit
 from vibro.core.wave_cycle import wave_cycle
 from vibro.core.waves import SINE
 from vibro.core.windows import thresholds
 
 __all__ = [
-    "arrivals", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others", "followed",
+    "arrivals", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others", "followed",
     "history", "load_slopes", "moments", "prepare", "slips_back", "solve_contact", "solve_hops",
     "tipping_loads", "transition_loads",
 ]  # fmt: skip
@@ -157,15 +158,22 @@ class Limits(NamedTuple):
 
 
 def transition_loads(scenes: Scenes, place: Place, out: Limits, begin: int, end: int) -> None:
-    """Find the load G at which each kind of motion begins."""
+    """Find the load G at which each kind of motion begins; of drives beyond one harmonic its share of the scene's."""
     angles = no_directions()
     for i in range(begin, end):
         visit(scenes, place, i, begin)
         point = unit_point_at(scenes, place, angles)
         angles = point.angles
-        found = critical_loads(point.loads)
+        waves = point.loads.waves.kind != SINE
+        found = wave_limits(point.loads) if waves else critical_loads(point.loads)
         out.hop[i], out.forward_onset[i], out.back_onset[i] = found.hop, found.forward_onset, found.back_onset
         out.back_slip[i], out.rest_vanishes[i] = found.back_slip, found.rest_vanishes
+
+
+def class_scales(scenes: Scenes, place: Place, out: Doubles, counts: Integers, room: int) -> None:
+    """List the scales at which the first cell has each class, as ``write_spans``."""
+    seek(scenes, place, 0)
+    write_spans(point_at(scenes, place, no_directions()).loads, out, counts, room)
 
 
 def tipping_loads(

@@ -47,6 +47,7 @@ _CLOSED: Final = 1e-13
 _BESIDE: Final = 4.0 * _CLOSED  # [1] distance of another body from a cycle, over the velocities in it
 
 _MOST_EVALUATIONS: Final = 200  # [1] of the return map; the slowest orbits need the most
+_NEWTONS: Final = 8  # steps of Newton's that are not judged
 
 # [1] Where an onset lies close to the lift-off, its phase is known to the root of an ulp only, and so is the
 # velocity at the lift-off after it. A velocity that returns within this distance is replaced by its image and
@@ -240,7 +241,7 @@ def _bracketed(cycle: HoppingCycle, hops: Hops, start: float, low: float, high: 
     Where kinetic friction just holds gravity, all velocities at which the body slides downhill alone are
     fixed points; the orbit ends at the first of them.
     """
-    here = start
+    here, before = start, INF
     now = cycle_from(cycle, hops, here)
     for i in range(_MOST_EVALUATIONS):
         if i > 0:
@@ -255,7 +256,10 @@ def _bracketed(cycle: HoppingCycle, hops: Hops, start: float, low: float, high: 
         room = high - low
         if (step.closed and not past) or room <= _apart(cycle, here):
             return _settled(here, now, Status.OK)
-        onward = step.newton if step.newton < room else 0.5 * room
+        # between bends of the map Newton's steps may go to and fro for ever
+        shrinks = i < _NEWTONS or step.newton < 0.5 * before
+        before = step.newton
+        onward = step.newton if step.newton < room and shrinks else 0.5 * room
         here = here + onward if rises else here - onward
     return Orbit(here, now, Status.UNRESOLVED)
 

@@ -7,15 +7,16 @@ steady motion. Lengths in A, speeds in A w, phases in radians.
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, NamedTuple
 
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
 from vibro.core.elementary import TURN
-from vibro.core.legs import track_of
+from vibro.core.legs import contact_leg, mode_of, track_of
 from vibro.core.orbits import (
     HoppingCycle,
+    Orbit,
     cycle_from,
     has_stop,
     hopping_cycle,
@@ -26,10 +27,37 @@ from vibro.core.orbits import (
 from vibro.core.return_map import Hops, no_hops
 from vibro.core.windows import Thresholds
 
-__all__ = ["canonical", "wave_cycle"]
+__all__ = ["Classes", "canonical", "wave_classes", "wave_cycle"]
 
 _ROUNDS: Final = 3  # [cycle] after which bodies from afar are near their motion, or slow to come there
 _MOST_WEIGHT: Final = 1e50  # [1] above which bodies slip next to no friction alone, and products overflow
+_MOST_LEGS: Final = 20_000  # as in return_map.py
+
+
+class Classes(NamedTuple):
+    """Legs of the steady contact cycle from rest.
+
+    Attributes
+    ----------
+    pattern : int
+        Digits of ``Mode``, as ``canonical`` gives them; 0 where the cycle is unknown.
+    forward, back, rest : bool
+        Whether the body slides forward, slides back, and rests; none of them where the cycle is unknown.
+    """
+
+    pattern: int
+    forward: bool
+    back: bool
+    rest: bool
+
+
+class _Settled(NamedTuple):
+    """A motion from rest: its orbit, whether no other motion repeats, and whether a body may run away."""
+
+    cycle: HoppingCycle
+    home: Orbit
+    alone: bool
+    loose: bool
 
 
 def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
@@ -38,30 +66,61 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
     if none.status != Status.OK:
         return none
     status = int(Status.BOUNDARY) if at.edge else int(Status.OK)
-    loose = abs(loads.weight_tangential) > loads.kinetic_friction * loads.weight_normal
     if not (at.forward or at.back):
-        return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(loose))
-    hops = no_hops()
-    if not loads.weight_normal + abs(loads.weight_tangential) < _MOST_WEIGHT:
+        return Steady(Regime.NO_SLIP, status, Pattern.R, Model.REST, 0.0, 0.0, int(_is_loose(loads)))
+    if _is_heavy(loads):
         return unanswered(Regime.UNDEFINED, Status.UNRESOLVED)
-    cycle = hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, TURN, TURN)
-    # one-way bodies are in order, so that all are at rest when the fastest one stops
-    start, alone = 0.0, not loose and not (at.forward and at.back)
-    if not (loose or alone):
-        start, alone = _converging(cycle, hops)
-    home = only_orbit(cycle, hops, start) if alone else orbit_from(cycle, hops, 0.0)
-    regime = _regime_of(home.cycle.pattern, loads)
+    settled = _settle(loads, at)
+    cycle, home = settled.cycle, settled.home
+    regime = _regime_of(_classes_of(cycle, home))
     if home.status != Status.OK and home.status != Status.BOUNDARY:
         return unanswered(regime if home.status == Status.RUNAWAY else Regime.UNDEFINED, home.status)
     if home.status == Status.BOUNDARY:
         status = int(Status.BOUNDARY)
     if classes_alone:
         return unanswered(regime, status)
-    coexists = loose or (not alone and others_on(cycle, hops, 0.0, home))
+    coexists = settled.loose or (not settled.alone and others_on(cycle, no_hops(), 0.0, home))
     return Steady(
         regime, status, _code_of(home.cycle.pattern), Model.SLIDES, home.cycle.displacement, home.cycle.peak,
         int(coexists),
     )  # fmt: skip
+
+
+def wave_classes(loads: Loads, at: Thresholds) -> Classes:
+    """Tell which legs the steady contact cycle from rest has; a body that runs away slides for ever."""
+    if not (at.forward or at.back):
+        return Classes(Mode.REST, forward=False, back=False, rest=True)
+    if _is_heavy(loads):
+        return _unknown()
+    settled = _settle(loads, at)
+    if settled.home.status == Status.UNRESOLVED:
+        return _unknown()
+    return _classes_of(settled.cycle, settled.home)
+
+
+def _unknown() -> Classes:
+    return Classes(0, forward=False, back=False, rest=False)
+
+
+def _is_loose(loads: Loads) -> bool:
+    """Return whether gravity along the trough exceeds kinetic friction."""
+    return abs(loads.weight_tangential) > loads.kinetic_friction * loads.weight_normal
+
+
+def _is_heavy(loads: Loads) -> bool:
+    return not loads.weight_normal + abs(loads.weight_tangential) < _MOST_WEIGHT
+
+
+def _settle(loads: Loads, at: Thresholds) -> _Settled:
+    """Follow a body from rest that slips, as ``at`` says."""
+    loose, hops = _is_loose(loads), no_hops()
+    cycle = hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, TURN, TURN)
+    # one-way bodies are in order, so that all are at rest when the fastest one stops
+    start, alone = 0.0, not loose and not (at.forward and at.back)
+    if not (loose or alone):
+        start, alone = _converging(cycle, hops)
+    home = only_orbit(cycle, hops, start) if alone else orbit_from(cycle, hops, 0.0)
+    return _Settled(cycle, home, alone, loose)
 
 
 def _converging(cycle: HoppingCycle, hops: Hops) -> tuple[float, bool]:
@@ -85,15 +144,38 @@ def _converging(cycle: HoppingCycle, hops: Hops) -> tuple[float, bool]:
     return 0.0, False
 
 
-def _regime_of(pattern: int, loads: Loads) -> int:
+def _regime_of(classes: Classes) -> int:
     """Return the class of a cycle: any slide back counts; of one that runs away it is its way."""
-    left, slides = abs(pattern), False
+    if classes.back:
+        return Regime.BACK_SLIP
+    return Regime.FORWARD_SLIP if classes.forward else Regime.NO_SLIP
+
+
+def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
+    """Read the legs of a cycle from its pattern; follow it once more where that was cut."""
+    pattern = home.cycle.pattern
+    if pattern < 0:
+        return _classes_along(cycle, home.velocity, pattern)
+    forward, back, rest, left = False, False, False, pattern
     while left > 0:
-        if left % 5 == Mode.BACK:
-            return Regime.BACK_SLIP
-        slides = slides or left % 5 == Mode.FORWARD
+        mode = left % 5
+        forward, back, rest = forward or mode == Mode.FORWARD, back or mode == Mode.BACK, rest or mode == Mode.REST
         left = left // 5
-    return Regime.FORWARD_SLIP if slides else Regime.NO_SLIP
+    return Classes(canonical(pattern), forward, back, rest)
+
+
+def _classes_along(cycle: HoppingCycle, velocity: float, pattern: int) -> Classes:
+    """Collect the legs of a cycle from its velocity at phase 0."""
+    track, forward, back, rest = cycle.track, False, False, False
+    phase, left, mode = 0.0, TURN, mode_of(cycle.track.loads, 0.0, velocity, cycle.track.landed_friction)
+    for _ in range(_MOST_LEGS):
+        forward, back, rest = forward or mode == Mode.FORWARD, back or mode == Mode.BACK, rest or mode == Mode.REST
+        leg = contact_leg(track, mode, phase, velocity, left)
+        if not leg.length < left:
+            break
+        phase, left = phase + leg.length, left - leg.length
+        velocity, mode = leg.velocity, leg.next_mode
+    return Classes(pattern, forward, back, rest)
 
 
 def canonical(pattern: int) -> int:

@@ -18,7 +18,7 @@ from vibro.core.waves import SINE, Mix
 
 __all__ = [
     "Start", "Thresholds", "cosine_lead", "load_amplitude", "outlasts", "own_phase", "phase_offset",
-    "reaches", "resting_start", "speed_at_close", "thresholds",
+    "reaches", "resting_start", "speed_at_close", "thresholds", "thresholds_of",
 ]  # fmt: skip
 
 # [1] The least double keeps quotients of a drive without load from being 0 / 0.
@@ -78,9 +78,15 @@ def thresholds(loads: Loads) -> Thresholds:
 
 def _over_waves(loads: Loads) -> Thresholds:
     """Take the largest loads of a drive beyond one harmonic."""
-    n, t, friction = loads.weight_normal, loads.weight_tangential, loads.static_friction
+    friction = loads.static_friction
     ahead = largest(loads.waves, Mix(0.0, 1.0, friction))
     behind = largest(loads.waves, Mix(0.0, -1.0, friction))
+    return thresholds_of(loads, ahead, behind)
+
+
+def thresholds_of(loads: Loads, ahead: float, behind: float) -> Thresholds:
+    """Compare the largest loads, forward and back, of a drive beyond one harmonic with their thresholds."""
+    n, t, friction = loads.weight_normal, loads.weight_tangential, loads.static_friction
     return _compared(loads, ahead - (friction * n + t), behind - (friction * n - t), ahead, behind)
 
 
