@@ -15,7 +15,7 @@ from vibro.drives import Ellipse, Harmonics, Line
 from vibro.errors import VibroError
 from vibro.records.alignment import computed_signals
 from vibro.records.folding import Floats
-from vibro.records.harmonic_motion import SteadyMotion, steady_motion
+from vibro.records.harmonic_motion import HarmonicMotion, SteadyMotion, steady_motion
 from vibro.results.steady import SteadyCycle
 from vibro.scene import Scene
 from vibro.slopes import slides_of
@@ -148,10 +148,12 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles
     labels = _labels(cycle)
     has_harmonics = isinstance(scene.arrays(), Harmonics)
     wanted = (labels != "") if has_harmonics else (labels == HOPS)
-    followed = {}
+    followed: dict[int, SteadyMotion] = {}
     for place in np.flatnonzero(wanted & ((labels != HOPS) | hops)).tolist():
+        one = Scene(**{name: _at(v, place) for name, v in values.items()})
         try:
-            followed[place] = steady_motion(Scene(**{name: _at(v, place) for name, v in values.items()}))
+            hopping = labels[place] == HOPS
+            followed[place] = steady_motion(one) if hopping else HarmonicMotion.of(one, str(labels[place]))
         except VibroError:  # its motion repeats only every few cycles, or never, or is not known
             labels[place] = ""
     if has_harmonics:

@@ -48,6 +48,14 @@ class HarmonicMotion:
     pattern: str
     phases: tuple[CyclePhase, ...]
 
+    @classmethod
+    def of(cls, scene: Scene, pattern: str) -> HarmonicMotion:
+        """Find the phases of a scene whose pattern is known, and without flights."""
+        phases = cycle_phases(scene)
+        if not phases:
+            raise VibroError("no steady motion to compare with: its phases cannot be followed")
+        return cls(scene, pattern, phases)
+
     @property
     def period(self) -> float:
         """Period of the drive [s]."""
@@ -127,7 +135,7 @@ def steady_motion(scene: Scene) -> SteadyMotion:
     if scene.arrays().can(Ability.FLIGHT):
         return settled_motion(scene)
     cycle = solve(scene)
-    phases = cycle_phases(scene) if Status(int(cycle.status)).answered else ()
-    if not phases:
-        raise VibroError(f"no steady motion to compare with: {Status(int(cycle.status)).message}")
-    return HarmonicMotion(scene, str(cycle.pattern), phases)
+    status = Status(int(cycle.status))
+    if not status.answered:
+        raise VibroError(f"no steady motion to compare with: {status.message}")
+    return HarmonicMotion.of(scene, str(cycle.pattern))
