@@ -128,6 +128,12 @@ def test_a_scene_whose_motion_is_not_known_is_told_or_left_out() -> None:
     assert scene_cycles(fields, hops=False).followed == {}
 
 
+def test_a_motion_whose_phases_cannot_be_followed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibro.records.harmonic_motion.cycle_phases", lambda _: ())
+    with pytest.raises(VibroError, match="no steady motion to compare with: its phases cannot be followed"):
+        HarmonicMotion.of(scene_of(0.5, 0.4), "F_B_")
+
+
 def observed(noise: float = 2e-6) -> Observation:
     """Record a body on the drive, its displacement alone."""
     walked = stepped(0.5, 0.4, 8)

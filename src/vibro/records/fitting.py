@@ -129,8 +129,7 @@ def fit(
     The misfit jumps where the pattern of the motion changes. It is therefore minimised within each pattern,
     and the patterns are compared. Intervals come from the profile of the misfit: they hold every value with
     which the record can be fitted, in any pattern, after the other quantities are fitted again. What the
-    errors of a measured drive make of the estimates, by fits with each of them moved, is added
-    in quadrature.
+    errors of a measured drive make of the estimates, to first order, is added in quadrature.
     """
     check_scene(scene)
     _check_names(scene, names)
@@ -331,18 +330,22 @@ def _profile(
 def _spreads(problem: Problem, minimum: Minimum, moved: Sequence[Moves]) -> Floats:
     """Return the standard errors of the estimates that come from those of a measured drive, (P,).
 
-    The drive is moved by each of its errors to both sides, and the estimates are fitted again.
+    The drive is moved by each of its errors to both sides. Inside the pattern the derivatives say how far the
+    estimates follow; where the pattern ends they are fitted again.
     """
     squares = np.zeros(len(problem.names))
-    movable = range(len(problem.names))
+    label, point = minimum.label, minimum.point
+    residual = problem.residuals(label, point[None]).values[0]
+    follow = -error_covariance(problem, minimum) @ jacobian_at(problem, minimum).T
     for sides in moved:
         found = []
         for way, fields in zip((1.0, -1.0), sides, strict=True):
             other = problem.with_fixed({n: x for n, x in fields.items() if n not in problem.names})
-            begun = nearest_inside(other, minimum.label, minimum.point, movable)
-            if begun is not None:
-                refitted = minimise(other, begun, TOL.enough)
-                found.append(way * (refitted.point - minimum.point)[:-1])
+            changed = other.residuals(label, point[None])
+            if changed.inside[0]:
+                found.append(way * (follow @ (changed.values[0] - residual))[:-1])
+            elif (begun := nearest_inside(other, label, point, range(squares.size))) is not None:
+                found.append(way * (minimise(other, begun, TOL.enough).point - point)[:-1])
         if found:
             squares += np.mean(found, axis=0) ** 2
     return np.sqrt(squares)
