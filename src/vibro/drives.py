@@ -36,7 +36,7 @@ _STEPS: Final = 6  # of Newton's method from there; each squares the error, whic
 class Ability(Enum):
     """Results that only some kinds of drive have; every kind has steady cycles, histories and arrivals."""
 
-    LIMITS = "critical loads, guarantees and comparisons"
+    LIMITS = "critical loads and guarantees"
     PROOF = "closed forms and proved bounds"
 
 

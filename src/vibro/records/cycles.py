@@ -17,14 +17,13 @@ from vibro.records.alignment import computed_signals
 from vibro.records.folding import Floats
 from vibro.records.harmonic_motion import SteadyMotion, steady_motion
 from vibro.results.steady import SteadyCycle
-from vibro.scene import Scene
+from vibro.scene import Fields, Scene
 from vibro.slopes import slides_of
 from vibro.steady import solve
 
 __all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
 
 Labels = NDArray[np.str_]
-Fields = Line | Ellipse | Harmonics
 
 #: Label of every scene that hops: their patterns are too many, and too close to each other.
 HOPS: Final = "H"
@@ -72,10 +71,10 @@ class SceneCycles:
             The signals; those of a body at rest for scenes without a steady cycle.
         """
         names = list(names)
-        if isinstance(self.fields, Harmonics):
-            result = {name: np.zeros((shift.size, time.size)) for name in names}
-        else:
+        if isinstance(self.fields, Line | Ellipse):
             result = self._closed_forms(self.fields, names, time, shift, window)
+        else:
+            result = {name: np.zeros((shift.size, time.size)) for name in names}
         for scene, motion in self.followed.items():
             for name, values in computed_signals(motion, names, time + shift[scene], window).items():
                 result[name][scene] = values

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from vibro.core.codes import Status
+from vibro.core.codes import Regime, Status
 from vibro.drives import Ability, Harmonics
 from vibro.errors import VibroError
 from vibro.motion.settled import CyclePhase, SettledMotion, cycle_phases, settled_motion
@@ -82,7 +82,9 @@ class HarmonicMotion:
         """Return displacement and velocity at times since the start of a slide [m, m/s]."""
         names = ("gravity", "trough_angle", "kinetic_friction")
         gravity, beta, mu_d = (float(getattr(self.scene, name)) for name in names)
-        drag = gravity * (math.sin(beta) + way * mu_d * math.cos(beta))
+        clamped = self.scene.normal_acceleration
+        weight = gravity * math.cos(beta) if clamped is None else float(clamped)
+        drag = gravity * math.sin(beta) + way * mu_d * weight
 
         def forced(at: Floats, order: int) -> Floats:
             return self._trough("along", at, order) + way * mu_d * self._trough("normal", at, order)
@@ -102,9 +104,10 @@ class HarmonicMotion:
     def _harmonics(self) -> dict[str, tuple[Floats, Floats]]:
         """Amplitudes and phases of both motions."""
         fields = Harmonics.of(self.scene)
+        scale = float(fields.motion_scale)
         return {
-            "along": (np.array(fields.along_amplitudes), np.array(fields.along_phases)),
-            "normal": (np.array(fields.normal_amplitudes), np.array(fields.normal_phases)),
+            "along": (scale * np.array(fields.along_amplitudes), np.array(fields.along_phases)),
+            "normal": (scale * np.array(fields.normal_amplitudes), np.array(fields.normal_phases)),
         }
 
 
@@ -124,9 +127,11 @@ def steady_motion(scene: Scene) -> SteadyMotion:
     VibroError
         If there is none that repeats in every drive cycle, or none that is known.
     """
-    if scene.arrays().can(Ability.FLIGHT):
+    if scene.arrays().can(Ability.LIMITS):
         return settled_motion(scene)
     cycle = solve(scene)
+    if cycle.regime == Regime.HOPPING:
+        raise VibroError("no steady motion to compare with: the body hops on a drive with harmonics")
     phases = cycle_phases(scene) if Status(int(cycle.status)).answered else ()
     if not phases:
         raise VibroError(f"no steady motion to compare with: {Status(int(cycle.status)).message}")

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from vibro.drives import Harmonics
 from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR
 from vibro.records.alignment import Observation, misfits_at_shifts
 from vibro.records.cycles import HOPS, Labels, SceneCycles, labels_of, scene_cycles
@@ -66,14 +65,17 @@ def _tried(name: str, values: Iterable[float], own: float) -> list[float]:
 
 def _fields_of(scene: Scene) -> dict[str, Any]:
     """Return the fields of one scene as numbers; its harmonics, if it has any, as pairs of such."""
-    pairs = {name: getattr(scene, name) for name in Harmonics.told_by}
+    pairs = {name: getattr(scene, name) for name in ("along_harmonics", "normal_harmonics")}
     harmonics = {
         name: [(float(size), float(phase)) for size, phase in value]
         for name, value in pairs.items()
         if value is not None
     }
     fields = scene.arrays()._asdict().items()
-    return harmonics | {name: float(value) for name, value in fields if not isinstance(value, tuple)}
+    free = {"normal_acceleration"} if scene.normal_acceleration is None else set()
+    return harmonics | {
+        name: float(value) for name, value in fields if name not in free and isinstance(value, np.ndarray)
+    }
 
 
 class Residuals(NamedTuple):
