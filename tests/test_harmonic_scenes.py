@@ -127,7 +127,7 @@ def test_what_is_not_known_is_refused_with_what_there_is(ask: Any, motion: vibro
     with pytest.raises(VibroError) as caught:
         ask(Scene(motion=motion, **REST))
     assert str(caught.value) == (
-        f"a drive {kind}: critical loads, guarantees and comparisons are known of drives along a line or"
-        " along an ellipse alone"
+        f"a drive {kind}: critical loads and guarantees are known of drives along a line or along an ellipse"
+        " alone"
     )
     assert "vibro.simulate" in caught.value.__notes__[0]
