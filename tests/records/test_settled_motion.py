@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import vibro
 from vibro.errors import VibroError
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import Observation, check_scene
+from vibro.records.alignment import Observation
 from vibro.records.comparison import compare
 from vibro.records.cycles import HOPS, scene_cycles
 from vibro.records.fitting import FITTABLE, fit
@@ -128,12 +128,6 @@ def test_a_scene_whose_motion_is_not_known_is_told_or_left_out() -> None:
     assert scene_cycles(fields, hops=False).followed == {}
 
 
-def test_a_motion_whose_phases_cannot_be_followed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.records.harmonic_motion.cycle_phases", lambda _: ())
-    with pytest.raises(VibroError, match="no steady motion to compare with: its phases cannot be followed"):
-        HarmonicMotion.of(scene_of(0.5, 0.4), "F_B_")
-
-
 def observed(noise: float = 2e-6) -> Observation:
     """Record a body on the drive, its displacement alone."""
     walked = stepped(0.5, 0.4, 8)
@@ -214,7 +208,7 @@ def test_the_scale_of_a_motion_counts() -> None:
     halved = {name: [(0.5 * size, phase) for size, phase in pairs] for name, pairs in drive.items()}
     rest: dict[str, Any] = {"frequency": FREQUENCY, "static_friction": 0.2, "kinetic_friction": 0.15}
     whole, scaled = vibro.Scene(**(rest | drive)), vibro.Scene(**(rest | halved), motion_scale=2.0)
-    expected, got = (steady_motion(scene).sample(time) for scene in (whole, scaled))
+    expected, got = (settled_motion(scene).sample(time) for scene in (whole, scaled))
     assert np.abs(expected.velocity).max() > 1e-3
     np.testing.assert_allclose(got.velocity, expected.velocity, atol=1e-13)
     np.testing.assert_allclose(got.position, expected.position, atol=1e-13)
@@ -226,16 +220,6 @@ def test_a_clamped_body_slides_under_its_own_force() -> None:
     rest: dict[str, Any] = {"frequency": FREQUENCY, "static_friction": 0.2, "kinetic_friction": 0.15}
     rest["gravity"] = GRAVITY
     free, clamped = (vibro.Scene(**(rest | along), normal_acceleration=n) for n in (None, GRAVITY))
-    expected, got = (steady_motion(scene).sample(time) for scene in (free, clamped))
+    expected, got = (settled_motion(scene).sample(time) for scene in (free, clamped))
     assert np.abs(expected.velocity).max() > 1e-3
     np.testing.assert_allclose(got.velocity, expected.velocity, atol=1e-13)
-
-
-def test_bodies_that_hop_on_harmonics_and_steps_are_not_compared() -> None:
-    high = DRIVE._replace(along=8.0 * DRIVE.along, normal=8.0 * DRIVE.normal)
-    with pytest.raises(VibroError, match="the body hops on a drive with harmonics"):
-        steady_motion(scene_of(0.5, 0.4, high))
-    steps = vibro.Motion.steps([(0.5, 1.0), (0.5, -1.0)])
-    rest: dict[str, Any] = {"frequency": FREQUENCY, "static_friction": 0.2, "kinetic_friction": 0.15}
-    with pytest.raises(VibroError, match="records are compared with lines, ellipses and harmonics alone"):
-        check_scene(vibro.Scene(motion=steps, **rest))

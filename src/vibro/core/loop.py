@@ -29,8 +29,8 @@ from vibro.core.waves import SINE
 from vibro.core.windows import thresholds
 
 __all__ = [
-    "arrivals", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others", "followed",
-    "history", "load_slopes", "moments", "prepare", "slips_back", "solve_contact", "solve_hops",
+    "arrivals", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others",
+    "followed", "history", "load_slopes", "moments", "prepare", "slips_back", "solve_contact", "solve_hops",
     "tipping_loads", "transition_loads",
 ]  # fmt: skip
 
@@ -158,7 +158,7 @@ class Limits(NamedTuple):
 
 
 def transition_loads(scenes: Scenes, place: Place, out: Limits, begin: int, end: int) -> None:
-    """Find the load G at which each kind of motion begins; of drives beyond one harmonic its share of the scene's."""
+    """Find the load G at which each kind of motion begins, over that of the scene beyond one harmonic."""
     angles = no_directions()
     for i in range(begin, end):
         visit(scenes, place, i, begin)

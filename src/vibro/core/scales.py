@@ -57,7 +57,7 @@ class _Stretch(NamedTuple):
 
 
 def _scaled(loads: Loads) -> _Scaled:
-    """Find the scales of both onsets and of the hop, Eqs. (4), (5): closed forms but for the largest loads."""
+    """Find the scales of both onsets and of the hop, Eqs. (4) and (5), from the largest loads."""
     at = thresholds(loads)
     capacity, t = loads.static_friction * loads.weight_normal, loads.weight_tangential
     hop = loads.weight_normal / loads.drive_normal if loads.drive_normal > 0.0 else INF

@@ -159,7 +159,8 @@ def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
     forward, back, rest, left = False, False, False, pattern
     while left > 0:
         mode = left % 5
-        forward, back, rest = forward or mode == Mode.FORWARD, back or mode == Mode.BACK, rest or mode == Mode.REST
+        forward, back = forward or mode == Mode.FORWARD, back or mode == Mode.BACK
+        rest = rest or mode == Mode.REST
         left = left // 5
     return Classes(canonical(pattern), forward, back, rest)
 
@@ -169,7 +170,8 @@ def _classes_along(cycle: HoppingCycle, velocity: float, pattern: int) -> Classe
     track, forward, back, rest = cycle.track, False, False, False
     phase, left, mode = 0.0, TURN, mode_of(cycle.track.loads, 0.0, velocity, cycle.track.landed_friction)
     for _ in range(_MOST_LEGS):
-        forward, back, rest = forward or mode == Mode.FORWARD, back or mode == Mode.BACK, rest or mode == Mode.REST
+        forward, back = forward or mode == Mode.FORWARD, back or mode == Mode.BACK
+        rest = rest or mode == Mode.REST
         leg = contact_leg(track, mode, phase, velocity, left)
         if not leg.length < left:
             break

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from vibro.drives import Ability
 from vibro.errors import Problem, SceneError, shown
-from vibro.inverse.spaces import SPACES, UncertaintySet
+from vibro.inverse.spaces import UncertaintySet, space_of
 from vibro.quantities import QUANTITIES
 from vibro.reals import NotRealError, real_array
 from vibro.scene import Scene, field_range, field_text
@@ -26,12 +25,13 @@ _RIGHT_ANGLE: Final = 0.5 * math.pi
 
 
 def one_point(scene: object) -> None:
-    """Raise unless the scene is one operating point (SceneError) of a line or an ellipse (InputError)."""
+    """Raise SceneError unless the scene is one operating point of a trough that moves."""
     if not isinstance(scene, Scene):
         raise SceneError((Problem("scene", shown(scene), "a vibro.Scene"),))
-    scene.arrays().require(Ability.ONE_HARMONIC)
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
+    if scene.motion is not None and not scene.load > 0.0:
+        raise SceneError((Problem("motion", "no acceleration at all", "a motion that moves the trough"),))
 
 
 def uncertainty_set(
@@ -52,11 +52,9 @@ def uncertainty_set(
     ------
     SceneError
         If the scene is more than one operating point or a band is invalid; it lists every problem.
-    InputError
-        If the drive lacks ``Ability.ONE_HARMONIC``.
     """
     one_point(scene)
-    space = SPACES[type(scene.arrays())]
+    space = space_of(scene)
     banded = (*space.knobs, *_PARTS)
     known = [name for name in banded if name not in leaves_out]
     problems = []
@@ -78,13 +76,13 @@ def uncertainty_set(
         )
     if problems:
         raise SceneError(tuple(problems))
-    fields = {name: float(value) for name, value in scene.arrays()._asdict().items()}
+    fields = {name: float(value) for _, name, value in scene.arrays().members()}
     spans = {name: given.get(name, (fields.get(name, math.nan),) * 2) for name in banded}
     is_ratio = "friction_ratio" in given
     shape = {name: spans[name] for name in space.shape}
     box = UncertaintySet(
         space=space,
-        factor=spans.get("amplitude", (1.0, 1.0)),
+        factor=spans.get("amplitude", spans.get("motion_scale", (1.0, 1.0))),
         frequency=spans["frequency"],
         shape=shape,
         trough_angle=spans["trough_angle"],
@@ -99,6 +97,8 @@ def uncertainty_set(
         problems.append(Problem("kinetic_friction", f"{spans['kinetic_friction'][0]:.15g}", limit))
     if "drive_angle" in shape:
         problems += _line_problems(box)
+    elif "motion_scale" in spans:
+        problems += _load_problems(box)
     if problems:
         raise SceneError(tuple(problems))
     return box
@@ -111,12 +111,17 @@ def _line_problems(box: UncertaintySet) -> list[Problem]:
     if drive + trough >= _RIGHT_ANGLE:
         limit = f"less than 90 deg together with trough_angle = {field_text('trough_angle', trough)}"
         problems.append(Problem("drive_angle", field_text("drive_angle", drive), limit))
+    return problems + _load_problems(box)
+
+
+def _load_problems(box: UncertaintySet) -> list[Problem]:
+    """Return the problem of a load beyond the range of doubles."""
     with np.errstate(over="ignore"):
         loads = [float(load) for load in box.load]
     if not all(0.0 < load < math.inf for load in loads):
         beyond = field_text("frequency", box.frequency[loads[0] > 0.0])
-        problems.append(Problem("frequency", beyond, "such that A w^2 / g is within the range of doubles"))
-    return problems
+        return [Problem("frequency", beyond, "such that A w^2 / g is within the range of doubles")]
+    return []
 
 
 def _span(name: str, band: Any) -> Span | Problem:

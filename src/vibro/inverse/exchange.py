@@ -17,7 +17,6 @@ from vibro.inverse.extremes import Seen, least_of
 from vibro.inverse.guarantees import BRIEF, bound
 from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.search import evolve, scatter
-from vibro.inverse.spaces import Setting
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.roots import close_in
 
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.questions import Question
+    from vibro.inverse.spaces import AnySetting
     from vibro.results.designs import Guarantee
 
     Floats = NDArray[np.float64]
@@ -69,7 +69,7 @@ class Effort:
 class Optimum(NamedTuple):
     """A setting, and the least speed of the scenarios there [m/s]."""
 
-    setting: Setting
+    setting: AnySetting
     speed: float
 
 
@@ -77,7 +77,7 @@ class Optimum(NamedTuple):
 class Found:
     """A setting, its printed knobs, its guarantee, and its margin with the optimiser that computed it."""
 
-    setting: Setting
+    setting: AnySetting
     printed: tuple[float, ...]
     guarantee: Guarantee
     margin: float | None = None
@@ -122,7 +122,7 @@ class Exchange(ABC):
     def limit(self, found: Found, scale: float) -> str:
         """Return the name of a setting's active constraint, with bands scaled by a factor."""
 
-    def is_allowed(self, setting: Setting) -> bool:
+    def is_allowed(self, setting: AnySetting) -> bool:
         """Return whether the drive's acceleration allows a setting."""
         load = float(self._question.load(setting))
         return load <= self._question.drive.acceleration * (1.0 + TOLERANCES.converted)
@@ -197,7 +197,7 @@ class Exchange(ABC):
         widest = max(holds)
         return holds[widest], widest
 
-    def margin(self, setting: Setting, target: float) -> float | None:
+    def margin(self, setting: AnySetting, target: float) -> float | None:
         """Return the largest scale of the bands at which a setting guarantees a speed; None without one.
 
         Boxes of growing scale contain each other, so a setting that fails at one fails at every larger one.
@@ -209,9 +209,9 @@ class Exchange(ABC):
             margin = self._margin(setting, target)
         return margin
 
-    def _margin(self, setting: Setting, target: float) -> float | None:
+    def _margin(self, setting: AnySetting, target: float) -> float | None:
         def surplus(scales: Floats) -> Floats:
-            many = Setting(*(np.full(scales.size, float(x)) for x in setting))
+            many = setting._make(np.full(scales.size, float(x)) for x in setting)
             holds = self._holds(many, scales.ravel()) & (self.least(many, scales.ravel()) >= target)
             return np.where(holds, 1.0, -1.0).reshape(scales.shape)
 
@@ -223,16 +223,16 @@ class Exchange(ABC):
         inside, _ = close_in(surplus, 0.0, MOST_MARGIN, absolute=effort.margin, sections=effort.margins)
         return float(inside)
 
-    def holds(self, setting: Setting, target: float) -> bool:
+    def holds(self, setting: AnySetting, target: float) -> bool:
         """Return whether all scenarios reach a speed at a setting, within the regime."""
-        one = Setting(*(np.array([float(x)]) for x in setting))
+        one = setting._make(np.array([float(x)]) for x in setting)
         return bool(self._holds(one, 1.0)[0] and self.least(one, 1.0)[0] >= target)
 
-    def _holds(self, setting: Setting, scale: Floats | float) -> NDArray[np.bool_]:
+    def _holds(self, setting: AnySetting, scale: Floats | float) -> NDArray[np.bool_]:
         """Return whether critical loads allow settings; bodies are not solved here."""
         return np.ones(np.broadcast_shapes(np.shape(setting[0]), np.shape(scale)), np.bool_)
 
-    def least(self, setting: Setting, scale: Floats | float) -> Floats:
+    def least(self, setting: AnySetting, scale: Floats | float) -> Floats:
         """Return the least speed of the scenarios at each setting [m/s]."""
         return least_of(self._question.speeds(setting, self.scenarios, scale))
 

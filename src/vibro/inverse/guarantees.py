@@ -11,10 +11,19 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.bounds import small_speed
-from vibro.inverse.extremes import Extreme, Seen, look_around, sampled, searched, speeds_of, taken
+from vibro.inverse.changes import change_loads
+from vibro.inverse.extremes import (
+    Extreme,
+    Seen,
+    evolved,
+    look_around,
+    sampled,
+    searched,
+    speeds_of,
+    taken,
+)
 from vibro.inverse.proofs import back_slip_load, is_braked, steeper_is_slower
 from vibro.inverse.tolerances import TOLERANCES
-from vibro.limits import critical_loads
 from vibro.results.designs import Guarantee
 from vibro.scene import Scene
 
@@ -28,7 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BOXES", "BRIEF", "Bound", "bound", "guarantee", "guarantee_of"]
 
-_AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude")
+_AMPLITUDES: Final = ("amplitude", "along_amplitude", "normal_amplitude", "motion_scale")
 #: Most boxes of a proof that is printed.
 BOXES: Final = 8000
 #: The same where a slower body alone is sought.
@@ -142,7 +151,10 @@ def bound(
         return _cornered(only)
     if box.space.proves and not hops and _is_monotone(box):
         return _cornered(taken(box, _CORNERS[fast], fast=fast, flight=False, seen=seen))
-    extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
+    if box.space.is_bounded:
+        extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
+    else:
+        extreme, certificate = evolved(box, fast=fast, seen=seen, highest=highest), None
     if certificate is not None:
         if math.isinf(extreme.speed):  # one body without a speed proves it
             return Bound(extreme, "proved", extreme.speed)
@@ -150,6 +162,8 @@ def bound(
         size = max(abs(extreme.speed), small_speed(box))
         is_close = extreme.speed == proved or abs(proved - extreme.speed) <= _CLOSE * size
         return Bound(extreme, "proved" if is_close else "searched", proved, certificate)
+    if not hops:
+        return Bound(extreme, "searched", math.nan)
     hopping = sampled(box, fast=fast, seen=seen)
     key = (lambda e: -e.speed) if fast else (lambda e: e.speed)
     if math.isnan(hopping.speed):  # no sample has a known speed, so none is guaranteed
@@ -176,20 +190,22 @@ def _is_monotone(box: UncertaintySet) -> bool:
 
 def _place(scene: Scene) -> dict[str, float]:
     """Return the fields of a scene of one cell."""
-    return {name: float(np.ravel(value)[0]) for name, value in scene.arrays()._asdict().items()}
+    members = scene.arrays().members()
+    return {name: float(np.ravel(x)[0]) for field, name, x in members if field == name}
 
 
 def _limit(extreme: Extreme) -> str:
     """Return the side from which a speed is the limit at a jump; empty where it does not jump."""
     at = _place(extreme.scene)
     load = float(np.ravel(extreme.scene.load)[0])
-    known = critical_loads(extreme.scene)
+    known = change_loads(extreme.scene)
+    motion: Any = {} if extreme.scene.motion is None else {"motion": extreme.scene.motion}
     for name, text in _JUMPS.items():
-        critical = float(np.ravel(getattr(known, name))[0])
+        critical = float(np.ravel(known.get(name, math.inf))[0])
         if not (math.isfinite(critical) and abs(load - critical) <= TOLERANCES.near * critical):
             continue
         beside = critical / load * (1.0 + TOLERANCES.either_side * np.array([-1.0, 1.0]))
-        fields: dict[str, Any] = {**at, **{field: at[field] * beside for field in _AMPLITUDES if field in at}}
+        fields: dict[str, Any] = {**motion, **at, **{field: at[field] * beside for field in _AMPLITUDES if field in at}}
         below, above = speeds_of(Scene(**fields), fast=False, flight=False)
         if abs(above - below) > TOLERANCES.jump * max(abs(above), abs(below)):
             is_above = abs(extreme.speed - above) < abs(extreme.speed - below)

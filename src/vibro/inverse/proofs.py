@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import Regime
+from vibro.inverse.changes import begin_load
 from vibro.inverse.search import evolve, placed, sobol
-from vibro.limits import critical_loads, critical_loads_of_lines, tipping_load, tipping_load_of_lines
+from vibro.limits import critical_loads_of_lines, tipping_load, tipping_load_of_lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,13 +37,6 @@ _ROUNDS: Final = 5  # refinements of these grids
 _FIRST: Final = 5  # base-2 logarithm of the first population, beside the corners
 _GENERATIONS: Final = 60
 _SEED: Final = 1
-
-# The field of ``CriticalLoads`` at which each regime begins.
-_BEGINS: Final = {
-    Regime.FORWARD_SLIP: "forward_onset",
-    Regime.BACK_SLIP: "back_slip",
-    Regime.HOPPING: "hop",
-}
 
 
 def corners(varies: NDArray[np.bool_]) -> Floats:
@@ -97,7 +91,7 @@ def _ratio(load: Floats | float, critical: Floats | float) -> float:
 
 
 def _critical(regime: Regime) -> Callable[[Scene], Floats]:
-    return lambda scene: np.asarray(getattr(critical_loads(scene), _BEGINS[regime]))
+    return lambda scene: begin_load(scene, regime)
 
 
 def extreme_ratio(

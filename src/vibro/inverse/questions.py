@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.inverse.extremes import ANY_LANDING, Landings, counted
-from vibro.inverse.spaces import Setting, UncertaintySet, cut, off
+from vibro.inverse.spaces import UncertaintySet, cut, off
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.limits import stays_upright
 from vibro.scene import Scene
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.inverse.scenarios import Scenarios
-    from vibro.inverse.spaces import Ends, Points, Space
+    from vibro.inverse.spaces import AnySetting, Ends, Points, Space
     from vibro.inverse.specs import Drive, Span, Spec
 
     Floats = NDArray[np.float64]
@@ -67,12 +67,12 @@ class Question:
         goal = self.spec.goal
         return Landings(goal.impact_speed, goal.flight_fraction) if self.flies else ANY_LANDING
 
-    def box(self, setting: Setting, scale: Floats | float = 1.0) -> UncertaintySet:
+    def box(self, setting: AnySetting, scale: Floats | float = 1.0) -> UncertaintySet:
         """Return the uncertainty set of a setting, or of several where these are arrays of shape (m, 1).
 
         Parameters
         ----------
-        setting : Setting
+        setting : AnySetting
             Nominal values.
         scale : float or array
             Factor on all bands and drifts about their middles; bands are cut at impossible values.
@@ -101,14 +101,14 @@ class Question:
             restitution=self.spec.restitution,
         )
 
-    def load(self, setting: Setting) -> Floats:
+    def load(self, setting: AnySetting) -> Floats:
         """Nominal load of a setting: the largest acceleration along its path over g [1]."""
-        return setting.load(self.spec.gravity)
+        return self.space.load(setting, self.spec.gravity)
 
-    def nominal_scene(self, setting: Setting) -> Scene:
+    def nominal_scene(self, setting: AnySetting) -> Scene:
         """Return the scene of a setting in the middle of all bands."""
         box = self.box(setting, 0.0)
-        points = box.points(np.full((len(box.axes), *np.shape(setting.along_amplitude)), 0.5))
+        points = box.points(np.full((len(box.axes), *np.shape(setting[0])), 0.5))
         return box.scene(points, fast=False)
 
     def growth(self, scale: Floats | float) -> Floats | float:
@@ -116,14 +116,14 @@ class Question:
         drift = self.spec.drift
         return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** 2
 
-    def hardest_impacts(self, setting: Setting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
+    def hardest_impacts(self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
         """Return the largest impact speed of scenarios at each of some settings, 1-D; 0 where none lands."""
         boxes, points = self._bodies(setting, scenarios, scale)
         # at one load landings are hardest at the lowest frequency
         cycle = solve(boxes.scene(points, fast=True), flight=self.flies)
         return np.asarray(np.nanmax(cycle.impact_velocity, axis=1, initial=0.0))
 
-    def speeds(self, setting: Setting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
+    def speeds(self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
         """Speeds of scenarios at settings, 1-D, of shape (settings, scenarios).
 
         -inf where a body breaks a constraint; NaN where its speed is unknown and it is left out.
@@ -139,10 +139,10 @@ class Question:
         return np.where(bad, -np.inf, counted(cycle, fast=False))
 
     def _bodies(
-        self, setting: Setting, scenarios: Scenarios, scale: Floats | float
+        self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float
     ) -> tuple[UncertaintySet, Points]:
         """Return the uncertainty sets of settings, 1-D, and the scenarios of each."""
-        columns = Setting(*(np.reshape(x, (-1, 1)) for x in setting))
+        columns = setting._make(np.reshape(x, (-1, 1)) for x in setting)
         boxes = self.box(columns, np.reshape(scale, (-1, 1)))
         return boxes, boxes.points(scenarios.at(boxes))
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Regime
+from vibro.inverse.changes import change_loads
 from vibro.inverse.tolerances import TOLERANCES
-from vibro.limits import critical_loads
 from vibro.roots import close_in
 from vibro.steady import solve
 
@@ -118,9 +118,9 @@ def at_loads(box: UncertaintySet, coordinates: Floats, own: float) -> Floats:
 
 
 def entry_loads(boxes: UncertaintySet, points: Points) -> Floats:
-    """Return the loads at which back slip enters at points; inf where it never does."""
+    """Return the loads at which back slip enters at points; inf where it never does, or is not known."""
     scene = boxes.scene(points, fast=False)
-    entry = points.load * critical_loads(scene).back_slip / scene.load
+    entry = points.load * change_loads(scene).get("back_slip", np.inf) / scene.load
     return np.nan_to_num(entry, nan=np.inf, posinf=np.inf)
 
 

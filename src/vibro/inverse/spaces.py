@@ -1,8 +1,8 @@
 """Settings of a drive, and the uncertainty set of a setting: all operating points within bands and drifts.
 
-A setting is a motion of the trough: amplitudes along and normal to it, the phase between them, and the
-frequency. Drives along a line and along an ellipse differ in the quantities that set it (knobs), which the
-two spaces below describe.
+A setting is a motion of the trough: of drives along a line or an ellipse amplitudes along and normal to it,
+the phase between them, and the frequency; of any other periodic motion its scale and the frequency. The
+drives differ in the quantities that set them (knobs), which the three spaces below describe.
 """
 
 from __future__ import annotations
@@ -13,23 +13,29 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
 
 import numpy as np
 
-from vibro.drives import Ability, Ellipse, Line
+from vibro.drives import Ability, Ellipse, Harmonics, Line, Piecewise
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.scene import Scene
+from vibro.steady import solve
+from vibro.waveforms import HarmonicMotion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
+    from vibro.waveforms import Motion
+
     Floats = NDArray[np.float64]
     Ends = tuple[Any, Any]  # numbers, or arrays of shape (m, 1)
 
 __all__ = [
-    "SPACES", "EllipseSpace", "LineSpace", "Points", "Setting", "Space", "UncertaintySet", "inside", "off",
+    "SPACES", "AnySetting", "EllipseSpace", "LineSpace", "MotionSpace", "Points", "Scaled", "Setting",
+    "Space", "UncertaintySet", "inside", "off", "space_of",
 ]  # fmt: skip
 
 _RIGHT_ANGLE: Final = 0.5 * math.pi
+_UNIT: Final = 4.0 * math.pi**2  # [m/s^2] largest acceleration of an amplitude of 1 m at 1 Hz
 
 
 class Setting(NamedTuple):
@@ -52,6 +58,20 @@ class Setting(NamedTuple):
         return np.asarray(motion.reach * (2.0 * np.pi * motion.frequency) ** 2 / gravity)
 
 
+class Scaled(NamedTuple):
+    """Nominal scale and frequency of a motion [1, Hz]; numbers, or arrays of one shape."""
+
+    motion_scale: Any
+    frequency: Any
+
+    def scaled(self, factor: Any) -> Scaled:
+        """Return the motion with its scale multiplied."""
+        return Scaled(factor * self.motion_scale, self.frequency)
+
+
+AnySetting = Setting | Scaled
+
+
 class Space:
     """Quantities that set a kind of drive: its knobs.
 
@@ -61,36 +81,69 @@ class Space:
         The kind of drive.
     knobs : tuple of str
         Every quantity that may be chosen, in the order of printed settings.
+    sizes : tuple of str
+        Those with which the load grows, at any frequency.
     shape : tuple of str
         Knobs beside amplitude and frequency: coordinates of a box.
+    unit : float
+        Largest acceleration at 1 Hz of the motion whose factor is 1, along a line or where both amplitudes
+        are measured by it [m/s^2].
+    power : int
+        Power of the frequency with which the load goes: 2, or 0 of a motion that is given by accelerations.
+    is_bounded : bool
+        Whether the solver covers boxes of bodies in contact by proved bounds.
     """
 
-    drive: ClassVar[type[Line] | type[Ellipse]]
+    drive: type[Line | Ellipse | Harmonics | Piecewise]
     knobs: ClassVar[tuple[str, ...]]
+    sizes: ClassVar[tuple[str, ...]]
     shape: ClassVar[tuple[str, ...]]
+    unit: float
+    power: int
+    is_bounded: ClassVar[bool] = True
 
     @property
     def proves(self) -> bool:
         """Whether corners of a box prove bounds."""
         return Ability.PROOF in self.drive.abilities
 
-    def setting(self, **knobs: Any) -> Setting:
+    def setting(self, **knobs: Any) -> AnySetting:
         """Return the setting of values of all knobs [SI]."""
         raise NotImplementedError
 
-    def turned(self, setting: Setting) -> dict[str, Any]:
+    def turned(self, setting: Any) -> dict[str, Any]:
         """Return the values of all knobs at a setting, in their order [SI]."""
         raise NotImplementedError
 
-    def amplitude(self, setting: Setting) -> Any:
-        """Amplitude that windows and pictures vary [m]."""
+    def load(self, setting: Any, gravity: float) -> Floats:
+        """Largest acceleration of a setting along its path over gravity [1]."""
+        return np.asarray(setting.load(gravity))
+
+    def load_at(self, factor: Any, frequency: Any, gravity: float) -> Floats:
+        """Load of a factor of the motion at a frequency, as in ``Points``."""
+        return np.asarray(factor * (2.0 * np.pi * np.asarray(frequency)) ** 2 / gravity)
+
+    def parts(
+        self, load: Floats, gravity: float, factor: Ends, frequency: Ends, *, fast: bool
+    ) -> tuple[Floats, Floats]:
+        """Split loads into factor and frequency, within bands: the fastest pair, or the slowest."""
+        # Of all factors and frequencies with the same load the lowest frequency is the fastest, and the
+        # highest the slowest, Eq. (52).
+        weight = load * gravity / self.unit  # factor f^2
+        (a_low, a_high), (f_low, f_high) = factor, frequency
+        with np.errstate(over="ignore"):  # an overflow lies beyond the band
+            f = np.clip(np.sqrt(weight / (a_high if fast else a_low)), f_low, f_high)
+        return np.clip(weight / (f * f), a_low, a_high), f
+
+    def amplitude(self, setting: Any) -> Any:
+        """Amplitude that windows and pictures vary [m], or the scale of a motion [1]."""
         raise NotImplementedError
 
-    def leading(self, setting: Setting) -> str:
+    def leading(self, setting: Any) -> str:
         """Return the name of that amplitude."""
         raise NotImplementedError
 
-    def band(self, setting: Setting, drift: Any, scale: Any, steepest: Any) -> tuple[Ends, dict[str, Ends]]:
+    def band(self, setting: Any, drift: Any, scale: Any, steepest: Any) -> tuple[Ends, dict[str, Ends]]:
         """Return the bands of the factor and of the shape around a setting.
 
         Parameters
@@ -120,6 +173,8 @@ class LineSpace(Space):
 
     drive = Line
     knobs = ("amplitude", "frequency", "drive_angle")
+    sizes = ("amplitude",)
+    unit, power = _UNIT, 2
     shape = ("drive_angle",)
 
     def setting(self, **knobs: Any) -> Setting:
@@ -162,6 +217,8 @@ class EllipseSpace(Space):
 
     drive = Ellipse
     knobs = Setting._fields
+    sizes = ("along_amplitude", "normal_amplitude")
+    unit, power = _UNIT, 2
     shape = ("along_amplitude", "normal_amplitude", "normal_phase")
 
     def setting(self, **knobs: Any) -> Setting:
@@ -197,8 +254,100 @@ class EllipseSpace(Space):
         return shape[1]
 
 
-#: The space of each kind of drive that can be designed.
+@dataclass(frozen=True)
+class MotionSpace(Space):
+    """Drives that are a given motion: the factor is its scale [1], its shape is fixed.
+
+    Attributes
+    ----------
+    given : Motion
+        The motion, without axes of its own.
+    drive, unit, power
+        As for all spaces.
+    throw : float
+        Its largest downward acceleration over its largest acceleration [1].
+    normal_acceleration : float
+        Of a clamped body, as in ``Scene``; NaN of one that lies on the trough [m/s^2].
+    """
+
+    given: Motion
+    drive: type[Line | Ellipse | Harmonics | Piecewise]
+    unit: float
+    power: int
+    throw: float
+    normal_acceleration: float = math.nan
+
+    knobs = Scaled._fields
+    sizes = ("motion_scale",)
+    shape = ()
+    is_bounded = False
+
+    @classmethod
+    def of(cls, motion: Motion, normal_acceleration: float = math.nan) -> MotionSpace:
+        """Return the space of a motion."""
+        light = Scene(motion=motion, frequency=1.0, static_friction=1.0, kinetic_friction=1.0, gravity=1.0)
+        unit, hops = float(light.load), float(solve(light, accuracy="regimes").throw_number)
+        power = 2 if isinstance(motion, HarmonicMotion) else 0
+        return cls(motion, type(light.arrays()), unit, power, hops / unit, normal_acceleration)
+
+    def setting(self, **knobs: Any) -> Scaled:
+        """Return the setting of a scale and a frequency [Hz]."""
+        return Scaled(**knobs)
+
+    def turned(self, setting: Scaled) -> dict[str, Any]:
+        """Return the fields of the setting."""
+        return setting._asdict()
+
+    def load(self, setting: Scaled, gravity: float) -> Floats:
+        """Largest acceleration of a setting over gravity [1]."""
+        return self.load_at(*setting, gravity)
+
+    def load_at(self, factor: Any, frequency: Any, gravity: float) -> Floats:
+        """Load of a scale at a frequency: the largest acceleration over gravity [1]."""
+        return np.asarray(factor * (self.unit * np.asarray(frequency) ** self.power) / gravity)
+
+    def parts(
+        self, load: Floats, gravity: float, factor: Ends, frequency: Ends, *, fast: bool
+    ) -> tuple[Floats, Floats]:
+        """Split loads into scale and frequency, within bands: the fastest pair, or the slowest."""
+        if self.power:
+            return super().parts(load, gravity, factor, frequency, fast=fast)
+        # accelerations do not depend on the frequency, speeds fall with it
+        return np.clip(load * gravity / self.unit, *factor), np.asarray(frequency[0 if fast else 1])
+
+    def amplitude(self, setting: Scaled) -> Any:
+        """Scale of the motion [1]."""
+        return setting.motion_scale
+
+    def leading(self, setting: Scaled) -> str:
+        """Return the name of the scale."""
+        return "motion_scale"
+
+    def band(self, setting: Scaled, drift: Any, scale: Any, steepest: Any) -> tuple[Ends, dict[str, Ends]]:
+        """Return the band of the scale."""
+        return off(setting.motion_scale, drift.amplitude * scale), {}
+
+    def motion(self, factor: Any, shape: tuple[Any, ...]) -> dict[str, Any]:
+        """Return the motion, its scale, and what clamps the body, if anything."""
+        clamped = self.normal_acceleration
+        beside = {} if math.isnan(clamped) else {"normal_acceleration": clamped}
+        return {"motion": self.given, "motion_scale": factor, **beside}
+
+    def normal(self, shape: tuple[Any, ...]) -> Any:
+        """Largest downward acceleration over the largest one [1]."""
+        return self.throw
+
+
+#: The space of each kind of drive that is given by its knobs alone.
 SPACES: Final[Mapping[type, Space]] = {Line: LineSpace(), Ellipse: EllipseSpace()}
+
+
+def space_of(scene: Scene) -> Space:
+    """Return the space of a scene's drive."""
+    if scene.motion is None:
+        return SPACES[type(scene.arrays())]
+    clamped = scene.normal_acceleration
+    return MotionSpace.of(scene.motion, math.nan if clamped is None else float(clamped))
 
 
 class Points(NamedTuple):
@@ -207,7 +356,8 @@ class Points(NamedTuple):
     Attributes
     ----------
     load : array
-        w^2 / g times the factor of the motion: G = A w^2 / g of a line [1], 1/m of an ellipse.
+        w^2 / g times the factor of the motion: G = A w^2 / g of a line [1], 1/m of an ellipse. Of a given
+        motion G, its largest acceleration over g [1].
     shape : tuple of array
         By ``Space.shape`` [SI].
     trough_angle : array
@@ -256,7 +406,8 @@ class UncertaintySet:
     space : Space
         Of the drive.
     factor : pair
-        Band of the factor on the motion: the amplitude of a line [m], a number of an ellipse [1].
+        Band of the factor on the motion: the amplitude of a line [m], a number of an ellipse [1], the scale of
+        a given motion [1].
     frequency : pair
         Band [Hz].
     shape : mapping of str to pair
@@ -291,7 +442,7 @@ class UncertaintySet:
     def load(self) -> tuple[Floats, Floats]:
         """Smallest and largest load, as in ``Points``."""
         low, high = (
-            np.asarray(a * (2.0 * np.pi * np.asarray(f)) ** 2 / self.gravity)
+            self.space.load_at(a, f, self.gravity)
             for a, f in zip(self.factor, self.frequency, strict=True)
         )
         return low, high
@@ -369,13 +520,9 @@ class UncertaintySet:
 
     def scene(self, points: Points, *, fast: bool) -> Scene:
         """Return scenes at the points: of the frequencies that a load allows the fastest, or the slowest."""
-        # Of all factors and frequencies with the same load the lowest frequency is the fastest, and the
-        # highest the slowest, Eq. (52).
-        weight = points.load * self.gravity / (4.0 * math.pi**2)  # factor f^2
-        (a_low, a_high), (f_low, f_high) = self.factor, self.frequency
-        with np.errstate(over="ignore"):  # an overflow lies beyond the band
-            frequency = np.clip(np.sqrt(weight / (a_high if fast else a_low)), f_low, f_high)
-        factor = np.clip(weight / (frequency * frequency), a_low, a_high)
+        factor, frequency = self.space.parts(
+            points.load, self.gravity, self.factor, self.frequency, fast=fast
+        )
         return Scene.allowing_infeasible(
             **self.space.motion(factor, points.shape),
             frequency=frequency,

@@ -15,14 +15,14 @@ import numpy as np
 from vibro.core.codes import Regime
 from vibro.errors import InputError, Problem, SceneError, shown
 from vibro.inverse.bands import uncertainty_set
+from vibro.inverse.changes import change_loads
 from vibro.inverse.extremes import ANY_LANDING, Extreme, Landings, Seen, counted, least_of
 from vibro.inverse.guarantees import BRIEF, bound
 from vibro.inverse.proofs import corners, first_ratio, last_ratio, tip_ratio
 from vibro.inverse.scenarios import Scenarios, at_loads
 from vibro.inverse.spaces import inside
 from vibro.inverse.tolerances import TOLERANCES
-from vibro.limits import critical_loads
-from vibro.quantities import AMPLITUDES
+from vibro.quantities import AMPLITUDES, SCALE
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
 from vibro.roots import close_in
@@ -200,7 +200,7 @@ def feasible_amplitudes(
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
     if highest is Regime.HOPPING and math.isinf(largest):
         raise InputError("limit = inf: must be finite where bodies may hop", hint="give limit=")
-    box = _of_amplitudes(uncertainty_set(scene, bands, leaves_out=AMPLITUDES))
+    box = _of_amplitudes(uncertainty_set(scene, bands, leaves_out=(*AMPLITUDES, SCALE)))
     return Family(box, percent / 100.0).intervals(target, highest, largest)
 
 
@@ -226,8 +226,8 @@ def span_of(question: Question, setting: Setting) -> tuple[float, float]:
     amplitude = float(space.amplitude(setting))
     shares = [
         [end / float(turned[knob]) for end in question.drive.span(knob)]
-        for knob in space.knobs
-        if knob.endswith("amplitude") and turned[knob] > 0.0
+        for knob in space.sizes
+        if turned[knob] > 0.0
     ]
     return max(low for low, _ in shares) * amplitude, min(high for _, high in shares) * amplitude
 
@@ -560,7 +560,7 @@ class _Scan:
     def criticals(self) -> list[float]:
         """Nominal amplitudes at which some body changes its regime."""
         scene = self._scene(np.ones(1))
-        found = np.array([load / scene.load for load in critical_loads(scene)])
+        found = np.array([load / scene.load for load in change_loads(scene).values()])
         return [float(x) for x in np.unique(found[np.isfinite(found) & (found > 0.0)])]
 
     def _closer(self, grid: Floats, least: Floats) -> tuple[Floats, Floats]:

@@ -150,7 +150,7 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles
     for place in np.flatnonzero(wanted & ((labels != HOPS) | hops)).tolist():
         one = Scene(**{name: _at(v, place) for name, v in values.items()})
         try:
-            followed[place] = settled_motion(Scene(**{name: _at(v, place) for name, v in values.items()}))
+            followed[place] = settled_motion(one)
         except VibroError:  # its motion repeats only every few cycles, or never, or is not known
             labels[place] = ""
     if one_harmonic:
