@@ -195,9 +195,7 @@ def _with_changes(box: UncertaintySet, points: Points) -> Points:
     return points
 
 
-def evolved(
-    box: UncertaintySet, *, fast: bool, seen: Seen, highest: Regime = Regime.HOPPING
-) -> Extreme:
+def evolved(box: UncertaintySet, *, fast: bool, seen: Seen, highest: Regime = Regime.HOPPING) -> Extreme:
     """Return the slowest or the fastest body in contact of a drive whose boxes the solver does not bound.
 
     An evolution moves to it, from corners and points that fill the box evenly; arguments as for ``searched``.

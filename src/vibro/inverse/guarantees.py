@@ -205,7 +205,11 @@ def _limit(extreme: Extreme) -> str:
         if not (math.isfinite(critical) and abs(load - critical) <= TOLERANCES.near * critical):
             continue
         beside = critical / load * (1.0 + TOLERANCES.either_side * np.array([-1.0, 1.0]))
-        fields: dict[str, Any] = {**motion, **at, **{field: at[field] * beside for field in _AMPLITUDES if field in at}}
+        fields: dict[str, Any] = {
+            **motion,
+            **at,
+            **{field: at[field] * beside for field in _AMPLITUDES if field in at},
+        }
         below, above = speeds_of(Scene(**fields), fast=False, flight=False)
         if abs(above - below) > TOLERANCES.jump * max(abs(above), abs(below)):
             is_above = abs(extreme.speed - above) < abs(extreme.speed - below)
