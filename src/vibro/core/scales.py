@@ -23,7 +23,7 @@ __all__ = ["CLASSES", "SCALES", "wave_limits", "write_spans"]
 CLASSES: Final = 3
 
 #: [1] Steps between the first onset and the hop in which a change of the cycle is looked for.
-SCALES: Final = 128
+SCALES: Final = 256
 
 # [1] Scale over that of the first onset up to which drives are looked at that never make bodies hop.
 _MOST: Final = 1e6
@@ -37,12 +37,13 @@ _MOST_CHANGES: Final = 1_000  # of the pattern; the most that were met are 40
 
 
 class _Scaled(NamedTuple):
-    """A scene, its thresholds at scale 1, both onsets, and the range of scales to look at."""
+    """A scene, its thresholds at scale 1, both onsets, just above the later one, and the range to look at."""
 
     loads: Loads
     at: Thresholds
     forward: float
     back: float
+    later: float
     low: float
     high: float
     hop: float
@@ -64,7 +65,7 @@ def _scaled(loads: Loads) -> _Scaled:
     forward, back = onset(capacity + t, at.forward_load), onset(capacity - t, at.back_load)
     low = min(forward, back)
     high = min(hop, _MOST * low) if low < INF else low
-    return _Scaled(loads, at, forward, back, low, high, hop)
+    return _Scaled(loads, at, forward, back, max(forward, back) * (1.0 + _BESIDE), low, high, hop)
 
 
 def _classes_at(scaled: _Scaled, scale: float) -> Classes:
@@ -94,6 +95,11 @@ def _next(scaled: _Scaled, here: _Stretch) -> _Stretch:
     low = here.scale
     for index in range(here.index, SCALES + 1):
         high = _scale_at(scaled, index)
+        if low < scaled.later < high:
+            then = _classes_at(scaled, scaled.later)
+            if then.pattern != here.classes.pattern:
+                return _enclosed(scaled, here, index, low, scaled.later, then)
+            low = scaled.later
         if high > low:
             then = _classes_at(scaled, high)
             if then.pattern != here.classes.pattern:
