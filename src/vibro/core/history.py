@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.bounces import LONGEST_CYCLE, MOST_FLIGHTS, Flights, bounces
+from vibro.core.bounces import LONGEST_CYCLE, MOST_FLIGHTS, Bounces, Flights, bounces
 from vibro.core.buffers import Bytes, Doubles, Integers
 from vibro.core.cells import number_of_nodes
 from vibro.core.codes import Mode
@@ -20,7 +20,10 @@ from vibro.core.flight import next_take_off
 from vibro.core.steps import Course, State, Step, nearest_turn, starting, step
 from vibro.core.waves import NORMAL, SINE, nodes_of
 
-__all__ = ["Followed", "LastStarts", "Legs", "Sections", "follow", "is_section", "places", "sections_of"]
+__all__ = [
+    "Followed", "LastStarts", "Legs", "Sections", "follow", "is_section", "places", "sections_from",
+    "sections_of",
+]  # fmt: skip
 
 # [rad, A w] Change from one cycle to the next that rounding alone brings.
 _REPEATS: Final = 2e-15
@@ -135,7 +138,25 @@ def sections_of(course: Course, flights: Flights) -> Sections:
     if not math.isfinite(course.track.lift_off):
         return Sections(1, True, 1)
     bed = course.bed
-    cycle = bounces(bed, course.restitution, flights, MOST_FLIGHTS, bed.lift_off, 0.0, True)
+    return _sections(bounces(bed, course.restitution, flights, MOST_FLIGHTS, bed.lift_off, 0.0, True))
+
+
+def sections_from(course: Course, phase: float, velocity: float, flights: Flights) -> Sections:
+    """Choose where to compare the motion of a body with itself that starts as in ``follow``.
+
+    Several normal motions may coexist. A body that the trough cannot bear at its start leaves at once, and
+    may come to another one than from a lift-off.
+    """
+    at = starting(course, phase, velocity)
+    if at.mode == Mode.FLIGHT:
+        cycle = bounces(course.bed, course.restitution, flights, MOST_FLIGHTS, at.phase, 0.0, False)
+        if cycle.repeats:
+            return _sections(cycle)
+    return sections_of(course, flights)
+
+
+def _sections(cycle: Bounces) -> Sections:
+    """Compare bodies that come to rest on the trough at lift-offs, others at every take-off."""
     if cycle.rest > 0.0:
         return Sections(1, True, cycle.cycles)
     lag = cycle.count if cycle.repeats else 0

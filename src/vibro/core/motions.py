@@ -19,7 +19,7 @@ from vibro.core.drives import (
     tangential_load,
 )
 from vibro.core.elementary import NAN, TURN, wrap
-from vibro.core.history import LastStarts, Legs, follow, sections_of
+from vibro.core.history import LastStarts, Legs, follow, sections_from
 from vibro.core.hopping import MOST_THROW
 from vibro.core.scenes import Place, Point, Scenes, no_directions, point_at, seek
 from vibro.core.steps import course_of
@@ -119,8 +119,8 @@ def arrivals(
         point = _point(scenes, place, i)
         if _is_followed(point.loads):
             course = course_of(point.loads, point.restitution)
-            sections = sections_of(course, flights)
             start = velocity / (point.scale * TURN * point.frequency)
+            sections = sections_from(course, phase, start, flights)
             reach, steady = length[i] / point.scale, advance[i] / point.scale
             times[i] = arrival_cycles(course, sections, reach, phase, start, steady) / point.frequency
 
@@ -148,7 +148,7 @@ def history(
     """
     point = _point(scenes, place, 0)
     course = course_of(point.loads, point.restitution)
-    sections = sections_of(course, flights)
+    sections = sections_from(course, phase, velocity, flights)
     found = follow(course, sections, phase, velocity, cycles, legs, rows, last)
     cycle.first[0] = found.first
     cycle.period[0] = found.period

@@ -148,7 +148,7 @@ def scene_cycles(values: Mapping[str, Any], *, hops: bool = True) -> SceneCycles
     wanted = (labels == HOPS) if one_harmonic else (labels != "")
     followed = {}
     for place in np.flatnonzero(wanted & ((labels != HOPS) | hops)).tolist():
-        one = Scene(**{name: _at(v, place) for name, v in values.items()})
+        one = Scene(**{name: _at(value, place) for name, value in values.items()})
         try:
             followed[place] = settled_motion(one)
         except VibroError:  # its motion repeats only every few cycles, or never, or is not known
