@@ -47,7 +47,12 @@ def test_a_report_of_steps(run: Run, tmp_path: Path) -> None:
     speed = float(vibro.solve(scene()).mean_velocity)
     assert float(told["mean speed"].removesuffix(" mm/s")) == pytest.approx(1e3 * speed, rel=1e-5)
     gain = float(vibro.solve(scene(motion_scale=1.1)).mean_velocity) / speed - 1.0
-    assert told["sensitivity"] == f"+10 % motion scale: {100.0 * gain:+.3g} % speed"
+    # the slide is p/2 (s + p/b) T^2 long, p = (9.6 c - f) s, b = 2.4 c + f, f = mu_d g, s = 0.2
+    f = 0.25 * 9.81
+    peak, fall = 0.2 * (9.6 - f), 2.4 + f
+    power = 0.2 * 9.6 / peak + (0.2 * 9.6 / fall - peak * 2.4 / fall**2) / (0.2 + peak / fall)
+    expected = f"+10 % motion scale: {100.0 * gain:+.3g} % speed (d ln speed / d ln scale = {power:.6g})"
+    assert told["sensitivity"] == expected
     assert told["comes next"] == "not known of drives with steps or sampled accelerations"
 
 

@@ -223,3 +223,18 @@ def test_a_clamped_body_slides_under_its_own_force() -> None:
     expected, got = (settled_motion(scene).sample(time) for scene in (free, clamped))
     assert np.abs(expected.velocity).max() > 1e-3
     np.testing.assert_allclose(got.velocity, expected.velocity, atol=1e-13)
+
+
+def test_a_body_on_steps_is_compared_too() -> None:
+    scene = vibro.Scene(
+        motion=vibro.Motion.steps([(0.8, 2.4), (0.2, -9.6)]),
+        frequency=FREQUENCY,
+        static_friction=0.3,
+        kinetic_friction=0.25,
+    )
+    check_scene(scene)
+    motion = settled_motion(scene)
+    start, end = motion.sample(np.array([0.1, 0.1 + 3.0 / FREQUENCY])).position
+    advance = float(vibro.solve(scene).displacement_per_cycle)
+    assert end - start == pytest.approx(3.0 * advance, rel=1e-12)
+    assert advance > 0.0

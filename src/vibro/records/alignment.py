@@ -11,7 +11,6 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from vibro.drives import Piecewise
 from vibro.errors import InputError
 from vibro.motion.settled import SettledMotion
 from vibro.quantities import AMPLITUDES, QUANTITIES
@@ -192,15 +191,10 @@ def check_scene(scene: Scene) -> None:
     Raises
     ------
     InputError
-        If its drive has steps or samples; or if its amplitude (of several the largest one), its frequency or
-        gravity is beyond 1e-20 to 1e20 in SI units, so that squares could not be summed with the record's.
+        If its amplitude (of several the largest one), its frequency or gravity is beyond 1e-20 to 1e20 in SI
+        units, so that squares could not be summed with the record's.
     """
     fields = scene.arrays()
-    if isinstance(fields, Piecewise):
-        raise InputError(
-            f"a drive {fields.kind}: records are compared with lines, ellipses and harmonics alone",
-            hint="give its harmonics: vibro motion finds them in the record of a sensor on the trough",
-        )
     own = [name for name in AMPLITUDES if name in fields._fields]
     largest = max(own, key=lambda name: getattr(fields, name), default="along_amplitude")
     problems = []

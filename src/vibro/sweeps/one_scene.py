@@ -290,7 +290,8 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
     if raised.regime is not one.regime:
         told += f", {raised.regime.label}"
     exponent = one.value(WITH_EXPONENT)
-    power = "" if math.isnan(exponent) else f" (d ln speed / d ln amplitude = {number(exponent)})"
+    size = "scale" if SCALE in one.driven else "amplitude"
+    power = "" if math.isnan(exponent) else f" (d ln speed / d ln {size} = {number(exponent)})"
     return [("sensitivity", f"+10 % {one.all_amplitudes or 'amplitude'}: {told}{power}")]
 
 
