@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import vibro
 from vibro.errors import VibroError
 from vibro.motion.settled import settled_motion
-from vibro.records.alignment import Observation
+from vibro.records.alignment import Observation, check_scene
 from vibro.records.comparison import compare
 from vibro.records.cycles import HOPS, scene_cycles
 from vibro.records.fitting import FITTABLE, fit

@@ -87,4 +87,6 @@ def _harmonics(pairs: list[list[float]] | None, key: str) -> list[tuple[float, f
             raise InputError(
                 f"{key} has {[amplitude, phase]}", hint=f"{key}: give amplitudes >= 0 mm, finite"
             )
-    return pairs and [(amplitude / _MILLIMETRES, math.radians(phase)) for amplitude, phase in pairs]
+    if pairs is None:
+        return None
+    return [(amplitude / _MILLIMETRES, math.radians(phase)) for amplitude, phase in pairs]
