@@ -7,6 +7,7 @@ Scenes and loads:
     two_axis_scenes   drives along two axes as scenes and as bodies of ``engines.two_axis_walk``, compared
     reference_tables  reference tables of tests/data: rows, scenes, solved
     periodic_tables   those of drives with harmonics
+    waves             waves as the core keeps them, drawn, and evaluated by NumPy (shares the memory of waves)
     harmonics         drives with harmonics, drawn; as bodies of ``engines.harmonic_walk``
     contact_loads     loads of bodies in contact; their motion with 50 digits (shares the record ``Loads``)
     hopping_bodies    loads of bodies that hop; rounds of ``engines.two_axis_walk`` (shares ``Loads``)
