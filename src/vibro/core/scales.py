@@ -53,7 +53,7 @@ class _Stretch(NamedTuple):
     """Scales with one pattern: where they begin, the next one to look at, and the legs of the cycle."""
 
     scale: float
-    index: int
+    step: int
     classes: Classes
 
 
@@ -93,7 +93,7 @@ def _first(scaled: _Scaled) -> _Stretch:
 def _next(scaled: _Scaled, here: _Stretch) -> _Stretch:
     """Find the next scale from which on the pattern is another one; inf if there is none."""
     low = here.scale
-    for index in range(here.index, SCALES + 1):
+    for index in range(here.step, SCALES + 1):
         high = _scale_at(scaled, index)
         if low < scaled.later < high:
             then = _classes_at(scaled, scaled.later)
