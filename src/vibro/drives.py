@@ -32,9 +32,8 @@ _STEPS: Final = 6  # of Newton's method from there; each squares the error, whic
 
 
 class Ability(Enum):
-    """Results that only some kinds of drive have; every kind has steady cycles, histories and arrivals."""
+    """Results that only some kinds of drive have; every kind has steady cycles, critical loads, histories."""
 
-    LIMITS = "critical loads"
     ONE_HARMONIC = "guarantees and designs"
     PROOF = "closed forms and proved bounds"
 
@@ -135,8 +134,8 @@ class Drive:
         raise NotImplementedError
 
     def at_any_load(self) -> Self:
-        """Replace fields that critical loads do not depend on by scalars; InputError without LIMITS."""
-        raise self._refusal(Ability.LIMITS)
+        """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
+        raise NotImplementedError
 
     def changed(self, change: Callable[[Floats], Floats]) -> Self:
         """Change every array."""
@@ -229,7 +228,7 @@ class Ellipse(_EllipseFields, Drive):
     __slots__ = ()
     kind = "along an ellipse"
     told_by = ELLIPTICAL
-    abilities = frozenset({Ability.LIMITS, Ability.ONE_HARMONIC})
+    abilities = frozenset({Ability.ONE_HARMONIC})
 
     @property
     def scale(self) -> Floats:
@@ -295,6 +294,14 @@ class _Moved(Drive):
     def moves_normal(self) -> bool:
         """Whether any trough moves normal to itself."""
         raise NotImplementedError
+
+    def at_any_load(self) -> Self:
+        """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
+        moved = self.moved._replace(motion_scale=_ONE, frequency=_ONE, restitution=_ONE - _ONE)
+        if not (~np.isnan(moved.normal_acceleration)).any():  # else the weight is compared with a given force
+            moved = moved._replace(gravity=_ONE)
+        at_any: Self = cast("Any", self)._replace(**moved._asdict())
+        return at_any
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return each array, after the names of its field and of a quantity with its unit and range."""

@@ -9,7 +9,8 @@ import numpy as np
 
 from vibro.core.codes import Regime
 from vibro.core.compiled import doors
-from vibro.drives import Line
+from vibro.core.scales import CLASSES
+from vibro.drives import Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError
 from vibro.reals import NotRealError, real_array
 from vibro.solver import Grid, over_cells
@@ -27,19 +28,17 @@ __all__ = [
     "stays_upright", "tipping_load", "tipping_load_of_lines", "transitions",
 ]  # fmt: skip
 
-_BEGINNINGS: Final = {
-    "forward_onset": "forward slip",
-    "back_onset": "load for back slip",
-    "back_slip": "back slip",
-    "rest_vanishes": "never at rest",
-    "hop": "hopping",
-}
-_LATE: Final = "load for forward slip"
+_CLASSES: Final = ("forward slip", "back slip", "never at rest")
+_LOADS: Final = ("load for forward slip", "load for back slip")
+_HOP: Final = "hopping"
 
 # [1] Relative distance within which a closed form and a root count as the same load.
-_SAME: Final = 1e-13
+_SAME: Final = 1e-12
 
-_RANGE: Final = 8_192  # [cells] per call, so that an interrupt is noticed within a fraction of a second
+# [cells] per call, so that an interrupt is noticed within a fraction of a second
+_RANGE: Final = 8_192
+_RANGE_OF_MOTIONS: Final = 32  # of 5 to 10 ms each
+_ROOM: Final = 64  # [intervals] of one class, to begin with; the most that were met are 6
 
 
 class CriticalLoads(NamedTuple):
@@ -81,27 +80,49 @@ class Transition(NamedTuple):
     ratio : float
         The scene's load over the load at which it begins: above 1 it has begun [1].
     amplitude : float
-        Amplitude at which it begins at the scene's frequency; of an ellipse half of its larger axis, where
-        both amplitudes are the scene's over ``ratio`` [m].
+        Largest distance of the trough from its middle at which it begins at the scene's frequency: of a line
+        its amplitude, of an ellipse half of its larger axis. All amplitudes are the scene's over ``ratio``
+        [m].
     frequency : float
-        Frequency at which it begins at the scene's amplitude [Hz].
+        Frequency at which it begins at the scene's amplitude; NaN of steps and samples, whose accelerations
+        do not depend on it [Hz].
+    load : float
+        Load G at which it begins [1].
+    end_ratio : float
+        The scene's load over the load at which it ends: at the hop at the latest, except for hopping; 0 where
+        no load ends it [1].
     """
 
     name: str
     ratio: float
     amplitude: float
     frequency: float
+    load: float
+    end_ratio: float
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Factors of the whole motion between which it lasts; inf as an end where it lasts for ever [1]."""
+        return 1.0 / self.ratio, 1.0 / self.end_ratio if self.end_ratio > 0.0 else math.inf
+
+    @property
+    def loads(self) -> tuple[float, float]:
+        """Loads G between which it lasts [1]."""
+        end = self.load * (self.ratio / self.end_ratio) if self.end_ratio > 0.0 else math.inf
+        return self.load, end
 
 
 def critical_loads(scene: Scene) -> CriticalLoads:
     """Critical loads G = A w^2 / g, at which the steady cycle from rest changes its regime.
 
-    For an ellipse A is its larger semi-axis, as in ``Scene.load``: both amplitudes change in proportion.
+    For an ellipse A is its larger semi-axis, as in ``Scene.load``: both amplitudes change in proportion. Of
+    any other motion G is its largest acceleration over gravity: all of it changes in proportion.
 
     Parameters
     ----------
     scene : Scene
-        Operating points of any shape; amplitude, frequency, gravity and restitution have no effect.
+        Operating points of any shape; amplitude, scale of a motion, frequency, gravity (unless the body is
+        clamped) and restitution have no effect.
 
     Returns
     -------
@@ -110,15 +131,16 @@ def critical_loads(scene: Scene) -> CriticalLoads:
         shape of angles and frictions, which broadcasts against the scene's [1]. inf where a transition never
         happens, 0 where it always has; NaN where mu_d > mu_s or mu_s = 0.
 
-    Raises
-    ------
-    InputError
-        If the drive lacks ``Ability.LIMITS``.
-
     Notes
     -----
     Closed forms, Eqs. (4), (5) and (21), and one root in a bracket, Eq. (22). They agree with ``solve`` on
     both sides of each load (tests/core/test_limits.py).
+
+    Of a motion beyond one harmonic ``back_slip`` and ``rest_vanishes`` are the first loads of their classes,
+    which may end and begin again: ``transitions`` lists all. They are not proved to be the first: the steady
+    cycle is solved at 256 loads between the first onset and the hop (or a million times the onset without
+    one), and each change of its pattern is closed in on by halving. In 4 000 random scenes with 2 to 5
+    harmonics a scan of 1 500 loads knew one interval more. A scene takes 5 to 10 ms.
 
     Examples
     --------
@@ -128,7 +150,9 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     >>> print(f"{vibro.critical_loads(scene).forward_onset:.6f}")
     0.620395
     """
-    return _critical_loads(Grid(scene.arrays().at_any_load()))
+    fields = scene.arrays().at_any_load()
+    found = _critical_loads(Grid(fields), _RANGE if scene.motion is None else _RANGE_OF_MOTIONS)
+    return CriticalLoads(*(_as_loads(x, fields) for x in found))
 
 
 def critical_loads_of_lines(
@@ -151,7 +175,7 @@ def critical_loads_of_lines(
     CriticalLoads
         As from ``critical_loads``; arrays of the broadcast shape.
     """
-    return _critical_loads(_lines(drive_angle, static_friction, kinetic_friction, trough_angle))
+    return _critical_loads(_lines(drive_angle, static_friction, kinetic_friction, trough_angle), _RANGE)
 
 
 def _lines(*fields: ArrayLike) -> Grid:
@@ -161,7 +185,7 @@ def _lines(*fields: ArrayLike) -> Grid:
     return Grid(Line(one, one, alpha, mu_s, mu_d, beta, one, one - one))
 
 
-def _critical_loads(grid: Grid) -> CriticalLoads:
+def _critical_loads(grid: Grid, step: int) -> CriticalLoads:
     found = np.empty((len(CriticalLoads._fields), grid.size))
     rows = doors().rows(found)
     grid.hold(found)
@@ -169,12 +193,21 @@ def _critical_loads(grid: Grid) -> CriticalLoads:
     def find(begin: int, end: int) -> None:
         doors().transition_loads(grid.scenes, grid.place(), rows, begin, end)
 
-    over_cells(find, grid.size, _RANGE, None)
+    over_cells(find, grid.size, step, None)
     return CriticalLoads(*(row.reshape(grid.shape)[()] for row in found))
 
 
+def _as_loads(found: Floats, fields: Fields) -> Floats:
+    """Turn scales of motions, with which the solver counts beyond one harmonic, into loads G."""
+    if not isinstance(fields, Harmonics | Piecewise):
+        return found
+    load = fields.acceleration_reach * (2.0 * np.pi * fields.frequency) ** 2 / fields.gravity
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(np.where(np.isinf(found), found, found * load))[()]
+
+
 def transitions(scene: Scene) -> tuple[Transition, ...]:
-    """Return where each kind of motion begins, starting from one operating point.
+    """Return where each kind of motion begins and ends, starting from one operating point.
 
     Parameters
     ----------
@@ -185,14 +218,21 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     -------
     tuple of Transition
         By rising amplitude; without transitions that hopping forestalls, that no load causes, or that lie
-        beyond the range of doubles.
+        beyond the range of doubles. Motions last until the hop if their drive has one harmonic: "load for
+        forward slip" and "load for back slip" say that the load exceeds static friction, and not whether the
+        body slides. Under other motions "forward slip", "back slip" and "never at rest" (a cycle without a
+        rest, or a body that runs away) may end and begin again: there is one entry for each interval.
 
     Raises
     ------
     SceneError
         If the scene is more than one operating point.
-    InputError
-        If its drive lacks ``Ability.LIMITS``.
+
+    Notes
+    -----
+    Of one harmonic closed forms, as from ``critical_loads``. Beyond it intervals are sought on 256 loads, as
+    ``critical_loads`` says; on 60 reference scenes all are found, their ends within 3e-12, relative
+    (tests/test_critical_scales.py). Where the solver leaves a cycle unresolved the intervals go on.
 
     Examples
     --------
@@ -208,20 +248,59 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    loads = {name: float(value) for name, value in critical_loads(scene)._asdict().items()}
+    loads, now = critical_loads(scene), float(scene.load)
+    hop = float(loads.hop)
+    intervals = _of_one_harmonic(loads) if scene.motion is None else _of_any_motion(scene, loads)
     found = []
-    for name, load in loads.items():
-        merely_load = name == "back_onset" and math.isclose(load, loads["back_slip"], rel_tol=_SAME)
-        if merely_load or not 0.0 < load < math.inf or (name != "hop" and load >= loads["hop"]):
+    for name, load, end in [*intervals, (_HOP, hop, math.inf)]:
+        if not 0.0 < load < math.inf or (name != _HOP and load >= hop):
             continue
-        ratio = float(scene.load) / load
+        ratio = now / load
         if not 0.0 < ratio < math.inf:  # beyond the range of doubles
             continue
         amplitude, frequency = float(scene.reach) / ratio, float(scene.frequency) / math.sqrt(ratio)
-        # where back slip comes first its slides may outlast the forward window
-        late = name == "forward_onset" and loads["back_onset"] < load
-        found.append(Transition(_LATE if late else _BEGINNINGS[name], ratio, amplitude, frequency))
+        if isinstance(scene.arrays(), Piecewise):
+            frequency = math.nan
+        found.append(Transition(name, ratio, amplitude, frequency, load, now / end))
     return tuple(sorted(found, key=lambda transition: transition.amplitude))
+
+
+def _of_one_harmonic(loads: CriticalLoads) -> list[tuple[str, float, float]]:
+    """Return the loads between which motions last, by their names; all end at the hop."""
+    forward, back, never = _CLASSES
+    for_forward, for_back = _LOADS
+    # where back slip comes first its slides may outlast the forward window
+    firsts = [
+        (for_forward if loads.back_onset < loads.forward_onset else forward, loads.forward_onset),
+        (back, loads.back_slip),
+        (never, loads.rest_vanishes),
+    ]
+    if not math.isclose(loads.back_onset, loads.back_slip, rel_tol=_SAME):
+        firsts.append((for_back, loads.back_onset))
+    return [(name, float(first), float(loads.hop)) for name, first in firsts]
+
+
+def _of_any_motion(scene: Scene, loads: CriticalLoads) -> list[tuple[str, float, float]]:
+    """Return the loads between which classes last, by their names, of a motion beyond one harmonic."""
+    grid, room, counts = Grid(scene.arrays()), _ROOM, np.zeros(2 * CLASSES + 1, np.int64)
+    while True:
+        out = np.empty((CLASSES, room, 2))
+        doors().class_scales(grid.scenes, grid.place(), doors().row(out), doors().row(counts), room)
+        most = int(counts[:CLASSES].max())
+        if most <= room:
+            break
+        room = most
+    now = float(scene.load)
+    found = [
+        (name, now * float(low), now * float(high))
+        for name, spans, count in zip(_CLASSES, out, counts, strict=False)
+        for low, high in spans[:count]
+    ]
+    begun = {name: low for name, low, _ in reversed(found)}
+    for name, told, onset in zip(_CLASSES[:2], _LOADS, (loads.forward_onset, loads.back_onset), strict=True):
+        if not math.isclose(begun.get(name, math.inf), onset, rel_tol=_SAME):
+            found.append((told, float(onset), float(loads.hop)))
+    return found
 
 
 def back_slip_of(fields: Line) -> NDArray[np.bool_]:
@@ -249,8 +328,8 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     Parameters
     ----------
     scene : Scene
-        Operating points of any shape; amplitude, frequency, gravity, kinetic friction and restitution have no
-        effect.
+        Operating points of any shape; amplitude, scale of a motion, frequency, gravity, kinetic friction and
+        restitution have no effect.
     stand_ratio : array_like
         Half base over height of the centre of mass, > 0; broadcasts against the scene [1]. The half base is
         the distance along the trough from the centre of mass to the nearer edge.
@@ -264,15 +343,19 @@ def tipping_load(scene: Scene, stand_ratio: ArrayLike) -> Floats:
     Raises
     ------
     SceneError
-        If a stand ratio is no number, or not > 0.
-    InputError
-        If the drive lacks ``Ability.LIMITS``.
+        If a stand ratio is no number, or not > 0, or the body is clamped.
 
     Notes
     -----
     Closed form, Eq. (43). Above it an edge lifts before the part first slips: theory.md, section 12, has the
     proof, and tests/test_limits.py integrates Newton's law on both sides of it.
     """
+    if scene.normal_acceleration is not None:
+        shown, allowed = (
+            f"{np.ravel(scene.normal_acceleration)[0]:.15g}",
+            "left out: a clamped part cannot tip",
+        )
+        raise SceneError((Problem("normal_acceleration", shown, allowed),))
     fields = scene.arrays().at_any_load()
     return _tipping_load(fields._replace(kinetic_friction=np.zeros(())), _stand_ratios(stand_ratio))
 
@@ -293,7 +376,7 @@ def _tipping_load(fields: Fields, ratio: Floats) -> Floats:
     ratios = np.ascontiguousarray(np.broadcast_to(ratio, grid.shape))
     found = np.empty(grid.size)
     doors().tipping_loads(grid.scenes, grid.place(), doors().row(ratios), doors().row(found), 0, grid.size)
-    return np.asarray(found.reshape(grid.shape)[()])
+    return np.asarray(_as_loads(found.reshape(grid.shape)[()], fields))
 
 
 def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
@@ -315,9 +398,7 @@ def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:
     Raises
     ------
     SceneError
-        If a stand ratio is no number, or not > 0.
-    InputError
-        If the drive lacks ``Ability.LIMITS``.
+        If a stand ratio is no number, or not > 0, or the body is clamped.
     """
     load = tipping_load(scene, stand_ratio)
     hops = solve(scene, accuracy="regimes").regime == int(Regime.HOPPING)

@@ -149,6 +149,7 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     """Say whether a part keeps its base on the trough, and from which drive on it does not."""
     from vibro.limits import stays_upright, tipping_load
     from vibro.sweeps.one_scene import number
+    from vibro.waveforms import PiecewiseMotion
 
     load = float(tipping_load(one.scene, stand_ratio))
     answer = int(stays_upright(one.scene, stand_ratio))
@@ -163,11 +164,11 @@ def _upright(one: OneScene, stand_ratio: float) -> str:
     ratio = float(one.scene.load) / load
     if not 0.0 < ratio < math.inf:  # beyond the range of doubles
         return told
-    frequency = number(float(one.scene.frequency) / math.sqrt(ratio), "Hz")
-    both = " (both amplitudes)" if len(one.driven) > 1 else ""
-    return (
-        f"{told}: {edge} above {one.amplitudes(ratio)}{both} or {frequency} (load now / then {number(ratio)})"
-    )
+    which = f" ({one.all_amplitudes})" if one.all_amplitudes else ""
+    beginning = f"{told}: {edge} above {one.amplitudes(ratio)}{which}"
+    if not isinstance(one.scene.motion, PiecewiseMotion):  # whose accelerations do not depend on it
+        beginning += f" or {number(float(one.scene.frequency) / math.sqrt(ratio), 'Hz')}"
+    return f"{beginning} (load now / then {number(ratio)})"
 
 
 def _throughput(one: OneScene, part: Mapping[str, float]) -> list[tuple[str, str]]:
@@ -196,7 +197,5 @@ def _report(one: OneScene, grid: Grid, part: Mapping[str, float]) -> str:
     facts = [*facts_of(one, grid), *_throughput(one, part)]
     if STAND_RATIO.column in part:
         facts.append(("upright", _upright(one, part[STAND_RATIO.column])))
-    if not one.has_limits:
-        facts.append(("comes next", f"not known of drives {one.scene.arrays().kind}"))
     tables = [rows for rows in (beginnings(one), phase_rows(one)) if rows]
     return "\n\n".join([aligned(facts, right=False), *map(aligned, tables)])

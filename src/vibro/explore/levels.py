@@ -66,7 +66,7 @@ class Shown(NamedTuple):
         Whether each cell shows numbers, or has a status that says why there are none.
     limits : CriticalLoads or None
         Critical loads of the cells; of ellipses they take long and are None at first, and of drives without
-        ``Ability.LIMITS`` always.
+        ``Ability.ONE_HARMONIC``, whose classes may end and begin again, always.
     is_done : bool
         Whether all cells are computed.
     share : float
@@ -119,7 +119,7 @@ class MapCells:
         self._line = None if self._is_solved else _Line.over(grid, scene, waiting)
         if self._line is not None and not grid.fixed["restitution"] and expected <= patience:
             self._line.solve_more()
-        self._has_limits = drive.can(Ability.PROOF) or not drive.can(Ability.LIMITS)
+        self._has_limits = drive.can(Ability.PROOF) or not drive.can(Ability.ONE_HARMONIC)
         if self._has_limits:
             self._limits = limits_of(values)
         self._turn = _Turn()

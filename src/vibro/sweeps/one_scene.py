@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import PHASE_NAMES, Regime, Status
-from vibro.drives import Ability
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
 from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, SCALE, scene_fields
@@ -184,16 +183,16 @@ class OneScene:
         if self.regime is not Regime.NO_SLIP:
             return "never: the body slides to and fro without being conveyed"
         begins = next((t for t in self.transitions() if t.name in ("forward slip", "hopping")), None)
-        if begins is None:  # not known of this kind of drive, or beyond the range of doubles
+        if begins is None:  # beyond the range of doubles
             return "never: the body rests"
-        frequency = begins.frequency
-        by_amplitude = f"{self.amplitudes(begins.ratio)} ({1.0 / begins.ratio:.4g} x)"
-        by_frequency = f"above {number(frequency, 'Hz')} ({frequency / self.given['frequency']:.4g} x)"
+        frequency, factor = begins.frequency, f"{1.0 / begins.ratio:.4g} x"
+        by_amplitude = f"{self.amplitudes(begins.ratio)} ({factor})" if len(self.driven) <= 2 else factor
         which = self.all_amplitudes or "the amplitude"
-        return (
-            f"never: the body rests; {begins.name} begins with {which} above {by_amplitude}"
-            f" or with the frequency {by_frequency}"
-        )
+        told = f"never: the body rests; {begins.name} begins with {which} above {by_amplitude}"
+        if math.isnan(frequency):
+            return told
+        by_frequency = f"above {number(frequency, 'Hz')} ({frequency / self.given['frequency']:.4g} x)"
+        return f"{told} or with the frequency {by_frequency}"
 
     @property
     def all_amplitudes(self) -> str:
@@ -209,7 +208,11 @@ class OneScene:
         return amplitudes or {SCALE: self.given[SCALE]}
 
     def amplitudes(self, ratio: float) -> str:
-        """Write the amplitudes at which the load is the scene's over ``ratio``, which scales all of them."""
+        """Write the amplitudes at which the load is the scene's over ``ratio``; of many, their factor."""
+        if SCALE in self.driven:
+            return number(self.driven[SCALE] / ratio)
+        if len(self.driven) > 2:
+            return f"{number(1.0 / ratio)} x"
         return " and ".join(number(value / ratio, LENGTH.unit) for value in self.driven.values())
 
     @property
@@ -217,14 +220,9 @@ class OneScene:
         """Whether the drive moves along an ellipse, or has harmonics."""
         return "amplitude" not in self.driven
 
-    @property
-    def has_limits(self) -> bool:
-        """Whether critical loads are computed for this kind of drive."""
-        return self.scene.arrays().can(Ability.LIMITS)
-
     def transitions(self) -> tuple[Transition, ...]:
-        """Return where each class of motion begins; empty if that is not known."""
-        return transitions(self.scene) if self.has_limits else ()
+        """Return where each class of motion begins."""
+        return transitions(self.scene)
 
     def phases(self) -> tuple[CyclePhase, ...]:
         """Return the cycle's phases; empty if they are not modelled, or too many."""
@@ -296,15 +294,30 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
 
 
 def beginnings(one: OneScene) -> list[tuple[str, ...]]:
-    """Return the rows of a table of where each kind of motion begins, its head first; empty if unknown."""
-    if not one.has_limits:
-        return []
-    which = "both amplitudes" if one.is_two_axis else "amplitude [mm]"
-    rows: list[tuple[str, ...]] = [("begins", "load now / then", which, "frequency [Hz]")]
-    for t in one.transitions():
-        amplitude = one.amplitudes(t.ratio) if one.is_two_axis else number(LENGTH.from_si(t.amplitude))
-        rows.append((t.name, number(t.ratio), amplitude, number(t.frequency)))
-    return rows
+    """Return the rows of a table of where each kind of motion begins, its head first.
+
+    Under a given motion classes may end and begin again: there the table tells where each ends too.
+    """
+    which = one.all_amplitudes if one.is_two_axis else "amplitude [mm]"
+    head = ["begins", "load now / then", which, "frequency [Hz]"]
+    rows = [
+        [
+            t.name,
+            number(t.ratio),
+            one.amplitudes(t.ratio) if one.is_two_axis else number(LENGTH.from_si(t.amplitude)),
+            number(t.frequency),
+        ]
+        for t in one.transitions()
+    ]
+    if one.scene.motion is not None:
+        head.append(f"until {which}")
+        for row, t in zip(rows, one.transitions(), strict=True):
+            row.append(one.amplitudes(t.end_ratio) if t.end_ratio > 0.0 else "no end")
+    if isinstance(one.scene.motion, PiecewiseMotion):  # whose accelerations do not depend on the frequency
+        del head[3]
+        for row in rows:
+            del row[3]
+    return [tuple(row) for row in [head, *rows]]
 
 
 def phase_rows(one: OneScene) -> list[tuple[str, ...]]:

@@ -169,9 +169,9 @@ def _solved_indices(grid: Grid, drawn: Mapping[str, tuple[int, ...]]) -> dict[st
 
 
 def limits_of(values: Mapping[str, Floats]) -> CriticalLoads | None:
-    """Find the critical loads of cells; None for drives without ``Ability.LIMITS``."""
+    """Find the critical loads of cells; None for drives whose classes may end and begin again."""
     scene = scene_of(values)
-    return critical_loads(scene) if scene.arrays().can(Ability.LIMITS) else None
+    return critical_loads(scene) if scene.arrays().can(Ability.ONE_HARMONIC) else None
 
 
 def _resolution(ranges: int, kept: int, *, bounces: bool) -> int:
