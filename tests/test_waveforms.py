@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from vibro import Motion, SceneError
+from vibro.records.waveforms import measured_motion
 from vibro.waveforms import MOST_PIECES, HarmonicMotion, PiecewiseMotion
 
 SLIP_STICK = [(0.8, 6.9), (0.2, -27.6)]
@@ -243,3 +244,13 @@ def test_extremes_of_pieces_are_not_missed(seed: int) -> None:
     distances = np.hypot(*(x[::4, np.newaxis] - x for x in r))
     assert motion.stroke >= distances.max() * (1.0 - 1e-14)
     assert motion.stroke == pytest.approx(distances.max(), rel=1e-4)
+
+
+def test_a_measured_motion_has_the_harmonics_of_its_record() -> None:
+    record = "examples/data/nut_trough_mv.csv"
+    columns = {"trough_along": "Trog längs", "trough_normal": "Trog normal", "sensitivity": "100mV/g"}
+    motion, measured = vibro.Motion.measured(record, **columns), measured_motion(record, **columns)
+    assert isinstance(motion, HarmonicMotion)
+    for way, expected in ((motion.along, measured.along), (motion.normal, measured.normal)):
+        assert [float(size) for size, _ in way] == pytest.approx(np.abs(expected).tolist(), rel=1e-15)
+        assert [float(phase) for _, phase in way] == pytest.approx(np.angle(expected).tolist(), abs=1e-15)

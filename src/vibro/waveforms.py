@@ -16,6 +16,7 @@ from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
+    from os import PathLike
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -55,8 +56,8 @@ _QUANTITIES: Final = ("acceleration", "displacement")
 class Motion:
     """How a trough moves during a period, for ``Scene(motion=...)``.
 
-    It is made by ``Motion.harmonics``, ``Motion.steps`` or ``Motion.samples``. Along the trough positive is
-    the conveying direction, normal to it upwards. In a direction that is left out nothing moves.
+    It is made by ``Motion.harmonics``, ``.steps``, ``.samples`` or ``.measured``. Along the trough
+    positive is the conveying direction, normal to it upwards. In a direction that is left out nothing moves.
     """
 
     @staticmethod
@@ -159,6 +160,40 @@ class Motion:
         3.000000 m/s^2
         """
         return sampled_motion(along, normal, of, ("along", "normal"))
+
+    @staticmethod
+    def measured(path: str | PathLike[str], **columns: Any) -> Motion:
+        """Return the harmonics that accelerometers on a trough have measured.
+
+        Parameters
+        ----------
+        path : str or path
+            The record.
+        **columns
+            As for ``vibro.measured_motion``, which tells the frequency, and the errors of all, too.
+
+        Raises
+        ------
+        FileError, InputError
+            As ``vibro.measured_motion``.
+
+        Examples
+        --------
+        >>> import vibro
+        >>> motion = vibro.Motion.measured(
+        ...     "examples/data/nut_trough_mv.csv", trough_along="Trog längs",
+        ...     trough_normal="Trog normal", sensitivity="100mV/g")
+        >>> print(f"{1e3 * float(motion.along[0][0]):.2f} mm along")
+        0.96 mm along
+        """
+        from vibro.records.waveforms import measured_motion  # late: reading records is a room above
+
+        measured = measured_motion(path, **columns).motion
+        along, normal = (
+            [(abs(z), np.angle(z)) for z in way] if way.any() else None
+            for way in (measured.along, measured.normal)
+        )
+        return Motion.harmonics(along, normal)
 
 
 @dataclass(frozen=True, eq=False)
