@@ -248,8 +248,12 @@ def test_extremes_of_pieces_are_not_missed(seed: int) -> None:
 
 def test_a_measured_motion_has_the_harmonics_of_its_record() -> None:
     record = "examples/data/nut_trough_mv.csv"
-    columns = {"trough_along": "Trog längs", "trough_normal": "Trog normal", "sensitivity": "100mV/g"}
-    motion, measured = vibro.Motion.measured(record, **columns), measured_motion(record, **columns)
+    columns: dict[str, Any] = {
+        "trough_along": "Trog längs",
+        "trough_normal": "Trog normal",
+        "sensitivity": "100mV/g",
+    }
+    motion, measured = Motion.measured(record, **columns), measured_motion(record, **columns)
     assert isinstance(motion, HarmonicMotion)
     for way, expected in ((motion.along, measured.along), (motion.normal, measured.normal)):
         assert [float(size) for size, _ in way] == pytest.approx(np.abs(expected).tolist(), rel=1e-15)
