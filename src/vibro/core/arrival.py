@@ -36,6 +36,8 @@ MOST_CYCLES: Final = 1e15
 #: [1] Legs after which the search gives up; a transient that long needs mu_d below 1e-5 mu_s.
 _MOST_LEGS: Final = 2_000_000
 
+_MOST_UNCOMPARED: Final = 100_000  # [1] of those that never repeat
+
 _SETTLED: Final = 1e-13  # [rad, A w] change per cycle that is left to rounding
 # [rad, A w] Within this distance of the steady cycle changes shrink by a constant factor, Eq. (41); what that
 # neglects is of the square of the distance.
@@ -114,7 +116,10 @@ def arrival_cycles(
     origin = at.phase
     memory = Memory(at._replace(mode=0), 0, 1.0, 0.0)
     errors, last = Covariance(0.0, 0.0, 0.0), -1
-    for _ in range(_MOST_LEGS):
+    most = _MOST_LEGS
+    if sections.lag == 0 and course.bed.waves.kind != SINE:  # never compared with itself
+        most = _MOST_UNCOMPARED
+    for _ in range(most):
         never = False
         if is_section(course, sections, at, last):
             then, last = memory.then, at.cycle

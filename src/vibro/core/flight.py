@@ -23,6 +23,7 @@ from vibro.core.elementary import (
     free_motion,
     sine_gap,
     wrap,
+    wrap_around,
 )
 from vibro.core.legs import until
 from vibro.core.wave_flights import fly_over_waves
@@ -30,9 +31,8 @@ from vibro.core.waves import NORMAL, PIECES, SINE, Mix, Waves, depart, load_at, 
 
 __all__ = [
     "ACCUMULATED", "BOUNCE", "LOST", "SHARP", "Bed", "Covariance", "Flight", "Impact", "TangentMap",
-    "after_landing", "bed_load", "bed_of", "flight", "lift_off_flight", "next_take_off",
-    "no_bed", "propagate",
-    "sinusoidal", "tangent_map", "within",
+    "after_landing", "bed_load", "bed_of", "flight", "lands_at_jump", "lift_off_flight", "next_take_off",
+    "no_bed", "propagate", "sinusoidal", "tangent_map", "within",
 ]  # fmt: skip
 
 #: [rad] Bounces whose remaining total length is below this are summed as if the load were constant; the error
@@ -51,6 +51,8 @@ _SETTLED: Final = 1e-8  # [1] a last Newton step below this fraction of the leng
 # [1] Newton's iteration from the far end of a turn needs many steps to the landing of a short bounce, which
 # lasts 2 v / N. Start it this much of v / N after the take-off, if that is after the landing: half the steps.
 _SHORT_BOUNCE: Final = 2.2
+
+_AT_JUMP: Final = 1e-12  # [rad] between a jump of the load and a landing, whose rounding it covers
 
 # [A w n] A grazing landing multiplies errors by a factor without bound: no impact counts as slower than this,
 # which is far below those of the shortest flights at K = 1 + 1e-15.
@@ -284,13 +286,23 @@ def after_landing(bed: Bed, phase: float, impact: float, restitution: float, acc
     """
     load, speed = bed_load(bed, phase), restitution * impact
     impulse = impact + speed
-    if load >= 0.0 and speed == 0.0:
+    if speed == 0.0 and (load >= 0.0 or lands_at_jump(bed, phase)):
         return Impact(0.0, 0.0, impulse, True)
     if load > 0.0:
         length = 2.0 * speed / (load * (1.0 - restitution))
         if length <= accumulated and _lasts(bed, phase, load, length):
             return Impact(0.0, length, impulse + speed * (1.0 + restitution) / (1.0 - restitution), True)
     return Impact(speed, 0.0, impulse, False)
+
+
+def lands_at_jump(bed: Bed, phase: float) -> bool:
+    """Return whether a plastic body has landed where the load jumps below 0, but for rounding.
+
+    It comes to contact there and leaves at once, from the jump itself: rounding may not choose another start.
+    """
+    if bed.waves.kind != PIECES:
+        return False
+    return abs(wrap_around(phase - next_take_off(bed, phase).phase)) <= _AT_JUMP
 
 
 def _lasts(bed: Bed, phase: float, load: float, length: float) -> bool:

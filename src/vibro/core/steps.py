@@ -22,6 +22,7 @@ from vibro.core.flight import (
     bed_load,
     bed_of,
     flight,
+    lands_at_jump,
     lift_off_flight,
     next_take_off,
     no_bed,
@@ -249,6 +250,8 @@ def _in_flight(course: Course, now: State) -> Step:
     phase = end - TURN * turns
     held = course.track.landed_friction
     mode = mode_of(loads, phase, slowed, held) if landed.contact else Mode.FLIGHT
+    if landed.contact and lands_at_jump(course.bed, phase):
+        mode, phase = Mode.FLIGHT, next_take_off(course.bed, phase).phase
     after = State(now.cycle + int(turns), phase, mode, now.position + path, slowed, landed.take_off)
     return Step(length, path, velocity, hop.impact, 1.0 if left > 0.0 else 0.0, after)
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.cells import largest
-from vibro.core.drives import Loads
+from vibro.core.cells import find_nodes, largest, number_of_nodes
+from vibro.core.drives import Loads, mix_of
 from vibro.core.elementary import FEW_ULP, NOISE, PI, hypotenuse, rounded_sign
 from vibro.core.slide import Onset
-from vibro.core.waves import SINE, Mix
+from vibro.core.waves import NORMAL, SINE, Mix
 
 __all__ = [
     "Start", "Thresholds", "cosine_lead", "load_amplitude", "outlasts", "own_phase", "phase_offset",
@@ -77,11 +77,16 @@ def thresholds(loads: Loads) -> Thresholds:
 
 
 def _over_waves(loads: Loads) -> Thresholds:
-    """Take the largest loads of a drive beyond one harmonic."""
+    """Take the largest loads of a drive beyond one harmonic; next to K = 1 it hops if N falls below 0."""
     friction = loads.static_friction
     ahead = largest(loads.waves, Mix(0.0, 1.0, friction))
     behind = largest(loads.waves, Mix(0.0, -1.0, friction))
-    return thresholds_of(loads, ahead, behind)
+    at = thresholds_of(loads, ahead, behind)
+    if at.hops:
+        find_nodes(loads.waves, NORMAL, mix_of(loads, NORMAL))
+        if number_of_nodes(loads.waves, NORMAL) == 0:
+            return at._replace(hops=False, edge=True)
+    return at
 
 
 def thresholds_of(loads: Loads, ahead: float, behind: float) -> Thresholds:
