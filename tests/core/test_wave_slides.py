@@ -41,7 +41,7 @@ class Body:
             waves = piecewise_waves(self.breaks, table)
             self.parts: Any = -table
         else:
-            self.breaks = None
+            self.breaks = np.zeros(0)
             waves = harmonic_waves(drawn_harmonics(rng, count), drawn_harmonics(rng, count))
             self.parts = np.array([coefficients_of(waves, normal=x) for x in (False, True)])
         self.mu_s, ratio = float(rng.uniform(0.1, 1.0)), float(rng.uniform(0.3, 1.0))
@@ -66,7 +66,7 @@ class Body:
     def pull(self, p: Any) -> Any:
         """Load along the way beyond kinetic friction."""
         along, normal = (
-            harmonic_value(x, p) if self.breaks is None else piecewise_value(self.breaks, x, p)
+            harmonic_value(x, p) if not self.breaks.size else piecewise_value(self.breaks, x, p)
             for x in self.parts
         )
         return self.way * (along - self.lean) - self.mu_d * (self.normal - normal)
@@ -74,7 +74,7 @@ class Body:
     def speeds(self, phase: float, speed: float, length: float) -> tuple[Any, Any, Any]:
         """Speeds on a mesh up to a phase, and the path there, by quadrature."""
         ends = np.linspace(0.0, length, 2 + min(int(12 * self.loads.waves.size * max(length, 0.5)), 20_000))
-        if self.breaks is not None:
+        if self.breaks.size:
             turns = np.arange(math.floor((phase + length) / TURN) + 1)
             jumps = (TURN * (self.breaks[None, :-1] + turns[:, None])).ravel() - phase
             ends = np.sort(np.concatenate((ends, jumps[(jumps > 0.0) & (jumps < length)])))
@@ -186,16 +186,16 @@ def _both(
     rng = np.random.default_rng(seed)
     f = rng.uniform(10.0, 50.0, shape)
     unit = 9.81 / (TURN * f) ** 2
-    y = unit * rng.uniform(*throw, shape)
-    x = unit * np.exp(rng.uniform(-1.0, 1.5, shape))
-    phase = rng.uniform(-np.pi, np.pi, shape)
+    y: Any = unit * rng.uniform(*throw, shape)
+    x: Any = unit * np.exp(rng.uniform(-1.0, 1.5, shape))
+    phase: Any = rng.uniform(-np.pi, np.pi, shape)
     mu_s = rng.uniform(0.1, 0.9, shape)
-    rest = {
+    rest: Any = {
         "frequency": f, "static_friction": mu_s, "kinetic_friction": mu_s * rng.uniform(0.3, 1.0, shape),
         "trough_angle": np.arctan(mu_s * 0.3) * rng.uniform(-0.7, 0.7, shape), "restitution": restitution,
     }  # fmt: skip
     ellipse = vibro.Scene(along_amplitude=x, normal_amplitude=y, normal_phase=phase, **rest)
-    more = [(0.0, 0.3)] * (seed % 2)
+    more: Any = [(0.0, 0.3)] * (seed % 2)
     waves = vibro.Scene(along_harmonics=[(x, 0.0), *more], normal_harmonics=[(y, phase), *more], **rest)
     return ellipse, waves, np.maximum(x, y), f
 
