@@ -160,8 +160,8 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
             minima += 2
         low, at_low = far, at_end
         index, rises = index + 1, not rises
-        if minima >= count and limit == INF:
-            # all minima of a turn were passed: each turn takes as much from them
+        if minima >= count and rises and limit == INF:
+            # all minima of a turn were passed, and all maxima: each turn takes as much from them
             if not drop > 0.0 or least / drop > _MOST_TURNS:
                 return WaveSlide(INF, False, NAN, NAN, NAN, NAN)
             turns = math.floor(least / drop)
