@@ -289,7 +289,7 @@ def test_few_digits_hold_as_printed(digits: int) -> None:
         assert amplitude is not None
         assert design.frequency_hz in (50.0, 19.3333333333333)  # as given
         assert design.drive_angle_deg is not None
-        for value in (design.nominal_mm, design.drive_angle_deg):
+        for value in (design.nominal, design.drive_angle_deg):
             assert value is not None
             assert float(f"{value:.{digits}g}") == value
         cycle = vibro.solve(
@@ -333,9 +333,9 @@ def test_a_question_in_stroke_is_answered_in_stroke() -> None:
     magnet, motor = result.designs[0], result.designs[3]
     for design, other in ((magnet, "amplitude"), (motor, "stroke")):
         assert [getattr(design, f"{other}{end}_mm") for end in ("", "_low", "_high", "_needed")] == [None] * 4
-    assert magnet.window_mm is not None
+    assert magnet.window is not None
     assert magnet.stroke_mm is not None
-    assert magnet.window_mm[0] <= magnet.stroke_mm <= magnet.window_mm[1]
+    assert magnet.window[0] <= magnet.stroke_mm <= magnet.window[1]
     names = [column.name for column in result.columns]
     assert names[3:5] == ["amplitude_mm", "stroke_mm"]
     alone = {**KNOWN, "drive": KNOWN["drive"][:1]}
@@ -345,8 +345,8 @@ def test_a_question_in_stroke_is_answered_in_stroke() -> None:
     in_amplitude = vibro.design({**KNOWN, "drive": [halved]}, only="goal", digits=9)
     assert not any("stroke" in column.name for column in in_amplitude.columns)
     for one, two in zip(in_stroke.designs, in_amplitude.designs, strict=True):
-        assert one.window_mm == pytest.approx([2 * x for x in two.window_mm or ()], rel=1e-8)
-        assert one.nominal_mm == pytest.approx(2 * (two.nominal_mm or 0.0), rel=1e-8)
+        assert one.window == pytest.approx([2 * x for x in two.window or ()], rel=1e-8)
+        assert one.nominal == pytest.approx(2 * (two.nominal or 0.0), rel=1e-8)
 
 
 def test_the_goals_regime_alone_has_the_same_answer() -> None:

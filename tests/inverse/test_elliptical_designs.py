@@ -222,7 +222,7 @@ def test_a_trough_that_moves_along_its_normal_alone_has_a_window_and_pictures() 
     assert chosen is not None
     fields = setting_fields(spec, chosen)
     assert fields.amplitude == "normal_amplitude"
-    assert fields.limits_mm == pytest.approx((0.1, 0.35))
+    assert fields.limits == pytest.approx((0.1, 0.35))
 
 
 def test_a_trough_that_does_not_move_along_its_normal_has_pictures_of_parts_that_never_tip() -> None:
@@ -281,7 +281,7 @@ def test_pictures_show_what_bodies_do() -> None:
     assert chosen is not None
     fields, band = setting_fields(spec, chosen), speed_band(spec, chosen)
     assert fields.amplitude == "along_amplitude"
-    assert fields.limits_mm == pytest.approx((0.125, 1.0))
+    assert fields.limits == pytest.approx((0.125, 1.0))
     static, ratio = (x.ravel() for x in np.meshgrid([0.35, 0.4, 0.45], [0.85, 0.9, 0.95]))
     shown = set()
     for share in (0.1, 0.2, 0.3, 0.6, 1.0, 1.6):
@@ -305,8 +305,8 @@ def test_pictures_show_what_bodies_do() -> None:
             slow, rel=2e-3, abs=1e-2
         )
         if share >= 0.6:  # within the picture
-            lowest = np.interp(1e3 * x, band.amplitude_mm, band.speed_min)
-            highest = np.interp(1e3 * x, band.amplitude_mm, band.speed_max)
+            lowest = np.interp(1e3 * x, band.amplitude, band.speed_min)
+            highest = np.interp(1e3 * x, band.amplitude, band.speed_max)
             assert (lowest, highest) == pytest.approx((slow, fast), rel=2e-3)
     assert len(shown) >= 4
     # the largest acceleration, which is more than that along the trough

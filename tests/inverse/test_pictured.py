@@ -77,8 +77,8 @@ def fields_of(amplitude: float = 2.0, frequencies: str = "10:30") -> Any:
 def test_pictures_reach_beyond_the_drive() -> None:
     fields = fields_of()
     assert fields.amplitude == "amplitude"
-    assert fields.limits_mm == pytest.approx((1.0, 3.0))
-    assert fields.amplitude_mm == pytest.approx((0.15, 3.75))
+    assert fields.limits == pytest.approx((1.0, 3.0))
+    assert fields.amplitudes == pytest.approx((0.15, 3.75))
     assert fields.frequency_hz == pytest.approx((8.0, 37.5))
     assert fields.most_load == pytest.approx(4.0)
     assert fields.load[0] == pytest.approx(0.15e-3 * 8.0**2 / UNIT)
@@ -249,7 +249,7 @@ def test_the_band_of_speeds_reaches_from_rest_beyond_the_design(
 ) -> None:
     goal = {"speed_mm_s": 5, "highest_regime": highest}
     band = speed_band(*chosen(amplitude, goal=goal, drive=[{**DRIVE, "frequency_hz": 15}]))
-    assert (band.amplitude_mm[0], band.amplitude_mm[-1]) == pytest.approx((low, high), rel=1e-9)
+    assert (band.amplitude[0], band.amplitude[-1]) == pytest.approx((low, high), rel=1e-9)
 
 
 def test_the_band_of_speeds_ends_beyond_the_first_hop() -> None:
@@ -257,18 +257,18 @@ def test_the_band_of_speeds_ends_beyond_the_first_hop() -> None:
     drive = {**DRIVE, "frequency_hz": 15, "amplitude_mm": "1:9"}
     band = speed_band(*chosen(2.0, scene={**SCENE, "trough_angle_deg": "-9:6"}, drive=[drive]))
     hop = 1e3 * UNIT / 15.0**2 * math.cos(math.radians(9.0)) / math.sin(ANGLE)
-    assert band.amplitude_mm[-1] == pytest.approx(1.25 * hop, rel=1e-9)
+    assert band.amplitude[-1] == pytest.approx(1.25 * hop, rel=1e-9)
 
 
 def test_speeds_of_the_slowest_the_middle_and_the_fastest_part() -> None:
     goal = {"speed_mm_s": 5, "highest_regime": "hopping"}
     band = speed_band(*chosen(2.0, window=(1.1, 2.2), goal=goal, drive=[{**DRIVE, "frequency_hz": 15}]))
-    assert band.window_mm == (1.1, 2.2)
-    indices = np.arange(0, band.amplitude_mm.size, 83)
-    assert band.amplitude_mm[indices[-1]] > 1e3 * UNIT / 225.0 / math.sin(ANGLE)  # some of them hop
+    assert band.window == (1.1, 2.2)
+    indices = np.arange(0, band.amplitude.size, 83)
+    assert band.amplitude[indices[-1]] > 1e3 * UNIT / 225.0 / math.sin(ANGLE)  # some of them hop
     static, kinetic = (x.ravel() for x in np.meshgrid([0.4, 0.45, 0.5], [0.3, 0.325, 0.35]))
     scene = vibro.Scene(
-        amplitude=1e-3 * band.amplitude_mm[indices, None], frequency=15.0, drive_angle=ANGLE,
+        amplitude=1e-3 * band.amplitude[indices, None], frequency=15.0, drive_angle=ANGLE,
         static_friction=static, kinetic_friction=kinetic,
     )  # fmt: skip
     cycle = vibro.solve(scene)
@@ -288,4 +288,4 @@ def test_a_window_without_an_end_is_not_drawn(window: Any) -> None:
     fewer = pytest.MonkeyPatch()
     with fewer.context() as patch:
         patch.setattr(pictured, "_POINTS", {False: 5, True: 5})
-        assert speed_band(*chosen(window=window)).window_mm is None
+        assert speed_band(*chosen(window=window)).window is None

@@ -110,7 +110,7 @@ def settings_over(spec: Spec, chosen: Chosen, count: int) -> tuple[Floats, Float
     rng = np.random.default_rng(5)
     slow, fast = data.frequency_hz
     frequency = slow + (fast - slow) * rng.random(count)
-    low, high = data.amplitude_mm
+    low, high = data.amplitudes
     return frequency, low * (high / low) ** rng.random(count)
 
 
@@ -276,7 +276,7 @@ def test_the_band_holds_the_speeds_of_all_parts(
     band = speed_band(*nut)
     for values, wanted in ((band.speed_min, speed.min(axis=1)), (band.speed_max, speed.max(axis=1))):
         np.testing.assert_allclose(
-            np.interp(amplitude, band.amplitude_mm, values), wanted, rtol=2e-3, atol=2e-2
+            np.interp(amplitude, band.amplitude, values), wanted, rtol=2e-3, atol=2e-2
         )
     line = curve(axes, "guaranteed speed")
     np.testing.assert_array_equal(line[:, 1], band.speed_min)

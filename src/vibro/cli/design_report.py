@@ -34,6 +34,7 @@ _HEAD_OF: Final = {
     "normal_phase": "phase",
     "frequency": "frequency",
     "drive_angle": "angle",
+    "motion_scale": "scale",
 }
 # Heads of what follows from it, with their units.
 _HEADS: Final = {
@@ -186,8 +187,11 @@ def _closest(spec: Spec, result: DesignResult) -> str:
         if design.frequency_needed_hz is not None:
             size = _exact(design.amplitude_needed_mm or design.stroke_needed_mm)
             stroke = " stroke" if design.stroke_needed_mm is not None else ""
-            needed = f"{_exact(design.frequency_needed_hz)} Hz, {size} mm{stroke}"
-            if design.drive_angle_deg is not None:
+            needed = f"{_exact(design.frequency_needed_hz)} Hz, "
+            needed += f"{size} mm{stroke}" if design.motion_scale is None else "scale "
+            if design.motion_scale is not None:
+                needed += _exact(design.motion_scale_needed)
+            elif design.drive_angle_deg is not None:
                 needed += f" at {_exact(design.drive_angle_deg)} deg"
             else:
                 needed += f" along, the rest in proportion, at {_exact(design.normal_phase_deg)} deg"
@@ -283,9 +287,11 @@ def _rounded(value: float | None, *, upper: bool) -> str:
 
 def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
     design = chosen.design
-    if design.drive_angle_deg is not None:
+    if design.motion_scale is not None:
+        setting = f"scale {_exact(design.motion_scale)}, {_exact(design.frequency_hz)} Hz"
+    elif design.drive_angle_deg is not None:
         stroke = " stroke" if design.stroke_mm is not None else ""
-        setting = f"{_exact(design.nominal_mm)} mm{stroke}, {_exact(design.frequency_hz)} Hz, "
+        setting = f"{_exact(design.nominal)} mm{stroke}, {_exact(design.frequency_hz)} Hz, "
         setting += f"{_exact(design.drive_angle_deg)} deg"
     else:
         setting = (
@@ -315,12 +321,14 @@ def _chosen(spec: Spec, chosen: Chosen, *, met: bool) -> list[str]:
 
 def _size(design: Design) -> str:
     """Name the quantity in which the amplitudes of a design are told."""
+    if design.motion_scale is not None:
+        return "scale"
     return "amplitude" if design.stroke_mm is None else "stroke"
 
 
 def _input(field: str, size: str) -> str:
     name = field.removesuffix("_deg").replace("_", " ")
-    if name == "amplitude":
+    if name in ("amplitude", "motion scale"):
         return size
     return name if name == field.replace("_", " ") else f"{name}, 1 deg more"
 
@@ -333,20 +341,21 @@ def _cost(cost: float | str) -> str:
 
 
 def _window(design: Design) -> str:
-    """Say which amplitudes keep the guarantee at the same frequency and drive angle."""
-    if design.window_mm is None:
+    """Say which amplitudes, or scales, keep the guarantee at the same frequency and drive angle."""
+    if design.window is None:
         return "none keeps the goal"
-    low, high = design.window_mm
+    low, high = design.window
     beyond = {**_BEYOND, "hop": _OTHER_HOPS} if (design.throw_number_max or 0.0) > 1.0 else _BEYOND
     below, above = (beyond.get(end or "", end or "") for end in (design.low_set_by, design.high_set_by))
     # rounded inwards, but not past the design itself
-    own = design.nominal_mm or low
+    own = design.nominal or low
     first = _exact(own) if float(bound(low, upper=True)) > own else bound(low, upper=True)
     last = _exact(own) if float(bound(high, upper=False)) < own else bound(high, upper=False)
     along = " along, the normal one in proportion," if design.along_amplitude_mm else ""
+    unit = " mm" if design.motion_scale is None else ""
     if (first, design.low_set_by, design.high_set_by) == (last, "limit", "limit"):
-        return f"{first} mm, all that the drive can do, keeps the goal"
-    return f"{first} ... {last} mm{along} keep the goal; below, {below}; above, {above}"
+        return f"{first}{unit}, all that the drive can do, keeps the goal"
+    return f"{first} ... {last}{unit}{along} keep the goal; below, {below}; above, {above}"
 
 
 def _margin(spec: Spec, design: Design) -> str:

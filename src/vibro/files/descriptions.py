@@ -122,6 +122,17 @@ def _axis(quantity: Quantity) -> Entry:
 
 
 # fmt: off
+_MOTION: Final = (
+    _moved(form.PAIRS, "along_harmonics_mm_deg", "amplitude [mm] and phase [deg] of each harmonic along"),
+    _moved(form.PAIRS, "normal_harmonics_mm_deg", "the same normal to the trough"),
+    _moved(form.PAIRS, "along_steps", "shares of the period, and the accelerations in them [m/s^2]"),
+    _moved(form.PAIRS, "normal_steps", "the same normal to the trough"),
+    _moved(form.SAMPLES, "along_samples_m_s2", "accelerations of one period along, equally spaced"),
+    _moved(form.SAMPLES, "normal_samples_m_s2", "the same normal to the trough"),
+    _moved(form.SAMPLES, "along_samples_mm", "displacements of one period along, equally spaced"),
+    _moved(form.SAMPLES, "normal_samples_mm", "the same normal to the trough"),
+)
+
 #: Input of the commands that take a scene.
 SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a part", "solve", {
     "scene": TableKind("[scene]", "the operating point: one value each", _by_key(
@@ -133,16 +144,8 @@ SCENE_FILE: Final = FileKind("scene", "a scene of vibro: a drive, a trough and a
         form.Entry(form.VALUE, replace(NORMAL_FORCE, meaning="constant normal force on a clamped part")),
         form.Entry(form.VALUE, replace(MASS, meaning="mass of the clamped part")),
     )),
-    "motion": TableKind("[motion]", "how the trough moves, in place of a drive in [scene]", _by_key(
-        _moved(form.PAIRS, "along_harmonics_mm_deg", "amplitude [mm] and phase [deg] of each harmonic along"),
-        _moved(form.PAIRS, "normal_harmonics_mm_deg", "the same normal to the trough"),
-        _moved(form.PAIRS, "along_steps", "shares of the period, and the accelerations in them [m/s^2]"),
-        _moved(form.PAIRS, "normal_steps", "the same normal to the trough"),
-        _moved(form.SAMPLES, "along_samples_m_s2", "accelerations of one period along, equally spaced"),
-        _moved(form.SAMPLES, "normal_samples_m_s2", "the same normal to the trough"),
-        _moved(form.SAMPLES, "along_samples_mm", "displacements of one period along, equally spaced"),
-        _moved(form.SAMPLES, "normal_samples_mm", "the same normal to the trough"),
-    )),
+    "motion": TableKind("[motion]", "how the trough moves, in place of a drive in [scene]",
+                        _by_key(*_MOTION)),
     "map": TableKind("[map]", "what is swept, in place of values of [scene]",
                      _by_key(*map(_axis, BY_COLUMN.values()))),
 })
@@ -161,7 +164,8 @@ DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, driv
         _entry(form.NUMBER, "gravity", "", "9.81"),
         _entry(form.NUMBER, "restitution", "", "0"),
     ), True, (("static_friction",),)),
-    "drive": TableKind("[[drive]]", "a drive, along a line or an ellipse, and what may be chosen", _by_key(
+    "drive": TableKind("[[drive]]", "a drive, along a line, an ellipse or in a given motion, and what may be"
+                       " chosen", _by_key(
         _entry(form.TEXT, "name", "name for tables, each its own", "`drive 1`, ...", kind=PURE),
         _entry(form.LIMITS, "amplitude", "amplitude along a line", "needed of a line, or the stroke", 0.8),
         _entry(form.LIMITS, "stroke", "twice that amplitude", "needed of a line, or the amplitude"),
@@ -170,6 +174,8 @@ DESIGN_FILE: Final = FileKind("design", "a question of vibro design: parts, driv
         _entry(form.SPAN, "normal_amplitude", "amplitude of an ellipse normal to the trough",
                "needed of an ellipse", 0.3),
         _entry(form.SPAN, "normal_phase", "phase by which the normal motion of an ellipse leads", "0"),
+        *_MOTION,
+        _entry(form.SPAN, "motion_scale", "factor of that whole motion", "1"),
         _entry(form.CHOICES, "frequency", "frequencies that may be chosen", "needed", "15:25"),
         _entry(form.CHOICES, "drive_angle", "drive angles that may be chosen", "needed of a line", "10:40"),
         _entry(form.NUMBER, "acceleration", "largest acceleration along the path, over gravity", "no limit",

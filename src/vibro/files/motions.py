@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.errors import InputError, SceneError
-from vibro.waveforms import Motion, sampled_motion, step_motion
+from vibro.waveforms import Motion, harmonic_motion, sampled_motion, step_motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -51,7 +52,7 @@ def way_of(table: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def motion_of(table: Mapping[str, Any]) -> GivenMotion:
-    """Make the motion of a table of steps or samples.
+    """Make the motion of a table.
 
     Parameters
     ----------
@@ -66,6 +67,9 @@ def motion_of(table: Mapping[str, Any]) -> GivenMotion:
     keys = way_of(table)
     along, normal = map(table.get, keys)
     try:
+        if keys == HARMONICS:
+            pairs = [_harmonics(table.get(key), key) for key in keys]
+            return GivenMotion(table, harmonic_motion(pairs, keys))
         if keys == _STEPS:
             return GivenMotion(table, step_motion(along, normal, keys))
         if keys == _ACCELERATIONS:
@@ -74,3 +78,11 @@ def motion_of(table: Mapping[str, Any]) -> GivenMotion:
         return GivenMotion(table, sampled_motion(x, y, "displacement", keys))
     except SceneError as exc:
         raise InputError(*(str(problem) for problem in exc.problems)) from None
+
+
+def _harmonics(pairs: list[list[float]] | None, key: str) -> list[tuple[float, float]] | None:
+    """Return pairs of amplitude [m] and phase [rad]."""
+    for amplitude, phase in pairs or ():
+        if not (0.0 <= amplitude < math.inf and math.isfinite(phase)):
+            raise InputError(f"{key} has {[amplitude, phase]}", hint=f"{key}: give amplitudes >= 0 mm, finite")
+    return pairs and [(amplitude / _MILLIMETRES, math.radians(phase)) for amplitude, phase in pairs]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["begin_load", "change_loads", "slip_ratios"]
+__all__ = ["begin_load", "change_loads", "slip_load"]
 
 # The field of ``CriticalLoads`` at which each regime begins.
 _BEGINS: Final = {
@@ -61,16 +61,17 @@ def begin_load(scene: Scene, regime: Regime) -> Floats:
     return np.asarray(change_loads(scene)[_BEGINS[regime]])
 
 
-def slip_ratios(scene: Scene) -> Floats:
-    """Return the load over that at which back slip begins, or for a given motion a bound.
+def slip_load(scene: Scene) -> Floats:
+    """Return a load below that of the scene if the body slips back, and at least that of the scene if not.
 
-    Above 1 the body slips back, else it does not. Of a given motion above 1 it is the ratio to the onset of
-    a back slide, which back slip may follow much later.
+    It is that at which back slip begins. Of a given motion, which may end back slip at higher loads, it is the
+    onset of a back slide, but where that is not enough the load of the scene: one steady cycle decides.
     """
     if scene.motion is None:
-        return np.asarray(scene.load / critical_loads(scene).back_slip)
-    cycle = solve(scene, accuracy="regimes")
-    return np.where(cycle.regime >= Regime.BACK_SLIP, cycle.back_ratio, np.minimum(cycle.back_ratio, 1.0))
+        return np.asarray(critical_loads(scene).back_slip)
+    onset = change_loads(scene)["back_onset"]
+    slips = solve(scene, accuracy="regimes").regime >= Regime.BACK_SLIP
+    return np.where(slips, onset, np.maximum(onset, scene.load))
 
 
 def _back_slip_load(scene: Scene) -> Floats:

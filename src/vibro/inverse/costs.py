@@ -28,6 +28,10 @@ _OF_LINES: Final = {
     "amplitude": False, "frequency": False, "drive_angle": False, "static_friction": False,
     "kinetic_friction": False, "trough_angle": True,
 }  # fmt: skip
+_OF_MOTIONS: Final = {
+    "motion_scale": False, "frequency": False, "static_friction": False, "kinetic_friction": False,
+    "trough_angle": True,
+}  # fmt: skip
 _OF_ELLIPSES: Final = {
     "along_amplitude": False, "normal_amplitude": False, "normal_phase": True, "frequency": False,
     "static_friction": False, "kinetic_friction": False, "trough_angle": True,
@@ -47,7 +51,7 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     dict of str to float or str
         ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change for
         1 % more of it, d ln v / d ln x; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
-        instead of amplitude and drive angle. ``trough_angle_deg`` and ``normal_phase_deg``: change for 1 deg
+        instead of amplitude and drive angle, given motions ``motion_scale``. ``trough_angle_deg`` and ``normal_phase_deg``: change for 1 deg
         more, since 1 % of an angle near 0 is nothing. Positive values mean faster, also for a body that is
         conveyed backwards [%]. A text says why there is no number: the body rests, is not conveyed, runs away
         or hops irregularly, or its speed jumps or bends at the scene.
@@ -56,21 +60,17 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     ------
     SceneError
         If the scene is more than one operating point.
-    InputError
-        If the drive lacks ``Ability.ONE_HARMONIC``.
 
     Notes
     -----
     Lines in contact use the closed form, Eq. (51), which holds within the pattern of the scene, not across
-    the jumps where slip begins or back slip enters. Ellipses and bodies that hop use finite differences,
+    the jumps where slip begins or back slip enters. Other drives and bodies that hop use finite differences,
     and have a number where these agree below and above the scene.
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    drive = scene.arrays()
-    drive.require(Ability.ONE_HARMONIC)
-    is_line = drive.can(Ability.PROOF)
-    inputs = _OF_LINES if is_line else _OF_ELLIPSES
+    is_line = scene.arrays().can(Ability.PROOF)
+    inputs = _OF_LINES if is_line else _OF_ELLIPSES if scene.motion is None else _OF_MOTIONS
     names = {name: name + "_deg" * is_angle for name, is_angle in inputs.items()}
     cycle = solve(scene)
     if why := _why_none(cycle):
@@ -103,8 +103,11 @@ def _why_none(cycle: SteadyCycle) -> str:
 
 def _difference(scene: Scene, name: str, is_angle: bool) -> float | str:
     """Return the change of the speed with one input by finite differences, or why it is not smooth there."""
-    fields: dict[str, Any] = {name: float(value) for name, value in scene.arrays()._asdict().items()}
+    members = scene.arrays().members()
+    fields: dict[str, Any] = {known: float(x) for field, known, x in members if field == known}
     value = fields[name]
+    if scene.motion is not None:
+        fields["motion"] = scene.motion
     step = _STEP if is_angle else _STEP * value
     cycle = solve(Scene.allowing_infeasible(**{**fields, name: value + step * np.arange(-2.0, 3.0)}))
     # at mu_d = mu_s both slopes are taken on the side that can be

@@ -13,7 +13,6 @@ from vibro.inverse.questions import Question
 from vibro.inverse.reading import read_spec
 from vibro.inverse.rounding import DIGITS, MOST_DIGITS
 from vibro.inverse.rows import KINDS, SEARCHED, find
-from vibro.inverse.spaces import Setting
 from vibro.quantities import SPEED
 from vibro.results.designs import DesignResult
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from vibro.inverse.rows import Finder
-    from vibro.inverse.spaces import UncertaintySet
+    from vibro.inverse.spaces import AnySetting, UncertaintySet
     from vibro.inverse.specs import Drive, Spec
     from vibro.results.designs import Design
 
@@ -155,7 +154,7 @@ class Chosen:
     design : Design
         Within the goal's regime the safest of all drives; the gentlest where nothing is uncertain, and the
         fastest where no drive meets the goal.
-    setting : Setting
+    setting : Setting or Scaled
         In SI units and radians.
     loads : dict of str to float
         Load of the setting over the critical load of the first, or the last, body [1].
@@ -166,7 +165,7 @@ class Chosen:
 
     drive: Drive
     design: Design
-    setting: Setting
+    setting: AnySetting
     loads: dict[str, float]
     costs: dict[str, float | str]
 
@@ -190,7 +189,7 @@ def chosen_of(spec: Spec, result: DesignResult) -> Chosen | None:
         return (-(design.acceleration_g or 0.0) if wanted == "gentlest" else design.margin or 0.0), speed
 
     best, values, drive = max(rows, key=merit)
-    question, setting = Question(spec, drive, highest), Setting(*values)
+    question, setting = Question(spec, drive, highest), drive.space.settings._make(values)
     costs = speed_costs(question.nominal_scene(setting))
     return Chosen(drive, best, setting, _loads(question.box(setting)), costs)
 

@@ -154,7 +154,9 @@ def bound(
     if box.space.is_bounded:
         extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
     else:
-        extreme, certificate = evolved(box, fast=fast, seen=seen, highest=highest), None
+        extreme, certificate = evolved(
+            box, fast=fast, seen=seen, brief=boxes <= BRIEF, highest=highest
+        ), None
     if certificate is not None:
         if math.isinf(extreme.speed):  # one body without a speed proves it
             return Bound(extreme, "proved", extreme.speed)

@@ -14,7 +14,7 @@ from vibro.inverse.proofs import corners, first_ratio, last_ratio, tip_ratio
 from vibro.inverse.questions import Question
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.inverse.windows import span_of
-from vibro.quantities import LENGTH, SPEED
+from vibro.quantities import QUANTITIES, SPEED
 from vibro.results.designs import SettingFields, SpeedBand
 from vibro.steady import solve
 
@@ -49,24 +49,30 @@ def setting_fields(spec: Spec, chosen: Chosen) -> SettingFields:
     amplitudes = min(_LEAST * limits[1], _BELOW * amplitude), _BEYOND * limits[1]
     ends = [end for span in chosen.drive.frequency for end in span]
     frequencies = min(ends) / _BEYOND, max(ends) * _BEYOND
-    unit = spec.gravity / (2.0 * math.pi) ** 2  # [m] of load 1 at 1 Hz
+    load_at, gravity = question.space.load_at, spec.gravity
+    unit = 1.0 / float(load_at(1.0, 1.0, gravity))  # [m] of load 1 at 1 Hz, or scale
     one = setting.scaled(unit / amplitude)._replace(frequency=1.0)
     box = question.box(one)
     begins = _begins(box)
-    least, most = (a * f**2 / unit for a, f in zip(amplitudes, frequencies, strict=True))
+    least, most = (float(load_at(a, f, gravity)) for a, f in zip(amplitudes, frequencies, strict=True))
     loads = _with_jumps(least, most, begins, spec)
     boxes = question.box(one.scaled(loads[:, None]))
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (solve(boxes.scene(points, fast=which)) for which in (False, True))
     goal = spec.goal
     # an ellipse's load exceeds that of its motion along the trough
-    share = amplitude * float(setting.frequency) ** 2 / unit / float(question.load(setting))
-    told = chosen.drive.told_per_amplitude
+    share = float(load_at(amplitude, setting.frequency, gravity)) / float(question.load(setting))
+    name = "stroke" if chosen.drive.in_stroke else question.space.leading(setting)
+
+    def told(ends: tuple[float, float]) -> tuple[float, float]:
+        low, high = (chosen.drive.told_per_amplitude * end for end in ends)
+        return QUANTITIES[name].from_si(low), QUANTITIES[name].from_si(high)
+
     return SettingFields(
-        amplitude="stroke" if chosen.drive.in_stroke else question.space.leading(setting),
-        limits_mm=(LENGTH.from_si(told * limits[0]), LENGTH.from_si(told * limits[1])),
+        amplitude=name,
+        limits=told(limits),
         most_load=chosen.drive.acceleration * share,
-        amplitude_mm=(LENGTH.from_si(told * amplitudes[0]), LENGTH.from_si(told * amplitudes[1])),
+        amplitudes=told(amplitudes),
         frequency_hz=frequencies,
         load=loads,
         speed_min=SPEED.from_si(_least(counted(slow, fast=False))),
@@ -96,12 +102,13 @@ def speed_band(spec: Spec, chosen: Chosen) -> SpeedBand:
     points = boxes.points(_bodies(box)[:, None, :])
     slow, fast = (counted(solve(boxes.scene(points, fast=which)), fast=which) for which in (False, True))
     middle = question.nominal_scene(setting.scaled(amplitudes / amplitude))
+    told = QUANTITIES[question.space.leading(setting)]
     return SpeedBand(
-        amplitude_mm=LENGTH.from_si(chosen.drive.told_per_amplitude * amplitudes),
+        amplitude=told.from_si(chosen.drive.told_per_amplitude * amplitudes),
         speed_min=SPEED.from_si(_least(slow)),
         speed_nominal=SPEED.from_si(solve(middle).mean_velocity),
         speed_max=SPEED.from_si(_most(fast)),
-        window_mm=chosen.design.window_mm,
+        window=chosen.design.window,
     )
 
 

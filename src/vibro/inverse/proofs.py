@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from vibro.core.codes import Regime
-from vibro.inverse.changes import begin_load
+from vibro.inverse.changes import begin_load, slip_load
 from vibro.inverse.search import evolve, placed, sobol
 from vibro.limits import critical_loads_of_lines, tipping_load, tipping_load_of_lines
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "back_slip_load", "corners", "extreme_ratio", "first_ratio", "is_braked", "last_ratio", "onset_load",
-    "regime_loads", "steeper_is_slower", "tip_load", "tip_ratio",
+    "regime_loads", "slip_ratio", "steeper_is_slower", "tip_load", "tip_ratio",
 ]  # fmt: skip
 
 _EDGE: Final = 65  # static frictions of each grid along an edge of the box
@@ -36,6 +36,7 @@ _SLOPES: Final = 33  # trough angles of each grid, where the first body need not
 _ROUNDS: Final = 5  # refinements of these grids
 _FIRST: Final = 5  # base-2 logarithm of the first population, beside the corners
 _GENERATIONS: Final = 60
+_FEWER: Final = 15  # of given motions, whose loads are searched by many steady cycles
 _SEED: Final = 1
 
 
@@ -73,6 +74,11 @@ def last_ratio(box: UncertaintySet, regime: Regime) -> float:
     flattest = 1.0 if b_low < 0.0 < b_high else np.maximum(np.cos(b_low), np.cos(b_high))
     with np.errstate(divide="ignore"):  # spelled as ``hop_load`` is: without bands first and last are equal
         return _ratio(least, np.divide(flattest, np.sin(box.shape["drive_angle"][0])))
+
+
+def slip_ratio(box: UncertaintySet) -> tuple[float, Floats]:
+    """Return a ratio that is above 1 if some body of a single box slips back, and where it is the largest."""
+    return extreme_ratio(box, slip_load, largest=True)
 
 
 def tip_ratio(box: UncertaintySet, stand_ratio: float) -> float:
@@ -124,9 +130,8 @@ def extreme_ratio(
     best = np.zeros((0, 1))
     if free.any():
         first = np.hstack([corners(free)[free], sobol(int(free.sum()), _FIRST, _SEED)])
-        best, _ = evolve(
-            lambda x: side * ratios(placed(free, x)), first, generations=_GENERATIONS, seed=_SEED
-        )
+        generations = _GENERATIONS if box.space.is_bounded else _FEWER
+        best, _ = evolve(lambda x: side * ratios(placed(free, x)), first, generations=generations, seed=_SEED)
     return float(ratios(placed(free, best))[0]), placed(free, best)
 
 

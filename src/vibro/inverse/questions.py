@@ -114,7 +114,7 @@ class Question:
     def growth(self, scale: Floats | float) -> Floats | float:
         """Return the ratio of the largest load in a box to the nominal one."""
         drift = self.spec.drift
-        return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** 2
+        return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** self.space.power
 
     def hardest_impacts(self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
         """Return the largest impact speed of scenarios at each of some settings, 1-D; 0 where none lands."""

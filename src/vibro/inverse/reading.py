@@ -9,14 +9,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.drives import Ellipse, Line
+from vibro.drives import Ellipse, Harmonics, Line, Piecewise
 from vibro.errors import InputError, Problems, shown
 from vibro.files.descriptions import DESIGN_FILE
+from vibro.files.motions import MOTIONS, motion_of
 from vibro.files.toml_files import ABSENT, Table, read_toml, refuse_other_kinds, refuse_unknown_tables
 from vibro.friction_catalogue import static_row
-from vibro.inverse.spaces import SPACES
+from vibro.inverse.spaces import SPACES, MotionSpace
 from vibro.inverse.specs import Drift, Drive, Goal, Spec
-from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES
+from vibro.quantities import ELLIPTICAL, LINEAR, QUANTITIES, SCALE
+from vibro.waveforms import HarmonicMotion, Motion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,6 +33,8 @@ _ROUNDED: Final = 1e-15
 # [1] Far beyond any machine; above it, loads and their bounds leave the range in which searches converge.
 _MOST_LOAD: Final = 1e9
 _LINE: Final = (*LINEAR, "stroke")
+# Stands for a motion that is refused, so that the rest is checked.
+_UNREAD: Final = Motion.harmonics(along=[(1e-3, 0.0)])
 _SEVERAL: Final = ("frequency", "drive_angle")  # knobs that may have several ranges
 _PAIRS: Final = "either amplitude_mm and drive_angle_deg, or along_amplitude_mm and normal_amplitude_mm"
 
@@ -86,7 +90,7 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
     drives = _drive_tables(content.get("drive", []), problems)
     spec = Spec(
         bands=_bands(scene, problems),
-        drives=tuple(_drive(table, f"drive {i}") for i, table in enumerate(drives, 1)),
+        drives=tuple(_drive(table, f"drive {i}", problems) for i, table in enumerate(drives, 1)),
         goal=_goal(goal, scene),
         drift=Drift(**drift.values),
         length=scene.values.get("trough_length"),
@@ -99,6 +103,11 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
     _check_drift(spec, drift)
     _check_angles(spec, drives, problems)
     _check_accelerations(spec, drives)
+    if "part" in content and any(drive.motion is not None for drive in spec.drives):
+        problems.add(
+            "[part] beside a drive that is a given motion: at which load a part tips on it is not known",
+            "leave [part] out, or ask of that drive in a file of its own",
+        )
     problems.settle()
     return spec
 
@@ -142,7 +151,11 @@ def _drive_tables(given: Any, problems: Problems) -> list[Table]:
     return [Table(DESIGN_FILE, "drive", table, problems, several * i) for i, table in enumerate(tables, 1)]
 
 
-def _drive(table: Table, usual_name: str) -> Drive:
+def _drive(table: Table, usual_name: str, problems: Problems) -> Drive:
+    if any(key in table.given for way in MOTIONS for key in way):
+        return _moved_drive(table, usual_name, problems)
+    if SCALE in table.given:
+        table.refuse(SCALE, "without a motion", "give one, such as along_steps = [[0.8, 6.9], [0.2, -27.6]]")
     elliptical = [key for key in _keys(ELLIPTICAL) if key in table.given]
     if elliptical:
         for key in _keys(ELLIPTICAL[:2]):
@@ -161,6 +174,25 @@ def _drive(table: Table, usual_name: str) -> Drive:
     choices = {knob: ends if knob in _SEVERAL else (ends,) for knob, ends in found.items()}
     most = values.get("acceleration", Drive.acceleration)
     return Drive(values.get("name", usual_name), kind, choices, most, in_stroke="stroke" in values)
+
+
+def _moved_drive(table: Table, usual_name: str, problems: Problems) -> Drive:
+    """Read a drive that is a given motion, of which scale and frequency may be chosen."""
+    keys = [key for way in MOTIONS for key in way if key in table.given]
+    for key in _keys((*_LINE, *ELLIPTICAL)):
+        if key in table.given:
+            table.refuse(key, f"not beside {' and '.join(keys)} of a given motion", f"give {key} or the motion")
+    values, motion = table.values, None
+    if all(key in values for key in keys):
+        with problems.taken(f"{table.heading} "):
+            motion = motion_of({key: values[key] for key in keys}).motion
+    if motion is not None and not MotionSpace.of(motion).unit > 0.0:
+        table.refuse(keys[0], "the trough stands still", "give a motion with accelerations")
+        motion = None
+    choices = {SCALE: (values.get(SCALE, (1.0, 1.0)),), "frequency": values.get("frequency", ())}
+    most = values.get("acceleration", Drive.acceleration)
+    kind = Harmonics if isinstance(motion, HarmonicMotion) else Piecewise
+    return Drive(values.get("name", usual_name), kind, choices, most, motion=motion or _UNREAD)
 
 
 def _keys(names: Sequence[str]) -> list[str]:

@@ -12,7 +12,7 @@ from vibro.quantities import QUANTITIES
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from vibro.inverse.spaces import Setting
+    from vibro.inverse.spaces import AnySetting
     from vibro.inverse.specs import Drive, Span
 
 __all__ = ["DIGITS", "MOST_DIGITS", "more_digits", "moved", "rounded", "roundings", "setting_of", "within"]
@@ -33,7 +33,7 @@ def more_digits(digits: int) -> list[int]:
     return [digits, *(more for more in _MORE if more > digits)]
 
 
-def roundings(drive: Drive, setting: Setting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
+def roundings(drive: Drive, setting: AnySetting, digits: int, *, up: bool) -> Iterator[tuple[float, ...]]:
     """Return settings rounded to some digits in the units and quantities of the user, the nearest first.
 
     Every knob stays within its nearest range. Amplitudes keep the load at the rounded frequency, up to some
@@ -53,14 +53,14 @@ def roundings(drive: Drive, setting: Setting, digits: int, *, up: bool) -> Itera
     beside = {
         knob: [kept(knob, x) for x in (values[knob], *_beside(values[knob], digits))]
         for knob in turned
-        if not knob.endswith("amplitude")
+        if knob not in drive.space.sizes
     }
     sizes, step = [knob for knob in turned if knob not in beside], 1 if up else -1
     nudges = [*product(range(-step, step * _NUDGES, step), repeat=len(sizes))]
     seen = set()
     for others in product(*map(dict.fromkeys, beside.values())):
         printed = dict.fromkeys(turned, 0.0) | dict(zip(beside, others, strict=True))
-        growth = (values["frequency"] / printed["frequency"]) ** 2
+        growth = (values["frequency"] / printed["frequency"]) ** drive.space.power
         for steps in nudges:
             for knob, n in zip(sizes, steps, strict=True):
                 printed[knob] = kept(knob, moved(values[knob] * growth, digits, n, up=up))
@@ -78,7 +78,7 @@ def _beside(value: float, digits: int) -> Iterator[float]:
             yield math.copysign(moved(size, digits, steps, up=False), value)
 
 
-def setting_of(drive: Drive, printed: tuple[float, ...]) -> Setting:
+def setting_of(drive: Drive, printed: tuple[float, ...]) -> AnySetting:
     """Return the setting of knobs as they are printed."""
     told = zip(drive.space.knobs, drive.told, printed, strict=True)
     knobs = {knob: QUANTITIES[name].to_si(x) for knob, name, x in told}

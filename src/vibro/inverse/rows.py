@@ -8,11 +8,12 @@ from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.drives import Ellipse, Line
+from vibro.drives import Ellipse, Harmonics, Line, Piecewise
 from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.exchange import Found
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.lines import LineOptimiser
+from vibro.inverse.moved import MotionOptimiser
 from vibro.inverse.rounding import DIGITS, more_digits, moved, nearest, rounded, roundings, setting_of
 from vibro.inverse.tolerances import TOLERANCES
 from vibro.inverse.windows import window_of
@@ -38,6 +39,8 @@ _LOWERED: Final = 10  # steps of the last digit by which the frequency of the ne
 _OPTIMISERS: Final[Mapping[type, Callable[[Question], Exchange]]] = {
     Line: LineOptimiser,
     Ellipse: EllipseOptimiser,
+    Harmonics: MotionOptimiser,
+    Piecewise: MotionOptimiser,
 }
 
 
@@ -107,13 +110,16 @@ class Finder:
         columns = (QUANTITIES[name].column for name in drive.told)
         settings: dict[str, Any] = dict(zip(columns, found.printed, strict=True))
         row = replace(row, **settings)
-        speed, size = g.speed_min, "stroke" if drive.in_stroke else "amplitude"
-        needed = self._nearest_drive(found, row.nominal_mm or 0.0, settings["frequency_hz"])
-        sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{size}_needed_mm": needed[1]}
+        speed, size, unit = g.speed_min, "stroke" if drive.in_stroke else "amplitude", "_mm"
+        if drive.motion is not None:
+            size, unit = "motion_scale", ""
+        needed = self._nearest_drive(found, row.nominal or 0.0, settings["frequency_hz"])
+        sizes: dict[str, Any] = {"frequency_needed_hz": needed[0], f"{size}_needed{unit}": needed[1]}
         if window := window_of(question, found):
-            scale = drive.told_per_amplitude
-            sizes |= {f"{size}_low_mm": _mm(scale * window.low), "low_set_by": window.low_set_by}
-            sizes |= {f"{size}_high_mm": _mm(scale * window.high), "high_set_by": window.high_set_by}
+            told = QUANTITIES[size]
+            low, high = (float(told.from_si(drive.told_per_amplitude * end)) for end in window[:2])
+            sizes |= {f"{size}_low{unit}": low, "low_set_by": window.low_set_by}
+            sizes |= {f"{size}_high{unit}": high, "high_set_by": window.high_set_by}
         return replace(
             row,
             **sizes,
@@ -256,15 +262,15 @@ class Finder:
         exceeded, and the frequency is lowered until the goal is met. None if the goal is met already, if the
         drive conveys nothing, and if parts would land too hard.
         """
-        speed = found.guarantee.speed_min
+        speed, power = found.guarantee.speed_min, self.question.space.power
         if speed >= self.target or not speed > 0.0:
             return None, None
         for digits in more_digits(self.digits):
             for steps in range(_LOWERED):
                 needed = nearest(moved(frequency * speed / self.target, digits, -steps, up=False), digits)
-                larger = rounded(size * (frequency / needed) ** 2, digits, down=True)
+                larger = rounded(size * (frequency / needed) ** power, digits, down=True)
                 # a lower load is slower, and mostly by more than its own share
-                if speed * larger * needed < self.target * size * frequency:
+                if speed * larger * needed ** (power - 1) < self.target * size * frequency ** (power - 1):
                     continue
                 setting = found.setting.scaled(larger / size)._replace(frequency=needed)
                 box = self.question.box(setting)

@@ -85,6 +85,8 @@ class Space:
         Those with which the load grows, at any frequency.
     shape : tuple of str
         Knobs beside amplitude and frequency: coordinates of a box.
+    settings : type
+        Of its settings.
     unit : float
         Largest acceleration at 1 Hz of the motion whose factor is 1, along a line or where both amplitudes
         are measured by it [m/s^2].
@@ -98,6 +100,7 @@ class Space:
     knobs: ClassVar[tuple[str, ...]]
     sizes: ClassVar[tuple[str, ...]]
     shape: ClassVar[tuple[str, ...]]
+    settings: ClassVar[type[AnySetting]] = Setting
     unit: float
     power: int
     is_bounded: ClassVar[bool] = True
@@ -279,6 +282,7 @@ class MotionSpace(Space):
 
     knobs = Scaled._fields
     sizes = ("motion_scale",)
+    settings = Scaled
     shape = ()
     is_bounded = False
 

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from vibro.core.codes import Regime
-from vibro.inverse.spaces import SPACES
+from vibro.inverse.spaces import SPACES, MotionSpace
 from vibro.quantities import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from vibro.drives import Ellipse, Line
+    from vibro.drives import Ellipse, Harmonics, Line, Piecewise
     from vibro.inverse.spaces import Space
+    from vibro.waveforms import Motion
 
 __all__ = ["Drift", "Drive", "Goal", "Span", "Spec"]
 
@@ -31,7 +33,7 @@ class Drive:
     name : str
         For tables.
     kind : type
-        ``Line`` or ``Ellipse``.
+        ``Line`` or ``Ellipse``, or that of its motion.
     choices : mapping of str to tuple of pairs of float
         Of every knob (``Space.knobs``) the ranges to choose from, each with its ends, equal for a single
         value [SI]. Of the frequency and of the drive angle of a line there may be several.
@@ -39,18 +41,21 @@ class Drive:
         Largest acceleration along the path over g [1]; inf without a limit.
     in_stroke : bool
         Whether the amplitude of a line was given as its stroke, and is told so.
+    motion : Motion or None
+        Of a drive that is a given motion.
     """
 
     name: str
-    kind: type[Line] | type[Ellipse]
+    kind: type[Line | Ellipse | Harmonics | Piecewise]
     choices: Mapping[str, tuple[Span, ...]]
     acceleration: float = math.inf
     in_stroke: bool = False
+    motion: Motion | None = None
 
-    @property
+    @cached_property
     def space(self) -> Space:
         """Space of its settings."""
-        return SPACES[self.kind]
+        return SPACES[self.kind] if self.motion is None else MotionSpace.of(self.motion)
 
     @property
     def frequency(self) -> tuple[Span, ...]:
@@ -84,11 +89,12 @@ class Drive:
 
         That of an ellipse is at least this, whatever the phase: its larger amplitude's.
         """
-        sizes = [self.span(knob) for knob in self.choices if knob.endswith("amplitude")]
-        slow = math.tau * min((low for low, _ in self.frequency), default=0.0)
-        quick = math.tau * max((high for _, high in self.frequency), default=0.0)
+        sizes = [self.span(knob) for knob in self.space.sizes]
+        slow = min((low for low, _ in self.frequency), default=0.0)
+        quick = max((high for _, high in self.frequency), default=0.0)
         least, most = max(low for low, _ in sizes), max(high for _, high in sizes)
-        return least * slow * slow, most * quick * quick
+        gentle, hard = self.space.load_at(least, slow, 1.0), self.space.load_at(most, quick, 1.0)
+        return float(gentle), float(hard)
 
 
 @dataclass(frozen=True)
@@ -98,7 +104,7 @@ class Drift:
     Attributes
     ----------
     amplitude, frequency : float
-        Relative to the nominal value [1]; both amplitudes of an ellipse drift together.
+        Relative to the nominal value [1]; all amplitudes drift together.
     drive_angle, trough_angle, normal_phase : float
         [rad].
     """

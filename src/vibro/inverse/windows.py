@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from vibro.inverse.exchange import Found
     from vibro.inverse.questions import Question
-    from vibro.inverse.spaces import Points, Setting, UncertaintySet
+    from vibro.inverse.spaces import AnySetting, Points, UncertaintySet
     from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -220,7 +220,7 @@ def _of_amplitudes(box: UncertaintySet) -> UncertaintySet:
     return replace(box, factor=(1.0, 1.0), shape={**box.shape, **shares})
 
 
-def span_of(question: Question, setting: Setting) -> tuple[float, float]:
+def span_of(question: Question, setting: AnySetting) -> tuple[float, float]:
     """Return the smallest and largest amplitude of the drive in the proportions of a setting [m]."""
     space, turned = question.space, question.space.turned(setting)
     amplitude = float(space.amplitude(setting))

@@ -27,7 +27,7 @@ from vibro.plots.style import (
     number_text,
     spans_text,
 )
-from vibro.quantities import SPEED
+from vibro.quantities import QUANTITIES, SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -209,7 +209,8 @@ def _question(settings: Settings, *, frequency: bool = False) -> str:
     spans = dict(spec.bands)
     shape = "drive_angle" if design.drive_angle_deg is not None else "normal_phase"
     angle = math.radians(design.drive_angle_deg or design.normal_phase_deg or 0.0)
-    spans[shape] = (angle, angle)
+    if design.motion_scale is None:
+        spans[shape] = (angle, angle)
     if frequency:
         spans["frequency"] = (float(settings.point[0, 0]),) * 2
     goal = f"goal: at least {number_text(settings.goal)} mm/s"
@@ -303,14 +304,14 @@ def _speed_band(settings: Settings, band: SpeedBand) -> Figure:
     figure = Figure(figsize=_SIZE)
     strip, axes = figure.subplots(2, 1, sharex=True, height_ratios=[0.09, 1.0])
     set_heading(figure, _headline(settings, "Speed of all parts"), _question(settings, frequency=True))
-    low, high = float(band.amplitude_mm[0]), float(band.amplitude_mm[-1])
+    low, high = float(band.amplitude[0]), float(band.amplitude[-1])
     axes.set_xlim(low, high)
     legend: dict[str, dict[str, Any]] = {}
     _draw_band(axes, band, legend)
     _draw_goal(axes, settings, band, legend)
     _draw_beginnings(axes, settings, legend)
     design = settings.chosen.design
-    point = np.array([[design.nominal_mm, design.speed_min_mm_s]], np.float64)
+    point = np.array([[design.nominal, design.speed_min_mm_s]], np.float64)
     mark_operating_point(axes, point, legend, _marked(settings))
     assert settings.fields.panel.y is not None
     axes.set_xlabel(axis_label(settings.fields.panel.y))
@@ -332,7 +333,7 @@ def _draw_band(axes: Axes, band: SpeedBand, legend: dict[str, dict[str, Any]]) -
     """Draw the slowest, the nominal and the fastest part, with a band if both extremes are known."""
     least, most = (np.where(np.isfinite(v), v, np.nan) for v in (band.speed_min, band.speed_max))
     axes.fill_between(
-        band.amplitude_mm, least, most, facecolor=_BAND, edgecolor=INK, linewidth=0.6, zorder=1, gid="band"
+        band.amplitude, least, most, facecolor=_BAND, edgecolor=INK, linewidth=0.6, zorder=1, gid="band"
     )
     legend["slowest to fastest part"] = {"facecolor": _BAND}
     looks: dict[str, tuple[Floats, dict[str, Any]]] = {
@@ -340,7 +341,7 @@ def _draw_band(axes: Axes, band: SpeedBand, legend: dict[str, dict[str, Any]]) -
         "nominal speed": (band.speed_nominal, {"color": INK, "linewidth": 1.2, "linestyle": (0, (4, 2))}),
     }
     for name, (values, look) in looks.items():
-        axes.plot(band.amplitude_mm, values, gid=name, label=name, zorder=3, **look)
+        axes.plot(band.amplitude, values, gid=name, label=name, zorder=3, **look)
         legend[name] = look
     known = np.concatenate([least, band.speed_nominal, most])
     top = float(np.nanmax(known, initial=0.0))
@@ -355,8 +356,8 @@ def _draw_goal(axes: Axes, settings: Settings, band: SpeedBand, legend: dict[str
     low, high = axes.get_ylim()
     axes.set_ylim(low, max(high, 1.05 * settings.goal))
     legend[f"goal {number_text(settings.goal)} mm/s"] = goal
-    if band.window_mm is not None:
-        low, high = band.window_mm
+    if band.window is not None:
+        low, high = band.window
         axes.axvspan(low, high, gid="window", zorder=0.5, linewidth=0.6, facecolor=_WINDOW, edgecolor=INK)
         legend["keeps the guarantee"] = {"facecolor": _WINDOW}
 
@@ -373,7 +374,8 @@ def _draw_beginnings(axes: Axes, settings: Settings, legend: dict[str, dict[str,
     for name, (regime, load) in loads.items():
         amplitude = settings.amplitude(load)
         if low < amplitude < high:
-            text = f"{_begin_text(regime, name)}: {number_text(amplitude)} mm"
+            unit = QUANTITIES[settings.data.amplitude].unit
+            text = f"{_begin_text(regime, name)}: {number_text(amplitude)} {unit}".rstrip()
             look = {"color": INK, "linestyle": CURVES[BEGINS[regime]].dashes, "linewidth": 1.0}
             axes.axvline(amplitude, zorder=2, gid=name, label=text, **look)
             legend[text] = look

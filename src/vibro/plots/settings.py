@@ -15,7 +15,7 @@ from vibro.core.codes import Regime
 from vibro.plots.fields import Fields, clip_line, zero_lines
 from vibro.plots.style import REGIME_COLOURS
 from vibro.plots.view import Panel
-from vibro.quantities import LENGTH
+from vibro.quantities import LENGTH, QUANTITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -101,7 +101,7 @@ class Settings:
     def fields(self) -> Fields:
         """The grid of a map, with the loads at which the first and the last part reach regimes."""
         x = Axis("frequency", np.linspace(*self.data.frequency_hz, _RESOLVED), "linear")
-        y = Axis(self.data.amplitude, np.geomspace(*self.data.amplitude_mm, _RESOLVED), "log")
+        y = Axis(self.data.amplitude, np.geomspace(*self.data.amplitudes, _RESOLVED), "log")
         loads = {"tips": self.data.tips}
         for regime, curve in BEGINS.items():
             loads[curve], loads[LAST + curve] = self.data.begins[regime]
@@ -114,7 +114,7 @@ class Settings:
     @property
     def point(self) -> Floats:
         """The chosen setting, as an array of shape (1, 2)."""
-        return np.array([[self.chosen.design.frequency_hz, self.chosen.design.nominal_mm]], np.float64)
+        return np.array([[self.chosen.design.frequency_hz, self.chosen.design.nominal]], np.float64)
 
     @property
     def goal(self) -> float:
@@ -144,21 +144,20 @@ class Settings:
         return found
 
     def __post_init__(self) -> None:
-        shown = self.load(*np.array([self.data.amplitude_mm, self.data.frequency_hz]))
+        shown = self.load(*np.array([self.data.amplitudes, self.data.frequency_hz]))
         if not (self.data.load[0] <= shown[0] * _ROUNDING and shown[1] <= self.data.load[-1] * _ROUNDING):
             raise ValueError(f"loads {self.data.load[[0, -1]]} do not cover the settings' {shown}")
 
     def load(self, amplitude: Any, frequency: Any) -> Floats:
-        """G = A w^2 / g, of an amplitude or a stroke as the drive's are told [mm]."""
-        w = 2.0 * math.pi * frequency
-        size = LENGTH.to_si(amplitude) / self.chosen.drive.told_per_amplitude
-        return np.asarray(size * w**2 / self.spec.gravity)
+        """G = A w^2 / g of an amplitude or a stroke as the drive's are told [mm], or of a scale [1]."""
+        size = QUANTITIES[self.data.amplitude].to_si(amplitude) / self.chosen.drive.told_per_amplitude
+        return self.chosen.drive.space.load_at(size, frequency, self.spec.gravity)
 
     def amplitude(self, load: float) -> float:
-        """Amplitude, or stroke, at which the chosen frequency has a load [mm]."""
-        w = 2.0 * math.pi * float(self.point[0, 0])
-        size = load * self.spec.gravity / w**2
-        return float(LENGTH.from_si(size * self.chosen.drive.told_per_amplitude))
+        """Amplitude or stroke [mm], or scale [1], at which the chosen frequency has a load."""
+        one = self.chosen.drive.space.load_at(1.0, float(self.point[0, 0]), self.spec.gravity)
+        size = load / float(one) * self.chosen.drive.told_per_amplitude
+        return float(QUANTITIES[self.data.amplitude].from_si(size))
 
     def speed(self, amplitude: Any, frequency: Any) -> Floats:
         """Guaranteed speed; NaN where none is guaranteed [mm/s]."""
@@ -167,7 +166,7 @@ class Settings:
 
     def strong(self, amplitude: Any, frequency: Any) -> Floats:
         """Positive where amplitude and acceleration keep to the drive's limits, at any frequency."""
-        low, high = self.data.limits_mm
+        low, high = self.data.limits
         excess = [below(high, amplitude), below(self.data.most_load, self.load(amplitude, frequency))]
         excess += [-below(low, amplitude)] if low > 0.0 else []
         return np.asarray(np.minimum.reduce(np.broadcast_arrays(*excess)))

@@ -150,6 +150,7 @@ class Design:
     along_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse along the trough")
     normal_amplitude_mm: float | None = _optional("mm", "nominal amplitude of an ellipse normal to it")
     normal_phase_deg: float | None = _optional("deg", "nominal phase by which the latter leads")
+    motion_scale: float | None = _optional("", "nominal scale of a given motion")
     acceleration_g: float | None = _optional("g", "nominal peak acceleration of the drive over gravity")
     speed_min_mm_s: float | None = _optional("mm/s", "guaranteed speed")
     speed_proved_mm_s: float | None = _optional("mm/s", "speed that no part falls short of, by proof")
@@ -164,6 +165,8 @@ class Design:
     )
     stroke_low_mm: float | None = _optional("mm", "from this nominal stroke on the guarantee holds")
     stroke_high_mm: float | None = _optional("mm", "up to this nominal stroke the guarantee holds")
+    motion_scale_low: float | None = _optional("", "from this nominal scale on the guarantee holds")
+    motion_scale_high: float | None = _optional("", "up to this nominal scale the guarantee holds")
     low_set_by: str | None = _optional("", "what ends it below")
     high_set_by: str | None = _optional("", "what ends it above")
     margin: float | None = _optional("", "factor by which all bands and drifts may grow about their middles")
@@ -172,24 +175,29 @@ class Design:
     frequency_needed_hz: float | None = _optional("Hz", "frequency of the nearest drive that meets the goal")
     amplitude_needed_mm: float | None = _optional("mm", "its amplitude, or that along the trough")
     stroke_needed_mm: float | None = _optional("mm", "its stroke")
+    motion_scale_needed: float | None = _optional("", "its scale")
     proof: str | None = _optional("", "corners, proved, searched or sampled")
     coexists: bool | None = _optional("", "whether some disturbed part of the box can settle elsewhere")
     samples: int | None = _optional("", "evenly sampled parts that hop, none of which is slower")
     excluded: int | None = _optional("", "sampled points without a speed, left out")
 
     @property
-    def nominal_mm(self) -> float | None:
-        """Amplitude or stroke that windows and pictures vary: of an ellipse that along the trough, if any."""
-        return self.stroke_mm or self.amplitude_mm or self.along_amplitude_mm or self.normal_amplitude_mm
+    def nominal(self) -> float | None:
+        """Amplitude or stroke [mm] that windows and pictures vary, or scale [1].
+
+        Of an ellipse that along the trough, if any.
+        """
+        given = (self.motion_scale, self.stroke_mm, self.amplitude_mm, self.along_amplitude_mm)
+        return next(filter(None, given), self.normal_amplitude_mm)
 
     @property
-    def window_mm(self) -> tuple[float, float] | None:
-        """Amplitudes, or strokes, that keep the guarantee; None if none does."""
-        low, high = (
-            (self.amplitude_low_mm, self.amplitude_high_mm)
-            if self.stroke_mm is None
-            else (self.stroke_low_mm, self.stroke_high_mm)
-        )
+    def window(self) -> tuple[float, float] | None:
+        """Amplitudes, strokes or scales that keep the guarantee; None if none does."""
+        low, high = self.amplitude_low_mm, self.amplitude_high_mm
+        if self.stroke_mm is not None:
+            low, high = self.stroke_low_mm, self.stroke_high_mm
+        elif self.motion_scale is not None:
+            low, high = self.motion_scale_low, self.motion_scale_high
         return None if low is None or high is None else (low, high)
 
 
@@ -205,6 +213,7 @@ _OF_LINES: Final = ("amplitude_mm", "drive_angle_deg", *_SIZES)
 _OF_STROKES: Final = (
     "stroke_mm", "drive_angle_deg", "stroke_low_mm", "stroke_high_mm", "stroke_needed_mm",
 )  # fmt: skip
+_OF_MOTIONS: Final = ("motion_scale", "motion_scale_low", "motion_scale_high", "motion_scale_needed")
 _OF_ELLIPSES: Final = ("along_amplitude_mm", "normal_amplitude_mm", "normal_phase_deg", *_SIZES)
 
 
@@ -221,7 +230,8 @@ class DesignResult:
         regime first.
     settings : tuple of tuple of float, or None
         Of each design the motion of the trough, in full precision: its amplitudes along and normal to it [m],
-        the phase by which the latter leads [rad], and the frequency [Hz].
+        the phase by which the latter leads [rad], and the frequency [Hz]; of a given motion its scale [1] and
+        the frequency.
     """
 
     met: bool
@@ -230,8 +240,8 @@ class DesignResult:
 
     @property
     def columns(self) -> tuple[DesignColumn, ...]:
-        """Columns of its table; those of lines, of strokes and of ellipses only if some design uses them."""
-        kinds = (_OF_LINES, _OF_STROKES, _OF_ELLIPSES)
+        """Columns of its table; those of a kind of drive only if some design uses them."""
+        kinds = (_OF_LINES, _OF_STROKES, _OF_ELLIPSES, _OF_MOTIONS)
         used = [kind for kind in kinds if any(getattr(d, kind[0]) is not None for d in self.designs)]
         shown = {name for kind in used or [_OF_LINES] for name in kind}  # without a design as for lines
         left_out = {name for kind in kinds for name in kind} - shown
@@ -247,7 +257,8 @@ class DesignResult:
 class SettingFields:
     """What settings of a drive guarantee over amplitude and frequency, at one drive angle.
 
-    Of an ellipse, at one shape of it: the amplitude is that along the trough, the other one in proportion.
+    Of an ellipse, at one shape of it: the amplitude is that along the trough, the other one in proportion. Of a
+    given motion the scale stands for the amplitude [1].
 
     Patterns and regimes depend on amplitude and frequency through the load G = A w^2 / g alone, and speeds at
     the same load go with 1/f; drifts in percent keep that. So numbers over the load suffice.
@@ -256,9 +267,9 @@ class SettingFields:
     ----------
     amplitude : str
         Which amplitude it is, or the stroke: a name of a quantity.
-    limits_mm, most_load : pair of float, float
+    limits, most_load : pair of float, float
         Amplitudes, and the largest load, that the drive can reach.
-    amplitude_mm, frequency_hz : pair of float
+    amplitudes, frequency_hz : pair of float
         Nominal settings to be shown, both ends > 0: those of the drive, and a margin on every side. The
         amplitude's scale is logarithmic.
     load : (n,) array
@@ -278,9 +289,9 @@ class SettingFields:
     """
 
     amplitude: str
-    limits_mm: tuple[float, float]
+    limits: tuple[float, float]
     most_load: float
-    amplitude_mm: tuple[float, float]
+    amplitudes: tuple[float, float]
     frequency_hz: tuple[float, float]
     load: Floats
     speed_min: Floats
@@ -296,17 +307,17 @@ class SpeedBand:
 
     Attributes
     ----------
-    amplitude_mm : (n,) array
-        Ascending, from where no part moves to beyond the design and what the goal allows.
+    amplitude : (n,) array
+        In the unit of its quantity, ascending, from where no part moves to beyond the design and what the goal allows.
     speed_min, speed_nominal, speed_max : (n,) array
         Of the slowest part, of the part in the middle of all bands, and of the fastest part; not finite where
         unknown, or where a part runs away [mm/s].
-    window_mm : pair of float, or None
+    window : pair of float, or None
         Nominal amplitudes around the design that keep the guarantee.
     """
 
-    amplitude_mm: Floats
+    amplitude: Floats
     speed_min: Floats
     speed_nominal: Floats
     speed_max: Floats
-    window_mm: tuple[float, float] | None
+    window: tuple[float, float] | None
