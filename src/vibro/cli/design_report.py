@@ -64,7 +64,8 @@ _OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop wit
 _PROOFS: Final[Mapping[str, str]] = {
     "corners": "the slowest part is at the ends of all bands, along which speeds are monotone",
     "proved": 'boxes that cover all parts show that none falls short of the speed "proved above"',
-    "searched": "the slowest part that was found; what is proved of all is more than 1 % below",
+    "searched": "the slowest part that was found; what is proved of all, nothing of a given motion, is more than 1 %"
+    " below",
     "sampled": "parts hop: the slowest of sampled parts, which another part may miss",
 }
 
@@ -207,7 +208,8 @@ def _least(design: Design) -> str:
 
 def _table(drive: Drive, spec: Spec, result: DesignResult, regimes: Sequence[Regime]) -> str:
     """Write the designs of a drive within some regimes; those that do not exist are left out."""
-    heads = {_HEAD_OF[name]: f"[{QUANTITIES[name].unit}]" for name in drive.told} | _HEADS
+    units = {name: QUANTITIES[name].unit for name in drive.told}
+    heads = {_HEAD_OF[name]: f"[{unit}]" if unit else "" for name, unit in units.items()} | _HEADS
     shown = [head for head in heads if spec.has_bands or head not in _OF_BANDS]
     # where nothing is uncertain no design is safer than another
     kinds = KINDS if spec.has_bands else KINDS[:2]

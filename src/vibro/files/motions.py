@@ -84,5 +84,7 @@ def _harmonics(pairs: list[list[float]] | None, key: str) -> list[tuple[float, f
     """Return pairs of amplitude [m] and phase [rad]."""
     for amplitude, phase in pairs or ():
         if not (0.0 <= amplitude < math.inf and math.isfinite(phase)):
-            raise InputError(f"{key} has {[amplitude, phase]}", hint=f"{key}: give amplitudes >= 0 mm, finite")
+            raise InputError(
+                f"{key} has {[amplitude, phase]}", hint=f"{key}: give amplitudes >= 0 mm, finite"
+            )
     return pairs and [(amplitude / _MILLIMETRES, math.radians(phase)) for amplitude, phase in pairs]

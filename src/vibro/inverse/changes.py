@@ -78,7 +78,8 @@ def _back_slip_load(scene: Scene) -> Floats:
     """Search the first load between the onset of a back slide and the hop at which there is one."""
     loads = change_loads(scene)
     onset, hop, load, scale = (
-        np.asarray(x) for x in np.broadcast_arrays(loads["back_onset"], loads["hop"], scene.load, scene.motion_scale)
+        np.asarray(x)
+        for x in np.broadcast_arrays(loads["back_onset"], loads["hop"], scene.load, scene.motion_scale)
     )
     found = np.full(onset.shape, np.inf)
     opens = (onset > 0.0) & np.isfinite(onset) & (onset < hop)
@@ -100,7 +101,11 @@ def _back_slip_load(scene: Scene) -> Floats:
     holds = slips(ladder) > 0.0
     first, rows = np.argmax(holds, axis=1), np.arange(len(ladder))
     begin, _ = close_in(
-        slips, ladder[rows, first], ladder[rows, np.maximum(first - 1, 0)], relative=_WIDTH, sections=_SECTIONS
+        slips,
+        ladder[rows, first],
+        ladder[rows, np.maximum(first - 1, 0)],
+        relative=_WIDTH,
+        sections=_SECTIONS,
     )
     found[opens] = np.where(holds.any(axis=1), begin, np.inf)
     return found

@@ -154,9 +154,7 @@ def bound(
     if box.space.is_bounded:
         extreme, certificate = searched(box, fast=fast, boxes=boxes, seen=seen, highest=highest)
     else:
-        extreme, certificate = evolved(
-            box, fast=fast, seen=seen, brief=boxes <= BRIEF, highest=highest
-        ), None
+        extreme, certificate = evolved(box, fast=fast, seen=seen, brief=boxes <= BRIEF, highest=highest), None
     if certificate is not None:
         if math.isinf(extreme.speed):  # one body without a speed proves it
             return Bound(extreme, "proved", extreme.speed)
@@ -207,7 +205,11 @@ def _limit(extreme: Extreme) -> str:
         if not (math.isfinite(critical) and abs(load - critical) <= TOLERANCES.near * critical):
             continue
         beside = critical / load * (1.0 + TOLERANCES.either_side * np.array([-1.0, 1.0]))
-        fields: dict[str, Any] = {**motion, **at, **{field: at[field] * beside for field in _AMPLITUDES if field in at}}
+        fields: dict[str, Any] = {
+            **motion,
+            **at,
+            **{field: at[field] * beside for field in _AMPLITUDES if field in at},
+        }
         below, above = speeds_of(Scene(**fields), fast=False, flight=False)
         if abs(above - below) > TOLERANCES.jump * max(abs(above), abs(below)):
             is_above = abs(extreme.speed - above) < abs(extreme.speed - below)

@@ -116,7 +116,9 @@ class Question:
         drift = self.spec.drift
         return (1.0 + drift.amplitude * scale) * (1.0 + drift.frequency * scale) ** self.space.power
 
-    def hardest_impacts(self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float = 1.0) -> Floats:
+    def hardest_impacts(
+        self, setting: AnySetting, scenarios: Scenarios, scale: Floats | float = 1.0
+    ) -> Floats:
         """Return the largest impact speed of scenarios at each of some settings, 1-D; 0 where none lands."""
         boxes, points = self._bodies(setting, scenarios, scale)
         # at one load landings are hardest at the lowest frequency

@@ -181,7 +181,9 @@ def _moved_drive(table: Table, usual_name: str, problems: Problems) -> Drive:
     keys = [key for way in MOTIONS for key in way if key in table.given]
     for key in _keys((*_LINE, *ELLIPTICAL)):
         if key in table.given:
-            table.refuse(key, f"not beside {' and '.join(keys)} of a given motion", f"give {key} or the motion")
+            table.refuse(
+                key, f"not beside {' and '.join(keys)} of a given motion", f"give {key} or the motion"
+            )
     values, motion = table.values, None
     if all(key in values for key in keys):
         with problems.taken(f"{table.heading} "):

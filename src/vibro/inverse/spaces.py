@@ -446,8 +446,7 @@ class UncertaintySet:
     def load(self) -> tuple[Floats, Floats]:
         """Smallest and largest load, as in ``Points``."""
         low, high = (
-            self.space.load_at(a, f, self.gravity)
-            for a, f in zip(self.factor, self.frequency, strict=True)
+            self.space.load_at(a, f, self.gravity) for a, f in zip(self.factor, self.frequency, strict=True)
         )
         return low, high
 
