@@ -110,10 +110,8 @@ def test_bodies_that_hop_are_followed() -> None:
     [
         vibro.critical_loads,
         vibro.transitions,
-        vibro.guarantee,
-        lambda scene: vibro.feasible_amplitudes(scene, 0.01),
     ],
-    ids=["critical loads", "transitions", "guarantee", "feasible amplitudes"],
+    ids=["critical loads", "transitions"],
 )
 @pytest.mark.parametrize(
     ("motion", "kind"),
@@ -127,7 +125,6 @@ def test_what_is_not_known_is_refused_with_what_there_is(ask: Any, motion: vibro
     with pytest.raises(VibroError) as caught:
         ask(Scene(motion=motion, **REST))
     assert str(caught.value) == (
-        f"a drive {kind}: critical loads and guarantees are known of drives along a line or along an ellipse"
-        " alone"
+        f"a drive {kind}: critical loads are known of drives along a line or along an ellipse alone"
     )
     assert "vibro.simulate" in caught.value.__notes__[0]

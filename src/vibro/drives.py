@@ -35,7 +35,7 @@ class Ability(Enum):
     """Results that only some kinds of drive have; every kind has steady cycles, histories and arrivals."""
 
     LIMITS = "critical loads"
-    ONE_HARMONIC = "guarantees and designs"
+    ONE_HARMONIC = "derivatives in closed form"
     PROOF = "closed forms and proved bounds"
 
 

@@ -275,9 +275,7 @@ def test_the_band_holds_the_speeds_of_all_parts(
     speed = 1e3 * cycles(*nut, np.full(60, 10.2), amplitude).mean_velocity
     band = speed_band(*nut)
     for values, wanted in ((band.speed_min, speed.min(axis=1)), (band.speed_max, speed.max(axis=1))):
-        np.testing.assert_allclose(
-            np.interp(amplitude, band.amplitude, values), wanted, rtol=2e-3, atol=2e-2
-        )
+        np.testing.assert_allclose(np.interp(amplitude, band.amplitude, values), wanted, rtol=2e-3, atol=2e-2)
     line = curve(axes, "guaranteed speed")
     np.testing.assert_array_equal(line[:, 1], band.speed_min)
     (goal,) = (line for line in axes.lines if line.get_gid() == "goal")

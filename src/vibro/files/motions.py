@@ -87,4 +87,8 @@ def _harmonics(pairs: list[list[float]] | None, key: str) -> list[tuple[float, f
             raise InputError(
                 f"{key} has {[amplitude, phase]}", hint=f"{key}: give amplitudes >= 0 mm, finite"
             )
-    return pairs and [(amplitude / _MILLIMETRES, math.radians(phase)) for amplitude, phase in pairs]
+    return (
+        None
+        if pairs is None
+        else [(amplitude / _MILLIMETRES, math.radians(phase)) for amplitude, phase in pairs]
+    )
