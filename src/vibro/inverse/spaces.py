@@ -294,7 +294,9 @@ class MotionSpace(Space):
         light = Scene(motion=motion, frequency=1.0, static_friction=1.0, kinetic_friction=1.0, gravity=1.0)
         unit, hops = float(light.load), float(solve(light, accuracy="regimes").throw_number)
         power = 2 if isinstance(motion, HarmonicMotion) else 0
-        return cls(motion, type(light.arrays()), unit, power, hops / unit, normal_acceleration)
+        return cls(
+            motion, type(light.arrays()), unit, power, hops / unit if unit else 0.0, normal_acceleration
+        )
 
     def setting(self, **knobs: Any) -> Any:
         """Return the setting of a scale and a frequency [Hz]."""
