@@ -103,29 +103,3 @@ def test_bodies_that_hop_are_followed() -> None:
     assert cycle.throw_number > 1.0
     assert cycle.mean_velocity == 0.0
     assert 0.0 < cycle.flight_fraction < 1.0
-
-
-@pytest.mark.parametrize(
-    ("ask", "what"),
-    [
-        (vibro.critical_loads, "critical loads"),
-        (vibro.transitions, "critical loads"),
-    ],
-    ids=["critical loads", "transitions"],
-)
-@pytest.mark.parametrize(
-    ("motion", "kind"),
-    [
-        (vibro.Motion.harmonics(SLIP_STICK), "with harmonics"),
-        (vibro.Motion.steps([(0.5, 1.0), (0.5, -1.0)]), "with steps or sampled accelerations"),
-    ],
-    ids=["harmonics", "steps"],
-)
-def test_what_is_not_known_is_refused_with_what_there_is(
-    ask: Any, what: str, motion: vibro.Motion, kind: str
-) -> None:
-    with pytest.raises(VibroError) as caught:
-        ask(Scene(motion=motion, **REST))
-    able = "along a line or along an ellipse"
-    assert str(caught.value) == f"a drive {kind}: {what} are known of drives {able} alone"
-    assert "vibro.simulate" in caught.value.__notes__[0]

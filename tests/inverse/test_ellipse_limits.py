@@ -11,7 +11,8 @@ import pytest
 from helpers.questions import changed
 
 from vibro import Regime, solve
-from vibro.inverse.ellipses import EllipseOptimiser, _below
+from vibro.inverse.ellipses import EllipseOptimiser
+from vibro.inverse.evolved import below
 from vibro.inverse.exchange import Exchange, Found, Optimum
 from vibro.inverse.guarantees import guarantee_of
 from vibro.inverse.proofs import first_ratio
@@ -60,10 +61,10 @@ def found_at(search: EllipseOptimiser, setting: Setting, **bounds: Any) -> Found
     ],
 )  # fmt: skip
 def test_a_value_of_a_range_below_a_limit(most: float, share: float, value: float, possible: bool) -> None:
-    found, fits = _below(np.array([most]), (2.0, 4.0), np.array([share]))
+    found, fits = below(np.array([most]), (2.0, 4.0), np.array([share]))
     assert found == pytest.approx([value])
     assert fits.tolist() == [possible]
-    assert float(_below(np.array([9.0]), (0.3, 0.9), np.ones(1))[0][0]) == 0.9  # to the last bit
+    assert float(below(np.array([9.0]), (0.3, 0.9), np.ones(1))[0][0]) == 0.9  # to the last bit
 
 
 @pytest.mark.parametrize(

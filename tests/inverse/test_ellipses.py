@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vibro
-from vibro import InputError, Regime, SceneError
+from vibro import Regime, SceneError
 from vibro.inverse.bands import uncertainty_set
 from vibro.inverse.costs import speed_costs
 from vibro.inverse.proofs import extreme_ratio
@@ -173,15 +173,3 @@ def test_costs_are_what_small_changes_change() -> None:
     assert set(costs) >= {"along_amplitude", "normal_amplitude", "normal_phase_deg", "trough_angle_deg"}
     at_rest = speed_costs(scene(along_amplitude=1e-5, normal_amplitude=1e-5))
     assert set(at_rest.values()) == {"rests: no speed to change"}
-
-
-def test_harmonics_are_refused() -> None:
-    two = vibro.Scene(
-        along_harmonics=[(1e-3, 0.0), (3e-4, 1.0)], frequency=25, static_friction=0.4, kinetic_friction=0.3
-    )
-    for call in (
-        lambda: vibro.guarantee(two, static_friction=(0.3, 0.5)),
-        lambda: vibro.feasible_amplitudes(two, 0.01),
-    ):
-        with pytest.raises(InputError, match=r"a drive with harmonics: .* are known of drives along a line"):
-            call()

@@ -11,7 +11,7 @@ import pytest
 from helpers.questions import changed
 
 from vibro import Regime
-from vibro.inverse import ellipses, lines
+from vibro.inverse import evolved, lines
 from vibro.inverse.ellipses import EllipseOptimiser
 from vibro.inverse.exchange import MOST_MARGIN, Effort, Exchange, Found, Optimum
 from vibro.inverse.extremes import Landings
@@ -257,7 +257,7 @@ def test_bodies_beyond_the_checked_regime_are_slowest() -> None:
     assert optimiser.finds_slower(Optimum(setting, 1e-9))
 
 
-@pytest.mark.parametrize(("content", "module"), [(LINE, lines), (OVAL, ellipses)])
+@pytest.mark.parametrize(("content", "module"), [(LINE, lines), (OVAL, evolved)])
 @pytest.mark.parametrize(
     ("highest", "restitution", "name"),
     [

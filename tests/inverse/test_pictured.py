@@ -88,7 +88,7 @@ def test_pictures_reach_beyond_the_drive() -> None:
 
 
 def test_pictures_reach_half_way_below_a_small_amplitude() -> None:
-    assert fields_of(0.2).amplitude_mm == pytest.approx((0.1, 3.75))
+    assert fields_of(0.2).amplitudes == pytest.approx((0.1, 3.75))
 
 
 def test_all_ranges_of_frequencies_are_shown() -> None:

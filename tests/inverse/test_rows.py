@@ -460,7 +460,7 @@ def of(monkeypatch: pytest.MonkeyPatch, speeds: dict[float, float]) -> None:
 
 def at(amplitude: float) -> Any:
     """An optimum of which nothing but the amplitude is known [mm]."""
-    return Optimum(amplitude, 0.0)  # type: ignore[arg-type]
+    return Optimum(amplitude, 0.0)
 
 
 def test_designs_of_a_goal_that_is_missed_are_the_fastest_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -64,8 +64,7 @@ _OTHER_HOPS: Final = "parts hop otherwise, and too slowly"  # where they hop wit
 _PROOFS: Final[Mapping[str, str]] = {
     "corners": "the slowest part is at the ends of all bands, along which speeds are monotone",
     "proved": 'boxes that cover all parts show that none falls short of the speed "proved above"',
-    "searched": "the slowest part that was found; what is proved of all, nothing of a given motion, is more than 1 %"
-    " below",
+    "searched": "the slowest part that was found; less than that is proved of all, or nothing",
     "sampled": "parts hop: the slowest of sampled parts, which another part may miss",
 }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -64,8 +64,8 @@ def begin_load(scene: Scene, regime: Regime) -> Floats:
 def slip_load(scene: Scene) -> Floats:
     """Return a load below that of the scene if the body slips back, and at least that of the scene if not.
 
-    It is that at which back slip begins. Of a given motion, which may end back slip at higher loads, it is the
-    onset of a back slide, but where that is not enough the load of the scene: one steady cycle decides.
+    It is that at which back slip begins. Of a given motion, which may end back slip at higher loads, it is
+    the onset of a back slide, but where that is not enough the load of the scene: one steady cycle decides.
     """
     if scene.motion is None:
         return np.asarray(critical_loads(scene).back_slip)
@@ -77,9 +77,9 @@ def slip_load(scene: Scene) -> Floats:
 def _back_slip_load(scene: Scene) -> Floats:
     """Search the first load between the onset of a back slide and the hop at which there is one."""
     loads = change_loads(scene)
+    given: Any = scene.motion_scale
     onset, hop, load, scale = (
-        np.asarray(x)
-        for x in np.broadcast_arrays(loads["back_onset"], loads["hop"], scene.load, scene.motion_scale)
+        np.asarray(x) for x in np.broadcast_arrays(loads["back_onset"], loads["hop"], scene.load, given)
     )
     found = np.full(onset.shape, np.inf)
     opens = (onset > 0.0) & np.isfinite(onset) & (onset < hop)
@@ -94,7 +94,8 @@ def _back_slip_load(scene: Scene) -> Floats:
     unit = (scale / load)[opens][:, None]
 
     def slips(at: Floats) -> Floats:
-        there = Scene.allowing_infeasible(motion=scene.motion, motion_scale=unit * at, **others)
+        fields: dict[str, Any] = {"motion": scene.motion, "motion_scale": unit * at, **others}
+        there = Scene.allowing_infeasible(**fields)
         return np.where(solve(there, accuracy="regimes").regime >= Regime.BACK_SLIP, 1.0, -1.0)
 
     ladder = onset[opens][:, None] * (last / onset[opens])[:, None] ** np.linspace(0.0, 1.0, _SCALES)

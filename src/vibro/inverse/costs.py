@@ -51,17 +51,16 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     dict of str to float or str
         ``amplitude``, ``frequency``, ``drive_angle``, ``static_friction``, ``kinetic_friction``: change for
         1 % more of it, d ln v / d ln x; elliptical drives have ``along_amplitude`` and ``normal_amplitude``
-        instead of amplitude and drive angle, given motions ``motion_scale``. ``trough_angle_deg`` and ``normal_phase_deg``: change for 1 deg
-        more, since 1 % of an angle near 0 is nothing. Positive values mean faster, also for a body that is
-        conveyed backwards [%]. A text says why there is no number: the body rests, is not conveyed, runs away
-        or hops irregularly, or its speed jumps or bends at the scene.
+        instead of amplitude and drive angle, given motions ``motion_scale``. ``trough_angle_deg`` and
+        ``normal_phase_deg``: change for 1 deg more, since 1 % of an angle near 0 is nothing. Positive
+        values mean faster, also for a body that is conveyed backwards [%]. A text says why there is no
+        number: the body rests, is not conveyed, runs away or hops irregularly, or its speed jumps or bends at
+        the scene.
 
     Raises
     ------
     SceneError
         If the scene is more than one operating point.
-    InputError
-        If the drive lacks ``Ability.ONE_HARMONIC``.
 
     Notes
     -----

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Evolution", "below"]
 
+_IN_CONTACT: Final = Effort(population=5, generations=100, margins=33, margin=1e-4, scale=3e-2, exchanges=6)
 _FLYING: Final = Effort(population=7, generations=3, margins=17, margin=1e-2, scale=0.1, exchanges=1)
 # bounces are slow to solve
 _BOUNCING: Final = Effort(population=5, generations=1, margins=5, margin=0.1, scale=0.3, exchanges=1)
@@ -52,7 +53,7 @@ class Evolution(Exchange):
         Drive, goal and bands.
     """
 
-    _in_contact = Effort(population=5, generations=100, margins=33, margin=1e-4, scale=3e-2, exchanges=6)
+    _in_contact = _IN_CONTACT
 
     surpluses = (0.0, 1e-4, 1e-2)  # one search each
     _least_set_by = "limit"
@@ -168,7 +169,7 @@ class Evolution(Exchange):
         if not question.flies and question.box(setting, scale).throw_number >= nearly:
             return "hop"
         beyond = setting.scaled(1.0 + TOLERANCES.at)
-        both = setting._make(np.array(pair) for pair in zip(setting, beyond, strict=True))
+        both: Any = setting._make(np.array(pair) for pair in zip(setting, beyond, strict=True))
         here, there = self.least(both, scale)
         if math.isinf(there):
             return self._forbids(beyond, scale)

@@ -69,7 +69,8 @@ class Scaled(NamedTuple):
         return Scaled(factor * self.motion_scale, self.frequency)
 
 
-AnySetting = Setting | Scaled
+#: ``Setting``, or ``Scaled`` of a given motion: each space has settings of one kind.
+AnySetting = Any
 
 
 class Space:
@@ -100,7 +101,7 @@ class Space:
     knobs: ClassVar[tuple[str, ...]]
     sizes: ClassVar[tuple[str, ...]]
     shape: ClassVar[tuple[str, ...]]
-    settings: ClassVar[type[AnySetting]] = Setting
+    settings: ClassVar[type[Setting | Scaled]] = Setting
     unit: float
     power: int
     is_bounded: ClassVar[bool] = True
@@ -110,7 +111,7 @@ class Space:
         """Whether corners of a box prove bounds."""
         return Ability.PROOF in self.drive.abilities
 
-    def setting(self, **knobs: Any) -> AnySetting:
+    def setting(self, **knobs: Any) -> Setting:
         """Return the setting of values of all knobs [SI]."""
         raise NotImplementedError
 
@@ -123,8 +124,9 @@ class Space:
         return np.asarray(setting.load(gravity))
 
     def load_at(self, factor: Any, frequency: Any, gravity: float) -> Floats:
-        """Load of a factor of the motion at a frequency, as in ``Points``."""
-        return np.asarray(factor * (2.0 * np.pi * np.asarray(frequency)) ** 2 / gravity)
+        """Load of a factor of the motion at a frequency, as in ``Points``; inf beyond doubles."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.asarray(factor * (2.0 * np.pi * np.asarray(frequency)) ** 2 / gravity)
 
     def parts(
         self, load: Floats, gravity: float, factor: Ends, frequency: Ends, *, fast: bool
@@ -292,9 +294,11 @@ class MotionSpace(Space):
         light = Scene(motion=motion, frequency=1.0, static_friction=1.0, kinetic_friction=1.0, gravity=1.0)
         unit, hops = float(light.load), float(solve(light, accuracy="regimes").throw_number)
         power = 2 if isinstance(motion, HarmonicMotion) else 0
-        return cls(motion, type(light.arrays()), unit, power, hops / unit, normal_acceleration)
+        return cls(
+            motion, type(light.arrays()), unit, power, hops / unit if unit else 0.0, normal_acceleration
+        )
 
-    def setting(self, **knobs: Any) -> Scaled:
+    def setting(self, **knobs: Any) -> Any:
         """Return the setting of a scale and a frequency [Hz]."""
         return Scaled(**knobs)
 
@@ -308,7 +312,8 @@ class MotionSpace(Space):
 
     def load_at(self, factor: Any, frequency: Any, gravity: float) -> Floats:
         """Load of a scale at a frequency: the largest acceleration over gravity [1]."""
-        return np.asarray(factor * (self.unit * np.asarray(frequency) ** self.power) / gravity)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.asarray(factor * (self.unit * np.asarray(frequency) ** self.power) / gravity)
 
     def parts(
         self, load: Floats, gravity: float, factor: Ends, frequency: Ends, *, fast: bool
@@ -410,8 +415,8 @@ class UncertaintySet:
     space : Space
         Of the drive.
     factor : pair
-        Band of the factor on the motion: the amplitude of a line [m], a number of an ellipse [1], the scale of
-        a given motion [1].
+        Band of the factor on the motion: the amplitude of a line [m], a number of an ellipse [1], the
+        scale of a given motion [1].
     frequency : pair
         Band [Hz].
     shape : mapping of str to pair

@@ -34,8 +34,7 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     Parameters
     ----------
     scene : Scene
-        One operating point of a drive along a line or an ellipse; it gives the values of fields without a
-        band.
+        One operating point; it gives the values of fields without a band.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"forward-slip", "back-slip", "hopping"}
@@ -54,7 +53,7 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     SceneError
         If the scene is more than one operating point, or a band is invalid.
     InputError
-        If the drive lacks ``Ability.ONE_HARMONIC``, or another argument is invalid.
+        If another argument is invalid.
 
     Examples
     --------

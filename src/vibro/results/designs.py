@@ -257,8 +257,8 @@ class DesignResult:
 class SettingFields:
     """What settings of a drive guarantee over amplitude and frequency, at one drive angle.
 
-    Of an ellipse, at one shape of it: the amplitude is that along the trough, the other one in proportion. Of a
-    given motion the scale stands for the amplitude [1].
+    Of an ellipse, at one shape of it: the amplitude is that along the trough, the other one in proportion. Of
+    a given motion the scale stands for the amplitude [1].
 
     Patterns and regimes depend on amplitude and frequency through the load G = A w^2 / g alone, and speeds at
     the same load go with 1/f; drifts in percent keep that. So numbers over the load suffice.
@@ -308,7 +308,8 @@ class SpeedBand:
     Attributes
     ----------
     amplitude : (n,) array
-        In the unit of its quantity, ascending, from where no part moves to beyond the design and what the goal allows.
+        Ascending, in the unit of its quantity, from where no part moves to beyond the design and what the
+        goal allows.
     speed_min, speed_nominal, speed_max : (n,) array
         Of the slowest part, of the part in the middle of all bands, and of the fastest part; not finite where
         unknown, or where a part runs away [mm/s].
