@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import vibro
-from vibro import Scene, SceneError, Status, VibroError, solve
+from vibro import Scene, SceneError, Status, solve
 from vibro.drives import Harmonics
 from vibro.quantities import MOST_HARMONICS
 
