@@ -203,10 +203,6 @@ HARMONIC = (
         (("solve", *NUT, "--along-2", "0.3"), "a drive moves either along a line or along an ellipse", ""),
         (("solve", "--along", "1", "--normal", "0", "--along-phase-2", "9", "-f", "10", *FRICTION),
          "missing: second along amplitude (--along-2)", ""),
-        (("simulate", *SLIP_STICK), "a drive with harmonics: flights", ""),
-        (("traverse-time", *SLIP_STICK, "--along-2", ".1:.3:3", "-L", "6", "--exact"),
-         "--exact: bodies of", ""),
-        (("solve", *SLIP_STICK, "--stand-ratio", "0.3"), "a drive with harmonics", ""),
     ],
 )  # fmt: skip
 def test_what_cannot_be_of_a_drive_is_refused_with_what_to_do(

@@ -135,7 +135,7 @@ def limit_at(
     scene = scene or scene_with()
     value = np.asarray(float(scene.load) * factor)
     others = dict.fromkeys(CriticalLoads._fields, np.asarray(INF))
-    monkeypatch.setattr(guarantees, "critical_loads", lambda _: SimpleNamespace(**{**others, load: value}))
+    monkeypatch.setattr(guarantees, "change_loads", lambda _: {**others, load: value})
     solved: list[Scene] = []
 
     def speeds(scene: Scene, **_: Any) -> Any:

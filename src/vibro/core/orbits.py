@@ -34,7 +34,7 @@ __all__ = [
     "hopping_cycle",
     "only_orbit",
     "orbit_from",
-    "others_on",
+    "others_on", "polished",
     "stopping",
     "stops_of",
 ]  # fmt: skip
@@ -223,6 +223,16 @@ def orbit_from(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
 def only_orbit(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     """Find the fixed point of a cycle that has but one, from a velocity near it."""
     return _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
+
+
+def polished(cycle: HoppingCycle, hops: Hops, end: Orbit) -> Orbit:
+    """Take one more of Newton's steps to a cycle without a stop, which leaves rounding alone."""
+    now = end.cycle
+    if has_stop(now) or not now.slope < 1.0 or end.status != Status.OK:
+        return end
+    velocity = end.velocity + (cycle.fall + now.friction) / (1.0 - now.slope)
+    closer = cycle_from(cycle, hops, velocity)
+    return end if has_stop(closer) or not closer.settled else Orbit(velocity, closer, end.status)
 
 
 def _orbit_held(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
