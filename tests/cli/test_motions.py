@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.commands import Run, rows_of
+from helpers.periodic_tables import harmonics_of, read_rows
 
 import vibro
 
@@ -53,7 +55,36 @@ def test_a_report_of_steps(run: Run, tmp_path: Path) -> None:
     power = 0.2 * 9.6 / peak + (0.2 * 9.6 / fall - peak * 2.4 / fall**2) / (0.2 + peak / fall)
     expected = f"+10 % motion scale: {100.0 * gain:+.3g} % speed (d ln speed / d ln scale = {power:.6g})"
     assert told["sensitivity"] == expected
-    assert told["comes next"] == "not known of drives with steps or sampled accelerations"
+    head, *rows = (re.split("  +", line) for line in result.stdout.split("\n\n")[1].splitlines())
+    assert head == ["begins", "load now / then", "motion scale", "until motion scale"]
+    # 0.3 g is the acceleration of the sharp stretch, then that of the gentle one
+    first, then = 0.3 * 9.81 / 9.6, 0.3 * 9.81 / 2.4
+    assert rows == [
+        [name, f"{1.0 / scale:.6g}", f"{scale:.6g}", "no end"]
+        for name, scale in (("forward slip", first), ("back slip", then), ("never at rest", then))
+    ]
+
+
+def test_intervals_of_classes_are_told(run: Run) -> None:
+    """Row 51 of critical_scales.csv: back slip ends and begins again before the hop."""
+    row = read_rows("critical_scales")[51]
+    along, normal = (harmonics_of(row, motion) for motion in ("along", "normal"))
+    args = []
+    for way, pairs in (("along", along), ("normal", normal)):
+        for k, (size, angle) in enumerate(pairs, 1):
+            suffix, phase = (f"-{k}", f"{way}-phase-{k}") if k > 1 else ("", f"{way}-phase")
+            phase = "phase" if phase == "normal-phase" else phase
+            args += [f"--{way}{suffix}", f"{1e3 * size!r}", f"--{phase}", f"{math.degrees(angle)!r}"]
+    args += ["-f", row["frequency_hz"], "--mu-s", row["static_friction"], "--mu-d", row["kinetic_friction"]]
+    result = run("solve", *args)
+    assert result.exit_code == 0, result.stderr
+    head, *rows = (re.split("  +", line) for line in result.stdout.split("\n\n")[1].splitlines())
+    assert [head[0], head[2], head[-1]] == ["begins", "all amplitudes", "until all amplitudes"]
+    told = [(r[2], r[-1]) for r in rows if r[0] == "back slip"]
+    listed = json.loads(row["back_slip_intervals"])
+    assert told == [tuple(f"{float(end):.6g} x" for end in span) for span in listed]
+    assert rows[-1][0] == "hopping"
+    assert rows[-1][-1] == "no end"
 
 
 @pytest.mark.parametrize("table", [STEPS, SAMPLES])
