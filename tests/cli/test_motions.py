@@ -65,18 +65,17 @@ def test_a_report_of_steps(run: Run, tmp_path: Path) -> None:
     ]
 
 
-def test_intervals_of_classes_are_told(run: Run) -> None:
+def test_intervals_of_classes_are_told(run: Run, tmp_path: Path) -> None:
     """Row 51 of critical_scales.csv: back slip ends and begins again before the hop."""
     row = read_rows("critical_scales")[51]
-    along, normal = (harmonics_of(row, motion) for motion in ("along", "normal"))
-    args = []
-    for way, pairs in (("along", along), ("normal", normal)):
-        for k, (size, angle) in enumerate(pairs, 1):
-            suffix, phase = (f"-{k}", f"{way}-phase-{k}") if k > 1 else ("", f"{way}-phase")
-            phase = "phase" if phase == "normal-phase" else phase
-            args += [f"--{way}{suffix}", f"{1e3 * size!r}", f"--{phase}", f"{math.degrees(angle)!r}"]
-    args += ["-f", row["frequency_hz"], "--mu-s", row["static_friction"], "--mu-d", row["kinetic_friction"]]
-    result = run("solve", *args)
+    text = "[scene]\n" + "".join(
+        f"{name} = {row[name]}\n" for name in ("frequency_hz", "static_friction", "kinetic_friction")
+    )
+    text += "[motion]\n"
+    for way in ("along", "normal"):
+        pairs = [[1e3 * size, math.degrees(phase)] for size, phase in harmonics_of(row, way)]
+        text += f"{way}_harmonics_mm_deg = {json.dumps(pairs)}\n"
+    result = run("solve", written(tmp_path, text))
     assert result.exit_code == 0, result.stderr
     head, *rows = (re.split("  +", line) for line in result.stdout.split("\n\n")[1].splitlines())
     assert [head[0], head[2], head[-1]] == ["begins", "all amplitudes", "until all amplitudes"]
