@@ -17,6 +17,8 @@ from vibro.solver import Grid, over_cells
 from vibro.steady import solve
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from vibro.scene import Fields, Scene
@@ -152,7 +154,7 @@ def critical_loads(scene: Scene) -> CriticalLoads:
     """
     fields = scene.arrays().at_any_load()
     found = _critical_loads(Grid(fields), _RANGE if scene.motion is None else _RANGE_OF_MOTIONS)
-    return CriticalLoads(*(_as_loads(x, fields) for x in found))
+    return CriticalLoads(*_as_loads(found, fields))
 
 
 def critical_loads_of_lines(
@@ -197,13 +199,13 @@ def _critical_loads(grid: Grid, step: int) -> CriticalLoads:
     return CriticalLoads(*(row.reshape(grid.shape)[()] for row in found))
 
 
-def _as_loads(found: Floats, fields: Fields) -> Floats:
+def _as_loads(found: Sequence[Floats], fields: Fields) -> Sequence[Floats]:
     """Turn scales of motions, with which the solver counts beyond one harmonic, into loads G."""
     if not isinstance(fields, Harmonics | Piecewise):
         return found
     load = fields.acceleration_reach * (2.0 * np.pi * fields.frequency) ** 2 / fields.gravity
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.asarray(np.where(np.isinf(found), found, found * load))[()]
+        return [np.where(np.isinf(x), x, x * load)[()] for x in found]
 
 
 def transitions(scene: Scene) -> tuple[Transition, ...]:
@@ -248,9 +250,9 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    loads, now = critical_loads(scene), float(scene.load)
+    loads, now, reach = critical_loads(scene), float(scene.load), float(scene.reach)
     hop = float(loads.hop)
-    intervals = _of_one_harmonic(loads) if scene.motion is None else _of_any_motion(scene, loads)
+    intervals = _of_one_harmonic(loads) if scene.motion is None else _of_any_motion(scene, loads, now)
     found = []
     for name, load, end in [*intervals, (_HOP, hop, math.inf)]:
         if not 0.0 < load < math.inf or (name != _HOP and load >= hop):
@@ -258,7 +260,7 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
         ratio = now / load
         if not 0.0 < ratio < math.inf:  # beyond the range of doubles
             continue
-        amplitude, frequency = float(scene.reach) / ratio, float(scene.frequency) / math.sqrt(ratio)
+        amplitude, frequency = reach / ratio, float(scene.frequency) / math.sqrt(ratio)
         if isinstance(scene.arrays(), Piecewise):
             frequency = math.nan
         found.append(Transition(name, ratio, amplitude, frequency, load, now / end))
@@ -280,7 +282,7 @@ def _of_one_harmonic(loads: CriticalLoads) -> list[tuple[str, float, float]]:
     return [(name, float(first), float(loads.hop)) for name, first in firsts]
 
 
-def _of_any_motion(scene: Scene, loads: CriticalLoads) -> list[tuple[str, float, float]]:
+def _of_any_motion(scene: Scene, loads: CriticalLoads, now: float) -> list[tuple[str, float, float]]:
     """Return the loads between which classes last, by their names, of a motion beyond one harmonic."""
     grid, room, counts = Grid(scene.arrays()), _ROOM, np.zeros(2 * CLASSES + 1, np.int64)
     while True:
@@ -290,7 +292,6 @@ def _of_any_motion(scene: Scene, loads: CriticalLoads) -> list[tuple[str, float,
         if most <= room:
             break
         room = most
-    now = float(scene.load)
     found = [
         (name, now * float(low), now * float(high))
         for name, spans, count in zip(_CLASSES, out, counts, strict=False)
@@ -376,7 +377,7 @@ def _tipping_load(fields: Fields, ratio: Floats) -> Floats:
     ratios = np.ascontiguousarray(np.broadcast_to(ratio, grid.shape))
     found = np.empty(grid.size)
     doors().tipping_loads(grid.scenes, grid.place(), doors().row(ratios), doors().row(found), 0, grid.size)
-    return np.asarray(_as_loads(found.reshape(grid.shape)[()], fields))
+    return np.asarray(_as_loads([found.reshape(grid.shape)[()]], fields)[0])
 
 
 def stays_upright(scene: Scene, stand_ratio: ArrayLike) -> NDArray[np.int8]:

@@ -97,12 +97,12 @@ def _next(scaled: _Scaled, here: _Stretch) -> _Stretch:
         high = _scale_at(scaled, index)
         if low < scaled.later < high:
             then = _classes_at(scaled, scaled.later)
-            if then.pattern != here.classes.pattern:
+            if not _is_same(then, here.classes):
                 return _enclosed(scaled, here, index, low, scaled.later, then)
             low = scaled.later
         if high > low:
             then = _classes_at(scaled, high)
-            if then.pattern != here.classes.pattern:
+            if not _is_same(then, here.classes):
                 return _enclosed(scaled, here, index, low, high, then)
             low = high
     return _Stretch(INF, SCALES, here.classes)
@@ -117,11 +117,16 @@ def _enclosed(
         if high - low <= (_COARSE if _alike(here.classes, then) else _FINE) * high or not low < middle < high:
             break
         amid = _classes_at(scaled, middle)
-        if amid.pattern == here.classes.pattern:
+        if _is_same(amid, here.classes):
             low = middle
         else:
             high, then = middle, amid
     return _Stretch(high, index, then)
+
+
+def _is_same(a: Classes, b: Classes) -> bool:
+    """Return whether two cycles have one pattern; of one that was cut the classes tell more."""
+    return a.pattern == b.pattern and _alike(a, b)
 
 
 def _alike(a: Classes, b: Classes) -> bool:

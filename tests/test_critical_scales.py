@@ -1,0 +1,299 @@
+"""Critical loads and intervals of classes of motions beyond one harmonic."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from helpers.periodic_tables import read_rows, scene_of
+
+import vibro
+from vibro import Regime, Scene, SceneError, Status
+from vibro.limits import stays_upright, tipping_load
+from vibro.waveforms import PiecewiseMotion
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+CLASSES = {
+    "forward slip": lambda pattern: "F" in pattern,
+    "back slip": lambda pattern: "B" in pattern,
+    "never at rest": lambda pattern: "_" not in pattern,
+}
+ENDS = 1e-11
+"""Relative, of the ends of intervals; the worst of 60 rows is 3e-12."""
+
+
+def intervals(scene: Scene) -> dict[str, list[tuple[float, float]]]:
+    """List the scales between which each class lasts."""
+    found: dict[str, list[tuple[float, float]]] = {name: [] for name in CLASSES}
+    for t in vibro.transitions(scene):
+        if t.name in found:
+            found[t.name].append(t.scales)
+    return found
+
+
+def check_ends(scale: Any, most: float) -> int:
+    """Solve inside and outside of each end of the intervals of ``scale(1)``; return how many there were."""
+    found, count = intervals(scale(1.0)), 0
+    for name, spans in found.items():
+        for span in spans:
+            for end, inwards in zip(span, (1.0, -1.0), strict=True):
+                if end > most:
+                    continue
+                inside, outside = (
+                    vibro.solve(scale(end * (1.0 + side * inwards * 1e-9))) for side in (1, -1)
+                )
+                assert inside.regime != Regime.HOPPING
+                assert CLASSES[name](str(inside.pattern)), (name, end)
+                assert outside.regime == Regime.HOPPING or not CLASSES[name](str(outside.pattern)), (
+                    name,
+                    end,
+                )
+                count += 1
+    return count
+
+
+# ------------------------------------------------------------------------------------------- harmonics
+
+
+@pytest.mark.parametrize("index", range(60))
+def test_the_table_of_critical_scales(index: int) -> None:
+    row = read_rows("critical_scales")[index]
+    scene = scene_of(row)
+    loads, now = vibro.critical_loads(scene), float(scene.load)
+    for name, column in (
+        ("hop", "hop_scale"), ("forward_onset", "forward_onset_scale"), ("back_onset", "back_onset_scale"),
+    ):  # fmt: skip
+        assert float(getattr(loads, name)) / now == pytest.approx(float(row[column] or "inf"), rel=1e-13)
+    for name, column in (("back_slip", "back_slip_scale"), ("rest_vanishes", "never_at_rest_scale")):
+        assert float(getattr(loads, name)) / now == pytest.approx(float(row[column] or "inf"), rel=ENDS)
+    for name, spans in intervals(scene).items():
+        expected = [
+            tuple(map(float, pair)) for pair in json.loads(row[f"{name.replace(' ', '_')}_intervals"])
+        ]
+        assert len(spans) == len(expected)
+        for span, listed in zip(spans, expected, strict=True):
+            assert span == pytest.approx(listed, rel=ENDS)
+    # onsets that start no slide are told as loads
+    names = [t.name for t in vibro.transitions(scene)]
+    for way in ("forward", "back"):
+        onset, first = (float(row[f"{way}_{name}_scale"] or "inf") for name in ("onset", "slip"))
+        is_late = onset < float(row["hop_scale"]) and not math.isclose(onset, first, rel_tol=1e-9)
+        assert (f"load for {way} slip" in names) == is_late
+    assert names[-1] == "hopping"
+
+
+def test_one_harmonic_has_the_critical_loads_of_its_ellipse() -> None:
+    random, looked = np.random.default_rng(7), 0
+    for _ in range(60):
+        x, y, phase = (
+            random.uniform(0.2, 1.0) * 1e-3,
+            random.uniform(0.1, 1.0) * 1e-3,
+            random.uniform(-3.1, 3.1),
+        )
+        mu_s = random.uniform(0.15, 0.9)
+        mu_d = mu_s * random.uniform(0.5, 1.0)
+        others = {
+            "frequency": 20.0, "static_friction": mu_s, "kinetic_friction": mu_d,
+            "trough_angle": random.uniform(-0.9, 0.9) * math.atan(mu_d),
+        }  # fmt: skip
+        ellipse = vibro.Scene(along_amplitude=x, normal_amplitude=y, normal_phase=phase, **others)
+        wave = vibro.Scene(along_harmonics=[(x, 0.0)], normal_harmonics=[(y, phase)], **others)
+        ours, theirs = vibro.critical_loads(wave), vibro.critical_loads(ellipse)
+        for name in ("hop", "forward_onset", "back_onset"):
+            assert getattr(ours, name) == pytest.approx(getattr(theirs, name), rel=1e-13)
+        for name in ("back_slip", "rest_vanishes"):
+            # a body from phase 0 may lead to another cycle where several coexist
+            load = float(getattr(theirs, name))
+            if load < 0.999 * float(theirs.hop):
+                assert getattr(ours, name) == pytest.approx(load, rel=1e-11), name
+                looked += 1
+    assert looked > 60
+
+
+def test_loads_do_not_depend_on_scale_frequency_and_gravity_and_broadcast() -> None:
+    fields: dict[str, Any] = {
+        "along_harmonics": [(1e-3, 0.0), (2e-4, 1.0)], "normal_harmonics": [(np.array([5e-4, 8e-4]), 0.4)],
+        "static_friction": np.array([[0.3], [0.4], [0.5]]), "kinetic_friction": 0.25,
+    }  # fmt: skip
+    found = vibro.critical_loads(Scene(frequency=np.full((4, 1, 1), 20.0), **fields))
+    other = vibro.critical_loads(Scene(frequency=55.0, gravity=1.62, motion_scale=3.0, **fields))
+    for load, same in zip(found, other, strict=True):
+        assert load.shape == (3, 2)
+        np.testing.assert_allclose(load, same, rtol=1e-12)
+    fields["normal_harmonics"], fields["static_friction"] = [(8e-4, 0.4)], 0.4
+    one = vibro.critical_loads(Scene(frequency=20.0, **fields))
+    assert [x[1, 1] for x in found] == [float(x) for x in one]
+
+
+def test_what_has_no_critical_loads() -> None:
+    fields: dict[str, Any] = {"along_harmonics": [(1e-3, 0.0), (2e-4, 1.0)], "frequency": 20.0}
+    slippery = vibro.critical_loads(Scene(static_friction=0.0, kinetic_friction=0.0, **fields))
+    assert all(math.isnan(load) for load in slippery)
+    cannot_be = vibro.critical_loads(
+        Scene.allowing_infeasible(static_friction=0.2, kinetic_friction=0.3, **fields)
+    )
+    assert all(math.isnan(load) for load in cannot_be)
+    fields |= {"static_friction": 0.3, "kinetic_friction": 0.25}
+    for angle, back in ((0.4, 0.0), (-0.4, math.inf)):  # steeper than static friction: it runs down
+        loads = vibro.critical_loads(Scene(trough_angle=angle, **fields))
+        found = loads.back_slip, loads.rest_vanishes, loads.hop
+        assert list(map(float, found)) == [back, 0.0, math.inf]
+    still = Scene(**(fields | {"along_harmonics": [(0.0, 0.0), (0.0, 0.0)]}))
+    assert all(load == math.inf for load in vibro.critical_loads(still))
+    assert vibro.transitions(still) == ()
+
+
+# ---------------------------------------------------------------------------------------- pieces, clamps
+
+SLIP_STICK = vibro.Motion.steps(along=[(0.8, 2.4), (0.2, -9.6)])
+
+
+def conveyor(scale: float = 1.0, motion: vibro.Motion = SLIP_STICK, **others: Any) -> Scene:
+    fields = {"frequency": 2.5, "static_friction": 0.3, "kinetic_friction": 0.25, **others}
+    return Scene(motion=motion, motion_scale=scale, **fields)
+
+
+def test_a_slip_stick_conveyor_of_steps() -> None:
+    """Friction gives way where the acceleration is mu_s g; rest ends with the stretch that it held."""
+    loads = vibro.critical_loads(conveyor())
+    g, friction = 9.81, 0.3 * 9.81
+    assert loads.forward_onset == pytest.approx(friction / g, rel=1e-14)
+    assert loads.back_onset == pytest.approx(4.0 * friction / g, rel=1e-14)
+    assert loads.hop == math.inf
+    scales = [friction / 9.6, friction / 2.4]
+    spans = intervals(conveyor())
+    for name, first in zip(CLASSES, (scales[0], scales[1], scales[1]), strict=True):
+        (span,) = spans[name]
+        assert span == pytest.approx((first, math.inf), rel=1e-14)
+    assert check_ends(conveyor, 1e5) == 3
+    for scale, below, above in zip(scales, ("_", "F_"), ("F_", "FB"), strict=True):
+        assert [str(vibro.solve(conveyor(scale * x)).pattern) for x in (1.0 - 1e-12, 1.0, 1.0 + 1e-12)] == [
+            below, below, above,
+        ]  # fmt: skip
+    for t in vibro.transitions(conveyor()):
+        assert math.isnan(t.frequency)
+        assert t.end_ratio == 0.0
+        assert t.loads == (t.load, math.inf)
+        assert t.amplitude == pytest.approx(float(conveyor().reach) * t.scales[0], rel=1e-14)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.05, -0.1])
+def test_a_trapezoid_both_ways(angle: float) -> None:
+    share = np.arange(64) / 64
+    ramp = np.clip(4.0 * np.sin(2.0 * np.pi * share), -1.0, 1.0)
+    motion = vibro.Motion.samples(along=-7.0 * ramp, normal=-6.0 * np.roll(ramp, 9))
+
+    def at(scale: float) -> Scene:
+        return conveyor(scale, motion, trough_angle=angle)
+
+    assert isinstance(motion, PiecewiseMotion)
+    dense = motion.accelerations(np.arange(64_000) / 64_000)
+    loads, now = vibro.critical_loads(at(1.0)), float(at(1.0).load)
+    n, t, mu = 9.81 * math.cos(angle), 9.81 * math.sin(angle), 0.3
+    s, b = -dense
+    assert float(loads.hop) / now == pytest.approx(n / b.max(), rel=1e-7)
+    assert float(loads.forward_onset) / now == pytest.approx((mu * n + t) / (s + mu * b).max(), rel=1e-7)
+    assert float(loads.back_onset) / now == pytest.approx((mu * n - t) / (mu * b - s).max(), rel=1e-7)
+    assert check_ends(at, math.inf) >= 4
+
+
+def test_a_clamped_part_on_a_vertical_track() -> None:
+    def at(scale: float) -> Scene:
+        return conveyor(scale, normal_acceleration=60.0, trough_angle=math.pi / 2)
+
+    loads, now = vibro.critical_loads(at(1.0)), float(at(1.0).load)
+    assert float(loads.forward_onset) / now == pytest.approx((0.3 * 60.0 + 9.81) / 9.6, rel=1e-14)
+    assert float(loads.back_onset) / now == pytest.approx((0.3 * 60.0 - 9.81) / 2.4, rel=1e-14)
+    assert check_ends(at, 1e5) >= 2
+    weaker = vibro.critical_loads(conveyor(normal_acceleration=60.0, trough_angle=math.pi / 2, gravity=1.0))
+    assert float(weaker.forward_onset) == pytest.approx((0.3 * 60.0 + 1.0), rel=1e-13)
+
+
+def test_a_back_slide_behind_more_legs_than_a_pattern_has_letters() -> None:
+    """Twenty pulses push the part forward, one at the end back: 42 legs, of which 27 are kept."""
+    pulses = [(0.015, -5.0), (0.025, 2.2)] * 20
+    motion = vibro.Motion.steps(along=[*pulses, (0.1, 3.2), (0.1, 0.8)])
+    cycle = vibro.solve(conveyor(1.0, motion))
+    assert cycle.status == Status.OK
+    assert str(cycle.pattern).endswith("...")
+    assert "B" not in str(cycle.pattern)
+    assert cycle.regime == Regime.BACK_SLIP
+    onset = 0.3 * 9.81 / 3.2
+    assert intervals(conveyor(1.0, motion))["back slip"][0][0] == pytest.approx(onset, rel=1e-13)
+    assert vibro.solve(conveyor(onset * (1.0 - 1e-9), motion)).regime == Regime.FORWARD_SLIP
+    assert vibro.solve(conveyor(onset * (1.0 + 1e-9), motion)).regime == Regime.BACK_SLIP
+
+
+# --------------------------------------------------------------------------------- lines and ellipses
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        {"amplitude": 1e-3, "drive_angle": math.radians(20)},
+        {"along_amplitude": 1e-3, "normal_amplitude": 4e-4, "normal_phase": 0.4},
+    ],
+    ids=["line", "ellipse"],
+)
+def test_motions_of_one_harmonic_last_until_the_hop(drive: dict[str, float]) -> None:
+    scene = Scene(frequency=15.0, static_friction=0.74, kinetic_friction=0.57, **drive)
+    hop = float(vibro.critical_loads(scene).hop)
+    found = vibro.transitions(scene)
+    assert [t.name for t in found] == ["forward slip", "back slip", "never at rest", "hopping"]
+    for t in found:
+        assert t.loads[0] == t.load == pytest.approx(float(scene.load) / t.ratio, rel=1e-15)
+        assert t.loads[1] == (math.inf if t.name == "hopping" else pytest.approx(hop, rel=1e-15))
+        assert t.scales[0] == pytest.approx(t.amplitude / float(scene.reach), rel=1e-15)
+        assert t.scales[1] == pytest.approx(t.loads[1] / float(scene.load), rel=1e-15)
+
+
+# --------------------------------------------------------------------------------------------- tipping
+
+
+@pytest.mark.parametrize("pieces", [False, True], ids=["harmonics", "samples"])
+def test_the_load_at_which_an_edge_lifts(pieces: bool) -> None:
+    random = np.random.default_rng(3)
+    share = np.arange(100_000) / 100_000
+    for _ in range(12):
+        sizes, phases = random.uniform(1e-4, 5e-4, (2, 3)), random.uniform(0.0, 6.0, (2, 3))
+        sizes[:, 0] += 5e-4
+        motion = vibro.Motion.harmonics(
+            *(list(zip(*x, strict=True)) for x in zip(sizes, phases, strict=True))
+        )
+        k, w = np.arange(1, 4)[:, None], 2.0 * math.pi * 20.0
+        s, b = (
+            np.sum(x[:, None] * (w * k) ** 2 * np.sin(2.0 * np.pi * k * share + xi[:, None]), axis=0)
+            for x, xi in zip(sizes, phases, strict=True)
+        )
+        if pieces:
+            motion = vibro.Motion.samples(along=-s[:: len(s) // 100], normal=-b[:: len(b) // 100])
+            assert isinstance(motion, PiecewiseMotion)
+            s, b = -motion.accelerations(share)
+        angle, r = random.uniform(-0.1, 0.1), random.uniform(0.2, 0.4)
+        n, t = 9.81 * math.cos(angle), 9.81 * math.sin(angle)
+        first = min((r * n + t) / (s + r * b).max(), (r * n - t) / (r * b - s).max())
+
+        def at(scale: float, motion: vibro.Motion = motion, angle: float = angle, **others: Any) -> Scene:
+            fields = {"static_friction": 0.5, "kinetic_friction": 0.4, "trough_angle": angle, **others}
+            return Scene(motion=motion, motion_scale=scale, frequency=20.0, **fields)
+
+        found = float(tipping_load(at(1.0), r)) / float(at(1.0).load)
+        assert found == pytest.approx(first, rel=1e-7)
+        assert [int(stays_upright(at(found * x), r)) for x in (1.0 - 1e-9, 1.0 + 1e-9)] == [1, 0]
+        assert tipping_load(at(1.0, static_friction=r, kinetic_friction=r), r) == math.inf
+        assert tipping_load(at(1.0, trough_angle=math.atan(r) + 0.01), r) == 0.0
+
+
+def test_clamped_parts_do_not_tip() -> None:
+    clamped = conveyor(normal_acceleration=60.0)
+    said = "normal_acceleration = 60: must be left out: a clamped part cannot tip"
+    for ask in (tipping_load, stays_upright):
+        with pytest.raises(SceneError, match=said):
+            ask(clamped, 0.5)
