@@ -60,8 +60,6 @@ def speed_costs(scene: Scene) -> dict[str, float | str]:
     ------
     SceneError
         If the scene is more than one operating point.
-    InputError
-        If the drive lacks ``Ability.ONE_HARMONIC``.
 
     Notes
     -----

@@ -79,8 +79,6 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     ------
     SceneError
         If the scene is more than one operating point, or a band is invalid; it lists every problem.
-    InputError
-        If the drive is neither a line nor an ellipse: it lacks ``Ability.ONE_HARMONIC``.
 
     Notes
     -----

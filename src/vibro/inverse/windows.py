@@ -159,7 +159,7 @@ def feasible_amplitudes(
         If the scene is more than one operating point, both amplitudes of an ellipse are 0, or a band is
         invalid.
     InputError
-        If the drive lacks ``Ability.ONE_HARMONIC``, or another argument is invalid.
+        If another argument is invalid.
 
     Notes
     -----

@@ -54,7 +54,7 @@ def yield_share(scene: Scene, speed: float, *, highest_regime: str, **bands: Any
     SceneError
         If the scene is more than one operating point, or a band is invalid.
     InputError
-        If the drive lacks ``Ability.ONE_HARMONIC``, or another argument is invalid.
+        If another argument is invalid.
 
     Examples
     --------
