@@ -34,7 +34,7 @@ _STEPS: Final = 6  # of Newton's method from there; each squares the error, whic
 class Ability(Enum):
     """Results that only some kinds of drive have; every kind has steady cycles, critical loads, histories."""
 
-    ONE_HARMONIC = "derivatives in closed form"
+    ONE_HARMONIC = "closed forms of slides"
     PROOF = "closed forms and proved bounds"
 
 

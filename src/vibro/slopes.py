@@ -80,7 +80,7 @@ class Slides(NamedTuple):
 
 def _one_harmonic(scene: Scene) -> Grid:
     fields = scene.arrays()
-    fields.require(Ability.ONE_HARMONIC)
+    fields.require(Ability.ONE_HARMONIC, hint="vibro.simulate follows the slides of any drive")
     return Grid(fields)
 
 
