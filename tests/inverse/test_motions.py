@@ -89,7 +89,7 @@ def test_no_sampled_body_is_beyond_a_guarantee(seed: int) -> None:
             "motion_scale", "frequency", "static_friction", "kinetic_friction", "trough_angle", "gravity",
             "restitution",
         }  # fmt: skip
-        again = vibro.solve(vibro.Scene(motion=motion, **at)).mean_velocity  # type: ignore[arg-type]
+        again = vibro.solve(vibro.Scene(motion=motion, **at)).mean_velocity
         assert float(again) == pytest.approx(speed, rel=1e-12, abs=1e-15)
 
 
@@ -148,7 +148,8 @@ def test_yields_are_those_of_the_ellipse() -> None:
 def test_accelerations_do_not_depend_on_the_frequency() -> None:
     """The load is that of the steps at any frequency, and speeds go with 1/f."""
     space = space_of(vibro.Scene(motion=STEPS, frequency=7.0, **REST))
-    assert (space.power, space.unit) == (0, pytest.approx(6.0, rel=1e-12))
+    assert space.power == 0
+    assert space.unit == pytest.approx(6.0, rel=1e-12)
     assert space.load(Scaled(1.5, 7.0), 9.81) == pytest.approx(9.0 / 9.81, rel=1e-12)
     found = vibro.guarantee(vibro.Scene(motion=STEPS, frequency=2.0, **REST), frequency=(1.5, 3.0))
     at_one = float(vibro.solve(vibro.Scene(motion=STEPS, frequency=1.0, **REST)).mean_velocity)
@@ -158,7 +159,8 @@ def test_accelerations_do_not_depend_on_the_frequency() -> None:
 def test_loads_of_harmonics_grow_with_the_square_of_the_frequency() -> None:
     space = MotionSpace.of(WAVE)
     one = float(vibro.Scene(motion=WAVE, frequency=1.0, **REST).load) * 9.81
-    assert (space.power, space.unit) == (2, pytest.approx(one, rel=1e-12))
+    assert space.power == 2
+    assert space.unit == pytest.approx(one, rel=1e-12)
     assert space.load(Scaled(2.0, 3.0), 9.81) == pytest.approx(18.0 * one / 9.81, rel=1e-12)
 
 
@@ -216,9 +218,9 @@ def test_clamped_bodies_never_hop() -> None:
 @pytest.mark.parametrize(
     ("bands", "said"),
     [
-        ({"amplitude": (1e-3, 2e-3)}, "band 'amplitude' = (0.001, 0.002): must be of one of motion_scale, frequency,"),
+        ({"amplitude": (1e-3, 2e-3)}, "band 'amplitude' = (0.001, 0.002): must be of one of motion_scale,"),
         ({"motion_scale": (0.0, 1.0)}, "motion_scale = 0: must be finite and > 0"),
-        ({"frequency": (1e200, 1e300)}, "frequency = 1e+300 Hz: must be such that A w^2 / g is within the range"),
+        ({"frequency": (1e200, 1e300)}, "frequency = 1e+300 Hz: must be such that A w^2 / g is within"),
     ],
 )  # fmt: skip
 def test_bands_that_cannot_be_are_refused(bands: dict[str, Any], said: str) -> None:
@@ -328,15 +330,14 @@ def test_pictures_are_over_the_scale() -> None:
     chosen = chosen_of(spec, find_designs(spec, goal_only=True))
     assert chosen is not None
     fields = setting_fields(spec, chosen)
-    assert (fields.amplitude, fields.limits) == ("motion_scale", pytest.approx((0.5, 1.5)))
+    assert fields.amplitude == "motion_scale"
+    assert fields.limits == pytest.approx((0.5, 1.5))
     assert fields.load[0] == pytest.approx(fields.amplitudes[0] * 6.0 / 9.81, rel=1e-12)
     at = np.interp(1.2 * 6.0 / 9.81, fields.load, fields.speed_min) / 2.0
     assert at == pytest.approx(float(slowest(1.2, 2.0)), rel=1e-4)
     first, last = fields.begins[Regime.FORWARD_SLIP]
-    onset = [
-        float(change_loads(vibro.Scene(motion=STEPS, frequency=2.0, static_friction=mu, kinetic_friction=0.3))["forward_onset"])
-        for mu in (0.35, 0.45)
-    ]  # fmt: skip
+    ends = vibro.Scene(motion=STEPS, frequency=2.0, static_friction=[0.35, 0.45], kinetic_friction=0.3)
+    onset = change_loads(ends)["forward_onset"]
     # drifts of the scale reach a load before, or after, its nominal value
     assert (first, last) == pytest.approx((onset[0] / 1.02, onset[1] / 0.98), rel=1e-9)
 
@@ -361,10 +362,10 @@ def test_the_example_is_answered_on_the_command_line(tmp_path: Path) -> None:
     ("drive", "said"),
     [
         ({"motion_scale": 2}, "motion_scale = 2: without a motion"),
-        ({**HARMONIC, "amplitude_mm": 1}, "amplitude_mm = 1: not beside along_harmonics_mm_deg and normal_harmonics"),
+        ({**HARMONIC, "amplitude_mm": 1}, "amplitude_mm = 1: not beside along_harmonics_mm_deg and"),
         ({"along_steps": [[0.8, 1.5], [0.2, -9]]}, "along_steps = a mean acceleration of -0.6 m/s^2"),
         ({"along_steps": [[1, 0.0]]}, "along_steps = [[1, 0.0]]: the trough stands still"),
-        ({**HARMONIC, "along_steps": [[0.8, 1.5], [0.2, -6]]}, "gives along_harmonics_mm_deg and normal_harmonics"),
+        ({**HARMONIC, "along_steps": [[0.8, 1.5], [0.2, -6]]}, "gives along_harmonics_mm_deg and"),
         ({"along_harmonics_mm_deg": [[-1.0, 0.0]]}, "along_harmonics_mm_deg has [-1.0, 0.0]"),
         ({**HARMONIC, "motion_scale": 0}, "motion_scale = 0: must be finite and > 0"),
         ({**HARMONIC, "acceleration_g": 0.1}, "acceleration_g = 0.1: amplitude and frequency are such that"),

@@ -133,14 +133,14 @@ def feasible_amplitudes(
     scene : Scene
         One operating point. The amplitude of a line is ignored. Of an ellipse the proportion of both
         amplitudes counts, which change together: ``along_amplitude`` is found, or ``normal_amplitude`` where
-        that is 0.
+        that is 0. Of a given motion ``motion_scale`` is found.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"back-slip", "forward-slip", "hopping"}, optional
         Highest regime that may occur anywhere in the box.
     limit : float, optional
-        Largest nominal amplitude [m], of an ellipse the one that is found; it must be finite where bodies may
-        hop.
+        Largest nominal amplitude [m], of an ellipse the one that is found, or scale of a motion [1]; it must
+        be finite where bodies may hop.
     amplitude_percent : float, optional
         Drift of the amplitude from its nominal value, either way, in per cent; both amplitudes of an ellipse
         drift together.
@@ -150,7 +150,7 @@ def feasible_amplitudes(
     Returns
     -------
     list of Interval
-        Closed intervals by rising amplitude [m], with the constraint at each end; empty if no amplitude
+        Closed intervals by rising amplitude [m], or scale of a motion [1], with the constraint at each end; empty if no amplitude
         guarantees the speed, as where bodies move backwards.
 
     Raises
