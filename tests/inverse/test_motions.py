@@ -134,6 +134,41 @@ def test_scales_that_guarantee_a_speed_are_those_of_the_ellipse(asked: dict[str,
         assert wave[:2] == pytest.approx((oval.low / size, oval.high / size), rel=1e-6)
 
 
+def test_windows_end_where_parts_slip_back_or_are_too_slow() -> None:
+    """Just within each end all parts of a grid keep to the goal, just beyond some part does not."""
+    scene = vibro.Scene(motion=STEPS, frequency=2.0, **REST)
+    (window,) = vibro.feasible_amplitudes(
+        scene, 0.03, highest_regime="forward-slip", static_friction=(0.35, 0.45), friction_ratio=(0.7, 0.9)
+    )
+    assert window[2:] == ("speed", "back slip")
+    mu_s = np.linspace(0.35, 0.45, 21)[:, None]
+
+    def parts(scale: float) -> vibro.SteadyCycle:
+        kinetic = mu_s * np.linspace(0.7, 0.9, 21)
+        return vibro.solve(
+            vibro.Scene(
+                motion=STEPS,
+                motion_scale=scale,
+                frequency=2.0,
+                static_friction=mu_s,
+                kinetic_friction=kinetic,
+            )
+        )
+
+    assert (
+        parts(window.low * (1.0 - 1e-8)).mean_velocity.min() < 0.03 <= parts(window.low).mean_velocity.min()
+    )
+    assert parts(window.high).regime.max() == Regime.FORWARD_SLIP
+    assert parts(window.high * (1.0 + 1e-6)).regime.max() == Regime.BACK_SLIP
+
+
+def test_limits_of_scales_have_no_unit() -> None:
+    with pytest.raises(InputError, match="^limit = -1: must be > 0$"):
+        vibro.feasible_amplitudes(ONE, 0.01, limit=-1.0)
+    with pytest.raises(InputError, match="^limit = -1 m: must be > 0 m$"):
+        vibro.feasible_amplitudes(ELLIPSE, 0.01, limit=-1.0)
+
+
 def test_yields_are_those_of_the_ellipse() -> None:
     asked: dict[str, Any] = {
         "highest_regime": "back-slip",

@@ -47,9 +47,9 @@ _LOOKS: Final = 12  # base-2 logarithm of the samples whose regimes are solved
 _LANDINGS: Final = 9  # base-2 logarithm of the samples of landings
 _ROUNDS: Final = 3  # of samples closer to the extreme ones
 
-# Base-2 logarithm of the bodies that are looked at first; how many of them begin each of two evolutions
-# beside the corners, once the slowest and once those of an even spread; generations. The second row where a slower
-# body alone is sought.
+# Base-2 logarithm of the bodies that are looked at first; how many of them begin each of two evolutions,
+# beside the corners, once the slowest and once those of an even spread; generations. The second row serves
+# where a slower body alone is sought.
 _EVOLVED: Final = {False: (11, 48, 60), True: (8, 16, 20)}
 
 

@@ -26,6 +26,7 @@ from vibro.quantities import AMPLITUDES, SCALE
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
 from vibro.roots import close_in
+from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from vibro.inverse.exchange import Found
     from vibro.inverse.questions import Question
     from vibro.inverse.spaces import AnySetting, Points, UncertaintySet
-    from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
@@ -113,7 +113,7 @@ def positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
     x = number(name, value)
     if not x > 0.0 or (finite and math.isinf(x)):
         allowed = f"finite and > 0 {unit}" if finite else f"> 0 {unit}"
-        raise InputError(f"{name} = {x:.15g} {unit}: must be {allowed}")
+        raise InputError(f"{name} = {f'{x:.15g} {unit}'.rstrip()}: must be {allowed.rstrip()}")
     return x
 
 
@@ -150,8 +150,8 @@ def feasible_amplitudes(
     Returns
     -------
     list of Interval
-        Closed intervals by rising amplitude [m], or scale of a motion [1], with the constraint at each end; empty if no amplitude
-        guarantees the speed, as where bodies move backwards.
+        Closed intervals by rising amplitude [m], or scale of a motion [1], with the constraint at each end;
+        empty if no amplitude guarantees the speed, as where bodies move backwards.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def feasible_amplitudes(
     1e-5; what lies between two of them may be missed (tests/inverse/test_windows.py compares with other
     amplitudes). A mean of irregular motion counts less three standard errors. With
     ``highest_regime="forward-slip"`` intervals end where back slip first begins, also if larger amplitudes of
-    an ellipse end it again.
+    an ellipse, or scales of a motion, end it again.
 
     Examples
     --------
@@ -194,7 +194,8 @@ def feasible_amplitudes(
     """
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
-    largest = positive("limit", limit, "m", finite=False)
+    is_scale = isinstance(scene, Scene) and scene.motion is not None
+    largest = positive("limit", limit, "" if is_scale else "m", finite=False)
     percent = number("amplitude_percent", amplitude_percent)
     if not 0.0 <= percent < 100.0:
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
