@@ -194,8 +194,8 @@ def feasible_amplitudes(
     """
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
-    is_scale = isinstance(scene, Scene) and scene.motion is not None
-    largest = positive("limit", limit, "" if is_scale else "m", finite=False)
+    unit = "m" if getattr(scene, "motion", None) is None else ""
+    largest = positive("limit", limit, unit, finite=False)
     percent = number("amplitude_percent", amplitude_percent)
     if not 0.0 <= percent < 100.0:
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")
