@@ -54,7 +54,8 @@ def begin_load(scene: Scene, regime: Regime) -> Floats:
     """Return the load at which a regime begins; inf where it never does.
 
     Of back slip under a given motion the least of 17 loads between its onset and the hop at which it occurs,
-    closed in on to 1e-7: it may end and begin again, and what lies between two of them may be missed.
+    closed in on from below to 1e-7: it may end and begin again, and what lies between two of them may be
+    missed.
     """
     if regime is Regime.BACK_SLIP and scene.motion is not None:
         return _back_slip_load(scene)
@@ -101,12 +102,12 @@ def _back_slip_load(scene: Scene) -> Floats:
     ladder = onset[opens][:, None] * (last / onset[opens])[:, None] ** np.linspace(0.0, 1.0, _SCALES)
     holds = slips(ladder) > 0.0
     first, rows = np.argmax(holds, axis=1), np.arange(len(ladder))
-    begin, _ = close_in(
+    _, before = close_in(
         slips,
         ladder[rows, first],
         ladder[rows, np.maximum(first - 1, 0)],
         relative=_WIDTH,
         sections=_SECTIONS,
     )
-    found[opens] = np.where(holds.any(axis=1), begin, np.inf)
+    found[opens] = np.where(holds.any(axis=1), before, np.inf)
     return found

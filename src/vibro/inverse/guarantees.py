@@ -68,7 +68,8 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
         Pairs (low, high) by the names of fields, in SI units and radians: ``static_friction``,
         ``kinetic_friction`` or ``friction_ratio``, ``frequency``, ``trough_angle``, and those of the scene's
         drive: ``amplitude``, ``drive_angle``, or ``along_amplitude``, ``normal_amplitude``,
-        ``normal_phase``. They need not hold the scene's own value. The box is cut at mu_d <= mu_s.
+        ``normal_phase``, or ``motion_scale`` of a given motion. They need not hold the scene's own value. The
+        box is cut at mu_d <= mu_s.
 
     Returns
     -------
@@ -85,9 +86,10 @@ def guarantee(scene: Scene, **bands: Any) -> Guarantee:
     If the drive moves along a line of a known angle and no body slips back or hops, the speed is monotone,
     so that both bounds lie at corners of the box (``corners``; theory.md, section 14). Otherwise bodies in
     contact are searched by differential evolution, and bounded by boxes that cover the set (``proved``);
-    where even 8000 of them leave more than 1 % it is ``searched``. Hopping bodies are sampled (``sampled``).
-    The regimes are those of all bodies that were solved. If a body's motion has no short period, its mean
-    speed is widened by three standard errors.
+    where even 8000 of them leave more than 1 % it is ``searched``. Of a given motion nothing is proved:
+    bodies in contact are ``searched`` (docs/design.md tells how well). Hopping bodies are sampled
+    (``sampled``). The regimes are those of all bodies that were solved. If a body's motion has no short
+    period, its mean speed is widened by three standard errors.
 
     Examples
     --------

@@ -26,6 +26,7 @@ from vibro.quantities import AMPLITUDES, SCALE
 from vibro.reals import NotRealError, real_number
 from vibro.results.designs import Interval
 from vibro.roots import close_in
+from vibro.scene import Scene
 from vibro.steady import solve
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from vibro.inverse.exchange import Found
     from vibro.inverse.questions import Question
     from vibro.inverse.spaces import AnySetting, Points, UncertaintySet
-    from vibro.scene import Scene
 
     Floats = NDArray[np.float64]
 
@@ -113,7 +113,7 @@ def positive(name: str, value: Any, unit: str, *, finite: bool = True) -> float:
     x = number(name, value)
     if not x > 0.0 or (finite and math.isinf(x)):
         allowed = f"finite and > 0 {unit}" if finite else f"> 0 {unit}"
-        raise InputError(f"{name} = {x:.15g} {unit}: must be {allowed}")
+        raise InputError(f"{name} = {f'{x:.15g} {unit}'.rstrip()}: must be {allowed.rstrip()}")
     return x
 
 
@@ -133,14 +133,14 @@ def feasible_amplitudes(
     scene : Scene
         One operating point. The amplitude of a line is ignored. Of an ellipse the proportion of both
         amplitudes counts, which change together: ``along_amplitude`` is found, or ``normal_amplitude`` where
-        that is 0.
+        that is 0. Of a given motion ``motion_scale`` is found.
     speed : float
         Least mean speed, > 0 [m/s].
     highest_regime : {"back-slip", "forward-slip", "hopping"}, optional
         Highest regime that may occur anywhere in the box.
     limit : float, optional
-        Largest nominal amplitude [m], of an ellipse the one that is found; it must be finite where bodies may
-        hop.
+        Largest nominal amplitude [m], of an ellipse the one that is found, or scale of a motion [1]; it must
+        be finite where bodies may hop.
     amplitude_percent : float, optional
         Drift of the amplitude from its nominal value, either way, in per cent; both amplitudes of an ellipse
         drift together.
@@ -150,8 +150,8 @@ def feasible_amplitudes(
     Returns
     -------
     list of Interval
-        Closed intervals by rising amplitude [m], with the constraint at each end; empty if no amplitude
-        guarantees the speed, as where bodies move backwards.
+        Closed intervals by rising amplitude [m], or scale of a motion [1], with the constraint at each end;
+        empty if no amplitude guarantees the speed, as where bodies move backwards.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def feasible_amplitudes(
     1e-5; what lies between two of them may be missed (tests/inverse/test_windows.py compares with other
     amplitudes). A mean of irregular motion counts less three standard errors. With
     ``highest_regime="forward-slip"`` intervals end where back slip first begins, also if larger amplitudes of
-    an ellipse end it again.
+    an ellipse, or scales of a motion, end it again.
 
     Examples
     --------
@@ -194,7 +194,8 @@ def feasible_amplitudes(
     """
     highest = regime_of(highest_regime)
     target = positive("speed", speed, "m/s")
-    largest = positive("limit", limit, "m", finite=False)
+    unit = "m" if getattr(scene, "motion", None) is None else ""
+    largest = positive("limit", limit, unit, finite=False)
     percent = number("amplitude_percent", amplitude_percent)
     if not 0.0 <= percent < 100.0:
         raise InputError(f"amplitude_percent = {percent:.15g}: must be in [0, 100)")

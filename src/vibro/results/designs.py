@@ -30,12 +30,12 @@ __all__ = [
 
 
 class Interval(NamedTuple):
-    """Nominal amplitudes that guarantee a speed, a closed interval.
+    """Nominal amplitudes, or scales of a motion, that guarantee a speed, a closed interval.
 
     Attributes
     ----------
     low, high : float
-        Its ends [m].
+        Its ends [m], of a motion [1].
     low_set_by, high_set_by : str
         What ends it: ``speed``, ``onset``, ``back slip``, ``hop``, ``limit`` or ``tip``; ``unconfirmed``
         where the search for slower bodies did not come to its end there.
