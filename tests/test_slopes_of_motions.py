@@ -1,4 +1,4 @@
-"""How the speed follows the scale of a motion: differences of the exact solution, and where there are none."""
+"""How the speed follows the scale of a motion: differences of the exact solution."""
 
 from __future__ import annotations
 
