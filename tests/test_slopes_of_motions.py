@@ -1,4 +1,4 @@
-"""How the speed follows the scale of a motion: differences of the exact solution, or none."""
+"""How the speed follows the scale of a motion: differences of the exact solution."""
 
 from __future__ import annotations
 

@@ -111,7 +111,8 @@ def certain(scene: Scene, *, static_friction: Span, second_friction: Span, is_ra
     >>> found.lowest.tolist(), found.highest.tolist()
     ([0, 0, 1, 1, 2, 3], [0, 1, 1, 2, 2, 3])
     """
-    scene.arrays().require(Ability.PROOF)
+    hint = "vibro.guarantee bounds the speed of one operating point of any drive"
+    scene.arrays().require(Ability.PROOF, hint=hint)
     second = "friction_ratio" if is_ratio else "kinetic_friction"
     bands = {"static_friction": static_friction, second: second_friction}
     box = uncertainty_set(Scene(**_ANY, static_friction=1.0, kinetic_friction=0.0), bands)

@@ -1,0 +1,128 @@
+"""Every cell of the table in docs/drives.md against what the program does."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.commands import Run
+
+import vibro
+from vibro.explore.state import initial_state
+from vibro.inverse.certain import certain
+from vibro.sweeps.whole import request_of_call
+
+PAGE = (Path(__file__).parents[2] / "docs" / "drives.md").read_text(encoding="utf-8")
+POINT = "[scene]\nstatic_friction = 0.4\nkinetic_friction = 0.3\ntrough_length_mm = 600\nfrequency_hz = {}\n"
+HARMONICS = "along_amplitudes_mm = [1, 0.3]\nalong_phases_deg = [0, -90]\n"
+NORMAL = "normal_amplitudes_mm = [0.2, 0]\nnormal_phases_deg = [30, 0]\n"
+WAVE = [round(6.0 * math.sin(p) + 2.0 * math.cos(2.0 * p), 6) for p in (i * math.tau / 32 for i in range(32))]
+
+#: Scenes of each column; parts move forwards on all of them.
+FILES = {
+    "line": [POINT.format(15) + "amplitude_mm = 1\ndrive_angle_deg = 20\n"],
+    "ellipse": [
+        POINT.format(15) + "along_amplitude_mm = 1\nnormal_amplitude_mm = 0.3\nnormal_phase_deg = -60\n"
+    ],
+    "harmonics": [
+        POINT.format(15) + HARMONICS + NORMAL,
+        POINT.format(25) + HARMONICS + NORMAL.replace("0.2", "0.6") + "restitution = 0.3\n",
+    ],
+    "steps, samples": [
+        POINT.format(5) + "[motion]\nalong_steps = [[0.8, 3.5], [0.2, -14]]\n",
+        POINT.format(5)
+        + "[motion]\nalong_steps = [[0.8, 3.5], [0.2, -14]]\nnormal_steps = [[0.5, 11], [0.5, -11]]\n",
+        POINT.format(8) + f"[motion]\nalong_samples_m_s2 = {WAVE}\n",
+    ],
+    "clamped part": [POINT.format(25) + HARMONICS + "normal_acceleration_m_s2 = 20\ntrough_angle_deg = 5\n"],
+}
+
+
+def command(*arguments: str) -> Callable[[Run, Path], str]:
+    """Return what a command answers to a scene file; its error where it refuses."""
+
+    def ask(run: Run, file: Path) -> str:
+        result = run(arguments[0], file, *(text.format(file.stem) for text in arguments[1:]))
+        assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+        if result.exit_code == 2:
+            assert result.stderr.startswith("error: ")
+            assert "hint: " in result.stderr or "must be left out" in result.stderr
+            return result.stderr
+        assert result.exit_code in (0, 3), result.stderr  # 3: no amplitude reaches the speed
+        assert result.stdout or "wrote" in result.stderr
+        return "yes"
+
+    return ask
+
+
+def function(*asks: Callable[[vibro.Scene], Any]) -> Callable[[Run, Path], str]:
+    """Return what functions answer to a scene."""
+
+    def ask(_: Run, file: Path) -> str:
+        scene = vibro.read_scene(file)
+        try:
+            for asked in asks:
+                assert asked(scene) is not None
+        except vibro.InputError as exc:
+            return str(exc)
+        return "yes"
+
+    return ask
+
+
+def explored(_: Run, file: Path) -> str:
+    """Return whether the page shows a scene."""
+    try:
+        initial_state(request_of_call(file, {}))
+    except vibro.InputError as exc:
+        return str(exc)
+    return "yes"
+
+
+BANDS = {"static_friction": (0.38, 0.4)}
+ASKED = {
+    "`vibro solve`: regime, speed, phases": command("solve"),
+    "`vibro solve --coexist`: other motions of bodies that hop": command("solve", "--coexist"),
+    "`vibro solve --stand-ratio`: tipping": command("solve", "--stand-ratio", "0.3"),
+    "`vibro solve --speed`: amplitudes that reach a speed": command("solve", "--speed", "5"),
+    "`vibro simulate`: history, and its picture": command("simulate", "--cycles", "3", "-o", "{}-history"),
+    "`vibro traverse-time`: mean and exact": command("traverse-time"),
+    "`vibro map`: tables and pictures": command("map", "-f", "4:9:3", "-o", "{}-map"),
+    "`vibro explore`": explored,
+    "`vibro accuracy`: other methods": command("accuracy", "--scenes", "2"),
+    "`vibro.critical_loads`, `vibro.transitions`": function(vibro.critical_loads, vibro.transitions),
+    "`vibro.guarantee`, `vibro.yield_share`": function(
+        lambda scene: vibro.guarantee(scene, **BANDS),
+        lambda scene: vibro.yield_share(scene, 1e-3, highest_regime="hopping"),
+    ),
+    "`vibro.feasible_amplitudes`: of motions, their scale": function(
+        lambda scene: vibro.feasible_amplitudes(scene, 0.01, limit=1.0)
+    ),
+    "`vibro.inverse.certain`: bands of friction over a whole map": function(
+        lambda scene: certain(scene, static_friction=(0.38, 0.4), second_friction=(0.7, 0.8), is_ratio=True)
+    ),
+}
+
+
+def table() -> dict[str, dict[str, str]]:
+    """Read the table of the page."""
+    lines = [line for line in PAGE.splitlines() if line.startswith("|")]
+    head, _, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return {row[0]: dict(zip(head[1:], row[1:], strict=True)) for row in rows}
+
+
+def test_the_table_has_what_is_asked_here() -> None:
+    assert list(table()) == list(ASKED)
+    assert all(list(row) == list(FILES) for row in table().values())
+
+
+@pytest.mark.parametrize("kind", FILES)
+@pytest.mark.parametrize("what", ASKED)
+def test_every_cell_is_what_the_program_answers(run: Run, tmp_path: Path, what: str, kind: str) -> None:
+    for i, text in enumerate(FILES[kind]):
+        file = tmp_path / f"scene{i}.toml"
+        file.write_text(text, encoding="utf-8")
+        assert table()[what][kind] in ASKED[what](run, file)
