@@ -17,6 +17,7 @@ from helpers.feeders import Feeder, feeder
 from helpers.made_records import EXAMPLES
 
 import vibro
+from vibro.cli.motion_report import _told
 
 NUT = EXAMPLES / "data" / "nut_trough_mv.csv"
 SENSORS = ("--trough-along", "Trog längs", "--trough-normal", "Trog normal", "--sensitivity", "100mV/g")
@@ -193,6 +194,21 @@ def test_the_scene_file_may_go_to_stdout(run: Run) -> None:
     result = run("motion", NUT, *SENSORS, "-o", "-", "--json")
     assert (result.exit_code, result.stdout) == (2, "")
     assert "--json and -o - both want stdout" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "told"),
+    [
+        (1.23456, 0.012, "1.235 ± 0.012"),
+        (1.0, 1.1e-6, "1.0000000 ± 0.0000011"),
+        (1.23456789, 0.9e-6, "1.23457 ± 9e-07"),
+        (1.1e-6, 2e-7, "0.00000110 ± 0.00000020"),
+        (0.9e-6, 2e-7, "9e-07 ± 2e-07"),
+        (-0.3, 63.0, "0 ± 63"),
+    ],
+)
+def test_numbers_are_written_to_their_errors(value: float, error: float, told: str) -> None:
+    assert _told(value, error) == told
 
 
 @pytest.mark.parametrize(

@@ -156,4 +156,4 @@ def uncertain(value: float, error: float) -> str:
     if not math.isfinite(error) or error <= 0.0:
         return f"{value:.4g}"
     digits = max(0, 1 - math.floor(math.log10(error)))
-    return f"{value:.{digits}f} \u00b1 {error:.{digits}f}"
+    return f"{value:z.{digits}f} \u00b1 {error:.{digits}f}"

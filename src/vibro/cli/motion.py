@@ -72,7 +72,7 @@ def motion_command(
 
     Amplitudes and phases are printed with their standard errors, and with the friction of a part (--mu-s,
     --mu-d, or SCENE.toml) the speed: what noise, the last harmonic and wrong calibration make of it. With -o
-    the motion goes to a scene file, which every command reads.
+    the motion goes to a scene file, for vibro solve, vibro map and others.
     """
     from vibro.cli.motion_report import MotionReport
     from vibro.errors import InputError

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MotionReport"]
 
+_EXACT: Final = 1e-6  # of a value, or of its unit: nobody measures so well, or so little
 _WAYS: Final = {"trough_along": "along", "trough_normal": "normal"}
 _TO: Final = {"trough_along": "along the trough", "trough_normal": "normal to it"}
 _CALIBRATIONS: Final = {
@@ -85,7 +86,7 @@ class MotionReport:
             ("record", f"{printable(str(self.data))}: {record}"),
             ("fundamental", self._fundamental()),
             ("harmonics", f"{stands} (each by chance in one record of {1.0 / TOL.by_chance:.0f})"),
-            ("throw number", uncertain(*self.throw)),
+            ("throw number", _told(*self.throw)),
         ]
         if self.speeds is None:
             needed = "unknown without friction: add --mu-s and --mu-d, or a scene file that gives both"
@@ -114,7 +115,7 @@ class MotionReport:
         if math.isnan(speed):
             status = speeds.status
             return [("mean speed", f"unknown, {regime}: {status.label} ({status.message})"), ("", drawn)]
-        facts = [("mean speed", f"{uncertain(float(speed), float(error))} mm/s, {regime}"), ("", drawn)]
+        facts = [("mean speed", f"{_told(float(speed), float(error))} mm/s, {regime}"), ("", drawn)]
         if self.measured.order > 1:
             facts.append(("last harmonic", f"changes it by {self._change(speeds.last_harmonic, '+')}"))
         sizes = [f"{_CALIBRATIONS[name]} {self._change(x)}" for name, x in speeds.calibrations.items()]
@@ -141,7 +142,7 @@ class MotionReport:
                 motion = m.along[k] if name == "trough_along" else m.normal[k]
                 size, error = (float(LENGTH.from_si(x)) for x in (abs(motion), m.standard_errors[k, i]))
                 phase, off = math.degrees(float(np.angle(motion))), math.degrees(m.phase_errors[k, i])
-                cells += [uncertain(size, error), uncertain(phase, off) if off else "0"]
+                cells += [_told(size, error), _told(phase, off) if off else "0"]
             rows.append((str(k + 1), *cells, f"{100.0 * m.shares[k]:.3g}"))
         return rows
 
@@ -219,3 +220,10 @@ class MotionReport:
         head.append(f"# Standard error of the frequency: {m.frequency_error:.2g} Hz")
         lines = [f"{key} = {value!r}" for key, value in self._scene().items()]
         return "\n".join([*head, "", "[scene]", *lines, ""])
+
+
+def _told(value: float, error: float) -> str:
+    """Write a value with its standard error; of exact data with six digits, however small that error is."""
+    if error < _EXACT * abs(value) or abs(value) < _EXACT:
+        return f"{value:z.6g} \u00b1 {error:.2g}"
+    return uncertain(value, error)

@@ -337,7 +337,7 @@ def measured_motion(
     Both channels are regressed on one frequency, an offset and a trend each, and up to 16 harmonics. The
     covariance of a harmonic is the spectral matrix of what is left within 0.35 of the frequency to both
     sides. Harmonics are kept up to the last one that noise reaches once in 1000 records, by an F-test. Errors
-    are those of noise: on synthetic feeders 64 to 70 % lie within one standard error and 93 to 98 % within
+    are those of noise: on synthetic feeders 68 % lie within one standard error and 95 % within
     two (tests/records/test_waveforms.py). Calibration is not part of them.
 
     Examples
