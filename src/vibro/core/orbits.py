@@ -265,6 +265,10 @@ def _bracketed(cycle: HoppingCycle, hops: Hops, start: float, low: float, high: 
             high = here
         room = high - low
         if (step.closed and not past) or room <= _apart(cycle, here):
+            if cycle.track.loads.waves.kind != SINE and not has_stop(now) and step.newton < room:
+                # no closed form sharpens it: the last step does, of which rounding alone is left
+                here = here + step.newton if rises else here - step.newton
+                now = cycle_from(cycle, hops, here)
             return _settled(here, now, Status.OK)
         # between bends of the map Newton's steps may go to and fro for ever
         shrinks = i < _NEWTONS or step.newton < 0.5 * before
