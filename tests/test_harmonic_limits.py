@@ -87,11 +87,7 @@ def test_odd_harmonics_along_a_level_trough_convey_nothing() -> None:
     alone = slips & (cycle.coexists == 0)
     assert alone.sum() > 200
     off = np.abs(cycle.displacement_per_cycle) / np.maximum(first[0], third[0])
-    rests = np.array(["_" in str(x) for x in cycle.pattern])
-    assert (alone & rests).sum() > 100
-    assert off[alone & rests].max() < 1e-13
-    # without a rest a body nearly keeps what rounding has made of its velocity, where its load is large
-    assert off[alone & ~rests].max() < 1e-11
+    assert off[alone].max() < 1e-13
 
 
 @pytest.mark.parametrize(
@@ -109,14 +105,17 @@ def test_odd_harmonics_along_a_level_trough_convey_nothing() -> None:
 )
 def test_statuses(made: Scene, status: Status, regime: Regime, pattern: str) -> None:
     cycle = solve(made)
-    assert (Status(cycle.status), Regime(cycle.regime)) == (status, regime)
+    assert (Status(int(cycle.status)), Regime(int(cycle.regime))) == (status, regime)
     assert str(cycle.pattern) == pattern
     assert bool(np.isnan(cycle.displacement_per_cycle)) == (pattern == "")
 
 
 def test_what_hops_is_not_modelled_without_flights() -> None:
     cycle = solve(scene(across=(0.5, 0.3)), flight=False)
-    assert (Status(cycle.status), Regime(cycle.regime)) == (Status.FLIGHT_NOT_MODELLED, Regime.HOPPING)
+    assert (Status(int(cycle.status)), Regime(int(cycle.regime))) == (
+        Status.FLIGHT_NOT_MODELLED,
+        Regime.HOPPING,
+    )
     assert np.isnan(cycle.displacement_per_cycle)
 
 
@@ -127,7 +126,7 @@ def test_what_hops_is_not_modelled_without_flights() -> None:
 def test_onsets_just_below_at_and_just_above(size: float, status: Status, pattern: str) -> None:
     """The second harmonic alone opens two windows each way at once."""
     cycle = solve(scene(along=(0.0, size * 0.1)))
-    assert (Status(cycle.status), str(cycle.pattern)) == (status, pattern)
+    assert (Status(int(cycle.status)), str(cycle.pattern)) == (status, pattern)
     assert float(cycle.forward_ratio) == pytest.approx(size, rel=1e-15)
 
 
@@ -141,7 +140,7 @@ def test_onsets_just_below_at_and_just_above(size: float, status: Status, patter
 )
 def test_hopping_just_below_at_and_just_above(size: float, status: Status, regime: Regime) -> None:
     cycle = solve(scene(across=(0.0, 0.25 * size)))
-    assert (Status(cycle.status), Regime(cycle.regime)) == (status, regime)
+    assert (Status(int(cycle.status)), Regime(int(cycle.regime))) == (status, regime)
     assert float(cycle.throw_number) == pytest.approx(size, rel=1e-15)
     # what hops hardly moves as what hardly does not
     below = solve(scene(across=(0.0, 0.25 * (1.0 - 1e-6))))
