@@ -120,7 +120,8 @@ def test_a_grid_without_cells() -> None:
 
 
 def test_cells_of_harmonics_have_the_waves_of_their_scenes() -> None:
-    sizes, phases = np.array([1e-3, 2e-3, 5e-4])[:, None], np.array([0.3, -2.0])
+    sizes: Any = np.array([1e-3, 2e-3, 5e-4])[:, None]
+    phases: Any = np.array([0.3, -2.0])
     scene = Scene(
         along_harmonics=[(sizes, 0.1), (2e-4, phases)], normal_harmonics=[(0.0, 0.0), (3e-4, -phases)],
         frequency=20.0, static_friction=0.5, kinetic_friction=[0.4, 0.3],
