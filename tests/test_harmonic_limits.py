@@ -87,11 +87,7 @@ def test_odd_harmonics_along_a_level_trough_convey_nothing() -> None:
     alone = slips & (cycle.coexists == 0)
     assert alone.sum() > 200
     off = np.abs(cycle.displacement_per_cycle) / np.maximum(first[0], third[0])
-    rests = np.array(["_" in str(x) for x in cycle.pattern])
-    assert (alone & rests).sum() > 100
-    assert off[alone & rests].max() < 1e-13
-    # without a rest a body nearly keeps what rounding has made of its velocity, where its load is large
-    assert off[alone & ~rests].max() < 1e-11
+    assert off[alone].max() < 1e-13
 
 
 @pytest.mark.parametrize(

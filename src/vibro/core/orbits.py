@@ -34,7 +34,7 @@ __all__ = [
     "hopping_cycle",
     "only_orbit",
     "orbit_from",
-    "others_on", "polished",
+    "others_on",
     "stopping",
     "stops_of",
 ]  # fmt: skip
@@ -225,16 +225,6 @@ def only_orbit(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     return _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
 
 
-def polished(cycle: HoppingCycle, hops: Hops, end: Orbit) -> Orbit:
-    """Take one more of Newton's steps to a cycle without a stop, which leaves rounding alone."""
-    now = end.cycle
-    if has_stop(now) or not now.slope < 1.0 or end.status != Status.OK:
-        return end
-    velocity = end.velocity + (cycle.fall + now.friction) / (1.0 - now.slope)
-    closer = cycle_from(cycle, hops, velocity)
-    return end if has_stop(closer) or not closer.settled else Orbit(velocity, closer, end.status)
-
-
 def _orbit_held(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     """Follow an orbit where friction holds gravity, so that it stays bounded."""
     end = _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
@@ -265,6 +255,10 @@ def _bracketed(cycle: HoppingCycle, hops: Hops, start: float, low: float, high: 
             high = here
         room = high - low
         if (step.closed and not past) or room <= _apart(cycle, here):
+            if cycle.track.loads.waves.kind != SINE and not has_stop(now) and step.newton < room:
+                # no closed form sharpens it: the last step does, of which rounding alone is left
+                here = here + step.newton if rises else here - step.newton
+                now = cycle_from(cycle, hops, here)
             return _settled(here, now, Status.OK)
         # between bends of the map Newton's steps may go to and fro for ever
         shrinks = i < _NEWTONS or step.newton < 0.5 * before

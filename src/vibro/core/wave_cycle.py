@@ -23,7 +23,6 @@ from vibro.core.orbits import (
     only_orbit,
     orbit_from,
     others_on,
-    polished,
 )
 from vibro.core.return_map import Hops, no_hops
 from vibro.core.windows import Thresholds
@@ -121,7 +120,7 @@ def _settle(loads: Loads, at: Thresholds) -> _Settled:
     if not (loose or alone):
         start, alone = _converging(cycle, hops)
     home = only_orbit(cycle, hops, start) if alone else orbit_from(cycle, hops, 0.0)
-    return _Settled(cycle, polished(cycle, hops, home), alone, loose)
+    return _Settled(cycle, home, alone, loose)
 
 
 def _converging(cycle: HoppingCycle, hops: Hops) -> tuple[float, bool]:
