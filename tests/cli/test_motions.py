@@ -55,7 +55,35 @@ def test_a_report_of_steps(run: Run, tmp_path: Path) -> None:
     power = 0.2 * 9.6 / peak + (0.2 * 9.6 / fall - peak * 2.4 / fall**2) / (0.2 + peak / fall)
     expected = f"+10 % motion scale: {100.0 * gain:+.3g} % speed (d ln speed / d ln scale = {power:.6g})"
     assert told["sensitivity"] == expected
-    assert "begins         load now / then  motion scale" in result.stdout
+    head, *rows = (re.split("  +", line) for line in result.stdout.split("\n\n")[1].splitlines())
+    assert head == ["begins", "load now / then", "motion scale", "until motion scale"]
+    # 0.3 g is the acceleration of the sharp stretch, then that of the gentle one
+    first, then = 0.3 * 9.81 / 9.6, 0.3 * 9.81 / 2.4
+    assert rows == [
+        [name, f"{1.0 / scale:.6g}", f"{scale:.6g}", "no end"]
+        for name, scale in (("forward slip", first), ("back slip", then), ("never at rest", then))
+    ]
+
+
+def test_intervals_of_classes_are_told(run: Run, tmp_path: Path) -> None:
+    """Row 51 of critical_scales.csv: back slip ends and begins again before the hop."""
+    row = read_rows("critical_scales")[51]
+    text = "[scene]\n" + "".join(
+        f"{name} = {row[name]}\n" for name in ("frequency_hz", "static_friction", "kinetic_friction")
+    )
+    text += "[motion]\n"
+    for way in ("along", "normal"):
+        pairs = [[1e3 * size, math.degrees(phase)] for size, phase in harmonics_of(row, way)]
+        text += f"{way}_harmonics_mm_deg = {json.dumps(pairs)}\n"
+    result = run("solve", written(tmp_path, text))
+    assert result.exit_code == 0, result.stderr
+    head, *rows = (re.split("  +", line) for line in result.stdout.split("\n\n")[1].splitlines())
+    assert [head[0], head[2], head[-1]] == ["begins", "all amplitudes", "until all amplitudes"]
+    told = [(r[2], r[-1]) for r in rows if r[0] == "back slip"]
+    listed = json.loads(row["back_slip_intervals"])
+    assert told == [tuple(f"{float(end):.6g} x" for end in span) for span in listed]
+    assert rows[-1][0] == "hopping"
+    assert rows[-1][-1] == "no end"
 
 
 @pytest.mark.parametrize("table", [STEPS, SAMPLES])
