@@ -14,6 +14,7 @@ from helpers.periodic_tables import least_rotation
 
 import vibro
 from vibro import Regime, Scene, Status, solve
+from vibro.core.compiled import doors
 
 TURN = 2.0 * math.pi
 SWAPPED = str.maketrans("FB", "BF")
@@ -49,7 +50,8 @@ def replaced(drawn: Scene, **values: Any) -> Scene:
 @pytest.mark.parametrize("harmonics", [2, 3, 8])
 def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
     """The motion along the trough is turned round, that off it stays; in contact and above it."""
-    drawn = random_harmonics(600, 6, harmonics)
+    count = 600 if doors().compiled else 40
+    drawn = random_harmonics(count, 6, harmonics)
     assert drawn.along_harmonics is not None
     turned = replaced(
         drawn,
@@ -59,14 +61,14 @@ def test_mirrored_scenes_move_the_other_way(harmonics: int) -> None:
     here, there = solve(drawn, coexistence=True), solve(turned, coexistence=True)
     assert np.array_equal(here.status, there.status)
     known = (here.status == Status.OK) & (here.throw_number <= 1.0)
-    assert known.sum() > 150
+    assert known.sum() > count // 4
     assert np.array_equal(here.coexists[known], there.coexists[known])
     size = np.asarray(drawn.scale) + np.abs(here.displacement_per_cycle)
     off = np.abs(here.displacement_per_cycle + there.displacement_per_cycle) / size
     assert off[known].max() < 1e-12
     # among motions of bodies that hop, errors grow from landing to landing
     hops = (here.status == Status.OK) & (here.throw_number > 1.0)
-    assert hops.sum() > 80
+    assert hops.sum() > count // 10
     assert np.quantile(off[hops], 0.98) < 1e-11
     ratios = np.abs(here.forward_ratio - there.back_ratio) / (1.0 + here.forward_ratio)
     assert ratios.max() < 1e-13
