@@ -25,7 +25,7 @@ def speed(drive: dict[str, Any]) -> float:
 def test_speed_and_its_error_are_those_of_the_scene_and_its_draws() -> None:
     measured = motion_of(feeder(3).record(3, seconds=1.0))
     speeds = speeds_of(measured, FRICTION, draws=80)
-    assert speeds.speed.value == speed(measured.drive())
+    assert speeds.speed.value == pytest.approx(speed(measured.drive()), rel=1e-13)
     drawn = vibro.solve(vibro.Scene(**measured.draws(80), **FRICTION))
     assert speeds.speed.error == pytest.approx(float(np.std(drawn.mean_velocity, ddof=1)))
     assert (speeds.draws, speeds.unknown, speeds.status) == (80, 0.0, vibro.Status.OK)
