@@ -80,8 +80,11 @@ def test_what_the_solver_reads() -> None:
     got = [float(x) for x in fields[2:]]
     rest = [0.0, 10.0, 0.4, 0.3, 0.0, 9.81, 0.0]
     assert got == [*rest, 1e-3, 0.3e-3, 0.0, math.radians(90.0), 1e-4, 0.0, 0.5, 0.0]
-    fields, kind, breaks, pieces = Scene(motion=STEPS, normal_acceleration=7.0, **REST).arrays().columns()
+    fields, kind, breaks, pieces, unit = (
+        Scene(motion=STEPS, normal_acceleration=7.0, **REST).arrays().columns()
+    )
     assert (kind, len(fields), float(fields[0]), float(fields[1])) == (3, 9, 1.0, 7.0)
+    assert unit == STEPS.unit
     assert isinstance(STEPS, PiecewiseMotion)
     assert breaks is STEPS.breaks
     assert pieces is STEPS.pieces

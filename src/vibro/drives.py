@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, Self, cast
 
 import numpy as np
 
+from vibro.core.scenes import ELLIPSE, LINE
+from vibro.core.waves import HARMONICS, PIECES
 from vibro.errors import InputError
 from vibro.paths import widest
 from vibro.quantities import ELLIPTICAL, LINEAR
@@ -46,15 +48,18 @@ class Columns(NamedTuple):
     fields : tuple of array
         Nine, and four more for each harmonic; they broadcast.
     kind : int
-        0 a line, 1 an ellipse, 2 harmonics, 3 pieces.
+        ``LINE``, ``ELLIPSE``, ``HARMONICS`` or ``PIECES``.
     breaks, pieces : float array
         Of ``PiecewiseMotion``, for all cells alike; zeros of other kinds.
+    unit : float
+        Its bound of the accelerations [m/s^2].
     """
 
     fields: tuple[Floats, ...]
     kind: int
     breaks: Floats = np.zeros(1)
     pieces: Floats = np.zeros(1)
+    unit: float = 0.0
 
 
 class Drive:
@@ -203,7 +208,7 @@ class Line(_LineFields, Drive):
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
-        return Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), 0)
+        return Columns((self.amplitude, self.drive_angle, _ONE, *self[1:2], *self[3:]), LINE)
 
     def at_any_load(self) -> Self:
         """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
@@ -255,7 +260,7 @@ class Ellipse(_EllipseFields, Drive):
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
-        return Columns(tuple(self), 1)
+        return Columns(tuple(self), ELLIPSE)
 
     def at_any_load(self) -> Self:
         """Replace the fields that critical loads do not depend on by scalars, to keep their shapes out."""
@@ -383,7 +388,7 @@ class Harmonics(_HarmonicFields, _Moved):
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
-        return Columns((*self._first_columns, *self[0], *self[1], *self[2], *self[3]), 2)
+        return Columns((*self._first_columns, *self[0], *self[1], *self[2], *self[3]), HARMONICS)
 
     def members(self) -> list[tuple[str, str, Floats]]:
         """Return each array, after the names of its field and of a quantity with its unit and range."""
@@ -457,7 +462,8 @@ class Piecewise(_PiecewiseFields, _Moved):
 
     def columns(self) -> Columns:
         """Return the columns that the solver reads."""
-        return Columns(self._first_columns, 3, self.motion.breaks, self.motion.pieces)
+        motion = self.motion
+        return Columns(self._first_columns, PIECES, motion.breaks, motion.pieces, motion.unit)
 
 
 #: All kinds of drive.

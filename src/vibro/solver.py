@@ -47,7 +47,7 @@ class Grid:
     """
 
     def __init__(self, fields: Drive) -> None:
-        arrays, kind, breaks, pieces = fields.columns()
+        arrays, kind, breaks, pieces, unit = fields.columns()
         ndims = {x.ndim for x in arrays}
         count = len(arrays)
         if ndims == {0}:  # one scene: one small buffer
@@ -70,7 +70,7 @@ class Grid:
             starts = np.cumsum([0, *(x.size for x in arrays[FIELDS:-1])], dtype=np.int64)
             further = np.concatenate([np.asarray(x, np.float64).reshape(-1) for x in arrays[FIELDS:]])
         elif kind == PIECES:
-            size, most = breaks.size - 1, _largest_of_pieces(pieces)
+            size, most = breaks.size - 1, unit
         self.hold(further, starts, breaks, pieces)
         self.scenes: Any = (
             *buffers[:FIELDS],
@@ -101,13 +101,6 @@ _NO_STRIDES: Final = np.zeros(FIELDS, np.int64)
 _NOTHING: Final = np.ones(1)
 _NO_STARTS: Final = np.zeros(1, np.int64)
 _NO_MEMORY: Final = (np.empty(1), np.empty(1, np.int64))
-
-
-def _largest_of_pieces(pieces: Floats) -> float:
-    """Bound the largest acceleration by Bernstein coefficients: exact where it is constant [m/s^2]."""
-    c0, c1, c2, c3 = np.moveaxis(pieces, -1, 0)
-    corners = c0, c0 + c1 / 3.0, c0 + (2.0 * c1 + c2) / 3.0, c0 + c1 + c2 + c3
-    return float(np.abs(corners).max()) or 1.0
 
 
 def _strides(shape: tuple[int, ...], axes: int) -> list[int]:

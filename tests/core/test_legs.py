@@ -11,6 +11,7 @@ import pytest
 
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, directions, ellipse_loads, line_loads
+from vibro.core.elementary import until
 from vibro.core.legs import (
     Forcing,
     contact_leg,
@@ -18,7 +19,6 @@ from vibro.core.legs import (
     mode_of,
     slide_from_speed,
     track_of,
-    until,
 )
 
 TURN = 2.0 * math.pi

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from vibro.core.elementary import EPS, INF, TURN, wrap
+from vibro.core.elementary import EPS, INF, TURN, until
 from vibro.core.waves import (
     HARMONICS,
     Mix,
@@ -35,7 +35,6 @@ _NARROW: Final = 1e-9
 _ROUNDED: Final = 1e-13  # [1] rise over a maximum, of which a hundredth is unknown
 _SETTLED: Final = 1e-9  # [1] of a bracket: a Newton step below leaves rounding errors only
 _STEPS: Final = 60  # of Newton's iteration with halvings, in a bracket
-_AT_EVENT: Final = 1e-9  # [rad] as in legs.py: this close behind an event a rounded phase counts as at it
 
 # What is known of a cell: no zero, or at most one as the function is monotone, or neither.
 _NONE: Final = 0
@@ -254,7 +253,7 @@ def next_event(waves: Waves, row: int, rising: bool, phase: float) -> Event:
     for i in range(number_of_nodes(waves, row)):
         if behind(waves, row, i) == rising:
             zero = waves.number[start + i]
-            wait = max(wrap(zero - phase + _AT_EVENT) - _AT_EVENT, 0.0)
+            wait = until(zero, phase)
             if wait < found.wait:
                 found = Event(zero, wait)
     return found

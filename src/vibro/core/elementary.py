@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 __all__ = [
     "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Circle", "Motion", "circle",
     "free_motion", "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap",
-    "wrap", "wrap_around",
+    "until", "wrap", "wrap_around",
 ]  # fmt: skip
 
 PI: Final = math.pi
@@ -30,6 +30,9 @@ _QUARTERS_PER_RADIAN: Final = 0.6366197723675814  # 2 / pi
 _QUARTER_HIGH: Final = 1.57079632673412561417
 _QUARTER_LOW: Final = 6.07710050650619224932e-11
 _MOST_REDUCED: Final = 1e5  # [rad]
+# [rad] The phases of an event and of a body are rounded, so that a body at the event may seem to have just
+# missed it, and would wait for a whole turn. This close after an event it counts as being at the event.
+_AT_EVENT: Final = 1e-9
 # [1] Between these a sum of two squares has all of its digits.
 _LEAST_SQUARE: Final = 1e-280
 _MOST_SQUARE: Final = 1e300
@@ -38,6 +41,11 @@ _MOST_SQUARE: Final = 1e300
 def wrap(phase: float) -> float:
     """Reduce a phase to [0, 2 pi)."""
     return phase - TURN * math.floor(phase / TURN)
+
+
+def until(event: float, phase: float) -> float:
+    """Return the phase from ``phase`` to the next passage of an event, 0 for a body at the event [rad]."""
+    return max(wrap(event - phase + _AT_EVENT) - _AT_EVENT, 0.0)
 
 
 def wrap_around(phase: float) -> float:

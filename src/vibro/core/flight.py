@@ -22,10 +22,10 @@ from vibro.core.elementary import (
     Motion,
     free_motion,
     sine_gap,
+    until,
     wrap,
     wrap_around,
 )
-from vibro.core.legs import until
 from vibro.core.wave_flights import fly_over_waves
 from vibro.core.waves import NORMAL, PIECES, SINE, Mix, Waves, depart, load_at, moved, one_harmonic
 

@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 from vibro.core.cells import Event, find_nodes, next_event
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, mix_of, normal_load, tangential_load
-from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, free_motion, wrap, wrap_around
+from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, free_motion, until, wrap, wrap_around
 from vibro.core.wave_slides import slide_over_waves
 from vibro.core.waves import (
     FORCE,
@@ -33,12 +33,8 @@ from vibro.core.windows import load_amplitude, own_phase
 
 __all__ = [
     "Forcing", "Leg", "SlideEnd", "Track", "contact_leg", "forcing", "mode_of", "next_lift_off",
-    "next_onset", "slide_from_speed", "track_of", "until",
+    "next_onset", "slide_from_speed", "track_of",
 ]  # fmt: skip
-
-# [rad] The phases of an event and of a body are rounded, so that a body at the event may seem to have just
-# missed it, and would wait for a whole turn. This close after an event it counts as being at the event.
-_AT_EVENT: Final = 1e-9
 
 # [1] Loads beyond this stop a slide at once, and would overflow in the sums and products below.
 _MOST_LOAD: Final = 1e300
@@ -51,11 +47,6 @@ _HALLEY_STEPS: Final = 4
 # too: a step leaves a third of the error there, and the speed is of its square.
 _SETTLED: Final = 1e-9
 _HALVINGS: Final = 60  # from an interval of a turn to the last bit
-
-
-def until(event: float, phase: float) -> float:
-    """Return the phase from ``phase`` to the next passage of an event, 0 for a body at the event [rad]."""
-    return max(wrap(event - phase + _AT_EVENT) - _AT_EVENT, 0.0)
 
 
 class Forcing(NamedTuple):

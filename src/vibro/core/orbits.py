@@ -19,8 +19,8 @@ from typing import Final, NamedTuple
 
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.codes import Status
-from vibro.core.elementary import EPS, FEW_ULP, INF, NAN
-from vibro.core.legs import Track, until
+from vibro.core.elementary import EPS, FEW_ULP, INF, NAN, until
+from vibro.core.legs import Track
 from vibro.core.return_map import Hops, Return, return_map
 from vibro.core.waves import SINE, STATIC_BACK, STATIC_FORWARD, nodes_of
 

@@ -15,7 +15,7 @@ from vibro.core.elementary import INF, QUARTER, TURN, circle, wrap
 
 __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
-    "SINE", "SPARE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Mix", "Moved", "Value", "Waves",
+    "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Mix", "Moved", "Value", "Waves",
     "at_cell_begin", "cell_begin", "cells_of", "combine", "depart", "load_at", "moved", "nodes_of",
     "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "tabulate",
     "trough_at", "value_in_cell", "with_bounds",
@@ -33,18 +33,17 @@ STATIC_FORWARD: Final = 2
 STATIC_BACK: Final = 3
 KINETIC_FORWARD: Final = 4
 KINETIC_BACK: Final = 5
-SPARE: Final = 6
-ROWS: Final = 7
+ROWS: Final = 6
 
 #: [1] Cells of a period, per harmonic, in which zeros are isolated.
 CELLS: Final = 8
 #: [1] Parts of the memory, each of which has room for the coefficients of one wave, before the tables.
-ROOM: Final = 4 + 7 + 16
+ROOM: Final = 4 + 6 + 16
 
 _WAVE: Final = 2  # [part] the mix whose zeros are sought
 _LOCAL: Final = 3  # [part] a mix, as seen from the start of a leg
 _NODES: Final = 4  # [part] zeros, a part for each row
-_CELLS: Final = 11  # [part] S, its slope, B and its slope where cells of harmonics begin
+_CELLS: Final = 10  # [part] S, its slope, B and its slope where cells of harmonics begin
 
 # [1] Largest velocity and position of a trough whose acceleration has no mean and is nowhere above 1.
 _MOST_VELOCITY: Final = QUARTER
