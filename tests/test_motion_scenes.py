@@ -84,8 +84,8 @@ def test_what_the_solver_reads() -> None:
         Scene(motion=STEPS, normal_acceleration=7.0, **REST).arrays().columns()
     )
     assert (kind, len(fields), float(fields[0]), float(fields[1])) == (3, 9, 1.0, 7.0)
-    assert unit == STEPS.unit
     assert isinstance(STEPS, PiecewiseMotion)
+    assert unit == STEPS.unit
     assert breaks is STEPS.breaks
     assert pieces is STEPS.pieces
     line = Scene(amplitude=1e-3, drive_angle=0.3, **REST).arrays()
