@@ -28,10 +28,13 @@ __all__ = [
     "ROUNDING",
     "HoppingCycle",
     "Orbit",
+    "attracts_all",
     "between",
     "cycle_from",
+    "followed",
     "has_stop",
     "hopping_cycle",
+    "is_closed",
     "only_orbit",
     "orbit_from",
     "others_on",
@@ -44,6 +47,7 @@ ROUNDING: Final = 16.0 * EPS
 
 # [1] Distance from the fixed point at which a cycle is closed, over the velocities in it.
 _CLOSED: Final = 1e-13
+_POLISHED: Final = 0.125 * EPS  # [1] a step of Newton's below which nothing is left but rounding
 _BESIDE: Final = 4.0 * _CLOSED  # [1] distance of another body from a cycle, over the velocities in it
 
 _MOST_EVALUATIONS: Final = 200  # [1] of the return map; the slowest orbits need the most
@@ -225,6 +229,44 @@ def only_orbit(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     return _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
 
 
+def followed(cycle: HoppingCycle, hops: Hops, start: float, rounds: int) -> Orbit:
+    """Follow a body for some cycles: ``UNRESOLVED`` unless one with a stop repeats.
+
+    Nothing is assumed of the map. Where friction just holds gravity, or neither acts, rounding alone decides
+    whether a body stops, and ``orbit_from`` has to tell.
+    """
+    here = start
+    now = cycle_from(cycle, hops, here)
+    for i in range(rounds):
+        if has_stop(now) and not (cycle.edge or cycle.neutral):
+            if is_closed(cycle, here, now):
+                return _settled(here, now, Status.OK)
+        if i + 1 < rounds:
+            here = now.velocity
+            now = cycle_from(cycle, hops, here)
+    return Orbit(here, now, Status.UNRESOLVED)
+
+
+def attracts_all(cycle: HoppingCycle, hops: Hops, home: Orbit, rounds: int) -> bool:
+    """Return whether the fastest bodies either way soon move as ``home`` does, and so all between them."""
+    for i in range(2):
+        here, met = cycle.bound if i == 0 else -cycle.bound, False
+        for _ in range(rounds):
+            now = cycle_from(cycle, hops, here)
+            here = now.velocity
+            met = has_stop(now) and is_closed(cycle, home.velocity, now)
+            if met:
+                break
+        if not met:
+            return False
+    return True
+
+
+def is_closed(cycle: HoppingCycle, velocity: float, now: Return) -> bool:
+    """Return whether a cycle ends with a velocity, but for rounding."""
+    return abs(now.velocity - velocity) <= ROUNDING * _size(cycle, velocity)
+
+
 def _orbit_held(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     """Follow an orbit where friction holds gravity, so that it stays bounded."""
     end = _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
@@ -255,7 +297,8 @@ def _bracketed(cycle: HoppingCycle, hops: Hops, start: float, low: float, high: 
             high = here
         room = high - low
         if (step.closed and not past) or room <= _apart(cycle, here):
-            if cycle.track.loads.waves.kind != SINE and not has_stop(now) and step.newton < room:
+            rounded = _POLISHED * (cycle.drive + abs(here))
+            if cycle.track.loads.waves.kind != SINE and not has_stop(now) and rounded < step.newton < room:
                 # no closed form sharpens it: the last step does, of which rounding alone is left
                 here = here + step.newton if rises else here - step.newton
                 now = cycle_from(cycle, hops, here)

@@ -1,35 +1,40 @@
 """The steady contact cycle of drives beyond one harmonic: the return map of a motion without flights.
 
-A body is followed through one drive cycle from phase 0 on, Eq. (36) of docs/theory.md: the velocity at the
-next phase 0 never decreases with that at this one, and the fixed point to which a body at rest leads is the
-steady motion. Lengths in A, speeds in A w, phases in radians.
+A body is followed through one drive cycle from an onset on, Eq. (36) of docs/theory.md: its velocity a turn
+later never decreases with that at its start, and the fixed point to which a body at rest leads is the steady
+motion. Lengths in A, speeds in A w, phases in radians.
 """
 
 from __future__ import annotations
 
 from typing import Final, NamedTuple
 
+from vibro.core.cells import behind, number_of_nodes
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
 from vibro.core.elementary import TURN
-from vibro.core.legs import contact_leg, mode_of, track_of
+from vibro.core.legs import contact_leg, mode_of, next_onset, track_of
 from vibro.core.orbits import (
     HoppingCycle,
     Orbit,
+    attracts_all,
     cycle_from,
+    followed,
     has_stop,
     hopping_cycle,
+    is_closed,
     only_orbit,
     orbit_from,
     others_on,
 )
-from vibro.core.return_map import Hops, no_hops
+from vibro.core.return_map import Hops, no_hops, return_map
+from vibro.core.waves import STATIC_BACK, STATIC_FORWARD, nodes_of
 from vibro.core.windows import Thresholds
 
 __all__ = ["Classes", "canonical", "wave_classes", "wave_cycle"]
 
-_ROUNDS: Final = 3  # [cycle] after which bodies from afar are near their motion, or slow to come there
+_ROUNDS: Final = 4  # [cycle] after which a body is near its motion, or slow to come there
 _MOST_WEIGHT: Final = 1e50  # [1] above which bodies slip next to no friction alone, and products overflow
 _MOST_LEGS: Final = 20_000  # as in return_map.py
 
@@ -52,10 +57,14 @@ class Classes(NamedTuple):
 
 
 class _Settled(NamedTuple):
-    """A motion from rest: its orbit, whether no other motion repeats, and whether a body may run away."""
+    """A motion from rest: its cycle, its orbit, and the velocity with which the body enters the cycle.
+
+    ``alone`` says that no other motion repeats, ``loose`` that a body may run away.
+    """
 
     cycle: HoppingCycle
     home: Orbit
+    start: float
     alone: bool
     loose: bool
 
@@ -79,7 +88,7 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
         status = int(Status.BOUNDARY)
     if classes_alone:
         return unanswered(regime, status)
-    coexists = settled.loose or (not settled.alone and others_on(cycle, no_hops(), 0.0, home))
+    coexists = settled.loose or (not settled.alone and others_on(cycle, no_hops(), settled.start, home))
     return Steady(
         regime, status, _code_of(home.cycle.pattern), Model.SLIDES, home.cycle.displacement, home.cycle.peak,
         int(coexists),
@@ -112,36 +121,44 @@ def _is_heavy(loads: Loads) -> bool:
 
 
 def _settle(loads: Loads, at: Thresholds) -> _Settled:
-    """Follow a body from rest that slips, as ``at`` says."""
-    loose, hops = _is_loose(loads), no_hops()
-    cycle = hopping_cycle(track_of(loads, 0.0), 0, 0, 0.0, TURN, TURN)
-    # one-way bodies are in order, so that all are at rest when the fastest one stops
-    start, alone = 0.0, not loose and not (at.forward and at.back)
-    if not (loose or alone):
-        start, alone = _converging(cycle, hops)
-    home = only_orbit(cycle, hops, start) if alone else orbit_from(cycle, hops, 0.0)
-    return _Settled(cycle, home, alone, loose)
+    """Follow a body from rest that slips, as ``at`` says.
 
-
-def _converging(cycle: HoppingCycle, hops: Hops) -> tuple[float, bool]:
-    """Return whether bodies as fast as can be, either way, prove that there is one motion alone, and where.
-
-    All cycles lie between the images of both. They may come to one velocity; or both turn round in the same
-    static windows without a stop, and so does each body between them: there the map is smooth, its slope
-    below 1.
+    The cycle begins at the first onset, where bodies mostly rest, so that one turn tells most motions.
     """
-    high, low = cycle.bound, -cycle.bound
-    for _ in range(_ROUNDS):
-        ahead, behind = cycle_from(cycle, hops, high), cycle_from(cycle, hops, low)
-        high, low = ahead.velocity, behind.velocity
-        if has_stop(ahead) and has_stop(behind):
-            if high == low:
-                return high, True
-        elif not (has_stop(ahead) or has_stop(behind)):
-            alike = ahead.turns == behind.turns and ahead.pattern == behind.pattern
-            if alike and ahead.slope < 1.0 and behind.slope < 1.0:
-                return 0.5 * (high + low), True
-    return 0.0, False
+    loose, hops, track = _is_loose(loads), no_hops(), track_of(loads, 0.0)
+    ahead, behind = next_onset(track, 1.0, 0.0), next_onset(track, -1.0, 0.0)
+    onset = ahead if ahead.wait <= behind.wait else behind
+    cycle = hopping_cycle(track, 0, 0, onset.phase, TURN, TURN)
+    start = return_map(track, hops, 0, 0, 0.0, onset.wait, 0.0).velocity
+    # one-way bodies are in order, so that all are at rest when the fastest one stops
+    alone = not loose and not (at.forward and at.back)
+    home = followed(cycle, hops, start, 1)
+    if home.status != Status.OK:
+        alone = alone or (not loose and not _may_rest(cycle, hops))
+        if alone:
+            home = only_orbit(cycle, hops, home.velocity)
+        else:
+            home = followed(cycle, hops, home.cycle.velocity, _ROUNDS)
+            if home.status != Status.OK:
+                home = orbit_from(cycle, hops, start)
+    if not (loose or alone) and has_stop(home.cycle):
+        alone = attracts_all(cycle, hops, home, _ROUNDS)
+    return _Settled(cycle, home, start, alone, loose)
+
+
+def _may_rest(cycle: HoppingCycle, hops: Hops) -> bool:
+    """Return whether a body that rests until an onset may rest there again a turn later.
+
+    If none does, no motion with a rest repeats, and there is one without a rest at most.
+    """
+    waves = cycle.track.loads.waves
+    for row in range(STATIC_FORWARD, STATIC_BACK + 1):
+        for i in range(number_of_nodes(waves, row)):
+            if behind(waves, row, i):
+                begun = cycle._replace(landing=waves.number[nodes_of(waves, row) + i])
+                if is_closed(begun, 0.0, cycle_from(begun, hops, 0.0)):
+                    return True
+    return False
 
 
 def _regime_of(classes: Classes) -> int:
@@ -166,9 +183,10 @@ def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
 
 
 def _classes_along(cycle: HoppingCycle, velocity: float, pattern: int) -> Classes:
-    """Collect the legs of a cycle from its velocity at phase 0."""
+    """Collect the legs of a cycle from the velocity with which it begins."""
     track, forward, back, rest = cycle.track, False, False, False
-    phase, left, mode = 0.0, TURN, mode_of(cycle.track.loads, 0.0, velocity, cycle.track.landed_friction)
+    phase, left = cycle.landing, cycle.rest
+    mode = mode_of(track.loads, phase, velocity, track.landed_friction)
     for _ in range(_MOST_LEGS):
         forward, back = forward or mode == Mode.FORWARD, back or mode == Mode.BACK
         rest = rest or mode == Mode.REST
