@@ -207,7 +207,7 @@ def test_fixed_points_are_told_apart_beyond_rounding() -> None:
     cycle = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.4), 0.0), 0, 0, 0.0, 0.0, TURN)
 
     def orbit(velocity: float, slope: float) -> Orbit:
-        return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0, True, 0), Status.OK)
+        return Orbit(velocity, Return(velocity, slope, 0.0, 0.0, 0.0, 0.0, 0, True), Status.OK)
 
     home = orbit(0.3, 0.0)
     assert not _differ(cycle, orbit(0.3 + 0.9e-9, 0.0), home)

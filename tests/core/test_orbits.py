@@ -444,7 +444,7 @@ def test_slides_that_are_not_solved_leave_the_orbit_unresolved() -> None:
     assert orbit_from(cycle, HOPS, 0.0).status == Status.UNRESOLVED
     neutral = hopping_cycle(track_of(line(1.5, 30.0, 0.5, 0.0), 0.0), 0, 0, 1.0, math.inf, TURN)
     assert orbit_from(neutral, HOPS, 0.0).status == Status.UNRESOLVED
-    none = Orbit(0.0, Return(0.0, 0.0, 0.0, 0.0, 0.0, 0, True, 0), Status.UNRESOLVED)
+    none = Orbit(0.0, Return(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, True), Status.UNRESOLVED)
     assert [o.status for o in _stops(cycle, 0.0)] == [none.status] * 3
 
 

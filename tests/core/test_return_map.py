@@ -228,7 +228,7 @@ def test_a_start_faster_than_all_that_follows_is_the_peak() -> None:
     for column, value in zip(HOPS, (-0.2, 1.0, 0.0, 10.0, 0.0, -0.2, 0.0, 0.0), strict=True):
         column[0] = value
     assert return_map(track, HOPS, 0, 1, 0.0, 0.0, 0.7).peak == 0.7
-    assert return_map(track, HOPS, 0, 0, 0.0, 0.0, -0.7) == Return(-0.7, 1.0, 0.0, 0.0, 0.7, 0, True, 0)
+    assert return_map(track, HOPS, 0, 0, 0.0, 0.0, -0.7) == Return(-0.7, 1.0, 0.0, 0.0, 0.7, 0.0, 0, True)
 
 
 def test_contacts_amid_hops_are_those_at_the_end_of_a_cycle() -> None:

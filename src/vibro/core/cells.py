@@ -9,6 +9,7 @@ which neither holds is halved. Polynomial pieces are cubics themselves: M = 0.
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 from vibro.core.elementary import EPS, INF, TURN, until
@@ -21,6 +22,7 @@ from vibro.core.waves import (
     cell_begin,
     cells_of,
     combine,
+    curve_in_cell,
     nodes_of,
     part_of,
     value_in_cell,
@@ -32,9 +34,9 @@ _VALUE_BOUND: Final = 1.0 / 384.0
 _SLOPE_BOUND: Final = 0.00801875373874480  # sqrt(3) / 216
 # [1] Share of a cell at which a doubtful zero, double to rounding, is left to the signs.
 _NARROW: Final = 1e-9
-_ROUNDED: Final = 1e-13  # [1] rise over a maximum, of which a hundredth is unknown
-_SETTLED: Final = 1e-9  # [1] of a bracket: a Newton step below leaves rounding errors only
-_STEPS: Final = 60  # of Newton's iteration with halvings, in a bracket
+_ROUNDED: Final = 1e-11  # [1] rise over a maximum, of which a hundred thousandth is unknown
+_SETTLED: Final = 1e-5  # [1] of a cell: a step of Halley's below leaves an error of its cube, a rounding
+_STEPS: Final = 60  # of such iterations with halvings, in a bracket
 
 # What is known of a cell: no zero, or at most one as the function is monotone, or neither.
 _NONE: Final = 0
@@ -123,37 +125,41 @@ def _verdict(here: Value, there: Value, d: float, bound: float, noise: float) ->
 def _zero(
     waves: Waves, cell: int, constant: float, low: float, high: float, here: Value, there: Value
 ) -> float:
-    """Find the zero in a bracket of both signs: Newton's iteration, or halving where that leaves it."""
-    rises = there.value > here.value
-    x = low + (high - low) * _share(here, there, high - low)
+    """Find the zero in a bracket of both signs: Halley's iteration, or halving where that leaves it."""
+    rises, width = there.value > here.value, high - low
+    x = low + width * _share(here, there, width)
     for _ in range(_STEPS):
-        at = value_in_cell(waves, cell, constant, x)
+        at = curve_in_cell(waves, cell, constant, x)
         if (at.value > 0.0) == rises:
             high = x
         else:
             low = x
-        onward = x - at.value / at.slope if at.slope != 0.0 else INF
-        newton = low <= onward <= high
-        if not newton:
+        scale = at.slope * at.slope - 0.5 * at.value * at.bend
+        onward = x - at.value * at.slope / scale if scale > 0.0 else INF
+        inside = low <= onward <= high
+        if not inside:
             onward = 0.5 * (low + high)
         step, x = abs(onward - x), onward
-        if step <= EPS * x or (newton and step <= _SETTLED * (high - low)):
+        # the next step would be of the cube of this one, over the square of the distance from a double zero
+        error, most = step * step * step * at.bend * at.bend, EPS * x * at.slope * at.slope
+        if step <= EPS * x or (inside and step <= _SETTLED * width and error <= most):
             break
     return x
 
 
 def _share(here: Value, there: Value, d: float) -> float:
-    """Return where in a cell the cubic through its ends is 0, about: a secant, and a step of Newton's."""
+    """Return where in a cell the cubic through its ends is 0, about: a secant, and two steps of Newton's."""
     a, b = here.value, there.value
     if a == b:
         return 0.0
-    x = a / (a - b)
     p, q = d * here.slope, d * there.slope
     bend, turn = 3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q
-    slope = p + x * (2.0 * bend + x * 3.0 * turn)
-    value = a + x * (p + x * (bend + x * turn))
-    x = x - value / slope if slope != 0.0 else x
-    return min(max(x, 0.0), 1.0)
+    x = a / (a - b)
+    for _ in range(2):
+        slope = p + x * (2.0 * bend + x * 3.0 * turn)
+        if slope != 0.0:
+            x = min(max(x - (a + x * (p + x * (bend + x * turn))) / slope, 0.0), 1.0)
+    return x
 
 
 def largest(waves: Waves, mix: Mix) -> float:
@@ -214,26 +220,32 @@ def _is_concave(here: Value, there: Value, d: float, bound: float) -> bool:
 def _maximum(
     waves: Waves, cell: int, constant: float, low: float, high: float, here: Value, there: Value
 ) -> float:
-    """Return the maximum of a wave in a bracket in which it is concave: false position on its slope."""
-    at_low, at_high = here.slope, there.slope
+    """Return the maximum of a wave in a bracket in which it is concave: Newton's iteration on its slope."""
     most = max(here.value, there.value)
-    x = low + (high - low) * (at_low / (at_low - at_high))
+    x = low + (high - low) * _top(here, there, high - low)
     for _ in range(_STEPS):
-        at = value_in_cell(waves, cell, constant, x)
-        bend = (at.slope - at_low) / (x - low) if x > low else 0.0
+        at = curve_in_cell(waves, cell, constant, x)
         if at.slope < 0.0:
-            bend = (at.slope - at_high) / (x - high) if x < high else 0.0
-            high, at_high = x, at.slope
+            high = x
         else:
-            low, at_low = x, at.slope
-        # the parabola with this slope and curvature rises so much further; far from the top it may overshoot
-        rise = -0.5 * at.slope * at.slope / bend if bend < 0.0 else 0.0
+            low = x
         most = max(most, at.value)
+        # the parabola with this slope and curvature rises so much further; far from the top it may overshoot
+        rise = -0.5 * at.slope * at.slope / at.bend if at.bend < 0.0 else 0.0
         if rise <= _ROUNDED * abs(most):  # only now is it known: farther off the parabola may be too high
             return max(most, at.value + rise)
-        onward = x - at.slope / bend
+        onward = x - at.slope / at.bend
         x = onward if low < onward < high else 0.5 * (low + high)
     return most
+
+
+def _top(here: Value, there: Value, d: float) -> float:
+    """Return where in a cell the cubic through its ends is highest; it rises at its start, falls at its end."""
+    p, q, rise = here.slope, there.slope, 3.0 * (there.value - here.value) / d
+    # its slope is p - 2 m x + (p + q - 2 (rise - p - q)) x^2
+    m = 2.0 * p + q - rise
+    root = math.sqrt(max(m * m - p * (3.0 * (p + q) - 2.0 * rise), 0.0))
+    return min(p / (m + root), 1.0) if m + root > 0.0 else p / (p - q)
 
 
 def number_of_nodes(waves: Waves, row: int) -> int:

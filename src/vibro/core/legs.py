@@ -26,8 +26,7 @@ from vibro.core.waves import (
     SINE,
     STATIC_BACK,
     STATIC_FORWARD,
-    depart,
-    moved,
+    ride,
 )
 from vibro.core.windows import load_amplitude, own_phase
 
@@ -382,11 +381,11 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
         found = SlideEnd(slid.length, slid.stopped, slid.speed, slid.top, math.isfinite(slid.length))
         if slid.length == INF:
             return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
-        mix = mix_of(loads, NORMAL)
-        pressed = moved(loads.waves, mix, phase, depart(loads.waves, mix, phase), slid.length)
-        normal = max(pressed.load, 0.0)
-        against = -(slid.load + loads.kinetic_friction * pressed.load)
-        return _left(loads, found, way, slid.path, pressed.velocity, normal, against)
+        before, then = ride(loads.waves, phase, 0.0), ride(loads.waves, phase, slid.length)
+        pressed = loads.weight_normal * slid.length + (then.velocity - before.velocity)
+        normal = max(loads.weight_normal - then.normal, 0.0)
+        against = way * (loads.weight_tangential - then.along)
+        return _left(loads, found, way, slid.path, pressed, normal, against)
     end = slide_from_speed(at, phase, speed, limit)
     if end.length == INF:
         return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)

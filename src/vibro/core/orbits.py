@@ -47,7 +47,6 @@ ROUNDING: Final = 16.0 * EPS
 
 # [1] Distance from the fixed point at which a cycle is closed, over the velocities in it.
 _CLOSED: Final = 1e-13
-_POLISHED: Final = 0.125 * EPS  # [1] a step of Newton's below which nothing is left but rounding
 _BESIDE: Final = 4.0 * _CLOSED  # [1] distance of another body from a cycle, over the velocities in it
 
 _MOST_EVALUATIONS: Final = 200  # [1] of the return map; the slowest orbits need the most
@@ -224,9 +223,9 @@ def orbit_from(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     return end
 
 
-def only_orbit(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
-    """Find the fixed point of a cycle that has but one, from a velocity near it."""
-    return _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
+def only_orbit(cycle: HoppingCycle, hops: Hops, begin: Orbit) -> Orbit:
+    """Find the fixed point of a cycle that has but one, from some velocity and the cycle that it begins."""
+    return _bracketed(cycle, hops, begin.velocity, begin.cycle, -cycle.bound, cycle.bound)
 
 
 def followed(cycle: HoppingCycle, hops: Hops, start: float, rounds: int) -> Orbit:
@@ -238,9 +237,8 @@ def followed(cycle: HoppingCycle, hops: Hops, start: float, rounds: int) -> Orbi
     here = start
     now = cycle_from(cycle, hops, here)
     for i in range(rounds):
-        if has_stop(now) and not (cycle.edge or cycle.neutral):
-            if is_closed(cycle, here, now):
-                return _settled(here, now, Status.OK)
+        if has_stop(now) and not (cycle.edge or cycle.neutral) and is_closed(cycle, here, now):
+            return _settled(here, now, Status.OK)
         if i + 1 < rounds:
             here = now.velocity
             now = cycle_from(cycle, hops, here)
@@ -269,7 +267,7 @@ def is_closed(cycle: HoppingCycle, velocity: float, now: Return) -> bool:
 
 def _orbit_held(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     """Follow an orbit where friction holds gravity, so that it stays bounded."""
-    end = _bracketed(cycle, hops, start, -cycle.bound, cycle.bound)
+    end = _bracketed(cycle, hops, start, cycle_from(cycle, hops, start), -cycle.bound, cycle.bound)
     loads = cycle.track.loads
     alone = loads.kinetic_friction >= _MOST_COEXISTENCE * loads.static_friction and loads.waves.kind == SINE
     if end.status == Status.OK and not alone:
@@ -277,17 +275,16 @@ def _orbit_held(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
     return end
 
 
-def _bracketed(cycle: HoppingCycle, hops: Hops, start: float, low: float, high: float) -> Orbit:
+def _bracketed(
+    cycle: HoppingCycle, hops: Hops, start: float, begin: Return, low: float, high: float
+) -> Orbit:
     """Find a fixed point, any where there are several: Newton's iteration in the bracket its steps leave.
 
     Where kinetic friction just holds gravity, all velocities at which the body slides downhill alone are
     fixed points; the orbit ends at the first of them.
     """
-    here, before = start, INF
-    now = cycle_from(cycle, hops, here)
+    here, now, before = start, begin, INF
     for i in range(_MOST_EVALUATIONS):
-        if i > 0:
-            now = cycle_from(cycle, hops, here)
         step = _change(cycle, here, now)
         past = step.closed and cycle.edge and now.slope == 1.0 and here != start
         rises = here < start if past else step.rises
@@ -297,18 +294,31 @@ def _bracketed(cycle: HoppingCycle, hops: Hops, start: float, low: float, high: 
             high = here
         room = high - low
         if (step.closed and not past) or room <= _apart(cycle, here):
-            rounded = _POLISHED * (cycle.drive + abs(here))
-            if cycle.track.loads.waves.kind != SINE and not has_stop(now) and rounded < step.newton < room:
-                # no closed form sharpens it: the last step does, of which rounding alone is left
-                here = here + step.newton if rises else here - step.newton
-                now = cycle_from(cycle, hops, here)
+            if cycle.track.loads.waves.kind != SINE and not has_stop(now) and step.newton < room:
+                return _sharpened(cycle, hops, here, now, step)
             return _settled(here, now, Status.OK)
         # between bends of the map Newton's steps may go to and fro for ever
         shrinks = i < _NEWTONS or step.newton < 0.5 * before
         before = step.newton
         onward = step.newton if step.newton < room and shrinks else 0.5 * room
         here = here + onward if rises else here - onward
+        now = cycle_from(cycle, hops, here)
     return Orbit(here, now, Status.UNRESOLVED)
+
+
+def _sharpened(cycle: HoppingCycle, hops: Hops, here: float, now: Return, step: _Change) -> Orbit:
+    """Take the last step of Newton's to a cycle without a stop, for which there is no closed form.
+
+    Phases are rounded, and with them what friction does in the cycle and the displacement, but both alike: to
+    correct the displacement is better than to follow another cycle.
+    """
+    if step.newton > ROUNDING * (cycle.drive + abs(here)):
+        here += step.newton if step.rises else -step.newton
+        now = cycle_from(cycle, hops, here)
+        step = _change(cycle, here, now)
+    onward = step.newton if step.rises else -step.newton
+    sharpened = now._replace(displacement=now.displacement + now.delay * onward)
+    return _settled(here + onward, sharpened, Status.OK)
 
 
 def _orbit_until_stop(cycle: HoppingCycle, hops: Hops, start: float) -> Orbit:
@@ -497,7 +507,7 @@ def between(cycle: HoppingCycle, hops: Hops, start: float, target: float) -> Orb
         image = cycle_from(cycle, hops, trial)
         step = _change(cycle, trial, image)
         if not step.closed and step.rises != (way > 0.0):  # leads back: the fixed point is enclosed
-            return _bracketed(cycle, hops, here, min(here, trial), max(here, trial))
+            return _bracketed(cycle, hops, here, now, min(here, trial), max(here, trial))
         if not has_stop(image):
             here, now = trial, image
             continue

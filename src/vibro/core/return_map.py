@@ -19,13 +19,9 @@ from vibro.core.drives import Loads, along_cosine, mix_of, normal_load, phase_di
 from vibro.core.elementary import PI, TURN, free_motion, wrap
 from vibro.core.flight import BOUNCE
 from vibro.core.legs import Track, contact_leg, mode_of, next_lift_off
-from vibro.core.wave_slides import first_ahead
 from vibro.core.waves import (
     FORCE,
-    ROWS,
     SINE,
-    STATIC_BACK,
-    STATIC_FORWARD,
     depart,
     moved,
     nodes_of,
@@ -39,9 +35,6 @@ __all__ = [
 _MOST_LEGS: Final = 20_000
 # [rad] An onset this close to the lift-off is at it: where a load jumps both are at the same phase.
 _CLOSE: Final = 1e-14
-# Of marks: two numbers without a common divisor.
-_RADIX: Final = 131
-_MARKS: Final = 1_000_000_007
 _FULL: Final = 5 ** (MOST_LETTERS - 1)  # [1] a pattern from here on has no room for another digit
 
 
@@ -94,12 +87,12 @@ class Return(NamedTuple):
         Change of the velocity by friction, as long as the body does not stop.
     displacement, peak : float
         Displacement, and largest speed.
+    delay : float
+        Derivative of the displacement with respect to the velocity at the start.
     pattern : int
         Legs of the cycle, as digits of ``Mode`` to base 5; negative where cut after ``MOST_LETTERS``.
     settled : bool
         Whether every slide was solved.
-    turns : int
-        Mark of the static windows in which the body turns round at once, of drives beyond one harmonic.
     """
 
     velocity: float
@@ -107,9 +100,9 @@ class Return(NamedTuple):
     friction: float
     displacement: float
     peak: float
+    delay: float
     pattern: int
     settled: bool
-    turns: int
 
 
 def write_hop(loads: Loads, phase: float, length: float, impulse: float, hops: Hops, row: int) -> None:
@@ -211,7 +204,7 @@ def return_map(
     Return
         The cycle.
     """
-    out = Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0, True, 0)
+    out = Return(velocity, 1.0, 0.0, 0.0, abs(velocity), 0.0, 0, True)
     for row in range(first, last):
         v = out.velocity
         top = max(abs(v + hops.high[row]), abs(v + hops.low[row]))
@@ -224,9 +217,9 @@ def return_map(
             out.friction - math.copysign(hops.brake[row], v),
             out.displacement + path,
             max(out.peak, top),
+            out.delay + out.slope * hops.length[row],
             _with_flight(track, out.pattern, hops.length[row]),
             out.settled,
-            out.turns,
         )
         if hops.rest[row] > 0.0:
             out = _contact(track, out, hops.landing[row], hops.rest[row], track.landed_friction)
@@ -247,17 +240,15 @@ def _contact(track: Track, out: Return, landing: float, rest: float, friction: f
             out.friction - track.loads.kinetic_friction * leg.impulse,
             out.displacement + leg.displacement,
             max(out.peak, leg.top),
+            out.delay + out.slope * leg.length,
             _append(out.pattern, mode),
             out.settled and leg.settled,
-            out.turns,
         )
         if not leg.length < left - _CLOSE:
             return out
         phase, left = phase + leg.length, left - leg.length
-        if track.loads.waves.kind != SINE and leg.gain > 0.0:
-            row = STATIC_FORWARD if leg.next_mode == Mode.FORWARD else STATIC_BACK
-            window = row + ROWS * first_ahead(track.loads.waves, row, wrap(phase))
-            out = out._replace(turns=(_RADIX * out.turns + window) % _MARKS)
+        if track.loads.waves.kind != SINE:
+            phase = wrap(phase)
         mode = leg.next_mode
     return out._replace(settled=False)
 
@@ -311,7 +302,7 @@ def release(track: Track) -> Release:
         return Release(False, begins.phase, 0.0)
     if normal_load(loads, phase) < 0.0:
         return Release(True, wrap(phase), 0.0)
-    at_rest = Return(0.0, 1.0, 0.0, 0.0, 0.0, 0, True, 0)
+    at_rest = Return(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0, True)
     slid = _contact(track, at_rest, phase, begins.wait, loads.static_friction)
     return Release(False, begins.phase, slid.velocity)
 

@@ -134,9 +134,9 @@ def _settle(loads: Loads, at: Thresholds) -> _Settled:
     alone = not loose and not (at.forward and at.back)
     home = followed(cycle, hops, start, 1)
     if home.status != Status.OK:
-        alone = alone or (not loose and not _may_rest(cycle, hops))
+        alone = alone or (not loose and not _may_rest(cycle, hops, start))
         if alone:
-            home = only_orbit(cycle, hops, home.velocity)
+            home = only_orbit(cycle, hops, home)
         else:
             home = followed(cycle, hops, home.cycle.velocity, _ROUNDS)
             if home.status != Status.OK:
@@ -146,18 +146,19 @@ def _settle(loads: Loads, at: Thresholds) -> _Settled:
     return _Settled(cycle, home, start, alone, loose)
 
 
-def _may_rest(cycle: HoppingCycle, hops: Hops) -> bool:
+def _may_rest(cycle: HoppingCycle, hops: Hops, start: float) -> bool:
     """Return whether a body that rests until an onset may rest there again a turn later.
 
-    If none does, no motion with a rest repeats, and there is one without a rest at most.
+    If none does, no motion with a rest repeats, and there is one without a rest at most. The one that begins
+    the cycle with the velocity ``start`` does not.
     """
     waves = cycle.track.loads.waves
     for row in range(STATIC_FORWARD, STATIC_BACK + 1):
         for i in range(number_of_nodes(waves, row)):
-            if behind(waves, row, i):
-                begun = cycle._replace(landing=waves.number[nodes_of(waves, row) + i])
-                if is_closed(begun, 0.0, cycle_from(begun, hops, 0.0)):
-                    return True
+            begun = cycle._replace(landing=waves.number[nodes_of(waves, row) + i])
+            known = start == 0.0 and begun.landing == cycle.landing
+            if behind(waves, row, i) and not known and is_closed(begun, 0.0, cycle_from(begun, hops, 0.0)):
+                return True
     return False
 
 

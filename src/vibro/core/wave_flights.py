@@ -13,8 +13,8 @@ from typing import Final
 
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.elementary import INF, NAN, TURN, wrap
-from vibro.core.wave_slides import Fall, ahead, crossing, first_ahead, level
-from vibro.core.waves import HARMONICS, NORMAL, Mix, Waves, depart, trough_at
+from vibro.core.wave_slides import Crossing, Fall, ahead, crossing, first_ahead, level
+from vibro.core.waves import HARMONICS, NORMAL, Mix, Moved, Waves, depart, trough_at
 
 __all__ = ["fly_over_waves"]
 
@@ -50,14 +50,13 @@ def fly_over_waves(waves: Waves, lift: Mix, phase: float, speed: float, lifted: 
             far = up
         if far > low:
             height_then, rate_then = level(fall, far)
-            end = NAN
             if concave and height_then <= 0.0 and not (rises_away and rate_then >= 0.0):
-                end = _over_crest(fall, low, far)
-            elif not concave and rate < 0.0:
-                end = _through_hollow(fall, low, far)
-            if not math.isnan(end):
-                _, rate = level(fall, end)
-                return end, max(-rate, 0.0)
+                landing = _over_crest(fall, low, far)
+                return landing.phase, max(-(speed + landing.moved.velocity), 0.0)
+            if not concave and rate < 0.0:
+                landing = _through_hollow(fall, low, far)
+                if not math.isnan(landing.phase):
+                    return landing.phase, max(-(speed + landing.moved.velocity), 0.0)
             low, rate = far, rate_then
         index += 1
         if rises_away:
@@ -82,31 +81,32 @@ def _above_all(waves: Waves, lift: Mix, phase: float, speed: float) -> tuple[flo
     return lift.normal * 2.0 * (waves.height - height) / (rise + root), rise + root
 
 
-def _over_crest(fall: Fall, low: float, high: float) -> float:
+def _over_crest(fall: Fall, low: float, high: float) -> Crossing:
     """Return the landing in a concave piece at whose end the body would be below the trough."""
     height, rate = level(fall, low)
     height_then, rate_then = level(fall, high)
     if rate > 0.0:  # the take-off is a zero too: begin at the top
-        low = crossing(fall._replace(height=False, value=fall.rate), low, high, rate, rate_then)
+        low = crossing(fall._replace(height=False, value=fall.rate), low, high, rate, rate_then).phase
         height, rate = level(fall, low)
     return crossing(fall, low, high, height, height_then)
 
 
-def _through_hollow(fall: Fall, low: float, high: float) -> float:
+def _through_hollow(fall: Fall, low: float, high: float) -> Crossing:
     """Return the landing in a convex piece that begins downwards; NaN if there is none.
 
     Tangents at both ends bound the height from below.
     """
+    none = Crossing(NAN, Moved(NAN, NAN, NAN, NAN))
     height, rate = level(fall, low)
     height_then, rate_then = level(fall, high)
     if height_then > 0.0:
         if rate_then <= 0.0:
-            return NAN
+            return none
         meets = (height_then - height - rate_then * (high - low)) / (rate - rate_then)
         if height + rate * meets > 0.0:
-            return NAN
-        high = crossing(fall._replace(height=False, value=fall.rate), low, high, rate, rate_then)
+            return none
+        high = crossing(fall._replace(height=False, value=fall.rate), low, high, rate, rate_then).phase
         height_then, rate_then = level(fall, high)
         if height_then > 0.0:
-            return NAN
+            return none
     return crossing(fall, low, high, height, height_then)

@@ -13,12 +13,23 @@ from typing import Final, NamedTuple
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.drives import Loads, mix_of
 from vibro.core.elementary import EPS, INF, NAN, TURN, wrap
-from vibro.core.waves import KINETIC_BACK, KINETIC_FORWARD, Mix, Moved, Waves, depart, moved, nodes_of
+from vibro.core.waves import (
+    HARMONICS,
+    KINETIC_BACK,
+    KINETIC_FORWARD,
+    Mix,
+    Moved,
+    Waves,
+    depart,
+    moved,
+    nodes_of,
+)
 
-__all__ = ["Fall", "WaveSlide", "ahead", "crossing", "first_ahead", "slide_over_waves"]
+__all__ = ["Crossing", "Fall", "WaveSlide", "ahead", "crossing", "first_ahead", "slide_over_waves"]
 
-_STEPS: Final = 100  # of Newton's iteration with halvings, in a bracket
-_SETTLED: Final = 0.1 * 2.220446049250313e-16  # [1] error, over the phase, that Newton's next step may have
+_STEPS: Final = 100  # of Halley's iteration with halvings, in a bracket
+_SETTLED: Final = 0.1 * EPS  # [1] error, over the phase, that Halley's next step may have
+_MOST_BEND: Final = 0.5  # [1] share of the rate that the curvature may change over a step
 # [turn] A slide that outlasts so many turns never ends: a phase has no digit left to say where.
 _MOST_TURNS: Final = 1e15
 
@@ -54,48 +65,74 @@ def fallen(fall: Fall, s: float) -> Moved:
 
 def level(fall: Fall, s: float) -> tuple[float, float]:
     """Return what is left after a phase, and its rate."""
-    now = fallen(fall, s)
+    return _left(fall, s, fallen(fall, s))
+
+
+def _left(fall: Fall, s: float, now: Moved) -> tuple[float, float]:
     if fall.height:
         return fall.value + (fall.rate * s + now.path), fall.rate + now.velocity
     return fall.value + now.velocity, now.load
 
 
-def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float) -> float:
+class Crossing(NamedTuple):
+    """Where nothing is left, and what the load has done until then."""
+
+    phase: float
+    moved: Moved
+
+
+def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float) -> Crossing:
     """Find where nothing is left, between phases at which values have opposite signs, or are 0.
 
-    Newton's iteration in the bracket that its steps leave, from the zero of the cubic that is level at both
+    Halley's iteration in the bracket that its steps leave, from the zero of the cubic that is level at both
     ends; halving where it converges slowly, next to a double zero.
     """
     lost = min(max(at_low / (at_low - at_high), 0.0), 1.0) if at_low != at_high else 0.0
     x = low + (high - low) * (0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0))
     falls, before, begin, end = at_low > at_high, high - low, low, high
+    now = fallen(fall, x)
     for _ in range(_STEPS):
-        value, rate = level(fall, x)
+        value, rate = _left(fall, x, now)
         if (value > 0.0) == falls:
             low = x
         else:
             high = x
         step = -value / rate if rate != 0.0 else INF
-        newton = value == 0.0 or (low <= x + step <= high and abs(step) < 0.5 * before)
-        if not newton:
+        bend = -0.5 * step * (now.load if fall.height else now.slope)
+        if abs(bend) < _MOST_BEND * abs(rate):
+            step *= rate / (rate - bend)
+        inside = value == 0.0 or (low <= x + step <= high and abs(step) < 0.5 * before)
+        if not inside:
             step = 0.5 * (low + high) - x
         before = abs(step)
         x += step
-        # the next step would be of the square of this one, over the distance from a double zero at an end
-        if before <= EPS * x or (newton and before * before <= _SETTLED * x * min(x - begin, end - x)):
-            break
-    return x
+        # the next step would be of the cube of this one, over the square of the distance from a double zero,
+        # unless the load jumps
+        room = min(x - begin, end - x) if inside and fall.waves.kind == HARMONICS else 0.0
+        if before <= 4.0 * EPS * x or before * before * before <= _SETTLED * x * room * room:
+            return Crossing(x, _onward(now, step))
+        now = fallen(fall, x)
+    return Crossing(x, now)
+
+
+def _onward(now: Moved, s: float) -> Moved:
+    """Go on by a phase so short that the load's curvature does not matter."""
+    return Moved(
+        now.load + s * now.slope,
+        now.velocity + s * (now.load + s * now.slope / 2.0),
+        now.path + s * (now.velocity + s * (now.load / 2.0 + s * now.slope / 6.0)),
+        now.slope,
+    )
 
 
 class WaveSlide(NamedTuple):
-    """A slide: as ``SlideEnd`` and, relative to its way, its path and the load beyond friction at its end."""
+    """A slide: as ``SlideEnd`` and, relative to its way, its path."""
 
     length: float
     stopped: bool
     speed: float
     top: float
     path: float
-    load: float
 
 
 def first_ahead(waves: Waves, row: int, phase: float) -> int:
@@ -148,13 +185,13 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
     while True:
         far = ahead(waves, row, phase, index)
         end = min(far, limit)
-        at_end = speed + fallen(fall, end).velocity
+        then = fallen(fall, end)
+        at_end = speed + then.velocity
         if at_end <= 0.0 and rises:
-            end = crossing(fall, low, end, at_low, at_end)
-            return _ended(fall, end, True, 0.0, top)
+            return _stopped(fall, crossing(fall, low, end, at_low, at_end), top)
         top = max(top, at_end)
         if far >= limit:
-            return _ended(fall, limit, False, max(at_end, 0.0), top)
+            return WaveSlide(limit, False, max(at_end, 0.0), top, speed * limit + then.path)
         if rises:
             least = min(least, at_end)
             minima += 2
@@ -163,7 +200,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
         if minima >= count and rises and limit == INF:
             # all minima of a turn were passed, and all maxima: each turn takes as much from them
             if not drop > 0.0 or least / drop > _MOST_TURNS:
-                return WaveSlide(INF, False, NAN, NAN, NAN, NAN)
+                return WaveSlide(INF, False, NAN, NAN, NAN)
             turns = math.floor(least / drop)
             if turns >= 1.0:
                 index += count * int(turns)
@@ -177,16 +214,16 @@ def _monotone(fall: Fall, limit: float) -> WaveSlide:
     drop = -TURN * fall.mix.constant
     if limit == INF:
         if not drop > 0.0 or fall.value / drop > _MOST_TURNS:
-            return WaveSlide(INF, False, NAN, NAN, NAN, NAN)
+            return WaveSlide(INF, False, NAN, NAN, NAN)
         limit = TURN * (math.floor(fall.value / drop) + 1.0)
-    at_end = fall.value + fallen(fall, limit).velocity
+    then = fallen(fall, limit)
+    at_end = fall.value + then.velocity
     if at_end > 0.0:
-        return _ended(fall, limit, False, at_end, max(fall.value, at_end))
-    end = crossing(fall, 0.0, limit, fall.value, at_end) if fall.value > 0.0 else 0.0
-    return _ended(fall, end, True, 0.0, fall.value)
+        return WaveSlide(limit, False, at_end, max(fall.value, at_end), fall.value * limit + then.path)
+    if fall.value == 0.0:
+        return WaveSlide(0.0, True, 0.0, 0.0, 0.0)
+    return _stopped(fall, crossing(fall, 0.0, limit, fall.value, at_end), fall.value)
 
 
-def _ended(fall: Fall, length: float, stopped: bool, speed: float, top: float) -> WaveSlide:
-    """Evaluate a slide at its end."""
-    then = fallen(fall, length)
-    return WaveSlide(length, stopped, speed, top, fall.value * length + then.path, then.load)
+def _stopped(fall: Fall, stop: Crossing, top: float) -> WaveSlide:
+    return WaveSlide(stop.phase, True, 0.0, top, fall.value * stop.phase + stop.moved.path)

@@ -15,10 +15,10 @@ from vibro.core.elementary import INF, QUARTER, TURN, circle, wrap
 
 __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
-    "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Mix", "Moved", "Value", "Waves",
-    "at_cell_begin", "cell_begin", "cells_of", "combine", "depart", "load_at", "moved", "nodes_of",
-    "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "tabulate",
-    "trough_at", "value_in_cell", "with_bounds",
+    "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Curve", "Mix", "Moved", "Ride", "Value", "Waves",
+    "at_cell_begin", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "load_at", "moved", "nodes_of",
+    "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "ride",
+    "tabulate", "trough_at", "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
 #: [kind] One harmonic, for which there are closed forms; several; pieces of cubic polynomials.
@@ -97,6 +97,14 @@ class Value(NamedTuple):
     slope: float
 
 
+class Curve(NamedTuple):
+    """A wave at a phase, its slope and its second derivative there."""
+
+    value: float
+    slope: float
+    bend: float
+
+
 class Bounds(NamedTuple):
     """Bounds of a wave, its mean included, of its slope, and of its fourth derivative within each cell."""
 
@@ -114,11 +122,22 @@ class Moved(NamedTuple):
         Now.
     velocity, path : float
         Its first and its second integral.
+    slope : float
+        Its derivative.
     """
 
     load: float
     velocity: float
     path: float
+    slope: float
+
+
+class Ride(NamedTuple):
+    """What acts on a body that the trough carries: S, B, and the trough's velocity normal to itself."""
+
+    along: float
+    normal: float
+    velocity: float
 
 
 def one_harmonic() -> Waves:
@@ -163,7 +182,8 @@ def read_harmonic(waves: Waves, normal: bool, order: int, share: float, phase: f
     h, k = waves.size, order - 1
     start = 2 * h if normal else 0
     load = float(order * order) * share
-    waves.number[start + k], waves.number[start + h + k] = load * math.cos(phase), load * math.sin(phase)
+    sine, cosine = circle(phase)
+    waves.number[start + k], waves.number[start + h + k] = load * cosine, load * sine
 
 
 def with_bounds(waves: Waves) -> Waves:
@@ -271,6 +291,7 @@ def _polynomial(a0: float, a1: float, a2: float, a3: float, s: float) -> Moved:
         a0 + s * (a1 + s * (a2 + s * a3)),
         s * (a0 + s * (a1 / 2.0 + s * (a2 / 3.0 + s * a3 / 4.0))),
         s * s * (a0 / 2.0 + s * (a1 / 6.0 + s * (a2 / 12.0 + s * a3 / 20.0))),
+        a1 + s * (2.0 * a2 + s * 3.0 * a3),
     )
 
 
@@ -344,8 +365,9 @@ def depart(waves: Waves, mix: Mix, phase: float) -> float:
     for k in range(h):
         u = mix.along * number[k] + mix.normal * number[2 * h + k]
         w = mix.along * number[h + k] + mix.normal * number[3 * h + k]
-        here, across = u * sine + w * cosine, u * cosine - w * sine
-        number[(2 * _LOCAL) * h + k], number[(2 * _LOCAL + 1) * h + k] = here, across
+        here, across, order = u * sine + w * cosine, u * cosine - w * sine, float(k + 1)
+        share = 1.0 / (order * order)
+        number[(2 * _LOCAL) * h + k], number[(2 * _LOCAL + 1) * h + k] = here * share, across * share
         value += here
         sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
     return value
@@ -370,7 +392,7 @@ def moved(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved
     number, h = waves.number, waves.size
     first_sine, first_cosine = circle(0.5 * s)
     half_sine, half_cosine = first_sine, first_cosine
-    load, velocity, path = value, value * s, 0.5 * value * s * s
+    load, velocity, path, slope = value, value * s, 0.5 * value * s * s, 0.0
     for k in range(h):
         here, across = number[(2 * _LOCAL) * h + k], number[(2 * _LOCAL + 1) * h + k]
         order = float(k + 1)
@@ -390,14 +412,15 @@ def moved(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved
                     - 2.75573192239858906e-07) * y + 2.48015873015873016e-05) * y - 0.00138888888888888889)
                     * y + 0.0416666666666666667
             ) * y * y  # fmt: skip
-        load += across * sine - here * versine
-        velocity += (across * versine - here * gap) / order
-        path += (across * gap - here * bend) / (order * order)
+        path += across * gap - here * bend
+        velocity += order * (across * versine - here * gap)
+        load += order * order * (across * sine - here * versine)
+        slope += order * order * order * (across * (1.0 - versine) - here * sine)
         half_sine, half_cosine = (
             half_sine * first_cosine + half_cosine * first_sine,
             half_cosine * first_cosine - half_sine * first_sine,
         )
-    return Moved(load, velocity, path)
+    return Moved(load, velocity, path, slope)
 
 
 def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved:
@@ -414,14 +437,10 @@ def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: fl
     a2 += 3.0 * offset * a3
     if s < left:
         return _polynomial(value, a1, a2, a3, s)
-    own, rest = _polynomial(value, a1, a2, a3, left), s - left
-    begin = (j + 1) % count
-    r = rest + (number[table + begin] if begin > 0 else 0.0)
-    r -= TURN * math.floor(r / TURN)
-    end = piece_of(waves, r)
+    own, rest, begin = _polynomial(value, a1, a2, a3, left), s - left, (j + 1) % count
+    end, beyond = _reached(waves, j, rest)
     velocity, path = own.velocity + mix.constant * rest, own.path + own.velocity * rest
     path += 0.5 * mix.constant * rest * rest
-    beyond = r - number[table + end]
     for direction in range(2):
         share = mix.normal if direction == 1 else mix.along
         if share != 0.0:
@@ -431,7 +450,40 @@ def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: fl
             velocity += share * (number[sums + end] + gain.velocity - before)
             reached = number[sums + count + end] + number[sums + end] * beyond + gain.path
             path += share * (reached - number[sums + count + begin] - before * rest)
-    return Moved(_mixed_piece(waves, mix, end, beyond).load, velocity, path)
+    now = _mixed_piece(waves, mix, end, beyond)
+    return Moved(now.load, velocity, path, now.slope)
+
+
+def _reached(waves: Waves, j: int, rest: float) -> tuple[int, float]:
+    """Return the piece that a phase ``rest`` beyond the end of piece j lies in, and how far."""
+    table, begin = _table(waves), (j + 1) % waves.size
+    r = rest + (waves.number[table + begin] if begin > 0 else 0.0)
+    r -= TURN * math.floor(r / TURN)
+    end = piece_of(waves, r)
+    return end, r - waves.number[table + end]
+
+
+def ride(waves: Waves, phase: float, s: float) -> Ride:
+    """Evaluate what acts on a body a phase s >= 0 after another one; where loads jump, just behind."""
+    number, size = waves.number, waves.size
+    if waves.kind == PIECES:
+        p = wrap(phase)
+        j = piece_of(waves, p)
+        left, offset = number[_table(waves) + j + 1] - p, p - number[_table(waves) + j] + s
+        if s >= left:
+            j, offset = _reached(waves, j, s - left)
+        along, normal = _over_piece(waves, 4 * j, offset), _over_piece(waves, 4 * (size + j), offset)
+        before = number[_table(waves) + 3 * size + 1 + j]
+        return Ride(along.load, normal.load, -(before + normal.velocity))
+    first_sine, first_cosine = circle(phase + s)
+    sine, cosine, along_load, normal_load, velocity = first_sine, first_cosine, 0.0, 0.0, 0.0
+    for k in range(size):
+        u, w = number[2 * size + k], number[3 * size + k]
+        along_load += number[k] * sine + number[size + k] * cosine
+        normal_load += u * sine + w * cosine
+        velocity += (u * cosine - w * sine) / float(k + 1)
+        sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
+    return Ride(along_load, normal_load, velocity)
 
 
 def trough_at(waves: Waves, normal: bool, phase: float) -> Value:
@@ -503,19 +555,28 @@ def at_cell_begin(waves: Waves, cell: int, mix: Mix) -> Value:
     )
 
 
-def value_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Value:
+def curve_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Curve:
     """Evaluate the mix of ``combine`` within a cell, or at its end."""
     number, wave = waves.number, _WAVE * part_of(waves)
     if waves.kind == PIECES:
         c, s = wave + 4 * cell, phase - number[_table(waves) + cell]
-        value = number[c] + s * (number[c + 1] + s * (number[c + 2] + s * number[c + 3]))
-        return Value(value, number[c + 1] + s * (2.0 * number[c + 2] + s * 3.0 * number[c + 3]))
+        a1, a2, a3 = number[c + 1], number[c + 2], number[c + 3]
+        value = number[c] + s * (a1 + s * (a2 + s * a3))
+        return Curve(value, a1 + s * (2.0 * a2 + s * 3.0 * a3), 2.0 * a2 + s * 6.0 * a3)
     h = waves.size
     first_sine, first_cosine = circle(phase)
-    sine, cosine, value, slope = first_sine, first_cosine, constant, 0.0
+    sine, cosine, value, slope, bend = first_sine, first_cosine, constant, 0.0, 0.0
     for k in range(h):
-        u, w = number[wave + k], number[wave + h + k]
-        value += u * sine + w * cosine
-        slope += (k + 1) * (u * cosine - w * sine)
+        u, w, order = number[wave + k], number[wave + h + k], float(k + 1)
+        here = u * sine + w * cosine
+        value += here
+        slope += order * (u * cosine - w * sine)
+        bend -= order * order * here
         sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
-    return Value(value, slope)
+    return Curve(value, slope, bend)
+
+
+def value_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Value:
+    """Evaluate it, and its slope alone."""
+    at = curve_in_cell(waves, cell, constant, phase)
+    return Value(at.value, at.slope)
