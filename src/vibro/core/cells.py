@@ -25,6 +25,7 @@ from vibro.core.waves import (
     curve_in_cell,
     nodes_of,
     part_of,
+    value_at_cell_begin,
     value_in_cell,
 )
 
@@ -59,26 +60,28 @@ def find_nodes(waves: Waves, row: int, mix: Mix) -> None:
     bounds, constant = combine(waves, mix), mix.constant
     noise = 4.0 * EPS * bounds.size
     cells, start, count = cells_of(waves), nodes_of(waves, row), 0
-    first = at_cell_begin(waves, 0, mix)
-    positive = first.value > 0.0
+    at_begin = value_at_cell_begin(waves, 0, mix)
+    positive = at_begin > 0.0
     if waves.kind != HARMONICS:
         positive = value_in_cell(waves, cells - 1, constant, TURN).value > 0.0
-    low, here = 0.0, first
+    flat = bounds.slope * TURN / cells
     for cell in range(cells):
-        end = cell_begin(waves, cell + 1)
+        onward = cell + 1 if cell + 1 < cells else 0
+        at_end = value_at_cell_begin(waves, onward, mix)
+        # far from zero at both ends, beside the largest slope
+        if (at_end > 0.0) == positive and abs(at_begin + at_end) > flat:
+            at_begin = at_end
+            continue
+        low, end = cell_begin(waves, cell), cell_begin(waves, cell + 1)
         whole = end - low
-        width = whole
+        here, width = at_cell_begin(waves, cell, mix), whole
         if waves.kind == HARMONICS:
-            there = first if cell + 1 == cells else at_cell_begin(waves, cell + 1, mix)
+            there = at_cell_begin(waves, onward, mix)
         else:
-            here, there = at_cell_begin(waves, cell, mix), value_in_cell(waves, cell, constant, end)
+            there = value_in_cell(waves, cell, constant, end)
             if (here.value > 0.0) != positive:
                 count = _keep(waves, start, count, low)
                 positive = not positive
-        # far from zero at both ends, beside the largest slope
-        if (there.value > 0.0) == positive and abs(here.value + there.value) > bounds.slope * whole:
-            low, here = end, there
-            continue
         while True:
             known = _verdict(here, there, width, bounds.fourth, noise)
             if known == _OPEN and width > _NARROW * whole:
@@ -94,7 +97,7 @@ def find_nodes(waves: Waves, row: int, mix: Mix) -> None:
                 break
             width = min(2.0 * width, end - low)
             there = value_in_cell(waves, cell, constant, low + width)
-        low = end
+        at_begin = at_end
     waves.mark[2 * row], waves.mark[2 * row + 1] = count, 1 if positive else 0
 
 
@@ -166,40 +169,57 @@ def largest(waves: Waves, mix: Mix) -> float:
     """Return the largest value of a mix.
 
     Only cells in which the wave may exceed what was found so far are halved, until it rises to one maximum
-    in them.
+    in them. The one that rises from the highest end, or to it, comes first.
     """
     bounds, constant = combine(waves, mix), mix.constant
-    cells, most = cells_of(waves), -INF
+    cells, most, first = cells_of(waves), -INF, 0
     if waves.kind == HARMONICS:
         for cell in range(cells):
-            most = max(most, at_cell_begin(waves, cell, mix).value)
-    first = at_cell_begin(waves, 0, mix)
-    here = first
-    for cell in range(cells):
-        low, end = cell_begin(waves, cell), cell_begin(waves, cell + 1)
+            value = value_at_cell_begin(waves, cell, mix)
+            if value > most:
+                most, first = value, cell
+        if at_cell_begin(waves, first, mix).slope < 0.0:
+            first += cells - 1
+    width = TURN / cells
+    bow = bounds.bend * width * width / 8.0  # the wave is nowhere further above a chord of a cell
+    for i in range(cells):
+        cell = (first + i) % cells
+        onward = cell + 1 if cell + 1 < cells else 0
         if waves.kind == HARMONICS:
-            there = first if cell + 1 == cells else at_cell_begin(waves, cell + 1, mix)
-        else:
-            here, there = at_cell_begin(waves, cell, mix), value_in_cell(waves, cell, constant, end)
-            most = max(most, max(here.value, there.value))
-        whole = end - low
-        width = whole
-        while True:
-            top = _highest(here, there, width, bounds.fourth)
-            if top > most + EPS * abs(most) and width > _NARROW * whole:
-                if here.slope > 0.0 > there.slope and _is_concave(here, there, width, bounds.fourth):
-                    most = max(most, _maximum(waves, cell, constant, low, low + width, here, there))
-                else:
-                    width *= 0.5
-                    there = value_in_cell(waves, cell, constant, low + width)
-                    most = max(most, there.value)
-                    continue
-            low, here = low + width, there
-            if low >= end:
-                break
-            width = min(2.0 * width, end - low)
-            there = value_in_cell(waves, cell, constant, low + width)
+            above = max(value_at_cell_begin(waves, cell, mix), value_at_cell_begin(waves, onward, mix)) + bow
+            if above <= most:
+                continue
+        most = _largest_in_cell(waves, mix, cell, onward, bounds.fourth, most)
     return most
+
+
+def _largest_in_cell(
+    waves: Waves, mix: Mix, cell: int, onward: int, fourth: float, most: float
+) -> float:
+    """Return the largest value of a mix in a cell, or ``most`` if that is larger."""
+    low, end, constant = cell_begin(waves, cell), cell_begin(waves, cell + 1), mix.constant
+    whole = end - low
+    here, width = at_cell_begin(waves, cell, mix), whole
+    if waves.kind == HARMONICS:
+        there = at_cell_begin(waves, onward, mix)
+    else:
+        there = value_in_cell(waves, cell, constant, end)
+        most = max(most, max(here.value, there.value))
+    while True:
+        top = _highest(here, there, width, fourth)
+        if top > most + EPS * abs(most) and width > _NARROW * whole:
+            if here.slope > 0.0 > there.slope and _is_concave(here, there, width, fourth):
+                most = max(most, _maximum(waves, cell, constant, low, low + width, here, there))
+            else:
+                width *= 0.5
+                there = value_in_cell(waves, cell, constant, low + width)
+                most = max(most, there.value)
+                continue
+        low, here = low + width, there
+        if low >= end:
+            return most
+        width = min(2.0 * width, end - low)
+        there = value_in_cell(waves, cell, constant, low + width)
 
 
 def _highest(here: Value, there: Value, d: float, bound: float) -> float:
@@ -240,7 +260,7 @@ def _maximum(
 
 
 def _top(here: Value, there: Value, d: float) -> float:
-    """Return where in a cell the cubic through its ends is highest; it rises at its start, falls at its end."""
+    """Return where in a cell the cubic through its ends is highest, which rises at its start alone."""
     p, q, rise = here.slope, there.slope, 3.0 * (there.value - here.value) / d
     # its slope is p - 2 m x + (p + q - 2 (rise - p - q)) x^2
     m = 2.0 * p + q - rise

@@ -16,9 +16,9 @@ from vibro.core.elementary import INF, QUARTER, TURN, circle, wrap
 __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
     "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Curve", "Mix", "Moved", "Ride", "Value", "Waves",
-    "at_cell_begin", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "load_at", "moved", "nodes_of",
-    "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic", "ride",
-    "tabulate", "trough_at", "value_in_cell", "with_bounds",
+    "at_cell_begin", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "load_at", "moved",
+    "nodes_of", "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces", "read_harmonic",
+    "ride", "tabulate", "trough_at", "value_at_cell_begin", "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
 #: [kind] One harmonic, for which there are closed forms; several; pieces of cubic polynomials.
@@ -106,10 +106,11 @@ class Curve(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """Bounds of a wave, its mean included, of its slope, and of its fourth derivative within each cell."""
+    """Bounds of a wave, its mean included, and of its first, second and fourth derivatives within cells."""
 
     size: float
     slope: float
+    bend: float
     fourth: float
 
 
@@ -203,23 +204,26 @@ def with_bounds(waves: Waves) -> Waves:
 
 
 def tabulate(waves: Waves) -> None:
-    """Evaluate S and B of harmonics where cells begin."""
+    """Evaluate S and B of harmonics where cells begin.
+
+    Half a turn later odd harmonics have the other sign, so that each product serves two cells.
+    """
     number, h, part = waves.number, waves.size, part_of(waves)
-    row = _table(waves)
-    for i in range(CELLS * h):
+    row, half = _table(waves), CELLS * h // 2
+    for i in range(half):
         for direction in range(2):
-            value, slope, start = 0.0, 0.0, direction * part
+            odd, even, odd_slope, even_slope, start = 0.0, 0.0, 0.0, 0.0, direction * part
             for k in range(h):
-                u, w, sine, cosine = (
-                    number[start + k],
-                    number[start + h + k],
-                    number[row + k],
-                    number[row + h + k],
-                )
-                value += u * sine + w * cosine
-                slope += (k + 1) * (u * cosine - w * sine)
+                u, w = number[start + k], number[start + h + k]
+                sine, cosine = number[row + k], number[row + h + k]
+                value, slope = u * sine + w * cosine, (k + 1) * (u * cosine - w * sine)
+                if k % 2 == 0:
+                    odd, odd_slope = odd + value, odd_slope + slope
+                else:
+                    even, even_slope = even + value, even_slope + slope
             place = _CELLS * part + 4 * i + 2 * direction
-            number[place], number[place + 1] = value, slope
+            number[place], number[place + 1] = even + odd, even_slope + odd_slope
+            number[place + 4 * half], number[place + 4 * half + 1] = even - odd, even_slope - odd_slope
         row += part
 
 
@@ -519,15 +523,16 @@ def combine(waves: Waves, mix: Mix) -> Bounds:
     if waves.kind == PIECES:
         for j in range(waves.size):
             number[_WAVE * part + 4 * j] += mix.constant
-        return Bounds(0.0, INF, 0.0)
-    h, bound, slope, fourth = waves.size, abs(mix.constant), 0.0, 0.0
+        return Bounds(0.0, INF, INF, 0.0)
+    h, bound, slope, bend, fourth = waves.size, abs(mix.constant), 0.0, 0.0, 0.0
     for k in range(h):
         c, order = _WAVE * part + k, float(k + 1)
         size = math.sqrt(number[c] * number[c] + number[c + h] * number[c + h])
         bound += size
         slope += order * size
+        bend += order * order * size
         fourth += order * order * order * order * size
-    return Bounds(bound, slope, fourth)
+    return Bounds(bound, slope, bend, fourth)
 
 
 def cells_of(waves: Waves) -> int:
@@ -542,17 +547,23 @@ def cell_begin(waves: Waves, cell: int) -> float:
     return TURN * cell / (CELLS * waves.size)
 
 
-def at_cell_begin(waves: Waves, cell: int, mix: Mix) -> Value:
+def value_at_cell_begin(waves: Waves, cell: int, mix: Mix) -> float:
     """Evaluate the mix of ``combine`` at the start of a cell."""
     number, part = waves.number, part_of(waves)
     if waves.kind == PIECES:
-        wave = _WAVE * part + 4 * cell
-        return Value(number[wave], number[wave + 1])
+        return number[_WAVE * part + 4 * cell]
     row = _CELLS * part + 4 * cell
-    return Value(
-        mix.constant + mix.along * number[row] + mix.normal * number[row + 2],
-        mix.along * number[row + 1] + mix.normal * number[row + 3],
-    )
+    return mix.constant + mix.along * number[row] + mix.normal * number[row + 2]
+
+
+def at_cell_begin(waves: Waves, cell: int, mix: Mix) -> Value:
+    """Evaluate it, and its slope."""
+    number, part = waves.number, part_of(waves)
+    value = value_at_cell_begin(waves, cell, mix)
+    if waves.kind == PIECES:
+        return Value(value, number[_WAVE * part + 4 * cell + 1])
+    row = _CELLS * part + 4 * cell
+    return Value(value, mix.along * number[row + 1] + mix.normal * number[row + 3])
 
 
 def curve_in_cell(waves: Waves, cell: int, constant: float, phase: float) -> Curve:
