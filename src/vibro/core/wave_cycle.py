@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
+from vibro.core.buffers import Bytes
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
 from vibro.core.elementary import TURN
-from vibro.core.legs import contact_leg, mode_of, track_of
+from vibro.core.legs import track_of
 from vibro.core.orbits import (
     HoppingCycle,
     Orbit,
@@ -25,13 +26,13 @@ from vibro.core.orbits import (
     others_on,
 )
 from vibro.core.return_map import Hops, no_hops
+from vibro.core.spelling import no_letters, spell
 from vibro.core.windows import Thresholds
 
-__all__ = ["Classes", "canonical", "wave_classes", "wave_cycle"]
+__all__ = ["Classes", "canonical", "wave_classes", "wave_cycle", "write_contact_letters"]
 
 _ROUNDS: Final = 3  # [cycle] after which bodies from afar are near their motion, or slow to come there
 _MOST_WEIGHT: Final = 1e50  # [1] above which bodies slip next to no friction alone, and products overflow
-_MOST_LEGS: Final = 20_000  # as in return_map.py
 
 
 class Classes(NamedTuple):
@@ -40,7 +41,7 @@ class Classes(NamedTuple):
     Attributes
     ----------
     pattern : int
-        Digits of ``Mode``, as ``canonical`` gives them; 0 where the cycle is unknown.
+        Digits of ``Mode``, as ``canonical`` gives them, or a negative mark; 0 where the cycle is unknown.
     forward, back, rest : bool
         Whether the body slides forward, slides back, and rests; none of them where the cycle is unknown.
     """
@@ -98,6 +99,12 @@ def wave_classes(loads: Loads, at: Thresholds) -> Classes:
     return _classes_of(settled.cycle, settled.home)
 
 
+def write_contact_letters(loads: Loads, at: Thresholds, out: Bytes, room: int) -> int:
+    """Write the legs of a steady cycle that ``wave_cycle`` has found, as ``spell``; return their number."""
+    settled = _settle(loads, at)
+    return spell(settled.cycle, no_hops(), settled.home.velocity, out, room).number
+
+
 def _unknown() -> Classes:
     return Classes(0, forward=False, back=False, rest=False)
 
@@ -152,10 +159,11 @@ def _regime_of(classes: Classes) -> int:
 
 
 def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
-    """Read the legs of a cycle from its pattern; follow it once more where that was cut."""
+    """Read the legs of a cycle from its pattern; follow it once more where that is a mark."""
     pattern = home.cycle.pattern
     if pattern < 0:
-        return _classes_along(cycle, home.velocity, pattern)
+        spelt = spell(cycle, no_hops(), home.velocity, no_letters(), 0)
+        return Classes(pattern, spelt.forward, spelt.back, spelt.rest)
     forward, back, rest, left = False, False, False, pattern
     while left > 0:
         mode = left % 5
@@ -165,23 +173,8 @@ def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
     return Classes(canonical(pattern), forward, back, rest)
 
 
-def _classes_along(cycle: HoppingCycle, velocity: float, pattern: int) -> Classes:
-    """Collect the legs of a cycle from its velocity at phase 0."""
-    track, forward, back, rest = cycle.track, False, False, False
-    phase, left, mode = 0.0, TURN, mode_of(cycle.track.loads, 0.0, velocity, cycle.track.landed_friction)
-    for _ in range(_MOST_LEGS):
-        forward, back = forward or mode == Mode.FORWARD, back or mode == Mode.BACK
-        rest = rest or mode == Mode.REST
-        leg = contact_leg(track, mode, phase, velocity, left)
-        if not leg.length < left:
-            break
-        phase, left = phase + leg.length, left - leg.length
-        velocity, mode = leg.velocity, leg.next_mode
-    return Classes(pattern, forward, back, rest)
-
-
 def canonical(pattern: int) -> int:
-    """Turn the legs of a cycle, digits to base 5, so that their number is least; one that was cut stays.
+    """Turn the legs of a cycle, digits to base 5, so that their number is least; a mark stays.
 
     A leg that the cycle begins amid is one with that at its end.
     """

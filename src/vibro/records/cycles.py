@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vibro.core.codes import Regime, is_answered, pattern_texts
+from vibro.core.codes import Regime, is_answered
 from vibro.drives import Ability
 from vibro.errors import VibroError
 from vibro.motion.settled import SettledMotion, settled_motion
@@ -127,7 +127,7 @@ def labels_of(values: Mapping[str, Any]) -> Labels:
 
 
 def _labels(cycle: SteadyCycle) -> Labels:
-    labels = np.where(is_answered(cycle.status), pattern_texts(cycle.pattern_code), "")
+    labels = np.where(is_answered(cycle.status), cycle.pattern, "")
     return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
 
 
