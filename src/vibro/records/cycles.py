@@ -23,7 +23,7 @@ from vibro.steady import solve
 
 __all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
 
-Labels = NDArray[np.str_]
+Labels = NDArray[np.object_]  # of str
 
 #: Label of every scene that hops: their patterns are too many, and too close to each other.
 HOPS: Final = "H"
@@ -35,7 +35,7 @@ class SceneCycles:
 
     Attributes
     ----------
-    labels : str array, shape (M,)
+    labels : object array of str, shape (M,)
         Pattern of each, or ``HOPS``; empty where there is no steady cycle.
     fields : Drive
         Fields of the scenes, each of shape (M,).
