@@ -221,7 +221,7 @@ def return_map(
         v = landed(hops, row, v)
         out = Return(
             v,
-            out.slope if v != 0.0 else 0.0,
+            out.slope if abs(v) > 0.0 else 0.0,
             out.friction - math.copysign(hops.brake[row], v),
             out.displacement + path,
             max(out.peak, top),
