@@ -37,9 +37,10 @@ def _check(cycle: SteadyCycle, row: dict[str, str], size: float) -> None:
 
 
 def _check_pattern(cycle: SteadyCycle, row: dict[str, str]) -> None:
-    """Compare patterns, of which the package writes the first letters where they are long."""
+    """Compare patterns, of which the tables have the first letters where they are very long."""
     text, expected = str(cycle.pattern), row["pattern"]
-    if "..." in text or "..." in expected:
+    assert "..." not in text
+    if "..." in expected:
         assert text.startswith("HH")
         assert expected.startswith("HH")
     else:

@@ -10,7 +10,9 @@ import numpy as np
 
 from vibro.core.codes import Level, Status
 from vibro.core.compiled import doors
+from vibro.drives import Ability
 from vibro.errors import InputError, shown
+from vibro.long_patterns import spell_long
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.solver import Grid, Scratch, over_cells
 
@@ -114,9 +116,11 @@ def solve(
         if coexistence and hopping.size:
             unknown = (rows["coexists"][hopping] < 0) & ~np.isnan(rows["mean_velocity"][hopping])
             _hop(grid, answers, hopping[unknown], threads, None, search=True)
+    one_harmonic = fields.can(Ability.ONE_HARMONIC)
+    texts = spell_long(grid, rows["pattern_code"], one_harmonic=one_harmonic, threads=threads)
     if not grid.shape:
-        return SteadyCycle(**{name: row[0] for name, row in rows.items()})
-    return SteadyCycle(**{name: row.reshape(grid.shape) for name, row in rows.items()})
+        return SteadyCycle(**{name: row[0] for name, row in rows.items()}, long_patterns=texts)
+    return SteadyCycle(**{name: row.reshape(grid.shape) for name, row in rows.items()}, long_patterns=texts)
 
 
 def _hop(

@@ -88,6 +88,20 @@ def test_higher_harmonics_and_a_first_phase_come_from_lists(run: Run, tmp_path: 
     assert abs(answer["mean_velocity_mm_s"]) < 1e-12
 
 
+def test_patterns_that_are_longer_than_codes_are_whole(run: Run, tmp_path: Path) -> None:
+    lists = f"along_amplitudes_mm = [{'0, ' * 7}0.0078125]\n"
+    file = written(tmp_path, FILE.replace(FILE[FILE.index("along_amp") : FILE.index("frequency")], lists))
+    swept = vibro.sweep(file, frequency_hz="2:24:6")
+    expected = swept.cycle.pattern.tolist()
+    assert {"_", "F_B_" * 8} <= {*expected}
+    assert swept.to_frame()["pattern"].tolist() == expected
+    rows = rows_of(run("map", file, "--frequency", "2:24:6", "-o", "-").stdout)
+    assert [row["pattern"] for row in rows] == expected
+    said = [run("solve", file, "--frequency", "15", *how).stdout for how in ((), ("--json",))]
+    assert f"pattern {'F_B_' * 8}\n" in said[0]
+    assert json.loads(said[1])["pattern"] == "F_B_" * 8
+
+
 def test_the_second_harmonic_is_an_axis_and_has_columns(run: Run, tmp_path: Path) -> None:
     result = run("map", written(tmp_path, FILE), "--along-2", "0:.3:4", "--along-phase-2=-90:90:3", "-o", "x")
     assert result.exit_code == 0, result.stderr

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from vibro.core.codes import (
+    IRREGULAR,
     LETTERS,
     PATTERNS,
     SPELT_PATTERNS,
@@ -18,6 +19,7 @@ from vibro.core.codes import (
     Status,
     is_answered,
     pattern_texts,
+    spelt_code,
     spelt_text,
 )
 
@@ -41,9 +43,23 @@ def test_contact_patterns_have_one_text_each() -> None:
 
 def test_hopping_patterns_are_spelt_by_their_digits() -> None:
     assert [LETTERS[mode] for mode in Mode] == ["H", "F", "B", "_"]
-    assert [spelt_text(code) for code in (0, 1, 1 * 25 + 2 * 5 + 4, -1)] == ["", "H", "HF_", "H..."]
+    assert [spelt_text(digits) for digits in (0, 1, 1 * 25 + 2 * 5 + 4)] == ["", "H", "HF_"]
     codes = np.array([[0, Pattern.F_B, SPELT_PATTERNS + 1], [-1, SPELT_PATTERNS + 9, Pattern.R]])
-    assert pattern_texts(codes).tolist() == [["", "F_B", "H"], ["H...", "H_", "_"]]
+    assert pattern_texts(codes, {}).tolist() == [["", "F_B", "H"], ["H...", "H_", "_"]]
+
+
+def test_a_long_pattern_has_a_code_of_all_its_letters() -> None:
+    fits = "HB" * 13 + "F"
+    assert spelt_text(spelt_code(fits) - SPELT_PATTERNS) == fits
+    assert spelt_code(fits) < 2**63
+    longer = [fits + letter for letter in "HFB_"]
+    codes = [spelt_code(text) for text in longer]
+    assert len(set(codes)) == len(codes)
+    assert all(-(2**63) <= code < IRREGULAR for code in codes)
+    known = dict(zip(codes, longer, strict=True))
+    assert pattern_texts(np.array(codes), known).tolist() == longer
+    with pytest.raises(KeyError):
+        pattern_texts(np.array([codes[0] + 1]), known)
 
 
 def test_the_enums_load_no_numpy() -> None:

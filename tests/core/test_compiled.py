@@ -89,6 +89,8 @@ def bits(found: Any) -> list[bytes]:
     """List the bytes of all arrays of a result; one NaN is as good as another."""
     if dataclasses.is_dataclass(found):
         return bits([getattr(found, f.name) for f in dataclasses.fields(found)])
+    if isinstance(found, dict):  # texts by their codes
+        return [repr(sorted(found.items())).encode()]
     if isinstance(found, (tuple, list)):
         return [b for x in found for b in bits(x)]
     array = np.asarray(found)

@@ -35,7 +35,7 @@ def drawn(state: State, *, done: bool = False) -> tuple[dict[str, Any], dict[str
     header, arrays = unpacked(packed_map(state, cells.shown))
     cycle = cells.shown.cycle
     if next(iter(state.grid().axes)) == state.x.quantity.name:
-        cycle = SteadyCycle(**{name: values.T for name, values in vars(cycle).items()})
+        cycle = SteadyCycle(**{name: values.T for name, values in cycle.arrays().items()})
     return header, arrays, cycle
 
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from vibro import Scene, SteadyCycle, solve
 from vibro.core.drives import Loads, directions, ellipse_loads, ellipse_scale, line_loads, weight_over_load
 from vibro.drives import Ellipse, Line
+from vibro.results.steady import RESULTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 GRAVITY = 9.81
-FIELDS = [f.name for f in dataclasses.fields(SteadyCycle)]
+FIELDS = [result.name for result in RESULTS]
 
 
 class Groups(NamedTuple):

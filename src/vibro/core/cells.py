@@ -171,8 +171,7 @@ def largest(waves: Waves, mix: Mix) -> float:
     Only cells in which the wave may exceed what was found so far are halved, until it rises to one maximum
     in them. The one that rises from the highest end, or to it, comes first.
     """
-    bounds, constant = combine(waves, mix), mix.constant
-    cells, most, first = cells_of(waves), -INF, 0
+    bounds, cells, most, first = combine(waves, mix), cells_of(waves), -INF, 0
     if waves.kind == HARMONICS:
         for cell in range(cells):
             value = value_at_cell_begin(waves, cell, mix)
@@ -193,9 +192,7 @@ def largest(waves: Waves, mix: Mix) -> float:
     return most
 
 
-def _largest_in_cell(
-    waves: Waves, mix: Mix, cell: int, onward: int, fourth: float, most: float
-) -> float:
+def _largest_in_cell(waves: Waves, mix: Mix, cell: int, onward: int, fourth: float, most: float) -> float:
     """Return the largest value of a mix in a cell, or ``most`` if that is larger."""
     low, end, constant = cell_begin(waves, cell), cell_begin(waves, cell + 1), mix.constant
     whole = end - low

@@ -6,10 +6,13 @@ from enum import IntEnum, StrEnum
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy as np
     from numpy.typing import NDArray
 
 __all__ = [
+    "IRREGULAR",
     "LETTERS",
     "MODELS",
     "MOST_LETTERS",
@@ -24,6 +27,7 @@ __all__ = [
     "Status",
     "is_answered",
     "pattern_texts",
+    "spelt_code",
     "spelt_text",
 ]
 
@@ -133,36 +137,59 @@ PHASE_NAMES: Final = {
     "_": "rest",
 }
 
-#: Legs of a pattern that an int64 has room for, as digits to base 5; longer ones are cut.
+#: Legs of a pattern that an int64 has room for, as digits to base 5.
 MOST_LETTERS: Final = 27
 
 #: [code] The patterns of contact cycles that drives of one harmonic have are those of ``Pattern``; from here
-#: on up, and below 0, a code spells its legs, as those of hopping cycles all do.
+#: on up a code spells its legs, as those of hopping cycles do. Codes below ``IRREGULAR`` stand for longer
+#: patterns, whose texts are kept beside the codes.
 SPELT_PATTERNS: Final = 8
 
+#: [code] Of a body that hops without a period; its text is ``H...``.
+IRREGULAR: Final = -1
 
-def spelt_text(code: int) -> str:
-    """Legs of a cycle from the digits of its code: H flight, F forward slide, B back slide, _ rest.
 
-    A pattern of more than ``MOST_LETTERS`` legs has a negative code; its text is cut and ends in ``...``.
-    """
-    letters, left = "", abs(code)
-    while left:
-        left, digit = divmod(left, 5)
+def spelt_text(digits: int) -> str:
+    """Legs of a cycle from digits to base 5: H flight, F forward slide, B back slide, _ rest."""
+    letters = ""
+    while digits:
+        digits, digit = divmod(digits, 5)
         letters = LETTERS[digit] + letters
-    return letters + "..." * (code < 0)
+    return letters
 
 
-def pattern_texts(codes: NDArray[np.int64]) -> NDArray[np.str_]:
-    """Legs of steady cycles as text, from the codes of their patterns."""
+def spelt_code(text: str) -> int:
+    """Code of a pattern that is none of ``Pattern``; of one of more than ``MOST_LETTERS`` legs a digest."""
+    if len(text) > MOST_LETTERS:
+        from hashlib import blake2b  # late: seldom needed
+
+        digest = blake2b(text.encode(), digest_size=8).digest()
+        return IRREGULAR - 1 - (int.from_bytes(digest) >> 2)  # within the negative half of an int64
+    digits = 0
+    for letter in text:
+        digits = 5 * digits + LETTERS.index(letter)
+    return SPELT_PATTERNS + digits
+
+
+def pattern_texts(codes: NDArray[np.int64], long_patterns: Mapping[int, str]) -> NDArray[np.object_]:
+    """Legs of steady cycles as text, from the codes of their patterns and the texts of long ones.
+
+    Raises
+    ------
+    KeyError
+        If the text of a long pattern is not known.
+    """
     import numpy as np  # late, as above
 
     different, which = np.unique(codes.ravel(), return_inverse=True)
     texts = [
-        PATTERNS[code] if 0 <= code < SPELT_PATTERNS else spelt_text(code - SPELT_PATTERNS * (code > 0))
+        "H..." if code == IRREGULAR
+        else long_patterns[code] if code < 0
+        else PATTERNS[code] if code < SPELT_PATTERNS
+        else spelt_text(code - SPELT_PATTERNS)
         for code in different.tolist()
-    ]
-    return np.array(texts, dtype=np.str_)[which].reshape(codes.shape)
+    ]  # fmt: skip
+    return np.array(texts, dtype=object)[which].reshape(codes.shape)
 
 
 class Model(IntEnum):

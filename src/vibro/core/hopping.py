@@ -10,17 +10,19 @@ from typing import Final, NamedTuple
 
 from vibro.core.averages import averages
 from vibro.core.bounces import MOST_FLIGHTS, Bounces, Flights, bounces
-from vibro.core.codes import Mode, Status
+from vibro.core.buffers import Bytes
+from vibro.core.codes import IRREGULAR, Status
 from vibro.core.drives import Loads
 from vibro.core.elementary import NAN, TURN
 from vibro.core.flight import LOST, Bed, Covariance, Flight, bed_of, propagate, within
 from vibro.core.legs import Track, track_of
-from vibro.core.orbits import hopping_cycle, orbit_from
+from vibro.core.orbits import HoppingCycle, hopping_cycle, orbit_from
 from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed, write_hop
+from vibro.core.spelling import spell
 from vibro.core.wave_cycle import canonical
 from vibro.core.waves import SINE
 
-__all__ = ["MOST_THROW", "Entry", "Hopping", "enter", "hopping"]
+__all__ = ["MOST_THROW", "Entry", "Hopping", "enter", "hopping", "write_hopping_letters"]
 
 #: [1] Throw number above which the phase of a landing is lost to rounding.
 MOST_THROW: Final = 1e6
@@ -43,7 +45,8 @@ class Hopping(NamedTuple):
         many cycles; ``RUNAWAY``, ``INDETERMINATE``, ``FLIGHT_NOT_MODELLED`` or ``UNRESOLVED``, with NaN for
         numbers.
     pattern : int
-        Legs of the cycle, as digits of ``Mode`` to base 5; 0 where there are no numbers.
+        Legs of the cycle, as ``Return`` has them; ``IRREGULAR`` where it does not repeat, 0 where there are
+        no numbers.
     displacement : float
         Mean displacement per drive cycle [A].
     deviation : float
@@ -122,13 +125,12 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
     motion = entry.motion
     if not motion.repeats:
         return _unanswered(Status.UNRESOLVED)
-    first, last, turns = motion.first, motion.first + motion.count, float(motion.cycles)
-    cycle = hopping_cycle(track, first, last, motion.landing, motion.rest, TURN * turns)
+    turns, cycle = float(motion.cycles), _cycle_of(track, motion)
     orbit = orbit_from(cycle, hops, entry.velocity)
     if orbit.status != Status.OK and orbit.status != Status.BOUNDARY:
         return _unanswered(orbit.status)
     aloft, impact = 0.0, 0.0
-    for row in range(first, last):
+    for row in range(cycle.first, cycle.last):
         aloft += flights.length[row]
         impact = max(impact, flights.impact[row])
     return Hopping(
@@ -144,6 +146,22 @@ def _cycle(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ho
     )
 
 
+def _cycle_of(track: Track, motion: Bounces) -> HoppingCycle:
+    """Measure the cycle of a normal motion that repeats."""
+    last = motion.first + motion.count
+    return hopping_cycle(track, motion.first, last, motion.landing, motion.rest, TURN * motion.cycles)
+
+
+def write_hopping_letters(
+    loads: Loads, restitution: float, flights: Flights, hops: Hops, out: Bytes, room: int
+) -> int:
+    """Write the legs of a steady cycle that ``hopping`` has found, as ``spell``; return their number."""
+    track = track_of(loads, restitution)
+    entry = enter(track, restitution, flights, hops)
+    cycle = _cycle_of(track, entry.motion)
+    return spell(cycle, hops, orbit_from(cycle, hops, entry.velocity).velocity, out, room).number
+
+
 def _means(
     track: Track, restitution: float, length: int, longest: bool, flights: Flights, hops: Hops
 ) -> Hopping:
@@ -153,7 +171,7 @@ def _means(
         return _unanswered(means.status)
     return Hopping(
         status=Status.AVERAGED,
-        pattern=-Mode.FLIGHT,
+        pattern=IRREGULAR,
         displacement=means.displacement,
         deviation=means.deviation,
         period=NAN,

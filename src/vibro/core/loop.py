@@ -18,20 +18,20 @@ from vibro.core.cycle_slides import SlideLeg, cycle_slides
 from vibro.core.derivatives import Change, displacement_rate, load_slope
 from vibro.core.elementary import NAN, TURN
 from vibro.core.evolution import evolve
-from vibro.core.hopping import hopping
+from vibro.core.hopping import hopping, write_hopping_letters
 from vibro.core.limits import critical_loads, tipping_load
 from vibro.core.motions import arrivals, followed, history, moments
 from vibro.core.return_map import Hops
 from vibro.core.scales import wave_limits, write_spans
 from vibro.core.scenes import Place, Scenes, no_directions, point_at, prepare, seek, unit_point_at, visit
-from vibro.core.wave_cycle import wave_cycle
+from vibro.core.wave_cycle import wave_cycle, write_contact_letters
 from vibro.core.waves import SINE
 from vibro.core.windows import thresholds
 
 __all__ = [
     "arrivals", "class_scales", "cover", "cycle_legs", "displacement_gradients", "evolve", "find_others",
     "followed", "history", "load_slopes", "moments", "prepare", "slips_back", "solve_contact", "solve_hops",
-    "tipping_loads", "transition_loads",
+    "tipping_loads", "transition_loads", "write_letters",
 ]  # fmt: skip
 
 
@@ -131,6 +131,21 @@ def find_others(
         impact = out.impact_velocity[i] / (TURN * point.frequency * point.scale)
         others = coexisting(point.loads, point.restitution, out.period_cycles[i], impact, flights, hops)
         out.coexists[i] = 1 if others else 0
+
+
+def write_letters(
+    scenes: Scenes, place: Place, cell: int, flights: Flights, hops: Hops, out: Bytes, room: int
+) -> int:
+    """Write the legs of the steady cycle of a cell that has one, as ``spell``; return their number.
+
+    ``flights`` and ``hops`` are scratch memory.
+    """
+    seek(scenes, place, cell)
+    point = point_at(scenes, place, no_directions())
+    at = thresholds(point.loads)
+    if at.hops:
+        return write_hopping_letters(point.loads, point.restitution, flights, hops, out, room)
+    return write_contact_letters(point.loads, at, out, room)
 
 
 def slips_back(scenes: Scenes, place: Place, out: Bytes, begin: int, end: int) -> None:

@@ -28,13 +28,17 @@ from vibro.core.waves import (
 )
 
 __all__ = [
-    "Hops", "Release", "Return", "no_hops", "release", "return_map", "with_same_ground_speed", "write_hop",
+    "CLOSE", "MOST_LEGS", "Hops", "Release", "Return", "is_chained", "landed", "no_hops", "release",
+    "return_map", "with_same_ground_speed", "write_hop",
 ]  # fmt: skip
 
-# [1] Legs of one contact, which lasts less than a drive cycle: four and more for each harmonic, or piece.
-_MOST_LEGS: Final = 20_000
-# [rad] An onset this close to the lift-off is at it: where a load jumps both are at the same phase.
-_CLOSE: Final = 1e-14
+#: [1] Legs of one contact, which lasts less than a drive cycle: four and more for each harmonic, or piece.
+MOST_LEGS: Final = 20_000
+#: [rad] An onset this close to the lift-off is at it: where a load jumps both are at the same phase.
+CLOSE: Final = 1e-14
+# Of marks: two numbers without a common divisor, whose product an int64 has room for; the second is prime.
+_RADIX: Final = 131
+_MARKS: Final = 2**55 - 55
 _FULL: Final = 5 ** (MOST_LETTERS - 1)  # [1] a pattern from here on has no room for another digit
 
 
@@ -90,7 +94,8 @@ class Return(NamedTuple):
     delay : float
         Derivative of the displacement with respect to the velocity at the start.
     pattern : int
-        Legs of the cycle, as digits of ``Mode`` to base 5; negative where cut after ``MOST_LETTERS``.
+        Legs of the cycle, as digits of ``Mode`` to base 5; of more than ``MOST_LETTERS`` legs a negative mark
+        of all of them.
     settled : bool
         Whether every slide was solved.
     """
@@ -209,11 +214,10 @@ def return_map(
         v = out.velocity
         top = max(abs(v + hops.high[row]), abs(v + hops.low[row]))
         path = v * hops.length[row] + hops.shift[row]
-        v += hops.gain[row]
-        left = max(abs(v) - hops.brake[row], 0.0)
+        v = landed(hops, row, v)
         out = Return(
-            math.copysign(left, v),
-            out.slope if left > 0.0 else 0.0,
+            v,
+            out.slope if abs(v) > 0.0 else 0.0,
             out.friction - math.copysign(hops.brake[row], v),
             out.displacement + path,
             max(out.peak, top),
@@ -228,11 +232,17 @@ def return_map(
     return out
 
 
+def landed(hops: Hops, row: int, velocity: float) -> float:
+    """Return the velocity after a flight and its impact; one that the impact stops keeps its sign."""
+    v = velocity + hops.gain[row]
+    return math.copysign(max(abs(v) - hops.brake[row], 0.0), v)
+
+
 def _contact(track: Track, out: Return, landing: float, rest: float, friction: float) -> Return:
     """Slide and rest from a landing until the lift-off; ``friction`` holds a body that stands there."""
     phase, left = landing, rest
     mode = mode_of(track.loads, landing, out.velocity, friction)
-    for _ in range(_MOST_LEGS):
+    for _ in range(MOST_LEGS):
         leg = contact_leg(track, mode, phase, out.velocity, left)
         out = Return(
             leg.velocity,
@@ -244,24 +254,30 @@ def _contact(track: Track, out: Return, landing: float, rest: float, friction: f
             _append(out.pattern, mode),
             out.settled and leg.settled,
         )
-        if not leg.length < left - _CLOSE:
+        if not leg.length < left - CLOSE:
             return out
-        phase, left = phase + leg.length, left - leg.length
-        if track.loads.waves.kind != SINE:
-            phase = wrap(phase)
-        mode = leg.next_mode
+        phase, left, mode = wrap(phase + leg.length), left - leg.length, leg.next_mode
     return out._replace(settled=False)
 
 
+def is_chained(track: Track, before: int, length: float) -> bool:
+    """Return whether a flight is one with the leg before it, as a chain of short ones is one flight.
+
+    A trough that moves along a sine has no such chains.
+    """
+    return track.loads.waves.kind != SINE and length < BOUNCE and before == Mode.FLIGHT
+
+
 def _with_flight(track: Track, pattern: int, length: float) -> int:
-    """Append a flight; off a trough that does not move along a sine a chain of short ones is one flight."""
-    chained = track.loads.waves.kind != SINE and length < BOUNCE and pattern % 5 == Mode.FLIGHT
-    return pattern if chained else _append(pattern, Mode.FLIGHT)
+    """Append a flight."""
+    return pattern if is_chained(track, abs(pattern) % 5, length) else _append(pattern, Mode.FLIGHT)
 
 
 def _append(pattern: int, digit: int) -> int:
-    """Append a leg to a pattern; a full one turns negative and stays as it is."""
-    return -abs(pattern) if abs(pattern) >= _FULL else 5 * pattern + digit
+    """Append a leg to a pattern; one that is full turns into a mark, whose last digit is still the leg's."""
+    if 0 <= pattern < _FULL:
+        return 5 * pattern + digit
+    return -(5 * (1 + _RADIX * (abs(pattern) % _MARKS) % _MARKS) + digit)
 
 
 class Release(NamedTuple):

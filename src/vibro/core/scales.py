@@ -125,7 +125,7 @@ def _enclosed(
 
 
 def _is_same(a: Classes, b: Classes) -> bool:
-    """Return whether two cycles have one pattern; of one that was cut the classes tell more."""
+    """Return whether two cycles have one pattern; marks of long ones might agree by chance."""
     return a.pattern == b.pattern and _alike(a, b)
 
 

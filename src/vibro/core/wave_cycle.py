@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
+from vibro.core.buffers import Bytes
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
 from vibro.core.elementary import TURN
-from vibro.core.legs import contact_leg, mode_of, next_onset, track_of
+from vibro.core.legs import next_onset, track_of
 from vibro.core.orbits import (
     HoppingCycle,
     Orbit,
@@ -29,14 +30,14 @@ from vibro.core.orbits import (
     others_on,
 )
 from vibro.core.return_map import Hops, no_hops, return_map
+from vibro.core.spelling import no_letters, spell
 from vibro.core.waves import STATIC_BACK, STATIC_FORWARD, nodes_of
 from vibro.core.windows import Thresholds
 
-__all__ = ["Classes", "canonical", "wave_classes", "wave_cycle"]
+__all__ = ["Classes", "canonical", "wave_classes", "wave_cycle", "write_contact_letters"]
 
 _ROUNDS: Final = 4  # [cycle] after which a body is near its motion, or slow to come there
 _MOST_WEIGHT: Final = 1e50  # [1] above which bodies slip next to no friction alone, and products overflow
-_MOST_LEGS: Final = 20_000  # as in return_map.py
 
 
 class Classes(NamedTuple):
@@ -45,7 +46,7 @@ class Classes(NamedTuple):
     Attributes
     ----------
     pattern : int
-        Digits of ``Mode``, as ``canonical`` gives them; 0 where the cycle is unknown.
+        Digits of ``Mode``, as ``canonical`` gives them, or a negative mark; 0 where the cycle is unknown.
     forward, back, rest : bool
         Whether the body slides forward, slides back, and rests; none of them where the cycle is unknown.
     """
@@ -105,6 +106,12 @@ def wave_classes(loads: Loads, at: Thresholds) -> Classes:
     if settled.home.status == Status.UNRESOLVED:
         return _unknown()
     return _classes_of(settled.cycle, settled.home)
+
+
+def write_contact_letters(loads: Loads, at: Thresholds, out: Bytes, room: int) -> int:
+    """Write the legs of a steady cycle that ``wave_cycle`` has found, as ``spell``; return their number."""
+    settled = _settle(loads, at)
+    return spell(settled.cycle, no_hops(), settled.home.velocity, out, room).number
 
 
 def _unknown() -> Classes:
@@ -170,10 +177,11 @@ def _regime_of(classes: Classes) -> int:
 
 
 def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
-    """Read the legs of a cycle from its pattern; follow it once more where that was cut."""
+    """Read the legs of a cycle from its pattern; follow it once more where that is a mark."""
     pattern = home.cycle.pattern
     if pattern < 0:
-        return _classes_along(cycle, home.velocity, pattern)
+        spelt = spell(cycle, no_hops(), home.velocity, no_letters(), 0)
+        return Classes(pattern, spelt.forward, spelt.back, spelt.rest)
     forward, back, rest, left = False, False, False, pattern
     while left > 0:
         mode = left % 5
@@ -183,24 +191,8 @@ def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
     return Classes(canonical(pattern), forward, back, rest)
 
 
-def _classes_along(cycle: HoppingCycle, velocity: float, pattern: int) -> Classes:
-    """Collect the legs of a cycle from the velocity with which it begins."""
-    track, forward, back, rest = cycle.track, False, False, False
-    phase, left = cycle.landing, cycle.rest
-    mode = mode_of(track.loads, phase, velocity, track.landed_friction)
-    for _ in range(_MOST_LEGS):
-        forward, back = forward or mode == Mode.FORWARD, back or mode == Mode.BACK
-        rest = rest or mode == Mode.REST
-        leg = contact_leg(track, mode, phase, velocity, left)
-        if not leg.length < left:
-            break
-        phase, left = phase + leg.length, left - leg.length
-        velocity, mode = leg.velocity, leg.next_mode
-    return Classes(pattern, forward, back, rest)
-
-
 def canonical(pattern: int) -> int:
-    """Turn the legs of a cycle, digits to base 5, so that their number is least; one that was cut stays.
+    """Turn the legs of a cycle, digits to base 5, so that their number is least; a mark stays.
 
     A leg that the cycle begins amid is one with that at its end.
     """

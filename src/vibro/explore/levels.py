@@ -181,8 +181,9 @@ class MapCells:
         """Solve up to so many further cells; return the number solved."""
         cells = self._waiting[self._done : self._done + count]
         found = self._grid.solve(self._grid.picked(cells))
-        for name, values in vars(found).items():
+        for name, values in found.arrays().items():
             getattr(self._solved, name).reshape(-1)[cells] = values
+        self._solved.long_patterns.update(found.long_patterns)
         self._exact.reshape(-1)[cells] = True
         self._done += cells.size
         return cells.size
@@ -192,16 +193,17 @@ class MapCells:
         cycle, exact = self._solved, self._exact.copy()
         known = np.ones(exact.shape, np.bool_)
         if not self._is_solved:
-            cells = {name: values.copy() for name, values in vars(cycle).items()}
+            cells = {name: values.copy() for name, values in cycle.arrays().items()}
             if self._line is not None and self._line.is_known:
                 self._line.show(cells, ~exact)
+                cycle.long_patterns.update(self._line.long_patterns)
             else:
                 source = self._neighbours()
                 far = ~exact & (source >= 0)
                 known = exact | far
                 for values in cells.values():
                     values[far] = values.reshape(-1)[source[far]]
-            cycle = SteadyCycle(**cells)
+            cycle = replace(cycle, **cells)
         self.shown = Shown(cycle, exact, known, self._limits, self.is_done, *self._progress())
 
     def _neighbours(self) -> Indices:
@@ -241,6 +243,8 @@ class _Line:
         How long the first of them took [s].
     spread : float
         Largest relative distance of a load between the ends from the nearest solved one.
+    long_patterns : dict of int to str
+        As in ``SteadyCycle``.
     """
 
     def __init__(self, grid: Grid, ends: tuple[float, float], load: Floats) -> None:
@@ -259,6 +263,7 @@ class _Line:
         self._given = {**fixed, "frequency": np.array([self._reference])}
         self._grid = grid
         self._found: dict[str, NDArray[Any]] = {}
+        self.long_patterns: dict[int, str] = {}
         self._stages = [_FIRST_BOUNCING if grid.fixed["restitution"] else _FIRST_LOADS, LOADS]
         self.took: float | None = None
 
@@ -294,8 +299,9 @@ class _Line:
         start = time.perf_counter()
         chosen = self._order[self._done : self._stages.pop(0)]
         found = self._grid.solve({**self._given, "amplitude": self._amplitudes[chosen]})
-        for name, values in vars(found).items():
+        for name, values in found.arrays().items():
             self._found.setdefault(name, np.zeros(LOADS, values.dtype))[chosen] = values
+        self.long_patterns.update(found.long_patterns)
         self._done += chosen.size
         self.took = time.perf_counter() - start if self.took is None else self.took
 

@@ -319,6 +319,6 @@ def _panel(result: SweepResult, view: View, facet_index: int, curve_index: int) 
         view.y,
         values,
         view.facet.name if view.facet else None,
-        {name: cut(field) for name, field in vars(result.cycle).items()},
+        {name: cut(field) for name, field in result.cycle.arrays().items()},
         {name: cut(getattr(result.limits, name)) for name in _CURVES} if result.limits else {},
     )

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vibro.core.codes import Regime, is_answered, pattern_texts
+from vibro.core.codes import Regime, is_answered
 from vibro.drives import Ability
 from vibro.errors import VibroError
 from vibro.motion.settled import SettledMotion, settled_motion
@@ -23,7 +23,7 @@ from vibro.steady import solve
 
 __all__ = ["HOPS", "SceneCycles", "labels_of", "scene_cycles"]
 
-Labels = NDArray[np.str_]
+Labels = NDArray[np.object_]  # of str
 
 #: Label of every scene that hops: their patterns are too many, and too close to each other.
 HOPS: Final = "H"
@@ -35,7 +35,7 @@ class SceneCycles:
 
     Attributes
     ----------
-    labels : str array, shape (M,)
+    labels : object array of str, shape (M,)
         Pattern of each, or ``HOPS``; empty where there is no steady cycle.
     fields : Drive
         Fields of the scenes, each of shape (M,).
@@ -127,7 +127,7 @@ def labels_of(values: Mapping[str, Any]) -> Labels:
 
 
 def _labels(cycle: SteadyCycle) -> Labels:
-    labels = np.where(is_answered(cycle.status), pattern_texts(cycle.pattern_code), "")
+    labels = np.where(is_answered(cycle.status), cycle.pattern, "")
     return np.where(cycle.regime == Regime.HOPPING, HOPS, labels)
 
 

@@ -16,7 +16,7 @@ from vibro.quantities import IN_GRAVITIES, LENGTH, MASS_FLOW, PER_MINUTE, PURE, 
 from vibro.reals import NotRealError, real_array
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -63,7 +63,8 @@ class Result:
     is_flag : bool
         Whether the codes are 0, 1 and, for unknown, -1.
     decode : callable, optional
-        From an array of codes to an array of texts, where there are too many to list.
+        From an array of codes and ``SteadyCycle.long_patterns`` to an array of texts, where there are too
+        many to list.
     in_contact : float, optional
         Its value in every cell in contact that is answered, where that is always the same.
     """
@@ -76,7 +77,7 @@ class Result:
     dtype: type = np.float64
     texts: tuple[str, ...] | None = None
     is_flag: bool = False
-    decode: Callable[[NDArray[Any]], NDArray[np.str_]] | None = None
+    decode: Callable[[NDArray[Any], Mapping[int, str]], NDArray[np.object_]] | None = None
     in_contact: float | None = None
 
     @property
@@ -204,16 +205,25 @@ class SteadyCycle:
             texts=tuple(status.label for status in Status),
         )
     )
+    long_patterns: dict[int, str] = field(default_factory=dict)
 
     @property
     def pattern(self) -> Any:
-        """Phases of the cycle as text: H flight, F forward slide, B back slide, _ rest; empty if none."""
-        return pattern_texts(np.asarray(self.pattern_code))[()]
+        """Phases of the cycle as text: H flight, F forward slide, B back slide, _ rest; empty if none.
+
+        A body that hops without a period has ``H...``. Texts differ in length, and arrays hold them as
+        objects.
+        """
+        return pattern_texts(np.asarray(self.pattern_code), self.long_patterns)[()]
 
     @property
     def model(self) -> Any:
         """The cheapest exact model that gave the answer, as text."""
         return np.array(MODELS)[self.model_code]
+
+    def arrays(self) -> dict[str, Any]:
+        """Results by name, each of the scene's shape."""
+        return {result.name: getattr(self, result.name) for result in RESULTS}
 
     def traverse_time(self, length: Any) -> Any:
         """Time to convey over a length at the mean speed.
@@ -263,7 +273,7 @@ def lengths_of(value: Any, shape: tuple[int, ...]) -> Floats:
 
 
 #: Fields of ``SteadyCycle``, in the order of a table's columns.
-RESULTS: Final = tuple(Result(name=f.name, **f.metadata) for f in fields(SteadyCycle))
+RESULTS: Final = tuple(Result(name=f.name, **f.metadata) for f in fields(SteadyCycle) if f.metadata)
 #: Fields that follow from it and a length.
 TRAVERSE_TIME: Final = Result(
     name="traverse_time",
@@ -328,4 +338,6 @@ SteadyCycle.__doc__ = (
         f" [{r.kind.si_unit or 1}]."
         for r in RESULTS
     )
+    + "\n    long_patterns : dict of int to str"
+    + "\n        Texts of the patterns that a code has no room for, by their codes; of other cells too."
 )

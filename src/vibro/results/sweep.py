@@ -49,7 +49,8 @@ class Column:
     is_flag : bool
         Whether the codes are 0, 1 and, for unknown, -1: written as numbers where the format allows.
     decode : callable, optional
-        From an array of codes to an array of texts, where there are too many to list.
+        From an array of codes and ``SteadyCycle.long_patterns`` to an array of texts, where there are too
+        many to list.
     """
 
     name: str
@@ -57,7 +58,7 @@ class Column:
     values: Callable[[Block], NDArray[Any]]
     texts: tuple[str, ...] | None = None
     is_flag: bool = False
-    decode: Callable[[NDArray[Any]], NDArray[np.str_]] | None = None
+    decode: Callable[[NDArray[Any], Mapping[int, str]], NDArray[np.object_]] | None = None
 
     @property
     def is_number(self) -> bool:
@@ -82,7 +83,7 @@ class Column:
         codes = self.values(block)
         if self.decode is not None:
             different, which = np.unique(codes, return_inverse=True)
-            return which.reshape(codes.shape), self.decode(different).astype(object)
+            return which.reshape(codes.shape), self.decode(different, block.cycle.long_patterns)
         texts = np.array(self.texts, dtype=object)
         return codes % texts.size, texts  # code -1 picks the last text
 

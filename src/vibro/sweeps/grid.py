@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from vibro.core.codes import Level
 from vibro.quantities import QUANTITIES, drive_of, kinetic_friction, scene_fields
-from vibro.results.steady import SteadyCycle
 from vibro.results.sweep import spread
 from vibro.scene import Scene
 from vibro.steady import solve
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.files.motions import GivenMotion
+    from vibro.results.steady import SteadyCycle
 
     Floats = NDArray[np.float64]
 
@@ -162,7 +162,7 @@ class Grid:
         first, last = start // length, -(-stop // length)
         cycle = self.solve(self._rows(first, last, inner), threads)
         asked = slice(start - first * length, stop - first * length)
-        return SteadyCycle(**{name: values.reshape(-1)[asked] for name, values in vars(cycle).items()})
+        return replace(cycle, **{name: x.reshape(-1)[asked] for name, x in cycle.arrays().items()})
 
     def _row(self, cells: int) -> int:
         """Return how many of the last axes make a row worth solving whole, with an axis left over; else 0."""

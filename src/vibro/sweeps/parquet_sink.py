@@ -132,7 +132,8 @@ def _array(column: Column, block: Block, digits: int | None, arrow: Any) -> Any:
         return _masked(codes.astype(np.int8, copy=False), codes >= 0, block.shape, arrow)
     if column.decode is not None:
         found = arrow.array(codes).dictionary_encode()  # it hashes where NumPy sorts
-        which, texts = found.indices.to_numpy(), column.decode(found.dictionary.to_numpy()).tolist()
+        which = found.indices.to_numpy()
+        texts = column.decode(found.dictionary.to_numpy(), block.cycle.long_patterns).tolist()
     else:
         texts = list(column.texts or ())
         which = np.where(codes < 0, np.int8(len(texts) - 1), codes)  # a remainder would take longer

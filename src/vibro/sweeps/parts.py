@@ -139,6 +139,7 @@ class Piece:
     stop: int
     temporary: str
     seconds: float
+    long_patterns: dict[int, str]
 
 
 def check_job(job: Job) -> None:
@@ -247,6 +248,7 @@ def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
     check_job(job)
     began = time.monotonic()
     solved: list[NDArray[Any]] = []
+    long_patterns: dict[int, str] = {}
     done, step = start, _FIRST_STEP
     short, long = _STEP_SECONDS
     try:
@@ -254,7 +256,9 @@ def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
             job.check_wanted()
             before = time.monotonic()
             end = min(done + step, stop)
-            solved.append(_packed(job.solve(done, end).cycle))
+            cycle = job.solve(done, end).cycle
+            solved.append(_packed(cycle))
+            long_patterns |= cycle.long_patterns
             done = end
             took = time.monotonic() - before
             step = min(2 * step, ROW_GROUP) if took < short else max(step // 2, 1) if took > long else step
@@ -262,7 +266,7 @@ def solve_piece(job: Job, part: int, start: int, stop: int) -> Piece | None:
             np.save(file, np.concatenate(solved))
     except _UnwantedError:
         return None
-    return Piece(part, start, done, Path(file.name).name, time.monotonic() - began)
+    return Piece(part, start, done, Path(file.name).name, time.monotonic() - began, long_patterns)
 
 
 def read_footer(metadata: Any) -> dict[str, Any] | None:
@@ -295,6 +299,7 @@ class _Solved:
     def __init__(self, job: Job, pieces: Sequence[Piece]) -> None:
         self._grid = job.plan.grid
         self._pieces = [(piece.start, piece.stop, job.folder / piece.temporary) for piece in pieces]
+        self._long_patterns = {code: text for p in pieces for code, text in p.long_patterns.items()}
 
     def block(self, start: int, stop: int) -> Block:
         """Return cells in a row."""
@@ -306,14 +311,15 @@ class _Solved:
                 if a < stop and start < b
             ]
         )
-        cycle = SteadyCycle(**{result.name: np.ascontiguousarray(cells[result.name]) for result in RESULTS})
+        arrays = {result.name: np.ascontiguousarray(cells[result.name]) for result in RESULTS}
+        cycle = SteadyCycle(**arrays, long_patterns=self._long_patterns)
         return Block(self._grid.cells(start, stop), cycle, self._grid.length)
 
 
 def _packed(cycle: SteadyCycle) -> NDArray[Any]:
     cells = np.empty(cycle.status.shape, _CELL)
-    for result in RESULTS:
-        cells[result.name] = getattr(cycle, result.name)
+    for name, values in cycle.arrays().items():
+        cells[name] = values
     return cells
 
 

@@ -67,7 +67,7 @@ def sweep_blocks(grid: Grid) -> Iterator[Block]:
         for piece in grid_blocks(cycle.status.shape, _BLOCK):
             yield Block(
                 {name: x[within(piece, x.shape)] for name, x in values.items()},
-                SteadyCycle(**{name: x[piece] for name, x in vars(cycle).items()}),
+                replace(cycle, **{name: x[piece] for name, x in cycle.arrays().items()}),
                 grid.length,
                 None if arrival is None else arrival[piece],
             )
@@ -138,7 +138,9 @@ def solved_picture(
     part = _grid_at(grid, indices)
     limits, point = limits_of(part.values()), grid.operating_point(operating_point)
     found = cells(results_drawn(pictures, has_limits=limits is not None), list(indices.values()))
-    results = {r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS}
+    results: dict[str, Any] = {
+        r.name: np.broadcast_to(np.nan if r.is_number else r.dtype(0), part.shape) for r in RESULTS
+    }
     results |= {name: values.reshape(part.shape) for name, values in found.items()}
     return SweepResult(part.axes, part.fixed, SteadyCycle(**results), limits, grid.length, point, title)
 
