@@ -29,7 +29,7 @@ from vibro.core.waves import (
     value_in_cell,
 )
 
-__all__ = ["Event", "behind", "find_nodes", "largest", "next_event", "number_of_nodes"]
+__all__ = ["Event", "behind", "find_nodes", "forget_nodes", "largest", "next_event", "number_of_nodes"]
 
 _VALUE_BOUND: Final = 1.0 / 384.0
 _SLOPE_BOUND: Final = 0.00801875373874480  # sqrt(3) / 216
@@ -99,6 +99,11 @@ def find_nodes(waves: Waves, row: int, mix: Mix) -> None:
             there = value_in_cell(waves, cell, constant, low + width)
         at_begin = at_end
     waves.mark[2 * row], waves.mark[2 * row + 1] = count, 1 if positive else 0
+
+
+def forget_nodes(waves: Waves, row: int) -> None:
+    """Mark a row as unknown: the number of its zeros is negative."""
+    waves.mark[2 * row] = -1
 
 
 def _keep(waves: Waves, start: int, count: int, phase: float) -> int:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.cells import Event, find_nodes, next_event
+from vibro.core.cells import Event, find_nodes, forget_nodes, next_event
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, mix_of, normal_load, tangential_load
 from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, free_motion, until, wrap, wrap_around
@@ -22,6 +22,7 @@ from vibro.core.wave_slides import slide_over_waves
 from vibro.core.waves import (
     FORCE,
     KINETIC_BACK,
+    KINETIC_FORWARD,
     NORMAL,
     SINE,
     STATIC_BACK,
@@ -130,9 +131,11 @@ def track_of(loads: Loads, restitution: float) -> Track:
 
 
 def _track_over_waves(loads: Loads, restitution: float) -> Track:
-    """Find where each load of a drive beyond one harmonic changes its sign."""
-    for row in range(STATIC_FORWARD, KINETIC_BACK + 1):
-        find_nodes(loads.waves, row, mix_of(loads, row))
+    """Find where each load of a drive beyond one harmonic changes its sign; slides look for theirs."""
+    find_nodes(loads.waves, STATIC_FORWARD, mix_of(loads, STATIC_FORWARD))
+    find_nodes(loads.waves, STATIC_BACK, mix_of(loads, STATIC_BACK))
+    forget_nodes(loads.waves, KINETIC_FORWARD)
+    forget_nodes(loads.waves, KINETIC_BACK)
     lift_off = INF
     if loads.drive_normal > loads.weight_normal:
         find_nodes(loads.waves, NORMAL, mix_of(loads, NORMAL))

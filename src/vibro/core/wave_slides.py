@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.cells import behind, number_of_nodes
+from vibro.core.cells import behind, find_nodes, number_of_nodes
 from vibro.core.drives import Loads, mix_of
 from vibro.core.elementary import EPS, INF, NAN, TURN, wrap
 from vibro.core.waves import (
@@ -160,7 +160,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
     Parameters
     ----------
     loads : Loads
-        Groups of the scene, whose rows of zeros are known.
+        Groups of the scene; zeros of its load beyond kinetic friction are found when first needed.
     way : float
         +1.0 forward, -1.0 back.
     phase, speed : float
@@ -171,6 +171,8 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
     waves = loads.waves
     row = KINETIC_FORWARD if way > 0.0 else KINETIC_BACK
     mix, phase = mix_of(loads, row), wrap(phase)
+    if number_of_nodes(waves, row) < 0:
+        find_nodes(waves, row, mix)
     fall = Fall(waves, mix, phase, depart(waves, mix, phase), False, speed, 0.0)
     count = number_of_nodes(waves, row)
     if count == 0:
