@@ -19,8 +19,8 @@ from helpers.waves import (
 )
 
 import vibro
-from vibro.core.cells import find_nodes, largest
-from vibro.core.drives import mix_of, wave_loads
+from vibro.core.cells import forget_nodes, largest
+from vibro.core.drives import wave_loads
 from vibro.core.elementary import TURN
 from vibro.core.wave_slides import WaveSlide, slide_over_waves
 from vibro.core.waves import KINETIC_BACK, KINETIC_FORWARD, Mix
@@ -50,17 +50,17 @@ class Body:
         self.normal = float(rng.uniform(0.3, 3.0)) * (most if most > 0.0 else 1.0)
         self.lean = self.mu_d * self.normal * float(rng.uniform(-0.9, 0.9))
         self.loads = wave_loads(waves, most, self.normal, self.lean, self.mu_s, self.mu_d)
-        self._know()
+        self._forget()
 
-    def _know(self) -> None:
+    def _forget(self) -> None:
         for row in (KINETIC_FORWARD, KINETIC_BACK):
-            find_nodes(self.loads.waves, row, mix_of(self.loads, row))
+            forget_nodes(self.loads.waves, row)
 
     def leaning(self, lean: float) -> Body:
         """Turn the trough: gravity along it."""
         self.lean, loads = lean, self.loads
         self.loads = wave_loads(loads.waves, loads.drive_normal, self.normal, lean, self.mu_s, self.mu_d)
-        self._know()
+        self._forget()
         return self
 
     def pull(self, p: Any) -> Any:

@@ -74,7 +74,7 @@ def test_integrals_of_harmonics_have_all_digits_however_short(harmonics: int) ->
         waves = harmonic_waves(drawn_harmonics(rng, harmonics), drawn_harmonics(rng, harmonics))
         mix = Mix(*rng.normal(size=3))
         phase, s = rng.uniform(0.0, TURN), 10.0 ** rng.uniform(-9.0, 2.0)
-        value = depart(waves, mix, phase)
+        value = depart(waves, mix, phase).load
         assert value == pytest.approx(load_at(waves, mix, phase), rel=0.0, abs=1e-14 * harmonics)
         if i % 2:
             value = 0.0  # as at a lift-off
@@ -149,7 +149,7 @@ def test_integrals_of_pieces(count: int) -> None:
         mixed = -(mix.along * pieces[0] + mix.normal * pieces[1])
         mixed[:, 0] += mix.constant
         phase, s = rng.uniform(0.0, TURN), 10.0 ** rng.uniform(-6.0, 1.5)
-        value = depart(waves, mix, phase)
+        value = depart(waves, mix, phase).load
         size = float(np.abs(mixed).sum(axis=1).max())
         assert value == pytest.approx(
             float(piecewise_value(breaks, mixed, phase)), rel=0.0, abs=64.0 * EPS * size

@@ -283,7 +283,7 @@ def _path(
 ) -> Path:
     """Set out towards a target under the loads of a row, which are a sine less a drag for one harmonic."""
     waves, mix = loads.waves, mix_of(loads, row)
-    load = depart(waves, mix, phase) if waves.kind != SINE else 0.0
+    load = depart(waves, mix, phase).load if waves.kind != SINE else 0.0
     return Path(amplitude, drag, phase, now.velocity, target, waves, mix, load)
 
 

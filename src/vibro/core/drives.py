@@ -235,7 +235,7 @@ def free_along(loads: Loads, phase: float, velocity: float, s: float) -> Motion:
         a, t = loads.drive_tangential, loads.weight_tangential
         return free_motion(a, t, along_sine(loads, phase), along_cosine(loads, phase), velocity, s)
     mix = mix_of(loads, FORCE)
-    flown = moved(waves, mix, phase, depart(waves, mix, phase), s)
+    flown = moved(waves, mix, phase, depart(waves, mix, phase).load, s)
     return Motion(velocity * s + flown.path, velocity + flown.velocity)
 
 
@@ -246,7 +246,7 @@ def free_normal(loads: Loads, phase: float, velocity: float, s: float) -> Motion
         sine, cosine = math.sin(phase), math.cos(phase)
         return free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, velocity, s)
     mix = mix_of(loads, NORMAL)
-    fallen = moved(waves, mix, phase, depart(waves, mix, phase), s)
+    fallen = moved(waves, mix, phase, depart(waves, mix, phase).load, s)
     return Motion(velocity * s - fallen.path, velocity - fallen.velocity)
 
 

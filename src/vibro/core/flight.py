@@ -343,7 +343,7 @@ def tangent_map(bed: Bed, restitution: float, phase: float, flown: Flight) -> Ta
 
 def _changed(bed: Bed, phase: float, s: float) -> tuple[float, float]:
     """Return by how much -N/n has changed since a phase, and the integral of that."""
-    value = depart(bed.waves, bed.lift, phase)
+    value = depart(bed.waves, bed.lift, phase).load
     if bed.waves.kind == PIECES:
         since = moved(bed.waves, bed.lift, phase, value, s)
         return since.load - value, since.velocity - value * s

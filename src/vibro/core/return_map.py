@@ -158,7 +158,7 @@ def _write_over_waves(
     """Do the same for a drive beyond one harmonic; extremes lie where the load along changes its sign."""
     waves, mix = loads.waves, mix_of(loads, FORCE)
     phase = wrap(phase)
-    value = depart(waves, mix, phase)
+    value = depart(waves, mix, phase).load
     flown = moved(waves, mix, phase, value, length)
     high, low = max(flown.velocity, 0.0), min(flown.velocity, 0.0)
     for i in range(number_of_nodes(waves, FORCE)):

@@ -13,7 +13,7 @@ from typing import Final
 
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.elementary import INF, NAN, TURN, wrap
-from vibro.core.wave_slides import Crossing, Fall, ahead, crossing, first_ahead, level
+from vibro.core.wave_slides import Crossing, Fall, Left, ahead, crossing, first_ahead, left_after
 from vibro.core.waves import HARMONICS, NORMAL, Mix, Moved, Waves, depart, trough_at
 
 __all__ = ["fly_over_waves"]
@@ -36,35 +36,39 @@ def fly_over_waves(waves: Waves, lift: Mix, phase: float, speed: float, lifted: 
         Whether it is at a zero of N: then N is 0 there exactly, unless it jumps.
     """
     phase = wrap(phase)
-    load = depart(waves, lift, phase)
+    load = depart(waves, lift, phase).load
     if lifted and waves.kind == HARMONICS:
         load = 0.0
     fall = Fall(waves, lift, phase, load, True, 0.0, speed)
     up, down = _above_all(waves, lift, phase, speed)
-    count, index, low, rate = number_of_nodes(waves, NORMAL), first_ahead(waves, NORMAL, phase), 0.0, speed
+    count, index = number_of_nodes(waves, NORMAL), first_ahead(waves, NORMAL, phase)
+    low = Left(0.0, 0.0, speed, load)
     for _ in range(_MOST_PIECES):
         far = ahead(waves, NORMAL, phase, index)
         concave = not behind(waves, NORMAL, index % count)
-        rises_away = low < up <= far
+        rises_away = low.phase < up <= far
         if rises_away:
             far = up
-        if far > low:
-            height_then, rate_then = level(fall, far)
-            if concave and height_then <= 0.0 and not (rises_away and rate_then >= 0.0):
-                landing = _over_crest(fall, low, far)
+        if far > low.phase:
+            high, landing = left_after(fall, far), _none()
+            if concave and high.value <= 0.0 and not (rises_away and high.rate >= 0.0):
+                landing = _over_crest(fall, low, high)
+            elif not concave and low.rate < 0.0:
+                landing = _through_hollow(fall, low, high)
+            if not math.isnan(landing.phase):
                 return landing.phase, max(-(speed + landing.moved.velocity), 0.0)
-            if not concave and rate < 0.0:
-                landing = _through_hollow(fall, low, far)
-                if not math.isnan(landing.phase):
-                    return landing.phase, max(-(speed + landing.moved.velocity), 0.0)
-            low, rate = far, rate_then
+            low = high
         index += 1
         if rises_away:
-            low = down
-            _, rate = level(fall, low)
-            turns = math.floor((phase + low) / TURN)
-            index = first_ahead(waves, NORMAL, phase + low - TURN * turns) + count * int(turns)
+            low = left_after(fall, down)
+            turns = math.floor((phase + down) / TURN)
+            index = first_ahead(waves, NORMAL, phase + down - TURN * turns) + count * int(turns)
     return NAN, NAN
+
+
+def _none() -> Crossing:
+    """Stand for no landing."""
+    return Crossing(NAN, Moved(NAN, NAN, NAN, NAN))
 
 
 def _above_all(waves: Waves, lift: Mix, phase: float, speed: float) -> tuple[float, float]:
@@ -81,32 +85,31 @@ def _above_all(waves: Waves, lift: Mix, phase: float, speed: float) -> tuple[flo
     return lift.normal * 2.0 * (waves.height - height) / (rise + root), rise + root
 
 
-def _over_crest(fall: Fall, low: float, high: float) -> Crossing:
+def _over_crest(fall: Fall, low: Left, high: Left) -> Crossing:
     """Return the landing in a concave piece at whose end the body would be below the trough."""
-    height, rate = level(fall, low)
-    height_then, rate_then = level(fall, high)
-    if rate > 0.0:  # the take-off is a zero too: begin at the top
-        low = crossing(fall._replace(height=False, value=fall.rate), low, high, rate, rate_then).phase
-        height, rate = level(fall, low)
-    return crossing(fall, low, high, height, height_then)
+    if low.rate > 0.0:  # the take-off is a zero too: begin at the top
+        low = _turn(fall, low, high)
+    return crossing(fall, low, high)
 
 
-def _through_hollow(fall: Fall, low: float, high: float) -> Crossing:
+def _through_hollow(fall: Fall, low: Left, high: Left) -> Crossing:
     """Return the landing in a convex piece that begins downwards; NaN if there is none.
 
     Tangents at both ends bound the height from below.
     """
-    none = Crossing(NAN, Moved(NAN, NAN, NAN, NAN))
-    height, rate = level(fall, low)
-    height_then, rate_then = level(fall, high)
-    if height_then > 0.0:
-        if rate_then <= 0.0:
-            return none
-        meets = (height_then - height - rate_then * (high - low)) / (rate - rate_then)
-        if height + rate * meets > 0.0:
-            return none
-        high = crossing(fall._replace(height=False, value=fall.rate), low, high, rate, rate_then).phase
-        height_then, rate_then = level(fall, high)
-        if height_then > 0.0:
-            return none
-    return crossing(fall, low, high, height, height_then)
+    if high.value > 0.0:
+        if high.rate <= 0.0:
+            return _none()
+        meets = (high.value - low.value - high.rate * (high.phase - low.phase)) / (low.rate - high.rate)
+        if low.value + low.rate * meets > 0.0:
+            return _none()
+        high = _turn(fall, low, high)
+        if high.value > 0.0:
+            return _none()
+    return crossing(fall, low, high)
+
+
+def _turn(fall: Fall, low: Left, high: Left) -> Left:
+    """Return the top, or the bottom, between phases at which the body rises and falls."""
+    rate = fall._replace(height=False, value=fall.rate)
+    return left_after(fall, crossing(rate, left_after(rate, low.phase), left_after(rate, high.phase)).phase)

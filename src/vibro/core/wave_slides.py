@@ -20,15 +20,22 @@ from vibro.core.waves import (
     Mix,
     Moved,
     Waves,
+    at_nodes_of,
     depart,
     moved,
     nodes_of,
+    part_of,
 )
 
-__all__ = ["Crossing", "Fall", "WaveSlide", "ahead", "crossing", "first_ahead", "slide_over_waves"]
+__all__ = [
+    "Crossing", "Fall", "Left", "WaveSlide", "ahead", "crossing", "first_ahead", "left_after",
+    "slide_over_waves",
+]  # fmt: skip
 
 _STEPS: Final = 100  # of Halley's iteration with halvings, in a bracket
 _SETTLED: Final = 0.1 * EPS  # [1] error, over the phase, that Halley's next step may have
+# [A w] Below this a difference of integrals would leave too few digits of a change of the speed.
+_SMALL: Final = 0.01
 _MOST_BEND: Final = 0.5  # [1] share of the rate that the curvature may change over a step
 # [turn] A slide that outlasts so many turns never ends: a phase has no digit left to say where.
 _MOST_TURNS: Final = 1e15
@@ -63,15 +70,24 @@ def fallen(fall: Fall, s: float) -> Moved:
     return moved(fall.waves, fall.mix, fall.phase, fall.load, s)
 
 
-def level(fall: Fall, s: float) -> tuple[float, float]:
-    """Return what is left after a phase, and its rate."""
+class Left(NamedTuple):
+    """What is left a phase after the start, its rate, and its second derivative."""
+
+    phase: float
+    value: float
+    rate: float
+    bend: float
+
+
+def left_after(fall: Fall, s: float) -> Left:
+    """Return what is left after a phase."""
     return _left(fall, s, fallen(fall, s))
 
 
-def _left(fall: Fall, s: float, now: Moved) -> tuple[float, float]:
+def _left(fall: Fall, s: float, now: Moved) -> Left:
     if fall.height:
-        return fall.value + (fall.rate * s + now.path), fall.rate + now.velocity
-    return fall.value + now.velocity, now.load
+        return Left(s, fall.value + (fall.rate * s + now.path), fall.rate + now.velocity, now.load)
+    return Left(s, fall.value + now.velocity, now.load, now.slope)
 
 
 class Crossing(NamedTuple):
@@ -81,29 +97,29 @@ class Crossing(NamedTuple):
     moved: Moved
 
 
-def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float) -> Crossing:
+def crossing(fall: Fall, low: Left, high: Left) -> Crossing:
     """Find where nothing is left, between phases at which values have opposite signs, or are 0.
 
-    Halley's iteration in the bracket that its steps leave, from the zero of the cubic that is level at both
-    ends; halving where it converges slowly, next to a double zero.
+    Halley's iteration in the bracket that its steps leave; halving where it converges slowly, next to a
+    double zero.
     """
-    lost = min(max(at_low / (at_low - at_high), 0.0), 1.0) if at_low != at_high else 0.0
-    x = low + (high - low) * (0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0))
-    falls, before, begin, end = at_low > at_high, high - low, low, high
+    begin, end, falls = low.phase, high.phase, low.value > high.value
+    width = end - begin
+    x, before, step, least, most = begin + width * _share(low, high), width, 0.0, begin, end
     now = fallen(fall, x)
     for _ in range(_STEPS):
-        value, rate = _left(fall, x, now)
-        if (value > 0.0) == falls:
-            low = x
+        here = _left(fall, x, now)
+        if (here.value > 0.0) == falls:
+            least = x
         else:
-            high = x
-        step = -value / rate if rate != 0.0 else INF
-        bend = -0.5 * step * (now.load if fall.height else now.slope)
-        if abs(bend) < _MOST_BEND * abs(rate):
-            step *= rate / (rate - bend)
-        inside = value == 0.0 or (low <= x + step <= high and abs(step) < 0.5 * before)
+            most = x
+        step = -here.value / here.rate if here.rate != 0.0 else INF
+        bend = -0.5 * step * here.bend
+        if abs(bend) < _MOST_BEND * abs(here.rate):
+            step *= here.rate / (here.rate - bend)
+        inside = here.value == 0.0 or (least <= x + step <= most and abs(step) < 0.5 * before)
         if not inside:
-            step = 0.5 * (low + high) - x
+            step = 0.5 * (least + most) - x
         before = abs(step)
         x += step
         # the next step would be of the cube of this one, over the square of the distance from a double zero,
@@ -113,6 +129,30 @@ def crossing(fall: Fall, low: float, high: float, at_low: float, at_high: float)
             return Crossing(x, _onward(now, step))
         now = fallen(fall, x)
     return Crossing(x, now)
+
+
+def _share(low: Left, high: Left) -> float:
+    """Return where between two phases nothing is left, about, as a share of the way.
+
+    From the zero of the cubic that is level at both ends, two steps of Newton's towards that of the
+    polynomial that has the rates and the second derivatives there too.
+    """
+    fall = low.value - high.value
+    if fall == 0.0:
+        return 0.5
+    lost = min(max(low.value / fall, 0.0), 1.0)
+    x = 0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0)
+    d = high.phase - low.phase
+    p, q, u, w = d * low.rate, d * high.rate, 0.5 * d * d * low.bend, 0.5 * d * d * high.bend
+    a3 = -10.0 * fall - 6.0 * p - 4.0 * q - 3.0 * u + w
+    a4 = 15.0 * fall + 8.0 * p + 7.0 * q + 3.0 * u - 2.0 * w
+    a5 = -6.0 * fall - 3.0 * (p + q) - u + w
+    for _ in range(2):
+        value = low.value + x * (p + x * (u + x * (a3 + x * (a4 + x * a5))))
+        rate = p + x * (2.0 * u + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))
+        onward = x - value / rate if rate != 0.0 else x
+        x = onward if 0.0 < onward < 1.0 else x
+    return x
 
 
 def _onward(now: Moved, s: float) -> Moved:
@@ -172,8 +212,9 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
     row = KINETIC_FORWARD if way > 0.0 else KINETIC_BACK
     mix, phase = mix_of(loads, row), wrap(phase)
     if number_of_nodes(waves, row) < 0:
-        find_nodes(waves, row, mix)
-    fall = Fall(waves, mix, phase, depart(waves, mix, phase), False, speed, 0.0)
+        _find(waves, row, mix)
+    start = depart(waves, mix, phase)
+    fall = Fall(waves, mix, phase, start.load, False, speed, 0.0)
     count = number_of_nodes(waves, row)
     if count == 0:
         return _monotone(fall, limit)
@@ -183,22 +224,24 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
         # rounding has put the onset in front of the phase from which the load exceeds friction
         index, rises = index + 1, False
     drop = -TURN * mix.constant
-    low, at_low, top, least, minima = 0.0, speed, speed, INF, 0
+    low, top, least, minima = Left(0.0, speed, start.load, start.slope), speed, INF, 0
     while True:
         far = ahead(waves, row, phase, index)
-        end = min(far, limit)
-        then = fallen(fall, end)
-        at_end = speed + then.velocity
-        if at_end <= 0.0 and rises:
-            return _stopped(fall, crossing(fall, low, end, at_low, at_end), top)
-        top = max(top, at_end)
         if far >= limit:
-            return WaveSlide(limit, False, max(at_end, 0.0), top, speed * limit + then.path)
+            then = fallen(fall, limit)
+            high = _left(fall, limit, then)
+            if not (high.value <= 0.0 and rises):
+                end = max(high.value, 0.0)
+                return WaveSlide(limit, False, end, max(top, high.value), speed * limit + then.path)
+        else:
+            high = _at_node(fall, row, index, far, start.integral)
+        if high.value <= 0.0 and rises:
+            return _stopped(fall, crossing(fall, low, high), top)
+        top = max(top, high.value)
         if rises:
-            least = min(least, at_end)
+            least = min(least, high.value)
             minima += 2
-        low, at_low = far, at_end
-        index, rises = index + 1, not rises
+        low, index, rises = high, index + 1, not rises
         if minima >= count and rises and limit == INF:
             # all minima of a turn were passed, and all maxima: each turn takes as much from them
             if not drop > 0.0 or least / drop > _MOST_TURNS:
@@ -206,9 +249,27 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
             turns = math.floor(least / drop)
             if turns >= 1.0:
                 index += count * int(turns)
-                low = ahead(waves, row, phase, index - 1)
-                at_low = speed + fallen(fall, low).velocity
+                low = _at_node(fall, row, index - 1, ahead(waves, row, phase, index - 1), start.integral)
             least, minima = INF, 0
+
+
+def _find(waves: Waves, row: int, mix: Mix) -> None:
+    """Find the zeros of a load beyond kinetic friction, its integral and its slope there."""
+    find_nodes(waves, row, mix)
+    nodes, values, part = nodes_of(waves, row), at_nodes_of(waves, row), part_of(waves)
+    for i in range(number_of_nodes(waves, row)):
+        at = depart(waves, mix, waves.number[nodes + i])
+        waves.number[values + i], waves.number[values + part + i] = at.integral, at.slope
+
+
+def _at_node(fall: Fall, row: int, index: int, far: float, integral: float) -> Left:
+    """Return what is left at a zero of the load, from its integrals there and at the start."""
+    waves, values = fall.waves, at_nodes_of(fall.waves, row)
+    node = values + index % number_of_nodes(waves, row)
+    gain = fall.mix.constant * far + (waves.number[node] - integral)
+    if abs(gain) < _SMALL:
+        gain = fallen(fall, far).velocity
+    return Left(far, fall.value + gain, 0.0, waves.number[node + part_of(waves)])
 
 
 def _monotone(fall: Fall, limit: float) -> WaveSlide:
@@ -219,12 +280,13 @@ def _monotone(fall: Fall, limit: float) -> WaveSlide:
             return WaveSlide(INF, False, NAN, NAN, NAN)
         limit = TURN * (math.floor(fall.value / drop) + 1.0)
     then = fallen(fall, limit)
-    at_end = fall.value + then.velocity
-    if at_end > 0.0:
-        return WaveSlide(limit, False, at_end, max(fall.value, at_end), fall.value * limit + then.path)
+    high = _left(fall, limit, then)
+    if high.value > 0.0:
+        path = fall.value * limit + then.path
+        return WaveSlide(limit, False, high.value, max(fall.value, high.value), path)
     if fall.value == 0.0:
         return WaveSlide(0.0, True, 0.0, 0.0, 0.0)
-    return _stopped(fall, crossing(fall, 0.0, limit, fall.value, at_end), fall.value)
+    return _stopped(fall, crossing(fall, left_after(fall, 0.0), high), fall.value)
 
 
 def _stopped(fall: Fall, stop: Crossing, top: float) -> WaveSlide:
