@@ -416,3 +416,22 @@ def test_parts_that_must_stand_are_refused_with_a_remedy() -> None:
     with pytest.raises(InputError, match="beside a drive that is a given motion") as caught:
         read_spec(asked)
     assert "leave [part] out" in caught.value.hint
+
+
+def test_a_speed_that_does_not_depend_on_the_scale_takes_no_more_scales(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On a level drive of steps rounding makes an extremum of every third scale, up to the largest."""
+    motion = vibro.Motion.steps(along=[(0.8, 6.9), (0.2, -27.6)])
+    scene = vibro.Scene(motion=motion, frequency=5.0, static_friction=0.5, kinetic_friction=0.4)
+    solved = []
+
+    def counted(scene: vibro.Scene, **options: Any) -> vibro.SteadyCycle:
+        solved.append(math.prod(scene.shape))
+        return vibro.solve(scene, **options)
+
+    monkeypatch.setattr("vibro.inverse.windows.solve", counted)
+    (interval,) = vibro.feasible_amplitudes(scene, 0.1)
+    assert interval.low == pytest.approx(0.5210559900755547, rel=1e-12)
+    assert interval[1:] == (math.inf, "speed", "limit")
+    assert sum(solved) < 10_000
