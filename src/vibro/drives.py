@@ -30,6 +30,7 @@ __all__ = ["KINDS", "Ability", "Columns", "Drive", "Ellipse", "Harmonics", "Line
 _ONE: Final = np.ones(())
 _NOTHING: Final = np.full((), np.nan)
 _POINTS: Final = 64  # points of the path per harmonic, which bracket the farthest one
+_TOGETHER: Final = 65_536  # of such points are looked at in one pass: they stay in the processor's cache
 _STEPS: Final = 6  # of Newton's method from there; each squares the error, which begins at 1e-3
 
 
@@ -479,39 +480,53 @@ def _moved_of(scene: Any) -> _MovedFields:
 
 
 def _farthest(fields: Harmonics, derivative: int) -> Floats:
-    """Return the largest distance of a path from the origin, or of its n-th derivative over w^n.
+    """Return the largest distance of each path from the origin, or of its n-th derivative over w^n."""
+    waves, shape = _waves_of(fields)
+    _, count, paths = waves.shape
+    step = max(_TOGETHER // (_POINTS * count), 1)
+    found = [_farthest_of(waves[..., i : i + step], derivative) for i in range(0, paths, step)]
+    return np.reshape(np.concatenate([*found, np.zeros(0)]), shape)
 
-    Its square is a trigonometric polynomial of degree 2 H. Parabolas through neighbouring points find its
-    highest maximum to within 1e-6 of the value, and Newton's method refines that one.
+
+def _waves_of(fields: Harmonics) -> tuple[Floats, tuple[int, ...]]:
+    """Return amplitudes and phases along, then those normal, of shape (4, H, paths); and the paths' shape."""
+    arrays = np.broadcast_arrays(*(x for part in fields[:4] for x in part))
+    return np.reshape(arrays, (4, len(fields[0]), -1)), arrays[0].shape
+
+
+def _farthest_of(waves: Floats, derivative: int) -> Floats:
+    """Return ``_farthest`` of waves of shape (4, H, paths).
+
+    The square of the distance is a trigonometric polynomial of degree 2 H. Parabolas through neighbouring
+    points find its highest maximum to within 1e-6 of the value, and Newton's method refines that one.
     """
-    count, unit = len(fields.along_amplitudes), _largest_amplitude(*fields[0], *fields[2])
-    waves = [
-        [(n, n**derivative * (x / unit), phase) for n, (x, phase) in enumerate(zip(*part, strict=True), 1)]
-        for part in (fields[0:2], fields[2:4])
-    ]
+    _, count, paths = waves.shape
+    unit, n = _largest_amplitude(*waves[0], *waves[2]), np.arange(1, count + 1)
+    sizes = n[:, np.newaxis] ** derivative * (waves[::2] / unit)
+    ways = list(zip(sizes, waves[1::2], strict=True))
 
-    def square(p: Any) -> tuple[Floats, Floats, Floats]:
-        """Return the squared distance at a phase, and its first two derivatives."""
+    def square(p: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the squared distance at a phase of each path, and its first two derivatives."""
         value, slope, bend = np.zeros(()), np.zeros(()), np.zeros(())
-        for part in waves:
-            s = sum(x * np.sin(n * p + phase) for n, x, phase in part)
-            d = sum(n * x * np.cos(n * p + phase) for n, x, phase in part)
-            dd = sum(-n * n * x * np.sin(n * p + phase) for n, x, phase in part)
+        for way in ways:
+            harmonics = list(zip(n, *way, strict=True))
+            s = sum(x * np.sin(k * p + phase) for k, x, phase in harmonics)
+            d = sum(k * x * np.cos(k * p + phase) for k, x, phase in harmonics)
+            dd = sum(-k * k * x * np.sin(k * p + phase) for k, x, phase in harmonics)
             value, slope, bend = value + s * s, slope + 2.0 * s * d, bend + 2.0 * (d * d + s * dd)
         return value, slope, bend
 
     step = 2.0 * np.pi / (_POINTS * count)
-    before, here = square(-step)[0], square(0.0)[0]
-    top, at = np.asarray(here), np.zeros(np.shape(here))
-    for i in range(_POINTS * count):
-        after = square((i + 1) * step)[0]
-        rise, bend = 0.5 * (after - before), after - 2.0 * here + before
-        peaks = (bend < 0.0) & (np.abs(rise) <= -bend)
-        offset = np.where(peaks, -rise / np.where(peaks, bend, -1.0), 0.0)
-        guess = here + np.where(peaks, 0.5 * rise * offset, 0.0)
-        higher = guess > top
-        top, at = np.where(higher, guess, top), np.where(higher, (i + offset) * step, at)
-        before, here = here, after
+    angles = step * np.outer(np.arange(_POINTS * count), n)
+    sine, cosine = np.sin(angles), np.cos(angles)
+    distances = [sine @ (x * np.cos(phase)) + cosine @ (x * np.sin(phase)) for x, phase in ways]
+    here = sum(np.square(x) for x in distances)
+    before, after = np.roll(here, 1, axis=0), np.roll(here, -1, axis=0)
+    rise, bend = 0.5 * (after - before), after - 2.0 * here + before
+    peaks = (bend < 0.0) & (np.abs(rise) <= -bend)
+    offset = np.where(peaks, -rise / np.where(peaks, bend, -1.0), 0.0)
+    highest = np.argmax(here + 0.5 * rise * offset, axis=0)
+    at = step * (highest + offset[highest, np.arange(paths)])
     best = np.sqrt(square(at)[0])
     for _ in range(_STEPS):
         _, slope, bend = square(at)
@@ -522,12 +537,12 @@ def _farthest(fields: Harmonics, derivative: int) -> Floats:
 
 def _widest(fields: Harmonics) -> Floats:
     """Return the largest distance between two points of a path, of each path by itself."""
-    count = len(fields.along_amplitudes)
-    arrays = np.broadcast_arrays(*(x for part in fields[:4] for x in part))
-    shape, n = arrays[0].shape, np.arange(1, count + 1)[:, np.newaxis]
+    waves, shape = _waves_of(fields)
+    count = waves.shape[1]
+    n = np.arange(1, count + 1)[:, np.newaxis]
     phases = np.linspace(0.0, 2.0 * np.pi, _POINTS * count, endpoint=False)
     strokes = []
-    for x, xi, y, eta in np.reshape(arrays, (4, count, -1)).transpose(2, 0, 1)[..., np.newaxis]:
+    for x, xi, y, eta in waves.transpose(2, 0, 1)[..., np.newaxis]:
 
         def path(p: Floats, x: Floats = x, xi: Floats = xi, y: Floats = y, eta: Floats = eta) -> Any:
             angles = [n * p + phase for phase in (xi, eta)]

@@ -250,9 +250,8 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     """
     if scene.shape:
         raise SceneError((Problem("scene", f"shape {scene.shape}", "one operating point, of shape ()"),))
-    loads, now, reach = critical_loads(scene), float(scene.load), float(scene.reach)
-    hop = float(loads.hop)
-    intervals = _of_one_harmonic(loads) if scene.motion is None else _of_any_motion(scene, loads, now)
+    now, reach = float(scene.load), float(scene.reach)
+    hop, intervals = _of_one_harmonic(scene) if scene.motion is None else _of_any_motion(scene, now)
     found = []
     for name, load, end in [*intervals, (_HOP, hop, math.inf)]:
         if not 0.0 < load < math.inf or (name != _HOP and load >= hop):
@@ -267,9 +266,9 @@ def transitions(scene: Scene) -> tuple[Transition, ...]:
     return tuple(sorted(found, key=lambda transition: transition.amplitude))
 
 
-def _of_one_harmonic(loads: CriticalLoads) -> list[tuple[str, float, float]]:
-    """Return the loads between which motions last, by their names; all end at the hop."""
-    forward, back, never = _CLASSES
+def _of_one_harmonic(scene: Scene) -> tuple[float, list[tuple[str, float, float]]]:
+    """Return the load of the hop, and those between which motions last, by their names: all end there."""
+    loads, (forward, back, never) = critical_loads(scene), _CLASSES
     for_forward, for_back = _LOADS
     # where back slip comes first its slides may outlast the forward window
     firsts = [
@@ -279,29 +278,31 @@ def _of_one_harmonic(loads: CriticalLoads) -> list[tuple[str, float, float]]:
     ]
     if not math.isclose(loads.back_onset, loads.back_slip, rel_tol=_SAME):
         firsts.append((for_back, loads.back_onset))
-    return [(name, float(first), float(loads.hop)) for name, first in firsts]
+    hop = float(loads.hop)
+    return hop, [(name, float(first), hop) for name, first in firsts]
 
 
-def _of_any_motion(scene: Scene, loads: CriticalLoads, now: float) -> list[tuple[str, float, float]]:
-    """Return the loads between which classes last, by their names, of a motion beyond one harmonic."""
+def _of_any_motion(scene: Scene, now: float) -> tuple[float, list[tuple[str, float, float]]]:
+    """Return the same of a motion beyond one harmonic, at the load ``now``: its classes have intervals."""
     grid, room, counts = Grid(scene.arrays()), _ROOM, np.zeros(2 * CLASSES + 1, np.int64)
     while True:
-        out = np.empty((CLASSES, room, 2))
+        out = np.empty(2 * CLASSES * room + 3)
         doors().class_scales(grid.scenes, grid.place(), doors().row(out), doors().row(counts), room)
         most = int(counts[:CLASSES].max())
         if most <= room:
             break
         room = most
+    hop, *onsets = (now * scale for scale in out[-3:].tolist())
     found = [
-        (name, now * float(low), now * float(high))
-        for name, spans, count in zip(_CLASSES, out, counts, strict=False)
-        for low, high in spans[:count]
+        (name, now * low, now * high)
+        for name, spans, count in zip(_CLASSES, out[:-3].reshape(CLASSES, room, 2), counts, strict=False)
+        for low, high in spans[:count].tolist()
     ]
     begun = {name: low for name, low, _ in reversed(found)}
-    for name, told, onset in zip(_CLASSES[:2], _LOADS, (loads.forward_onset, loads.back_onset), strict=True):
+    for name, told, onset in zip(_CLASSES[:2], _LOADS, onsets, strict=True):
         if not math.isclose(begun.get(name, math.inf), onset, rel_tol=_SAME):
-            found.append((told, float(onset), float(loads.hop)))
-    return found
+            found.append((told, onset, hop))
+    return hop, found
 
 
 def back_slip_of(fields: Line) -> NDArray[np.bool_]:

@@ -411,8 +411,40 @@ def test_drives_that_cannot_be_are_refused(drive: dict[str, Any], said: str) -> 
         read_spec(question(drive))
 
 
-def test_parts_that_must_stand_are_refused_with_a_remedy() -> None:
-    asked = {**question(HARMONIC), "part": {"half_base_mm": 6, "centre_height_mm": 8}}
-    with pytest.raises(InputError, match="beside a drive that is a given motion") as caught:
-        read_spec(asked)
-    assert "leave [part] out" in caught.value.hint
+@pytest.mark.parametrize("drive", [ELLIPTIC, HARMONIC])
+@pytest.mark.parametrize(("half_base", "stands"), [(5.0, True), (4.0, False)])
+def test_designs_of_parts_that_must_stand(drive: dict[str, Any], half_base: float, stands: bool) -> None:
+    """A part tips before it slips where its stand ratio is below static friction, of 0.35 to 0.45."""
+    asked = question(drive)
+    upright = {**asked, "part": {"half_base_mm": half_base, "centre_height_mm": 10}}
+    free, found = (vibro.design(one, only="goal").designs for one in (asked, upright))
+    if stands:
+        assert found[:2] == free[:2]
+        assert found[2].margin is not None
+        assert found[2].margin <= 2.0  # static friction of 0.5, where bands are twice as wide, tips parts
+    else:
+        assert [design.set_by for design in found] == [None, "tip", None]
+    spec = read_spec(upright)
+    chosen = chosen_of(spec, find_designs(spec, goal_only=True))
+    assert (chosen is not None) == stands
+    if chosen is not None:
+        assert 1.0 < setting_fields(spec, chosen).tips < math.inf
+
+
+def test_a_speed_that_does_not_depend_on_the_scale_takes_no_more_scales(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On a level drive of steps rounding makes an extremum of every third scale, up to the largest."""
+    motion = vibro.Motion.steps(along=[(0.8, 6.9), (0.2, -27.6)])
+    scene = vibro.Scene(motion=motion, frequency=5.0, static_friction=0.5, kinetic_friction=0.4)
+    solved = []
+
+    def counted(scene: vibro.Scene, **options: Any) -> vibro.SteadyCycle:
+        solved.append(math.prod(scene.shape))
+        return vibro.solve(scene, **options)
+
+    monkeypatch.setattr("vibro.inverse.windows.solve", counted)
+    (interval,) = vibro.feasible_amplitudes(scene, 0.1)
+    assert interval.low == pytest.approx(0.5210559900755547, rel=1e-12)
+    assert interval[1:] == (math.inf, "speed", "limit")
+    assert sum(solved) < 10_000

@@ -170,7 +170,8 @@ def write_spans(loads: Loads, out: Doubles, counts: Integers, room: int) -> None
     loads : Loads
         Of the scene.
     out : Doubles
-        For each of the ``CLASSES`` room for so many pairs of scales.
+        For each of the ``CLASSES`` room for so many pairs of scales; then the scales of the hop and of both
+        onsets, forward first.
     counts : Integers
         For each class the number of intervals, which may exceed the room, and then whether one is open; last
         the number of stretches with an unresolved cycle.
@@ -179,10 +180,14 @@ def write_spans(loads: Loads, out: Doubles, counts: Integers, room: int) -> None
     """
     for i in range(2 * CLASSES + 1):
         counts[i] = 0
+    closed = 2 * CLASSES * room
     if loads.kinetic_friction > loads.static_friction or loads.static_friction == 0.0:
+        for i in range(3):
+            out[closed + i] = NAN
         return
     scaled = _scaled(loads)
     end = scaled.hop
+    out[closed], out[closed + 1], out[closed + 2] = end, scaled.forward, scaled.back
     if scaled.low == 0.0:
         forward = loads.weight_tangential <= 0.0
         _mark(Classes(1, forward, not forward, rest=False), 0.0, out, counts, room)

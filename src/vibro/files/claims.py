@@ -55,6 +55,7 @@ class Claim:
         self.folder = stem.with_name(f".vibro-{hashlib.sha256(name).hexdigest()[:16]}")
         self._lock: int | None = None
         self._paths: list[Path] = []
+        self._made: list[Path] = []
 
     def take(self) -> None:
         """Take it.
@@ -91,13 +92,8 @@ class Claim:
             hint=f"wait until it has ended; if there is none, remove the folder {self.folder}",
         )
 
-    def take_in_folder(self, made: list[Path]) -> None:
+    def take_in_folder(self) -> None:
         """Make the folder of the stem if it is not there, take the claim, and sweep the folder.
-
-        Parameters
-        ----------
-        made : list of Path
-            Folders that are made are appended, as soon as they are.
 
         Raises
         ------
@@ -109,7 +105,7 @@ class Claim:
             for path in reversed([p for p in (folder, *folder.parents) if not p.exists()]):
                 with contextlib.suppress(FileExistsError):
                     path.mkdir()
-                    made.append(path)
+                    self._made.append(path)
             try:
                 self.take()
                 break
@@ -117,6 +113,13 @@ class Claim:
                 if attempt + 1 == _ATTEMPTS:
                     raise
         sweep(folder)
+
+    def remove_made(self) -> None:
+        """Remove the folders that ``take_in_folder`` has made, as far as they are empty."""
+        for path in reversed(self._made):
+            with contextlib.suppress(OSError):
+                path.rmdir()
+        self._made.clear()
 
     def new_name(self) -> Path:
         """Return a name in the folder that nobody else has; a file by it goes with the claim."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import shutil
 from itertools import product
@@ -76,7 +75,6 @@ class OutputSet:
         self._claim = Claim(stem)
         self._undone = Undone(self._discard)
         self._waiting: dict[Path, Path] = {}
-        self._made: list[Path] = []
         self._removed: list[Path] = []
 
     def __getitem__(self, target: Path) -> Path:
@@ -129,14 +127,11 @@ class OutputSet:
 
     def _discard(self) -> None:
         self._claim.give_up()
-        for path in reversed(self._made):
-            with contextlib.suppress(OSError):
-                path.rmdir()
-        self._made.clear()
+        self._claim.remove_made()
 
     def _take(self) -> None:
         try:
-            self._claim.take_in_folder(self._made)
+            self._claim.take_in_folder()
             self._waiting = {target: self._claim.new_file() for target in self._targets}
         except OSError as exc:
             raise self._cannot_write(exc) from exc

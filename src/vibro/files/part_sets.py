@@ -111,7 +111,6 @@ class PartSet:
         self._how_to_go_on = how_to_go_on
         self._claim = Claim(self.folder / "parts", what=str(folder))
         self._undone = Undone(self._end_early)
-        self._made: list[Path] = []
 
     def __enter__(self) -> Self:
         self._undone.__enter__()
@@ -216,7 +215,7 @@ class PartSet:
         path.replace(self.folder / name)
 
     def _take(self) -> None:
-        self._claim.take_in_folder(self._made)
+        self._claim.take_in_folder()
         self.wanted = self._claim.new_file()
         taken = self.wanted.stat().st_mtime_ns
         self._remove_temporaries(lambda run, changed: changed <= taken)  # clocks of files tick seldom
@@ -239,10 +238,7 @@ class PartSet:
         self._claim.give_up()
         with contextlib.suppress(OSError):
             self._remove_temporaries(lambda run, changed: run == self.run)
-        for path in reversed(self._made):  # those that are empty
-            with contextlib.suppress(OSError):
-                path.rmdir()
-        self._made.clear()
+        self._claim.remove_made()
 
     def _end_early(self) -> str:
         self._discard()

@@ -185,9 +185,12 @@ class Evolution(Exchange):
         question = self._question
         if not self._keeps_contact():
             return "hop"
-        lower, higher = Regime.FORWARD_SLIP, replace(question, highest=Regime.BACK_SLIP)
-        slips = question.highest is lower and type(self)(higher).fastest()
-        return "back slip" if slips else "limit"
+        others = {}
+        if math.isfinite(question.spec.stand_ratio):
+            others["tip"] = replace(question, spec=replace(question.spec, stand_ratio=math.inf))
+        if question.highest is Regime.FORWARD_SLIP:
+            others["back slip"] = replace(question, highest=Regime.BACK_SLIP)
+        return next((name for name, other in others.items() if type(self)(other).fastest()), "limit")
 
     @abstractmethod
     def _keeps_contact(self) -> bool:

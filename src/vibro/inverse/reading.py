@@ -103,11 +103,6 @@ def _spec(content: Mapping[Any, Any], name: str, problems: Problems) -> Spec:
     _check_drift(spec, drift)
     _check_angles(spec, drives, problems)
     _check_accelerations(spec, drives)
-    if "part" in content and any(drive.motion is not None for drive in spec.drives):
-        problems.add(
-            "[part] beside a drive that is a given motion: at which load a part tips on it is not known",
-            "leave [part] out, or ask of that drive in a file of its own",
-        )
     problems.settle()
     return spec
 

@@ -565,10 +565,17 @@ class _Scan:
         return [float(x) for x in np.unique(found[np.isfinite(found) & (found > 0.0)])]
 
     def _closer(self, grid: Floats, least: Floats) -> tuple[Floats, Floats]:
-        """Add amplitudes around every extremum that may cross the target between two of them."""
+        """Add amplitudes around every extremum that may cross the target between two of them.
+
+        Where the speed does not depend on the amplitude, as on level troughs that move along themselves,
+        rounding makes an extremum of every third amplitude: those that differ from both neighbours by
+        rounding alone are left out.
+        """
         middle, before, after = least[1:-1], least[:-2], least[2:]
-        dips = (middle <= before) & (middle <= after) & (middle >= self.target)
-        tops = (middle >= before) & (middle >= after) & (middle < self.target) & (middle > 0.0)
+        lower, upper = np.minimum(before, after), np.maximum(before, after)
+        rounding = TOLERANCES.searched * self.target
+        dips = (middle <= lower) & (upper > middle + rounding) & (middle >= self.target)
+        tops = (middle >= upper) & (lower < middle - rounding) & (middle < self.target) & (middle > 0.0)
         cells = np.flatnonzero(dips | tops) + 1
         if not cells.size:
             return grid, least

@@ -92,7 +92,12 @@ def harmonics(time: Floats, frequency: float, count: int, derivative: int = 0) -
     """Return cosines, then sines, of the harmonics of a frequency, or their derivatives, in columns."""
     rates = math.tau * frequency * np.arange(1, count + 1)
     angles = np.outer(time, rates) + 0.5 * math.pi * derivative
-    return np.hstack([np.cos(angles), np.sin(angles)]) * np.tile(rates**derivative, 2)
+    found = np.empty((time.size, 2 * count))  # long records take longer to copy than to evaluate
+    np.cos(angles, out=found[:, :count])
+    np.sin(angles, out=found[:, count:])
+    if derivative:
+        found *= np.tile(rates**derivative, 2)
+    return found
 
 
 def detrended(time: Floats, values: Floats, degree: int) -> Floats:

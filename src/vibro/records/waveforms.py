@@ -483,9 +483,13 @@ def _basis(time: Floats, frequency: float, count: int) -> Floats:
     return np.hstack([trend, harmonics(time, frequency, count)])
 
 
-def _solved(basis: Floats, values: Floats) -> Floats:
+def _inverse(basis: Floats) -> Floats:
+    """Return the inverse of the normal equations: in long records its products take most of the time."""
+    return np.asarray(np.linalg.pinv(basis.T @ basis))
+
+
+def _solved(basis: Floats, values: Floats, inverse: Floats) -> Floats:
     """Return the coefficients of least squares, refined once, as normal equations lose digits."""
-    inverse = np.linalg.pinv(basis.T @ basis)
     coefficients = inverse @ (basis.T @ values)
     return np.asarray(coefficients + inverse @ (basis.T @ (values - basis @ coefficients)))
 
@@ -496,12 +500,15 @@ def _refined(time: Floats, values: Floats, frequency: float, count: int) -> floa
     Each channel weighs by the inverse of its residual's variance.
     """
     step_limit = TOL.frequency_step / float(np.ptp(time))
+    rates = math.tau * np.arange(1, count + 1)[:, None]  # of phases, over the frequency
     for _ in range(TOL.frequency_rounds):
         basis = _basis(time, frequency, count)
-        coefficients = _solved(basis, values)
+        inverse = _inverse(basis)
+        coefficients = _solved(basis, values, inverse)
         left = values - basis @ coefficients
-        slope = harmonics(time, frequency, count, 1) @ coefficients[_TRENDS:] * (time / frequency)[:, None]
-        slope -= basis @ _solved(basis, slope)
+        cosines, sines = coefficients[_TRENDS:].reshape(2, count, -1) * rates
+        slope = basis[:, _TRENDS:] @ np.concatenate([sines, -cosines]) * time[:, None]
+        slope -= basis @ _solved(basis, slope, inverse)
         weights = 1.0 / _variances(left, values)
         step = float((slope * left).sum(axis=0) @ weights / ((slope**2).sum(axis=0) @ weights))
         frequency += min(max(step, -step_limit), step_limit)
@@ -520,7 +527,7 @@ def _measured(
 ) -> tuple[Complexes, Complexes, Floats, int]:
     """Return all harmonics, (K, channels), their covariances, how likely noise is so large, and the bins."""
     basis = _basis(time, frequency, count)
-    coefficients = _solved(basis, values)
+    coefficients = _solved(basis, values, _inverse(basis))
     cosines, sines = coefficients[_TRENDS:].reshape(2, count, -1)
     sizes = sines + 1j * cosines
     covariance, bins = _covariances(time, values - basis @ coefficients, frequency, count)
@@ -541,7 +548,9 @@ def _covariances(time: Floats, left: Floats, frequency: float, count: int) -> tu
     other. They see noise through the same window as the regression does: no taper is wanted. Rows that are
     left out, and times that are rounded, do no harm where each row takes the nearest place of an even clock.
     """
-    step = float(np.median(np.diff(time)))
+    steps = np.diff(time)
+    # Where times are rounded the median is too: the mean of the steps over which no row is left out is not.
+    step = float(steps[steps < 1.5 * np.median(steps)].mean())
     places = np.rint((time - time[0]) / step).astype(np.intp)
     clock = np.zeros((int(places[-1]) + 1, left.shape[1]), np.complex128)
     each = int(TOL.band * frequency * len(clock) * step)
@@ -560,7 +569,7 @@ def _frequency_error(
 ) -> float:
     """Return the standard error of the frequency, from the noise around each harmonic."""
     basis = _basis(time, frequency, len(sizes))
-    weights = 1.0 / _variances(values - basis @ _solved(basis, values), values)
+    weights = 1.0 / _variances(values - basis @ _solved(basis, values, _inverse(basis)), values)
     rates = (math.tau * np.arange(1, len(sizes) + 1)) ** 2
     noise = np.einsum("ka,kab,kb->k", (sizes * weights).conj(), covariance, sizes * weights).real @ rates
     power = (abs(sizes) ** 2 @ weights) @ rates
@@ -580,7 +589,7 @@ def _fundamental(
     middle = 0.5 * float(record.time[0] + record.time[-1])
     basis = _basis(record.time - middle, frequency.value, len(sizes))
     at_zero = np.exp(-1j * math.tau * frequency.value * middle)
-    rest = np.square(values - basis @ _solved(basis, values)).mean(axis=0)
+    rest = np.square(values - basis @ _solved(basis, values, _inverse(basis))).mean(axis=0)
     powers = 0.5 * abs(sizes) ** 2
     waves: dict[str, Wave] = {}
     for i, name in enumerate(channels):
