@@ -26,25 +26,33 @@ import vibro
 from vibro.accuracy.events import simulate_by_events
 from vibro.accuracy.motion import motions
 
-HARMONIC_SCENES = 16_384  # one block: they take some hundred times as long
+MOTION_SCENES = 16_384  # they take ten times as long, and more
 BLOCK = 16_384  # [scenes] so that the temporaries of the plain formulas stay in cache too
 
 
-def with_harmonics(fields: dict[str, np.ndarray]) -> vibro.Scene:
-    """Add a second harmonic to these drives, at random phases; pushed off so little that none hops."""
+def motion_scene(fields: dict[str, np.ndarray], harmonics: int, throw: np.ndarray) -> vibro.Scene:
+    """Give these drives further harmonics, each of up to half the acceleration, and throw numbers."""
     others = {name: x for name, x in fields.items() if name not in ("amplitude", "drive_angle")}
     rng = np.random.default_rng(3)
-    n = fields["amplitude"].size
-
-    def motion(amplitude: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        second = amplitude * rng.uniform(0.0, 0.5, n)
-        return [(size, rng.uniform(-np.pi, np.pi, n)) for size in (amplitude, second)]
-
+    n, phases = throw.size, np.linspace(0.0, 2.0 * np.pi, 256, endpoint=False)
+    along, normal, load = [], [], np.zeros((n, phases.size))
+    for k in range(1, harmonics + 1):
+        shares = rng.uniform(0.0, 0.5, (2, n)) if k > 1 else np.ones((2, n))
+        at = rng.uniform(-np.pi, np.pi, (2, n))
+        along.append((fields["amplitude"] * np.cos(fields["drive_angle"]) * shares[0] / k**2, at[0]))
+        normal.append((shares[1] / k**2, at[1]))
+        load += shares[1][:, None] * np.sin(k * phases + at[1][:, None])
+    scale = throw * GRAVITY / (2.0 * np.pi * fields["frequency"]) ** 2 / load.max(axis=1)
     return vibro.Scene(
-        along_harmonics=motion(fields["amplitude"] * np.cos(fields["drive_angle"])),
-        normal_harmonics=motion(fields["amplitude"] * np.sin(fields["drive_angle"]) / 3.0),
-        **others,
+        along_harmonics=along, normal_harmonics=[(scale * size, at) for size, at in normal], **others
     )
+
+
+def steps_scene(fields: dict[str, np.ndarray]) -> vibro.Scene:
+    """Drive these bodies by two levels of acceleration along the trough, as slip-stick conveyors do."""
+    others = {name: x for name, x in fields.items() if name not in ("amplitude", "drive_angle")}
+    motion = vibro.Motion.steps(along=[[0.8, 6.9], [0.2, -27.6]])
+    return vibro.Scene(motion=motion, motion_scale=np.linspace(0.3, 1.0, fields["amplitude"].size), **others)
 
 
 def best_time(run: Callable[[], Any], repeats: int) -> float:
@@ -169,9 +177,17 @@ def main() -> None:
     for name, phase in (("phase 0", 0.0), ("random phase", phases)):
         ellipses = vibro.Scene(**as_ellipses(fields, phase))
         rows.append((f"the same drives as ellipses, {name}, 1 thread", n, solve_time(ellipses, 1, repeats)))
-    some = min(n, HARMONIC_SCENES)
-    harmonics = with_harmonics({name: field[:some] for name, field in fields.items()})
-    rows.append(("two harmonics, random phases, 1 thread", some, solve_time(harmonics, 1, 2)))
+    some = {name: field[:MOTION_SCENES] for name, field in fields.items()}
+    count, rng = some["frequency"].size, np.random.default_rng(4)
+    held, thrown = rng.uniform(0.1, 0.98, count), rng.uniform(1.05, 2.5, count)
+    motions = {f"{h} harmonics in contact": motion_scene(some, h, held) for h in (1, 2, 3, 5, 8)}
+    motions["two levels of acceleration"] = steps_scene(some)
+    motions |= {f"{h} harmonics, hopping, e = 0": motion_scene(some, h, thrown) for h in (1, 3, 8)}
+    hopping = as_ellipses(some, phases[:count]) | {
+        "normal_amplitude": thrown * GRAVITY / (2.0 * np.pi * some["frequency"]) ** 2
+    }
+    motions["ellipses, hopping, e = 0"] = vibro.Scene(**hopping)
+    rows += [(f"{name}, 1 thread", count, solve_time(x, 1, repeats)) for name, x in motions.items()]
     regimes = best_time(lambda: vibro.solve(scene, accuracy="regimes"), repeats)
     rows += [
         (f'vibro.solve, {cores} threads, accuracy="regimes"', n, regimes),
