@@ -11,7 +11,16 @@ import numpy as np
 from vibro.core.codes import PHASE_NAMES, Regime, Status
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
-from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, SCALE, scene_fields
+from vibro.quantities import (
+    AMPLITUDES,
+    DEFAULTS,
+    LENGTH,
+    QUANTITIES,
+    SCALE,
+    TOLD_HARMONICS,
+    counted_harmonics,
+    scene_fields,
+)
 from vibro.scene import Scene
 from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
 from vibro.sweeps.run import sweep_blocks
@@ -106,7 +115,7 @@ class OneScene:
         given = {
             name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
             for name, value in self.given.items()
-            if value != DEFAULTS.get(name)
+            if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS
         }
         if "amplitude" in given:
             stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
@@ -115,7 +124,8 @@ class OneScene:
             stroke = f"stroke {number(self.value(WITH_STROKE), LENGTH.unit)} peak to peak"
             if "normal_phase" in given:
                 path = "path" if self.scene.motion else "ellipse"
-                given["normal_phase"] += f" ({stroke}, the longest way across the {path})"
+                told = ", ".join([*counted_harmonics(self.given), stroke])
+                given["normal_phase"] += f" ({told}, the longest way across the {path})"
             else:
                 given = {"motion": f"motion of {_pieces(self.scene)} ({stroke})"} | given
         pattern = str(self._cycle.pattern)
@@ -289,7 +299,7 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
         told += f", {raised.regime.label}"
     exponent = one.value(WITH_EXPONENT)
     size = "scale" if SCALE in one.driven else "amplitude"
-    power = "" if math.isnan(exponent) else f" (d ln speed / d ln {size} = {number(exponent)})"
+    power = "" if math.isnan(exponent) else f" (d ln speed / d ln {size} = {number(round(exponent, _TOLD))})"
     return [("sensitivity", f"+10 % {one.all_amplitudes or 'amplitude'}: {told}{power}")]
 
 

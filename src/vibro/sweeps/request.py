@@ -14,7 +14,6 @@ from vibro.errors import Problems
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
-    CLAMPED_TROUGH,
     DEFAULTS,
     DRIVES,
     HARMONIC,
@@ -25,6 +24,7 @@ from vibro.quantities import (
     SWEPT,
     TWO_AXIS,
     drive_of,
+    of_part,
     scene_fields,
 )
 from vibro.scene import Scene
@@ -338,9 +338,7 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
 
 def _check_range(slot: str, spec: AxisSpec, problems: _Problems, *, is_clamped: bool) -> None:
     """Check every value, and tell the first wrong one in the user's units."""
-    quantity = spec.quantity
-    if slot == "trough_angle":
-        quantity = CLAMPED_TROUGH if is_clamped else QUANTITIES[slot]
+    quantity = of_part(QUANTITIES[spec.quantity.name], is_clamped=is_clamped)
     values = np.array(spec.values, np.float64)
     allowed = quantity.swept if spec.varies else quantity
     good = allowed.allows(quantity.to_si(values))
