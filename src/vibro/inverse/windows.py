@@ -55,6 +55,7 @@ _BEYOND: Final = 1e3
 _FASTER: Final = 2.0
 _CLOSER: Final = 33  # amplitudes of each refinement around an extremum of the speed
 _STEEP: Final = 100.0  # largest change of a speed that is no jump, over that of the amplitude, both relative
+_FLAT: Final = 1e-10  # [1] of a speed: a smaller change between amplitudes may be rounding
 _PAST_EDGE: Final = 1e-8  # relative distance beyond an end at which the speed has jumped
 
 
@@ -569,7 +570,10 @@ class _Scan:
         middle, before, after = least[1:-1], least[:-2], least[2:]
         dips = (middle <= before) & (middle <= after) & (middle >= self.target)
         tops = (middle >= before) & (middle >= after) & (middle < self.target) & (middle > 0.0)
-        cells = np.flatnonzero(dips | tops) + 1
+        # Far above its onsets a motion of steps conveys at one speed, which has extrema by rounding alone.
+        with np.errstate(invalid="ignore"):  # bodies that are left out are slower than all: -inf
+            changes = np.maximum(np.abs(before - middle), np.abs(after - middle)) > _FLAT * np.abs(middle)
+        cells = np.flatnonzero((dips | tops) & changes) + 1
         if not cells.size:
             return grid, least
         more = np.linspace(grid[cells - 1], grid[cells + 1], _CLOSER)[1:-1].ravel()

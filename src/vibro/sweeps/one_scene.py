@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
 
-__all__ = ["OneScene", "beginnings", "estimate", "facts_of", "number", "phase_rows"]
+__all__ = ["OneScene", "beginnings", "estimate", "facts_of", "motion_text", "number", "phase_rows"]
 
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
@@ -127,7 +127,7 @@ class OneScene:
                 told = ", ".join([*counted_harmonics(self.given), stroke])
                 given["normal_phase"] += f" ({told}, the longest way across the {path})"
             else:
-                given = {"motion": f"motion of {_pieces(self.scene)} ({stroke})"} | given
+                given = {"motion": f"{motion_text(self.scene)} ({stroke})"} | given
         pattern = str(self._cycle.pattern)
         facts = [
             ("scene", ", ".join(given.values())),
@@ -242,11 +242,13 @@ class OneScene:
         return phases if len(phases) <= _MOST_PHASES else ()
 
 
-def _pieces(scene: Scene) -> str:
+def motion_text(scene: Scene) -> str:
+    """Say what kind of motion a scene has: ``motion of 2 pieces``."""
     motion = scene.motion
     if isinstance(motion, PiecewiseMotion):
-        return f"{motion.breaks.size - 1} pieces"
-    return f"{len(scene.along_harmonics or ()) or len(scene.normal_harmonics or ())} harmonics"
+        return f"motion of {motion.breaks.size - 1} pieces"
+    count = max(len(scene.along_harmonics or ()), len(scene.normal_harmonics or ()))
+    return f"motion of {count} harmonic{'s' * (count > 1)}"
 
 
 def _cycles(count: float) -> str:
