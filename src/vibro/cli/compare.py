@@ -24,7 +24,16 @@ from vibro.cli.record_options import (
     scene_and_data,
 )
 from vibro.errors import InputError, cut, shown
-from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR, QUANTITIES, STANDS_FOR, scene_fields
+from vibro.quantities import (
+    AMPLITUDES,
+    ELLIPTICAL,
+    HARMONIC,
+    LINEAR,
+    QUANTITIES,
+    SCALE,
+    STANDS_FOR,
+    scene_fields,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -234,11 +243,20 @@ def _with_measured(
 
     from vibro.cli.compare_report import measured
     from vibro.cli.request import request_of
+    from vibro.files.scene_files import read_scene_file
     from vibro.records.folding import Estimate
     from vibro.records.signals import doubt, rounded
     from vibro.records.tolerances import TOL
     from vibro.records.trough import spelled
 
+    # The measured fundamental must not be mixed with harmonics that the scene gives.
+    file = read_scene_file(options.scene) if options.scene else None
+    beside = {*options.given, *(file.scene if file else ())} & {*HARMONIC, SCALE, "normal_acceleration"}
+    if beside or (file and file.motion):
+        raise InputError(
+            "the trough's motion is measured, beside a scene with a motion of its own or a clamped part",
+            hint="leave out --trough-along and --trough-normal, or that motion: harmonics are measured too",
+        )
     on_an_ellipse = elliptical or trough.on_an_ellipse
     if on_an_ellipse:
         found = list(trough.drive_on_ellipse().quantities)
