@@ -27,7 +27,6 @@ from vibro.errors import InputError, cut, shown
 from vibro.quantities import (
     AMPLITUDES,
     ELLIPTICAL,
-    HARMONIC,
     LINEAR,
     QUANTITIES,
     SCALE,
@@ -167,6 +166,9 @@ def compare_command(
     else:
         first, request = _with_measured(trough, elliptical, options, context.obj, console)
         drive, request = _with_harmonics(record, reverse, first, request, options, context.obj, console)
+        if drive is first and request.is_waveform:
+            # The measured fundamental must not be mixed with harmonics that the scene gives.
+            raise _two_motions()
         for warning in drive.warnings:
             console.warn(warning)
     scene = request.scene()
@@ -235,6 +237,13 @@ def _elliptical(options: Options) -> bool:
     return not {*options.given, *own}.isdisjoint(ELLIPTICAL)
 
 
+def _two_motions() -> InputError:
+    return InputError(
+        "the trough's motion is measured, beside a scene with a motion of its own or a clamped part",
+        hint="leave out --trough-along and --trough-normal, or that motion: harmonics are measured too",
+    )
+
+
 def _with_measured(
     trough: Trough, elliptical: bool, options: Options, argv: Sequence[str], console: Console
 ) -> tuple[MeasuredDrive, Request]:
@@ -249,14 +258,10 @@ def _with_measured(
     from vibro.records.tolerances import TOL
     from vibro.records.trough import spelled
 
-    # The measured fundamental must not be mixed with harmonics that the scene gives.
     file = read_scene_file(options.scene) if options.scene else None
-    beside = {*options.given, *(file.scene if file else ())} & {*HARMONIC, SCALE, "normal_acceleration"}
+    beside = {*options.given, *(file.scene if file else ())} & {SCALE, "normal_acceleration"}
     if beside or (file and file.motion):
-        raise InputError(
-            "the trough's motion is measured, beside a scene with a motion of its own or a clamped part",
-            hint="leave out --trough-along and --trough-normal, or that motion: harmonics are measured too",
-        )
+        raise _two_motions()
     on_an_ellipse = elliptical or trough.on_an_ellipse
     if on_an_ellipse:
         found = list(trough.drive_on_ellipse().quantities)
