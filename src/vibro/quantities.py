@@ -37,12 +37,13 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
 __all__ = [
-    "AMPLITUDES", "BY_COLUMN", "CLAMPED_TROUGH", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
+    "AMPLITUDES", "BY_COLUMN", "DEFAULTS", "DRIVES", "DURATION", "ELLIPTICAL", "HARMONIC",
     "IN_GRAVITIES", "LEAST_SPEED", "LENGTH", "LINEAR", "MASS", "MASS_FLOW", "MOST_HARMONICS",
     "NORMAL_FORCE", "PERCENT", "PER_MINUTE", "PITCH", "PURE", "QUANTITIES", "SCALE", "SPEED",
     "STANDARD_GRAVITY", "STANDS_FOR", "STAND_RATIO", "START_PHASE", "START_VELOCITY", "SWEPT", "TIME",
-    "TWO_AXIS", "Kind", "Quantity", "catalogue_hint", "checked_number", "drive_of", "exact_number",
-    "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "scene_fields",
+    "TOLD_HARMONICS", "TWO_AXIS", "Kind", "Quantity", "catalogue_hint", "checked_number", "counted_harmonics",
+    "drive_of", "exact_number",
+    "find_quantity", "given_unit", "kinetic_friction", "nearest_double", "of_part", "scene_fields",
 ]  # fmt: skip
 
 
@@ -103,6 +104,12 @@ class Quantity:
         return f"second {words[:-2]}" if words.endswith(" 2") else words  # of the harmonic
 
     @property
+    def order(self) -> int:
+        """Number of the harmonic that it is of; 1 of all other quantities."""
+        last = self.name.rpartition("_")[2]
+        return int(last) if last.isdigit() else 1
+
+    @property
     def unit(self) -> str:
         """Unit outside: of options, files and tables; empty for pure numbers."""
         return self.kind.unit
@@ -147,6 +154,7 @@ _ANY: Final = Range(-math.inf, with_low=False)
 STANDARD_GRAVITY: Final = 9.81  # [m/s^2], the value of the paper and of all published figures here
 
 MOST_HARMONICS: Final = 16  # of a drive
+TOLD_HARMONICS: Final = 2  # whose quantities are told one by one; more would be a page of numbers
 
 
 # fmt: off
@@ -239,7 +247,7 @@ DEFAULTS: Final[Mapping[str, float]] = {
     q.name: q.default for q in _ALL if q.default is not None and q.name not in DRIVES
 }
 #: The trough angle of a clamped part, which may hang on a vertical trough.
-CLAMPED_TROUGH: Final = replace(QUANTITIES["trough_angle"], allowed=Range(-90.0, 90.0, with_high=True))
+_CLAMPED_TROUGH: Final = replace(QUANTITIES["trough_angle"], allowed=Range(-90.0, 90.0, with_high=True))
 
 # Quantities of a run, of a part or of a record, not of a scene.
 MASS: Final = Quantity("mass", _MASS, allowed=_POSITIVE)
@@ -271,9 +279,20 @@ def find_quantity(text: str) -> Quantity | None:
     return next(found, None)
 
 
+def of_part(quantity: Quantity, *, is_clamped: bool) -> Quantity:
+    """Return a quantity with the range that it may have of a part that lies on the trough, or is clamped."""
+    return _CLAMPED_TROUGH if is_clamped and quantity.name == _CLAMPED_TROUGH.name else quantity
+
+
 def drive_of(names: Collection[str]) -> tuple[str, ...]:
     """Return the names among the given ones that describe the drive, in the order of a table's columns."""
     return tuple(name for name in QUANTITIES if name in names and name in DRIVES)
+
+
+def counted_harmonics(names: Collection[str]) -> list[str]:
+    """Write how many harmonics quantities describe; empty if all are told one by one."""
+    highest = max((QUANTITIES[name].order for name in names), default=1)
+    return [f"{highest} harmonics"] * (highest > TOLD_HARMONICS)
 
 
 def kinetic_friction(ratio: Any, static_friction: Any) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibro.drives import KINDS, Ellipse, Harmonics, Line, Piecewise
 from vibro.errors import Problem, SceneError, shown
-from vibro.quantities import CLAMPED_TROUGH, DEFAULTS, QUANTITIES, STANDARD_GRAVITY
+from vibro.quantities import DEFAULTS, QUANTITIES, STANDARD_GRAVITY, of_part
 from vibro.reals import NotRealError, real_array
 from vibro.waveforms import HarmonicMotion, Motion, harmonic_motion
 
@@ -308,7 +308,7 @@ class Scene:
         is_clamped = self.normal_acceleration is not None
         fields = self.arrays()
         for field, name, x in fields.members():
-            quantity = CLAMPED_TROUGH if is_clamped and name == "trough_angle" else QUANTITIES[name]
+            quantity = of_part(QUANTITIES[name], is_clamped=is_clamped)
             if not x.ndim:  # plain numbers take a tenth of the time
                 number = float(x)
                 if not (math.isfinite(number) and quantity.allows(number)):

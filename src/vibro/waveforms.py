@@ -43,6 +43,7 @@ LEAST_SAMPLES: Final = 8
 
 _WHOLE: Final = 1e-9  # [1] by which shares may miss 1, and breaks along and normal each other
 _OPEN: Final = 0.01  # [1] of the largest acceleration: a mean up to this is rounding of what was typed
+_OPEN_ENDS: Final = 1e-9  # [1] of the largest acceleration: a smaller gap between two pieces is rounding
 _HEARD: Final = 1e-12  # [1] of the largest acceleration: harmonics below it are rounding of the samples
 _LEAST_NOISE: Final = 8  # harmonics beyond those kept whose mean power is a level of noise
 _CHANCE: Final = 1e-3  # that noise is taken for the last harmonic
@@ -237,6 +238,13 @@ class PiecewiseMotion(Motion):
         a, b, c, d = np.moveaxis(self.pieces, -1, 0)
         corners = (a, a + b / 3.0, a + (2.0 * b + c) / 3.0, a + b + c + d)
         return float(np.abs(corners).max()) or 1.0
+
+    @cached_property
+    def jumps(self) -> Floats:
+        """Shares of the period, in [0, 1), at which an acceleration jumps [1]."""
+        ends, starts = self.pieces.sum(axis=-1), self.pieces[..., 0]
+        gaps = np.abs(starts - np.roll(ends, 1, axis=-1)).max(axis=0)
+        return np.asarray(self.breaks[:-1][gaps > _OPEN_ENDS * self.unit])
 
     @cached_property
     def velocities(self) -> Floats:

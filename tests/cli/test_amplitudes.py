@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.commands import NUT, Run
+from helpers.made_records import EXAMPLES
 
 BOWL = ("--along", "3", "--normal", "1", "-f", "25", "--mu-s", ".4", "--mu-d", ".3")
 
@@ -118,10 +121,126 @@ def test_an_amplitude_of_an_ellipse_may_be_0(run: Run) -> None:
     assert none.stderr.splitlines()[0].startswith("error: along amplitude = normal amplitude = 0 mm: ")
 
 
-def test_harmonics_are_refused(run: Run) -> None:
-    result = run("solve", *BOWL, "--along-2", "1", "--speed", "5")
-    assert result.exit_code == 2
-    assert "along a line or an ellipse alone\nhint: vibro map --speed draws" in result.stderr
+STEPS = """[scene]
+frequency_hz = 2.5
+static_friction = 0.3
+kinetic_friction = 0.25
+motion_scale = 7
+[motion]
+along_steps = [[0.8, 2.4], [0.2, -9.6]]
+"""
+SAMPLES = STEPS.partition("along")[0] + "along_samples_m_s2 = [0, 3, 4, 2, 1, -3, -6, -1]\n"
+DISPLACEMENTS = STEPS.partition("along")[0] + "along_samples_mm = [0, -13, -14, -12, -1, 23, 16, 1]\n"
+WAVE = """[scene]
+frequency_hz = 15
+static_friction = 0.5
+kinetic_friction = 0.4
+along_amplitudes_mm = [1, 0.2, 0.05]
+along_phases_deg = [10, 20, 30]
+normal_amplitudes_mm = [0.3, 0.1, 0.03]
+normal_phases_deg = [0, 20, 50]
+"""
+CLAMPED = """[scene]
+frequency_hz = 25
+static_friction = 0.4
+kinetic_friction = 0.3
+trough_angle_deg = 90
+normal_acceleration_m_s2 = 200
+along_amplitudes_mm = [4, 1.2]
+along_phases_deg = [0, -90]
+"""
+
+
+@pytest.mark.parametrize("text", [STEPS, SAMPLES, DISPLACEMENTS, WAVE, CLAMPED])
+@pytest.mark.parametrize("hopping", [(), ("--hopping",)])
+def test_the_scales_of_a_motion_that_reach_a_speed(
+    run: Run, tmp_path: Path, text: str, hopping: tuple[str, ...]
+) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(text, encoding="utf-8")
+    speed = 15.0
+    result = run("solve", file, "--speed", speed, *hopping, "--json")
+    assert (result.exit_code, result.stderr) == (0, "")
+    answer = json.loads(result.stdout)
+    assert answer["met"]
+    assert "motion_scale" not in answer["scene"]
+    assert ("motion" in answer["scene"]) == ("[motion]" in text)
+
+    def solved(scale: float) -> dict[str, Any]:
+        found = json.loads(run("solve", file, "--motion-scale", repr(scale), "--json").stdout)
+        assert isinstance(found, dict)
+        return found
+
+    for interval in answer["amplitudes"][:5]:
+        low, high = interval["motion_scale_low"], interval["motion_scale_high"]
+        at = solved(low)
+        assert at["mean_velocity_mm_s"] >= speed * (1.0 - 1e-9)
+        assert (at["regime"] == "hopping") <= bool(hopping)
+        if interval["low_set_by"] == "speed":
+            assert solved(low * (1.0 - 1e-6))["mean_velocity_mm_s"] < speed
+        if high is not None and interval["high_set_by"] == "hop" and not hopping:
+            assert solved(high)["regime"] != "hopping"
+            assert solved(high * (1.0 + 1e-9))["regime"] == "hopping"
+        assert solved(2.0 * low if high is None else 0.5 * (low + high))["mean_velocity_mm_s"] >= speed
+        if "along_amplitude_low_mm" in interval:  # as large as the scene's times the scale
+            given = answer["scene"].get("along_amplitude_mm", interval["along_amplitude_low_mm"] / low)
+            assert interval["along_amplitude_low_mm"] == pytest.approx(low * given, rel=1e-15)
+    assert ("along_amplitude_low_mm" in answer["amplitudes"][0]) == (text not in (STEPS, SAMPLES))
+
+
+def test_scales_of_a_line_are_its_amplitudes(run: Run, tmp_path: Path) -> None:
+    """A line given as a motion: an independent path to the same answer."""
+    angle = math.radians(20.0)
+    x, y = math.cos(angle), math.sin(angle)
+    file = tmp_path / "line.toml"
+    text = f"[motion]\nalong_harmonics_mm_deg = [[{x!r}, 0]]\nnormal_harmonics_mm_deg = [[{y!r}, 0]]\n"
+    file.write_text(text + "[scene]\nfrequency_hz = 15\n", encoding="utf-8")
+    for speed, hopping in (("28.15", ()), ("50m/min", ("--hopping",))):
+        line = json.loads(run("solve", *NUT[2:], "--speed", speed, *hopping, "--json").stdout)
+        given = ("--mu-s", 0.74, "--mu-d", 0.57, "--along-2", 0, "--normal-2", 0)
+        moved = json.loads(run("solve", file, *given, "--speed", speed, *hopping, "--json").stdout)
+        assert len(line["amplitudes"]) == len(moved["amplitudes"]) > 1
+        for a, b in zip(line["amplitudes"], moved["amplitudes"], strict=True):
+            for end in ("low", "high"):
+                assert b[f"motion_scale_{end}"] == pytest.approx(a[f"amplitude_{end}_mm"], rel=1e-6)
+                assert b[f"along_amplitude_{end}_mm"] == pytest.approx(x * b[f"motion_scale_{end}"])
+                assert b[f"{end}_set_by"] == a[f"{end}_set_by"]
+
+
+def test_scales_are_told_with_the_amplitudes_of_few_harmonics(run: Run) -> None:
+    """Of examples/slip_stick_harmonics.toml."""
+    wave = run("solve", EXAMPLES / "slip_stick_harmonics.toml", "--speed", "6m/min")
+    heads, row = (re.split(r" {2,}", line) for line in wave.stdout.splitlines()[-2:])
+    assert heads[:3] == ["scale from", "along from [mm]", "second along from [mm]"]
+    assert heads[3:6] == ["scale to", "along to [mm]", "second along to [mm]"]
+    assert row[3:6] == ["any", "any", "any"]
+    scale = float(row[0])
+    assert [float(text) for text in row[1:3]] == pytest.approx([20.0 * scale, 5.0 * scale], rel=1e-5)
+    steps = run("solve", EXAMPLES / "slip_stick.toml", "--speed", "6m/min")
+    assert (
+        steps.stdout.splitlines()[0].split(maxsplit=1)[1].startswith("motion of 2 pieces, frequency 2.5 Hz,")
+    )
+    assert steps.stdout.splitlines()[-1].split()[:2] == ["0.834699", "any"]
+    none = run("solve", EXAMPLES / "slip_stick.toml", "--speed", "50m/min")
+    assert none.exit_code == 4
+    assert none.stdout.splitlines()[-1] == (
+        "no scale does it: without hopping it gets about 12.17 m/min, at scale 1.225"
+    )
+
+
+def test_a_scale_is_not_given_where_it_is_asked_for(run: Run) -> None:
+    steps = EXAMPLES / "slip_stick.toml"
+    result = run("solve", steps, "--speed", "100", "--motion-scale", "2")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == "error: motion scale is given, and asked for\nhint: leave it out\n"
+
+
+def test_a_motion_that_does_not_move_is_refused(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "still.toml"
+    file.write_text(CLAMPED.replace("[4, 1.2]", "[0, 0]"), encoding="utf-8")
+    result = run("solve", file, "--speed", "5")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "error: motion" in result.stderr
 
 
 def test_hopping_is_about_amplitudes(run: Run) -> None:

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 from helpers.commands import Run, rows_of
-from helpers.packed import state_of, table_of
+from helpers.packed import GIVEN_DRIVES, state_of, table_of
 
 from vibro.explore.answers import Answers
-from vibro.explore.state import HEIGHT, WIDTH, initial_state
+from vibro.explore.state import HEIGHT, WIDTH, initial_state, read_state
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.whole import request_of_call
 
@@ -57,6 +57,34 @@ def test_command_and_scene_file_make_the_same_map(
     explored = initial_state(request_of_call(file, {}))
     kept = {key: text for key, text in state.texts.items() if key not in NOT_IN_FILES}
     assert kept.items() <= explored.texts.items()
+
+
+@pytest.mark.parametrize("name", GIVEN_DRIVES)
+def test_a_given_motion_comes_with_its_scene_file(
+    name: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = tmp_path / "given.toml"
+    given.write_text(GIVEN_DRIVES[name], encoding="utf-8")
+    initial = initial_state(request_of_call(given, {}))
+    moved = {"motion_scale": "1.25", "static_friction": "0.5", "gravity_m_s2": "1.62"}
+    others = {"x": "static_friction", "y": "motion_scale", "target": "5"}
+    query = others if "steps" in name else {"x_range": "5:15"}  # else bodies hop, which takes long
+    state = read_state({**moved, **query}, initial)
+    answers = Answers(initial)
+    told, table = answers.point(state), table_of(answers, state)
+    (tmp_path / "scene.toml").write_text(told["toml"], encoding="utf-8")
+    assert "scene.toml" in told["apart"]
+    words = shlex.split(told["command"])
+    assert words[:3] == ["vibro", "map", "scene.toml"]
+    typed = run(*words[1:-1], "-")
+    assert typed.exit_code == 0
+    assert typed.stdout == table
+    speed = float(json.loads(run("solve", "scene.toml", "--json").stdout)["mean_velocity_mm_s"])
+    assert told["speed"] == f"{speed:.6g} mm/s"
+    again = initial_state(request_of_call(tmp_path / "scene.toml", {}))
+    kept = {key: text for key, text in state.texts.items() if key not in NOT_IN_FILES}
+    assert kept.items() <= again.texts.items()  # and so is the fingerprint of the motion
 
 
 def test_the_operating_point_is_told_as_solve_does(answers: Answers, run: Run) -> None:

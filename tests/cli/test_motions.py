@@ -170,13 +170,7 @@ def test_an_ellipse_has_a_scale_too(run: Run) -> None:
     ("command", "said", "hint"),
     [
         (("solve", "-A", "1"), "the command line gives amplitude and [motion] gives motion", "[motion]"),
-        (
-            ("solve", "--speed", "30"),
-            "finds amplitudes of drives along a line or an ellipse alone",
-            "--motion-scale as a range",
-        ),
         (("accuracy",), "for a drive along a line alone", "give -A and -a"),
-        (("explore", "--no-open"), "the page shows no motions of steps or samples", "vibro solve"),
         (("solve", "--motion-scale", "0"), "motion scale = 0: must be finite and > 0", ""),
     ],
 )

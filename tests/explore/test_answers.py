@@ -18,10 +18,11 @@ from helpers.packed import state_of, table_of, unpacked
 import vibro
 from vibro.explore import bands
 from vibro.explore.answers import Answers
-from vibro.explore.controls import CONTROLS, drives_of
-from vibro.explore.state import initial_state
+from vibro.explore.controls import CONTROLS, DRIVES, drives_of
+from vibro.explore.state import State, initial_state, read_state
 from vibro.plots.phases import PHASE_STYLES
 from vibro.quantities import QUANTITIES, SWEPT
+from vibro.sweeps.whole import request_of_call
 
 
 @pytest.fixture
@@ -195,15 +196,31 @@ def test_a_history_of_a_body_without_friction_has_forces_of_any_size(answers: An
 def test_a_schema_tells_what_says_nothing_of_a_drive(answers: Answers) -> None:
     schema = json.loads(json.dumps(answers.schema(), allow_nan=False))
     assert schema["initial"] == initial_state().texts
-    columns = {QUANTITIES[name].column for name in CONTROLS} - {"friction_ratio"}
+    columns = {QUANTITIES[n].column for n in CONTROLS if drives_of(n, DRIVES)} - {"friction_ratio"}
     for drive, idle in schema["idle"].items():
         assert columns & {*state_of(drive=drive).texts} == columns - {*idle}
+        assert {"motion_scale", "normal_acceleration_m_s2"} <= {*idle}
+
+
+@pytest.fixture
+def clamped(tmp_path: Path) -> State:
+    """State of a clamped part under three harmonics."""
+    file = tmp_path / "clamped.toml"
+    file.write_text(
+        "[scene]\nalong_amplitudes_mm = [1, 0.3, 0.1]\nalong_phases_deg = [0, -90, 20]\nfrequency_hz = 25\n"
+        "static_friction = 0.4\nkinetic_friction = 0.3\nnormal_acceleration_m_s2 = 20\n",
+        encoding="utf-8",
+    )
+    return initial_state(request_of_call(file, {}))
 
 
 @pytest.mark.parametrize("name", CONTROLS)
-def test_the_ends_of_sliders_and_axes_are_taken(name: str) -> None:
+def test_the_ends_of_sliders_and_axes_are_taken(name: str, clamped: State) -> None:
+    def state_of(**query: str) -> State:
+        return read_state(query, clamped)
+
     control, column = CONTROLS[name], QUANTITIES[name].column
-    drive = {"drive": drives_of(name)[0]}
+    drive = {"drive": drives_of(name, clamped.drives)[0]}
     assert control.low < control.high
     if name not in ("friction_ratio", "kinetic_friction"):  # which is at most the static one
         frictions = {} if name == "static_friction" else {"static_friction": "2"}

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.packed import GIVEN_DRIVES
 from numpy.typing import NDArray
 
 import vibro
@@ -15,6 +17,7 @@ from vibro.explore.levels import LOADS, MapCells, Shown
 from vibro.explore.state import initial_state, read_state
 from vibro.results.steady import RESULTS, SteadyCycle
 from vibro.sweeps.grid import Grid, scene_of
+from vibro.sweeps.whole import request_of_call
 
 NUMBERS = [result.name for result in RESULTS if result.is_number]
 LINE = {"x": "frequency_hz", "y": "amplitude_mm"}
@@ -183,6 +186,27 @@ def test_ellipses_have_critical_loads_after_a_while_and_harmonics_never() -> Non
     assert alike.hop.shape == (1, 50)
     assert followed(MapCells(grid_of({"drive": "harmonics"})))[-1].limits is None
     assert MapCells(grid_of({})).shown.limits is not None
+
+
+@pytest.mark.parametrize("name", ["third harmonic", "samples", "displacements"])
+def test_drives_beyond_one_harmonic_come_coarse_to_fine(name: str, tmp_path: Path) -> None:
+    """Their contact is solved cell by cell: a first picture waits for the widest lattice alone."""
+    file = tmp_path / "given.toml"
+    file.write_text(GIVEN_DRIVES[name], encoding="utf-8")
+    grid = initial_state(request_of_call(file, {})).grid()
+    cells = MapCells(grid, patience=0.0)
+    first = cells.shown
+    assert first.known.all()
+    assert first.exact[::16, ::16].all()
+    assert first.exact.sum() == first.exact[::16, ::16].size
+    assert first.text.endswith("% exact, the rest from neighbours or to come")
+    assert "hopping" not in first.text
+    wanted = vibro.solve(scene_of(grid.values()))
+    seen = followed(cells)
+    for shown in seen[:: len(seen) // 3]:
+        assert same(shown.cycle, wanted, shown.exact)
+    assert seen[-1].exact.all()
+    assert MapCells(grid).shown.is_done  # with all the patience
 
 
 def test_what_was_seen_stays_as_it_was() -> None:

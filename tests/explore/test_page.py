@@ -200,8 +200,9 @@ def test_axes_swap_and_keep_apart(open_page: Open) -> None:
     point(page).focus()
     page.keyboard.press("ArrowUp")
     expect(page.locator("#kinetic_friction")).not_to_have_value("0.57")
-    enter(page, FREQUENCY, "100")
     page.locator("#x").select_option("frequency_hz")
+    expect(page.locator("#x-to")).to_have_value("60")
+    enter(page, FREQUENCY, "100")
     expect(page.locator("#outside")).to_be_visible()
 
 

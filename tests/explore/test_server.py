@@ -9,6 +9,7 @@ import threading
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -16,7 +17,6 @@ from helpers.explorers import HOST, ROUTES, FakeAnswers, application, guest
 
 from vibro.errors import FileError
 from vibro.explore import server
-from vibro.explore.form import form_html
 from vibro.explore.server import MOST_WAITING, bind
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def test_states_reach_their_answers(known: TestClient) -> None:
 
 @pytest.mark.parametrize("path", ["/map", "/map?advance=1&", "/point", "/history", "/table.csv"])
 def test_wrong_states_are_refused_before_anything_is_asked(path: str) -> None:
-    answers: Any = object()
+    answers: Any = SimpleNamespace(form=str)  # which can do nothing else
     response = guest(application(answers)).get(path, params={"wrong": "1"})
     assert response.status_code == 400
     assert response.json() == {
@@ -149,7 +149,7 @@ def test_the_page_is_all_there(known: TestClient) -> None:
             assert response.content == file.read_bytes()
         assert response.headers["content-type"].split(";")[0] == kinds[file.name.rpartition(".")[2]]
     assert known.get("/").content == known.get("/static/index.html").content
-    assert form_html() in known.get("/").text
+    assert FakeAnswers().form() in known.get("/").text
 
 
 @pytest.mark.parametrize(

@@ -6,20 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.packed import GIVEN_DRIVES
 
-from vibro.axes import axis_of
 from vibro.errors import InputError
 from vibro.explore.controls import CONTROLS, DRIVES, PRESETS, VIEWS
 from vibro.explore.state import HEIGHT, WIDTH, State, initial_state, number_text, read_state
 from vibro.files.scene_files import read_scene_file
 from vibro.quantities import QUANTITIES, SWEPT
+from vibro.scene import Scene
 from vibro.sweeps.request import RANGES, gather
 from vibro.sweeps.whole import read_scene, request_of_call
 
 INITIAL = initial_state()
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENES = sorted(path for path in EXAMPLES.glob("*.toml") if not path.stem.startswith("design"))
-MOTIONS = ["slip_stick"]
 
 
 def changed(**query: str) -> State:
@@ -133,7 +133,7 @@ def test_a_drive_without_friction_has_a_ratio() -> None:
         ({"kinetic_friction_band": "0:1", "x": "static_friction"}, "kinetic_friction_band", "has no band"),
         ({"static_friction_band": "0.3:0.5", "follow": "0"}, "static_friction_band", "must reach down to"),
         ({"kinetic_friction_band": "0.8:1"}, "kinetic_friction_band", "static friction = 0.74"),
-        ({"static_friction_band": "1:2", "drive": "ellipse"}, "static_friction_band", "not known of drives"),
+        ({"static_friction_band": "1:2", "drive": "ellipse"}, "static_friction_band", "along a line alone"),
         ({"friction_ratio_band": "0.5:1.2"}, "friction_ratio_band", "must be in [0, 1]"),
         ({"friction_ratio_band": "0:1", "kinetic_friction_band": "0:1"}, "friction_ratio_band", "a band too"),
         ({"friction_ratio_band": "0:1", "y": "friction_ratio"}, "friction_ratio_band", "has no band"),
@@ -170,44 +170,82 @@ def test_presets_are_states(name: str) -> None:
         assert low < float(state.texts[state.texts[key]]) < high
 
 
-@pytest.mark.parametrize("path", [p for p in SCENES if p.stem not in MOTIONS], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_every_scene_of_the_examples_can_be_explored(path: Path) -> None:
     request = gather({}, read_scene_file(path), _Call(), reads_map=True, takes_axes=True, ranges=RANGES)
     state = initial_state(request)
-    scene, own = state.point.scene(), {name: request.own.get(name) for name in request.varying}
+    own = {name: request.own.get(name) for name in request.varying if name != "motion_scale"}
     if None not in own.values():
-        pairs = zip(scene.arrays(), read_scene(path).arrays(), strict=True)
-        assert all(np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True) for a, b in pairs)
+        assert _same(state.point.scene(), read_scene(path))
     assert len(state.grid().axes) == 2
     assert state.point.name == path.stem
-    assert read_state(state.texts, INITIAL).texts == state.texts
+    assert read_state(state.texts, state) == state
 
 
-@pytest.mark.parametrize("name", MOTIONS)
-def test_motions_of_steps_are_refused(name: str) -> None:
-    (path,) = (path for path in SCENES if path.stem == name)
-    request = gather({}, read_scene_file(path), _Call(), reads_map=True, takes_axes=True, ranges=RANGES)
-    with pytest.raises(InputError, match="the page shows no motions of steps or samples"):
-        initial_state(request)
+def _same(scene: Scene, other: Scene) -> bool:
+    """Whether two scenes are the same bit for bit; motions by their accelerations."""
+    a, b = scene.arrays().columns(), other.arrays().columns()
+    pairs = [*zip(a.fields, b.fields, strict=True), (a.breaks, b.breaks), (a.pieces, b.pieces)]
+    return a.kind == b.kind and all(np.array_equal(x, y, equal_nan=True) for x, y in pairs)
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [({"motion_scale": "2"}, "motion scale"), ({"normal_acceleration": "9"}, "normal acceleration")],
-)
-def test_scales_and_clamped_parts_are_refused(given: dict[str, str], said: str) -> None:
-    drive = {"along_amplitude": "1", "along_amplitude_2": "1", "frequency": "15", "normal_amplitude": "0"}
-    request = gather({**drive, "static_friction": "0.4", "friction_ratio": "0.8", **given}, None, _Call())
-    with pytest.raises(InputError, match=f"neither motions with a scale nor clamped parts, as {said} tells"):
-        initial_state(request)
+def given_state(folder: Path, text: str) -> State:
+    file = folder / "given.toml"
+    file.write_text(text, encoding="utf-8")
+    state = initial_state(request_of_call(file, {}))
+    assert _same(state.point.scene(), read_scene(file))
+    return state
 
 
-def test_what_the_page_cannot_show_is_refused() -> None:
-    names = {"along_amplitude": 1.0, "along_phase": 3.0, "normal_amplitude": 0.0, "normal_phase": 0.0,
-             "frequency": 20.0, "static_friction": 0.4, "kinetic_friction": 0.3}  # fmt: skip
-    given = {name: axis_of(value, QUANTITIES[name]) for name, value in names.items()}
-    with pytest.raises(InputError, match="at most two harmonics"):
-        initial_state(gather(given, None, _Call()))
+@pytest.mark.parametrize("name", GIVEN_DRIVES)
+def test_a_motion_stays_as_the_scene_gives_it(name: str, tmp_path: Path) -> None:
+    initial = given_state(tmp_path, GIVEN_DRIVES[name])
+    assert (initial.texts["drive"], initial.x.quantity.name, initial.y.quantity.name) == (
+        "given", "frequency", "motion_scale",
+    )  # fmt: skip
+    assert read_state(initial.texts, initial) == initial
+    moved = read_state({"motion_scale": "0.5", "static_friction": "0.6", "frequency_hz": "9"}, initial)
+    scene, other = moved.point.scene().arrays(), initial.point.scene().arrays()
+    assert (float(scene.frequency), float(scene.static_friction)) == (9.0, 0.6)
+    assert np.array_equal(scene.columns().pieces, other.columns().pieces)
+    # Another drive has nothing of it, also no clamped part; and back again it is as it was.
+    assert not initial.texts.keys() & {"along_amplitude_3_mm"}
+    ellipse = read_state(
+        {**initial.texts, "trough_angle_deg": "0", "drive": "ellipse", "x": "", "y": ""}, initial
+    )
+    assert ellipse.point.scene().arrays().kind == "along an ellipse"
+    assert "normal_acceleration" not in ellipse.point.specs
+    back = {"drive": "given", "x": "", "y": "", "trough_angle_deg": initial.texts["trough_angle_deg"]}
+    assert read_state({**ellipse.texts, **back}, initial).texts == initial.texts
+
+
+def test_a_link_to_another_motion_is_refused(tmp_path: Path) -> None:
+    """The address does not hold the motion: it must not show that of another scene file."""
+    steps, samples, wave = (
+        given_state(tmp_path, GIVEN_DRIVES[name]) for name in ("steps, clamped", "samples", "third harmonic")
+    )
+    assert len({state.texts["motion"] for state in (steps, samples, wave)}) == 3
+    shared = {**samples.texts}
+    for other in (steps, wave):
+        with pytest.raises(InputError, match="the link is of another motion than that of the scene"):
+            read_state(shared, other)
+    with pytest.raises(InputError, match="drive = 'given': must be line, ellipse, harmonics"):
+        read_state({"drive": "given"}, INITIAL)
+    assert read_state(shared, samples) == samples
+
+
+def test_a_clamped_part_may_hang(tmp_path: Path) -> None:
+    hung = given_state(tmp_path, GIVEN_DRIVES["clamped"])
+    assert read_state({"x": "trough_angle_deg", "x_range": "-90:90"}, hung).grid().shape == (HEIGHT, WIDTH)
+    with pytest.raises(InputError, match=r"trough angle = -90:90: must be in \(-90, 90\) deg"):
+        changed(x="trough_angle_deg", x_range="-90:90")
+
+
+def test_a_new_axis_has_the_operating_point_inside() -> None:
+    assert changed(frequency_hz="2.4", x="frequency_hz", y="drive_angle_deg").texts["x_range"] == "5:60"
+    slow = {"frequency_hz": "2.4", "x": "drive_angle_deg", "y": "frequency_hz", "y_range": ""}
+    assert changed(**slow).texts["y_range"] == "0.8:7.2"
+    assert changed(**{**slow, "frequency_hz": "7"}).texts["y_range"] == "5:60"
 
 
 def test_one_axis_of_a_scene_gets_another_beside_it() -> None:

@@ -27,6 +27,9 @@ class FakeAnswers:
     def schema(self) -> dict[str, Any]:
         return {"version": "0"}
 
+    def form(self) -> str:
+        return "<fieldset>the form</fieldset>"
+
     def map(self, state: Any, *, advance: bool) -> bytes:
         return repr((state, advance)).encode()
 

@@ -14,6 +14,26 @@ from vibro.explore.state import State, initial_state, read_state
 TYPES = {"f4": "<f4", "i1": "i1", "u1": "u1", "u2": "<u2"}
 
 
+_POINT = "static_friction = 0.4\nkinetic_friction = 0.3\nfrequency_hz = 8\n"
+_WAVE = "along_amplitudes_mm = [1, 0.3, 0.1]\nalong_phases_deg = [15, -90, 20]\n"
+#: Scene files of drives that the page shows as they are given.
+GIVEN_DRIVES = {
+    "third harmonic": f"[scene]\n{_POINT}{_WAVE}"
+    "normal_amplitudes_mm = [0, 0.1, 0]\nnormal_phases_deg = [0, 7, 0]\n",
+    "phase of the first": f"[scene]\n{_POINT}along_amplitudes_mm = [1]\nalong_phases_deg = [15]\n",
+    "scaled ellipse": f"[scene]\n{_POINT}motion_scale = 2\n"
+    "along_amplitude_mm = 1\nnormal_amplitude_mm = 0.1\n",
+    "clamped": f"[scene]\n{_POINT}{_WAVE}normal_acceleration_m_s2 = 20\ntrough_angle_deg = 90\n",
+    "clamped, one harmonic": f"[scene]\n{_POINT}along_amplitude_mm = 9\nnormal_amplitude_mm = 0\n"
+    "normal_force_n = 3\nmass_kg = 0.1\n",
+    "steps, clamped": f"[scene]\n{_POINT}normal_acceleration_m_s2 = 5\nmotion_scale = 1.5\n"
+    "[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n",
+    "samples": f"[scene]\n{_POINT}[motion]\nalong_samples_m_s2 = [0, 3, 4, 3, 0, -3, -4, -3]\n",
+    "displacements": f"[scene]\n{_POINT}[motion]\nnormal_samples_mm = [0, 0, 0, 0, 0, 0, 0, 0]\n"
+    "along_samples_mm = [0, 3, 4, 3, 0, -3, -4, -3]\n",
+}
+
+
 def unpacked(content: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Read a binary answer; every array begins where JavaScript can make one."""
     length = int.from_bytes(content[:4], "little")

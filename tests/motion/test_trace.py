@@ -70,6 +70,21 @@ def test_both_sides_of_an_event_follow_each_other(history: vibro.History) -> Non
     np.testing.assert_allclose(rows.acceleration, rows.inertial + rows.friction, atol=1e-12)
 
 
+def test_both_sides_of_a_jump_follow_each_other() -> None:
+    """Else a picture draws a slope there, and a friction that no trough can exert."""
+    motion = vibro.Motion.steps(along=[(0.8, 2.4), (0.2, -9.6)])
+    scene = vibro.Scene(motion=motion, frequency=2.5, static_friction=0.3, kinetic_friction=0.25)
+    history = vibro.simulate(scene, cycles=3)
+    rows = trace(history, until=history.end, samples_per_cycle=100, both_sides=True)
+    changes = np.flatnonzero(np.diff(rows.inertial))
+    assert np.diff(rows.time)[changes].max() < 1e-12
+    assert rows.time[changes] == pytest.approx([0.32, 0.4, 0.72, 0.8, 1.12])
+    assert np.abs(rows.friction).max() < 0.3 * 9.81
+    assert (rows.time[-1], rows.inertial[-1]) == (history.end, pytest.approx(9.6))  # before it jumps back
+    tabled = trace(history, until=history.end, samples_per_cycle=0)
+    assert tabled.time.tolist() == [0.0, *[p.start for p in history.phases[1:]], history.end]
+
+
 def test_the_motion_table_is_in_the_units_of_its_headers(history: vibro.History) -> None:
     rows = trace(history, until=history.end, samples_per_cycle=100)
     table = motion_table(history, rows)

@@ -46,6 +46,43 @@ def test_both_sides_of_an_event() -> None:
     assert loss == pytest.approx(0.57 * landing.impact_velocity, rel=1e-12)
 
 
+STEPS = vibro.Motion.steps(along=[(0.8, 2.4), (0.2, -9.6)])
+
+
+@pytest.mark.parametrize("start_phase", [0.0, 1.3, -2.0])
+@pytest.mark.parametrize("frequency", [2.5, 3.7])
+def test_both_sides_of_a_jump_of_the_acceleration(frequency: float, start_phase: float) -> None:
+    """Where steps change: rounding would decide which acceleration a time exactly there has."""
+    scene = vibro.Scene(motion=STEPS, frequency=frequency, static_friction=0.3, kinetic_friction=0.25)
+    history = vibro.simulate(scene, cycles=50, start_phase=start_phase)
+    shares = (np.arange(-60, 60)[:, np.newaxis] + [0.0, 0.8]).ravel() - start_phase / math.tau
+    wanted = shares / frequency
+    times = history.jumps(0.0, history.end)
+    assert times == pytest.approx(wanted[(wanted > 0.0) & (wanted < history.end)], abs=1e-12)
+    assert np.array_equal(history.jumps(times[3], times[7]), times[4:7])
+    starts = np.array([p.start for p in history.phases])
+    near = np.abs(times[:, np.newaxis] - starts).argmin(axis=1)  # a phase begins there, but for rounding
+    times = np.where(np.isclose(times, starts[near], rtol=0.0, atol=1e-9), starts[near], times)
+    before, after = (history.sample(times, side=side) for side in ("left", "right"))
+    begins = np.isclose((times * frequency + start_phase / math.tau) % 1.0, 0.8)
+    for sample, is_back in ((before, ~begins), (after, begins)):
+        assert np.array_equal(sample.inertial > 0.0, is_back)
+        assert np.abs(sample.inertial) == pytest.approx(np.where(is_back, 9.6, 2.4))
+        assert (np.abs(sample.friction) <= sample.static_limit).all()
+        assert sample.acceleration == pytest.approx(sample.inertial + sample.friction, abs=1e-12)
+    for name in ("position", "velocity", "trough_along"):
+        assert getattr(before, name) == pytest.approx(getattr(after, name), abs=1e-12)
+
+
+def test_smooth_motions_do_not_jump() -> None:
+    wave = np.sin(np.arange(32) * math.tau / 32)
+    fields = {"frequency": 8.0, "static_friction": 0.4, "kinetic_friction": 0.3}
+    smooth = vibro.Scene(motion=vibro.Motion.samples(along=6.0 * wave), **fields)
+    harmonics = vibro.Scene(along_harmonics=[(1e-3, 0.0), (1e-3, 1.0)], **fields)
+    for scene in (smooth, harmonics, scene_with()):
+        assert vibro.simulate(scene, cycles=2).jumps(0.0, 1.0).size == 0
+
+
 def test_samples_at_the_events_are_those_of_the_phases() -> None:
     history = vibro.simulate(scene_with(amplitude=2e-3), cycles=60)
     starts = np.array([p.start for p in history.phases])

@@ -1,9 +1,9 @@
-"""``vibro solve --speed``: which amplitudes convey a body at least so fast."""
+"""``vibro solve --speed``: which amplitudes, or scales of a motion, convey a body at least so fast."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
@@ -22,9 +22,10 @@ from vibro.limits import critical_loads
 from vibro.quantities import (
     DEFAULTS,
     LEAST_SPEED,
-    LENGTH,
     QUANTITIES,
+    SCALE,
     SPEED,
+    TOLD_HARMONICS,
     checked_number,
     exact_number,
     given_unit,
@@ -32,6 +33,7 @@ from vibro.quantities import (
 )
 from vibro.scene import Scene
 from vibro.steady import solve
+from vibro.sweeps.one_scene import motion_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -41,12 +43,14 @@ if TYPE_CHECKING:
 
     from vibro.cli.options import Options
     from vibro.results.designs import Interval
+    from vibro.sweeps.request import Request
 
     Floats = NDArray[np.float64]
 
 __all__ = ["list_amplitudes"]
 
 _NOT_MET: Final = 4  # exit code
+_MOST_AMPLITUDES: Final = 2  # of a motion in the table; more would not fit
 _MOST_ROWS: Final = 20  # of the table: irregular hops may give hundreds of slivers
 _SAMPLES: Final = 4097  # amplitudes that are tried where none is fast enough
 _LEAST: Final = 1e-6  # of the largest of them, where bodies start at once or hop
@@ -77,7 +81,8 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     text : str
         The speed, with or without a unit, in which the answer tells speeds too.
     options : Options
-        The scene. The amplitude of a line is not given; those of an ellipse give its proportion.
+        The scene. The amplitude of a line is not given, nor the scale of a motion; the amplitudes of an
+        ellipse give its proportion.
     argv : sequence of str
         The arguments as typed.
     hopping : bool
@@ -86,26 +91,21 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     Raises
     ------
     InputError
-        If something is wrong or missing, or the amplitude of a line is given.
+        If something is wrong or missing, or what is asked for is given.
     FileError
         If the scene file cannot be read.
     """
     speed = checked_number(text, LEAST_SPEED)
-    request = request_of(options, argv, asked_for="amplitude")
-    if request.is_waveform:
-        option = "--motion-scale" if request.motion else "--along"
-        raise InputError(
-            "--speed finds amplitudes of drives along a line or an ellipse alone",
-            hint=f"vibro map --speed draws where such a drive reaches a speed: give {option} as a range",
-        )
+    request = request_of(options, argv, asked_for=("amplitude", SCALE))
     unit, size = given_unit(text, LEAST_SPEED)
-    drive = _Drive.of(request.fixed, hopping=hopping, unit=unit, size=size)
+    drive = _Drive.of(request, hopping=hopping, unit=unit, size=size)
     with Console(quiet=options.quiet).progress("searching", None):
         found = drive.intervals(SPEED.to_si(speed))
     if options.json:
-        given = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items()}
+        given = {QUANTITIES[name].column: spec.value for name, spec in request.specs.items() if name != SCALE}
+        moved = {} if request.motion is None else {"motion": dict(request.motion.table)}
         content = {
-            "scene": given,
+            "scene": {**given, **moved},
             LEAST_SPEED.column: speed,
             "highest_regime": (Regime.HOPPING if hopping else Regime.BACK_SLIP).label,
             "met": bool(found),
@@ -115,22 +115,22 @@ def list_amplitudes(text: str, options: Options, argv: Sequence[str], *, hopping
     else:
         asked = f"{float(exact_number(text, LEAST_SPEED) / size):.15g} {unit}"
         print(aligned(drive.facts(request.fixed, asked), right=False), end="\n\n")
-        print(drive.table(found) if found else f"no amplitude does it: {drive.at_best()}")
+        print(drive.table(found) if found else f"no {drive.sizes[:-1]} does it: {drive.at_best()}")
     return 0 if found else _NOT_MET
 
 
 @dataclass(frozen=True)
 class _Drive:
-    """The drive whose amplitude is asked for: of an ellipse along the trough, or normal to it.
+    """The drive whose size is asked for: an amplitude, of an ellipse along or normal, or a motion's scale.
 
     Attributes
     ----------
     scene : Scene
-        The scene at that amplitude.
+        The scene at some size.
     amplitude : float
-        That amplitude [m].
+        That size [m], of a motion [1].
     shares : mapping of str to float
-        Every amplitude of the drive over it, by name.
+        Every amplitude over the size, and of a motion its scale, by name [1], of a motion's amplitudes [m].
     unit, size : str, Fraction
         Unit of speeds, and its size [mm/s].
     hopping : bool
@@ -145,9 +145,19 @@ class _Drive:
     hopping: bool
 
     @classmethod
-    def of(cls, fixed: Mapping[str, float], *, unit: str, size: Fraction, hopping: bool) -> _Drive:
-        """Return the drive of a scene's quantities, in the units outside."""
-        names = [name for name in ("along_amplitude", "normal_amplitude") if name in fixed]
+    def of(cls, request: Request, *, unit: str, size: Fraction, hopping: bool) -> _Drive:
+        """Return the drive of a request."""
+        fixed = request.fixed
+        if request.is_waveform:
+            scene = request.scene()
+            ways = (("along_amplitude", scene.along_harmonics), ("normal_amplitude", scene.normal_harmonics))
+            amplitudes = {
+                first if n == 1 else f"{first}_{n}": float(x)
+                for first, pairs in ways
+                for n, (x, _) in enumerate(pairs or (), 1)
+            }
+            return cls(scene, 1.0, {SCALE: 1.0, **amplitudes}, unit, size, hopping)
+        names: list[str] = [name for name in ("along_amplitude", "normal_amplitude") if name in fixed]
         given = fixed if names else {**fixed, "amplitude": 1.0}  # whatever it is, it does not count
         if names and not any(fixed[name] for name in names):
             raise InputError(
@@ -162,8 +172,23 @@ class _Drive:
 
     def scenes(self, amplitudes: Floats) -> Scene:
         """Return the scenes of some amplitudes [m]."""
-        fields = self.scene.arrays()._asdict()
-        return Scene(**{**fields, **{name: amplitudes * share for name, share in self.shares.items()}})
+        given = {f.name: getattr(self.scene, f.name) for f in fields(self.scene)}
+        sizes = [SCALE] if self.is_moved else self.shares
+        given |= {name: amplitudes * self.shares[name] for name in sizes}
+        return Scene(**{name: value for name, value in given.items() if value is not None})
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether the drive is a motion, whose scale is found."""
+        return SCALE in self.shares
+
+    @property
+    def told(self) -> list[str]:
+        """Names of the sizes in the table; of a motion with few amplitudes these too."""
+        if not self.is_moved:
+            return [*self.shares]
+        amplitudes = [name for name, share in self.shares.items() if share and name != SCALE]
+        return [SCALE, *(amplitudes if len(amplitudes) <= _MOST_AMPLITUDES else ())]
 
     def intervals(self, speed: float) -> list[Interval]:
         """Return the amplitudes that reach a speed [m/s]."""
@@ -174,7 +199,7 @@ class _Drive:
 
     @cached_property
     def limit(self) -> float:
-        """Amplitude up to which hops are looked for [m]; inf where there are none, or none are asked for."""
+        """Size up to which hops are looked for; inf where there are none, or none are asked for."""
         throw = float(solve(self.scene, accuracy="regimes").throw_number)
         return self.amplitude * (MOST_THROW / throw) if self.hopping and throw > 0.0 else math.inf
 
@@ -183,31 +208,41 @@ class _Drive:
         words = [
             f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
             for name, value in fixed.items()
-            if value != DEFAULTS.get(name)
+            if value != DEFAULTS.get(name) and name != SCALE and QUANTITIES[name].order <= TOLD_HARMONICS
         ]
+        words = [motion_text(self.scene)] * self.is_moved + words
         regime = ", hopping or not" if self.hopping else " without hopping"
         facts = [("scene", ", ".join(words)), ("asked for", f"at least {speed}{regime}")]
-        if len(self.shares) > 1:
+        if self.is_moved:
+            facts.append(("scale", "of the whole motion, in the proportions of the scene"))
+        elif len(self.shares) > 1:
             facts.append(("amplitudes", "both change together, in the proportion of the scene"))
         if math.isfinite(self.limit):
             count = HOPS_SAMPLED[bool(self.scene.restitution > 0.0)]
             facts += [
                 (
                     "hops",
-                    f"sampled at {count} amplitudes up to {self.at(self.limit)} (throw number"
+                    f"sampled at {count} {self.sizes} up to {self.at(self.limit)} (throw number"
                     f" {MOST_THROW:g}): what lies between two of them may be missed",
                 ),
                 ("irregular hops", "count with their mean speed less three standard errors"),
             ]
         elif self.hopping:
-            facts.append(("hops", "none: the trough does not move normal to itself"))
+            part = ", or the part is clamped" if self.scene.normal_acceleration is not None else ""
+            facts.append(("hops", "none: the trough does not move normal to itself" + part))
         return facts
 
+    @property
+    def sizes(self) -> str:
+        """What is listed."""
+        return "scales" if self.is_moved else "amplitudes"
+
     def at(self, amplitude: float) -> str:
-        """Write all amplitudes for people."""
+        """Write all amplitudes for people, or the scale of a motion."""
         texts = [
-            f"{name.removesuffix('amplitude').replace('_', ' ')}{LENGTH.from_si(amplitude * share):.4g} mm"
-            for name, share in self.shares.items()
+            f"{_word(name)}{QUANTITIES[name].from_si(amplitude * self.shares[name]):.4g}"
+            f" {QUANTITIES[name].unit}".rstrip()
+            for name in (self.told[:1] if self.is_moved else self.told)
         ]
         return ", ".join(texts)
 
@@ -216,21 +251,23 @@ class _Drive:
         ends = {}
         for name, share in self.shares.items():
             for side, end in (("low", interval.low), ("high", interval.high)):
-                value = float(LENGTH.from_si(end * share)) if share else 0.0
-                ends[f"{name}_{side}_mm"] = value if math.isfinite(value) else None
+                quantity = QUANTITIES[name]
+                value = float(quantity.from_si(end * share)) if share else 0.0
+                ends[f"{name}_{side}{quantity.kind.suffix}"] = value if math.isfinite(value) else None
         return {**ends, "low_set_by": interval.low_set_by, "high_set_by": interval.high_set_by}
 
     def table(self, found: Sequence[Interval]) -> str:
         """Return the intervals as a table, the widest ones if there are many."""
         kept = sorted(found, key=lambda i: i.low / i.high)[:_MOST_ROWS]
-        ways = [name.removesuffix("amplitude").replace("_", " ") for name in self.shares]
-        heads = [f"{way}{end} [mm]" for end in ("from", "to") for way in ways]
+        units = {name: f" [{QUANTITIES[name].unit}]" if QUANTITIES[name].unit else "" for name in self.told}
+        heads = [f"{_word(name)}{end}{unit}" for end in ("from", "to") for name, unit in units.items()]
         rows = [(*heads, "at its beginning", "at its end")]
         ends = _ENDS if math.isfinite(self.limit) else {**_ENDS, "hop": _HOPS}
         for interval in found:
             if interval not in kept:
                 continue
-            lows, highs = zip(*(_rounded(interval, share) for share in self.shares.values()), strict=True)
+            ends_told = (_rounded(interval, name, self.shares[name]) for name in self.told)
+            lows, highs = zip(*ends_told, strict=True)
             last = ends[interval.high_set_by] if math.isfinite(interval.high) else "-"
             rows.append((*lows, *highs, _BEGINS[interval.low_set_by], last))
         lines = [aligned(rows, right=False)]
@@ -279,7 +316,7 @@ class _Drive:
 
     def _turned(self) -> str:
         """Say how to turn the direction of an ellipse."""
-        if len(self.shares) == 1:
+        if len(self.shares) == 1 or self.is_moved:
             return ""
         phase = QUANTITIES["normal_phase"]
         now = float(phase.from_si(float(self.scene.arrays()._asdict()["normal_phase"])))
@@ -287,11 +324,17 @@ class _Drive:
         return f"; {phase.options[0]} {turned:.6g} drives it the other way"
 
 
-def _rounded(interval: Interval, share: float) -> tuple[str, str]:
-    """Write both ends of an amplitude [mm] with six digits inside the interval."""
+def _word(name: str) -> str:
+    """Return a word and a space before a size: none of a line, ``along`` of an ellipse, ``scale``."""
+    word = QUANTITIES[name].label.removesuffix("amplitude").removeprefix("motion ").strip()
+    return f"{word} " if word else ""
+
+
+def _rounded(interval: Interval, name: str, share: float) -> tuple[str, str]:
+    """Write both ends of a size in the unit outside, with six digits inside the interval."""
     if not share:
         return "0", "0"
-    ends = [float(LENGTH.from_si(end * share)) for end in interval[:2]]
+    ends = [float(QUANTITIES[name].from_si(end * share)) for end in interval[:2]]
     if math.isinf(ends[1]):
         return bound(ends[0], upper=True), "any"
     low, high = bound(ends[0], upper=True), bound(ends[1], upper=False)

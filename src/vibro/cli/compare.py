@@ -24,7 +24,15 @@ from vibro.cli.record_options import (
     scene_and_data,
 )
 from vibro.errors import InputError, cut, shown
-from vibro.quantities import AMPLITUDES, ELLIPTICAL, LINEAR, QUANTITIES, STANDS_FOR, scene_fields
+from vibro.quantities import (
+    AMPLITUDES,
+    ELLIPTICAL,
+    LINEAR,
+    QUANTITIES,
+    SCALE,
+    STANDS_FOR,
+    scene_fields,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -158,6 +166,9 @@ def compare_command(
     else:
         first, request = _with_measured(trough, elliptical, options, context.obj, console)
         drive, request = _with_harmonics(record, reverse, first, request, options, context.obj, console)
+        if drive is first and request.is_waveform:
+            # The measured fundamental must not be mixed with harmonics that the scene gives.
+            raise _two_motions()
         for warning in drive.warnings:
             console.warn(warning)
     scene = request.scene()
@@ -226,6 +237,13 @@ def _elliptical(options: Options) -> bool:
     return not {*options.given, *own}.isdisjoint(ELLIPTICAL)
 
 
+def _two_motions() -> InputError:
+    return InputError(
+        "the trough's motion is measured, beside a scene with a motion of its own or a clamped part",
+        hint="leave out --trough-along and --trough-normal, or that motion: harmonics are measured too",
+    )
+
+
 def _with_measured(
     trough: Trough, elliptical: bool, options: Options, argv: Sequence[str], console: Console
 ) -> tuple[MeasuredDrive, Request]:
@@ -234,11 +252,16 @@ def _with_measured(
 
     from vibro.cli.compare_report import measured
     from vibro.cli.request import request_of
+    from vibro.files.scene_files import read_scene_file
     from vibro.records.folding import Estimate
     from vibro.records.signals import doubt, rounded
     from vibro.records.tolerances import TOL
     from vibro.records.trough import spelled
 
+    file = read_scene_file(options.scene) if options.scene else None
+    beside = {*options.given, *(file.scene if file else ())} & {SCALE, "normal_acceleration"}
+    if beside or (file and file.motion):
+        raise _two_motions()
     on_an_ellipse = elliptical or trough.on_an_ellipse
     if on_an_ellipse:
         found = list(trough.drive_on_ellipse().quantities)

@@ -19,6 +19,7 @@ from vibro.cli.record_options import (
     TroughNormalOption,
     scene_and_data,
 )
+from vibro.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -75,7 +76,6 @@ def motion_command(
     the motion goes to a scene file, for vibro solve, vibro map and others.
     """
     from vibro.cli.motion_report import MotionReport
-    from vibro.errors import InputError
     from vibro.files.publication import json_text
     from vibro.quantities import DRIVES, QUANTITIES, checked_number, scene_fields
     from vibro.records.measured_speeds import speeds_of, throw_number
@@ -121,6 +121,11 @@ def _rest_of_scene(options: Options, argv: Sequence[str]) -> tuple[Request, bool
     from vibro.files.scene_files import read_scene_file
 
     own = read_scene_file(options.scene).scene if options.scene else {}
+    if "normal_acceleration" in {*options.given, *own}:
+        raise InputError(
+            "vibro motion tells no speed of a clamped part",
+            hint="leave its normal force out, and give it to vibro solve beside the motion that -o writes",
+        )
     has_friction = not {*options.given, *own}.isdisjoint(_FRICTIONS)
     frictions = {} if has_friction else {"static_friction": "1", "kinetic_friction": "1"}
     return request_of(replace(options, given={**options.given, **_HARMLESS, **frictions}), argv), has_friction

@@ -68,7 +68,8 @@ def solve_command(
             "--speed",
             metavar="SPEED",
             help="Instead list the amplitudes that convey at least so fast [mm/s], such as 5m/min; the exit"
-            " code is 4 if there are none. Both amplitudes of an ellipse keep the proportion that is given.",
+            " code is 4 if there are none. Amplitudes of an ellipse keep the proportion that is given; of"
+            " other motions the scales are listed.",
             show_default=False,
         ),
     ] = None,
@@ -84,8 +85,8 @@ def solve_command(
     """Report one scene: its regime, speed, where the next regimes begin, and the phases of its cycle.
 
     With -o the row of a map's table is written to STEM.csv too; --columns chooses what it holds, and what
-    --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed,
-    with --hopping also those at which the body hops.
+    --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed, or
+    which scales of a motion, with --hopping also those at which the body hops.
     """
     from vibro.cli.output import answer_one, make_grid
     from vibro.cli.request import question_length, request_of

@@ -10,7 +10,8 @@ import numpy as np
 
 from vibro.core.codes import Regime, Status
 from vibro.explore.bands import certain_of, searched_text
-from vibro.explore.controls import CONTROLS, DRIVES, drives_of
+from vibro.explore.controls import CONTROLS, drives_of
+from vibro.explore.form import form_html
 from vibro.explore.histories import packed_history
 from vibro.explore.levels import MapCells
 from vibro.explore.looks import MARKS
@@ -58,17 +59,22 @@ class Answers:
             ``initial``, the state at the start; ``idle``, for each drive the keys of quantities that it does
             not have; ``regimes`` and ``statuses`` of cells; ``marks``, the bits of marks on cells.
         """
+        drives = self._initial.drives
         columns = {name: QUANTITIES[name].column for name in CONTROLS if name != "friction_ratio"}
         return {
             "initial": dict(self._initial.texts),
             "idle": {
-                drive: [column for name, column in columns.items() if drive not in drives_of(name)]
-                for drive in DRIVES
+                drive: [column for name, column in columns.items() if drive not in drives_of(name, drives)]
+                for drive in drives
             },
             "regimes": [{"code": int(regime), "label": regime.label} for regime in Regime],
             "statuses": [{"code": int(s), "message": "" if s is Status.OK else s.message} for s in Status],
             "marks": MARKS,
         }
+
+    def form(self) -> str:
+        """Return the form of the page, as ``form_html`` does."""
+        return form_html(self._initial)
 
     def map(self, state: State, *, advance: bool = False) -> bytes:
         """Return a map as ``packed_map`` does, as it is or after some more work."""

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from vibro.quantities import DRIVES as OF_DRIVES
 from vibro.quantities import LINEAR, QUANTITIES, SCALE, SWEPT
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Mapping
 
 __all__ = [
     "BANDS",
     "CONTROLS",
     "DRIVES",
-    "ELSEWHERE",
+    "GIVEN",
     "PRESETS",
     "VIEWS",
     "Control",
     "Drive",
     "drive_named",
     "drives_of",
+    "given_drive",
 ]
 
 
@@ -49,6 +51,7 @@ class Preset(NamedTuple):
 
 
 _ELLIPSE: Final = ("along_amplitude", "normal_amplitude", "normal_phase")
+_NORMAL: Final = ("normal_amplitude", "normal_phase", "normal_amplitude_2", "normal_phase_2")
 _SECOND: Final = ("along_amplitude_2", "along_phase_2", "normal_amplitude_2", "normal_phase_2")
 
 #: By name.
@@ -58,18 +61,23 @@ DRIVES: Final = {
     "harmonics": Drive("with a second harmonic", (*_ELLIPSE, *_SECOND), "along_phase_2", "along_amplitude_2"),
 }
 
+#: Name of a further drive: that of a scene which none of these can hold (``given_drive``).
+GIVEN: Final = "given"
+
 #: Sliders by quantity, in the order of the page.
 CONTROLS: Final = {
     "amplitude": Control(0.01, 5.0, 0.005, "0.1:3"),
     "along_amplitude": Control(0.0, 5.0, 0.01, "0.1:3"),
     "normal_amplitude": Control(0.0, 2.0, 0.005, "0:1"),
-    "frequency": Control(5.0, 120.0, 0.1, "5:60"),
+    "frequency": Control(1.0, 120.0, 0.1, "5:60"),
     "drive_angle": Control(0.0, 89.0, 0.1, "0:80"),
     "normal_phase": Control(-180.0, 180.0, 1.0, "-180:180"),
     "along_amplitude_2": Control(0.0, 2.0, 0.005, "0:1"),
     "along_phase_2": Control(-180.0, 180.0, 1.0, "-180:180"),
     "normal_amplitude_2": Control(0.0, 2.0, 0.005, "0:0.5"),
     "normal_phase_2": Control(-180.0, 180.0, 1.0, "-180:180"),
+    "motion_scale": Control(0.05, 3.0, 0.01, "0.2:3"),
+    "normal_acceleration": Control(0.5, 100.0, 0.1, "1:50"),
     "static_friction": Control(0.01, 1.5, 0.005, "0.1:1.2"),
     "friction_ratio": Control(0.0, 1.0, 0.005, "0.3:1"),
     "kinetic_friction": Control(0.0, 1.5, 0.005, "0.1:1.2"),
@@ -78,9 +86,7 @@ CONTROLS: Final = {
     "trough_length": Control(50.0, 5000.0, 10.0),
     "gravity": Control(1.0, 20.0, 0.01),
 }
-#: Axes of sweeps that the page does not have: of motions, which it does not show, and of clamped parts.
-ELSEWHERE: Final = (SCALE, "normal_acceleration")
-assert set(SWEPT) - {*ELSEWHERE} <= set(CONTROLS) <= set(QUANTITIES)
+assert set(SWEPT) <= set(CONTROLS) <= set(QUANTITIES)
 
 #: Quantities that may be given as bands.
 BANDS: Final = ("static_friction", "kinetic_friction", "friction_ratio")
@@ -168,6 +174,22 @@ def drive_named(quantities: Collection[str]) -> str:
     return ""
 
 
-def drives_of(quantity: str) -> list[str]:
-    """Name the drives that have a quantity."""
-    return [name for name, drive in DRIVES.items() if quantity in drive.quantities] or [*DRIVES]
+def given_drive(quantities: Collection[str], varying: Collection[str]) -> Drive:
+    """Return the drive of a scene with these quantities, of which some vary.
+
+    It stays as it is given, up to a scale, where it has no sliders: steps and samples, harmonics above the
+    second, the first harmonic's phase along the trough. Under a clamped part the trough does not move normal
+    to itself.
+    """
+    moved = {*quantities, SCALE}
+    if "normal_acceleration" in quantities:
+        moved -= {*_NORMAL} - {*varying}
+    return Drive(
+        "as the scene gives it", tuple(name for name in CONTROLS if name in moved), "frequency", SCALE
+    )
+
+
+def drives_of(quantity: str, drives: Mapping[str, Drive]) -> list[str]:
+    """Name those of some drives that have a quantity."""
+    is_of_all = quantity not in (*OF_DRIVES, "normal_acceleration")
+    return [name for name, drive in drives.items() if is_of_all or quantity in drive.quantities]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from urllib.parse import urlencode
 
-from vibro.explore.controls import BANDS, CONTROLS, DRIVES, PRESETS, VIEWS, drives_of
+from vibro.explore.controls import BANDS, CONTROLS, PRESETS, VIEWS, drives_of
 from vibro.explore.markup import Html, tag
 from vibro.explore.words import symbol_of, unit_of
 from vibro.quantities import LEAST_SPEED, QUANTITIES, SWEPT
+
+if TYPE_CHECKING:
+    from vibro.explore.state import State
 
 __all__ = ["form_html"]
 
@@ -16,24 +19,30 @@ _NO_BANDS: Final = {f"{name}_band": "" for name in BANDS}
 _NO_AXES: Final = {"x": "", "y": "", "x_range": "", "y_range": ""}
 
 
-def form_html() -> str:
-    """Return the fieldsets of the form."""
-    rows = {name: _quantity(name) for name in CONTROLS if name != "friction_ratio"}
+def form_html(initial: State) -> str:
+    """Return the fieldsets of the form, with the drives of the initial state and sliders that reach it."""
+    drives = initial.drives
+    rows = {
+        name: _quantity(name, initial)
+        for name in CONTROLS
+        if name != "friction_ratio" and drives_of(name, drives)
+    }
     frictions = [rows.pop("static_friction"), rows.pop("kinetic_friction")]
-    of_drive = {"frequency", *(name for drive in DRIVES.values() for name in drive.quantities)}
+    of_drive = {"frequency", *(name for drive in drives.values() for name in drive.quantities)}
     return "\n".join(
         [
             _fieldset(
                 "Map",
                 _pair("view", "Show", _select("view", [_option(*view) for view in VIEWS.items()])),
-                _axis("x", "Horizontal axis", "Across"),
-                _axis("y", "Vertical axis", "Up"),
+                _axis("x", "Horizontal axis", "Across", initial),
+                _axis("y", "Vertical axis", "Up", initial),
                 _pair("target", "Target speed", _measure("target", unit_of(LEAST_SPEED), placeholder="none")),
             ),
             _fieldset(
                 "Drive",
                 _pair("preset", "Preset", _select("preset", _presets())),
-                _pair("drive", "Motion", _select("drive", _drives())),
+                tag("input", type="hidden", name="motion"),
+                _pair("drive", "Motion", _select("drive", _drives(initial))),
                 *(row for name, row in rows.items() if name in of_drive),
             ),
             _fieldset(
@@ -47,7 +56,7 @@ def form_html() -> str:
                     id="no-bands",
                     class_="note",
                 ),
-                *map(_band, BANDS),
+                *(_band(name, initial) for name in BANDS),
             ),
             _fieldset("Trough and body", *(row for name, row in rows.items() if name not in of_drive)),
         ]
@@ -83,10 +92,10 @@ def _presets() -> list[Html]:
     return [_option("", "choose one", data_patch=""), *given]
 
 
-def _drives() -> list[Html]:
+def _drives(initial: State) -> list[Html]:
     return [
         _option(name, drive.label, data_patch=urlencode({**_NO_AXES, **_NO_BANDS, "drive": name}))
-        for name, drive in DRIVES.items()
+        for name, drive in initial.drives.items()
     ]
 
 
@@ -103,13 +112,14 @@ def _pair(key: str, label: str, box: Html) -> Html:
     return tag("div", tag("label", label, for_=key), box, _note(key), class_="pair")
 
 
-def _axis(key: str, name: str, label: str) -> Html:
-    quantities = [QUANTITIES[name] for name in CONTROLS if name in SWEPT]
+def _axis(key: str, name: str, label: str, initial: State) -> Html:
+    drives = {name: drives_of(name, initial.drives) for name in CONTROLS if name in SWEPT}
+    quantities = [QUANTITIES[name] for name, several in drives.items() if several]
     options = [
         _option(
             quantity.column,
             f"{quantity.label} [{unit_of(quantity)}]" if quantity.unit else quantity.label,
-            data_drives=" ".join(drives_of(quantity.name)),
+            data_drives=" ".join(drives[quantity.name]),
         )
         for quantity in quantities
     ]
@@ -136,13 +146,18 @@ def _axis(key: str, name: str, label: str) -> Html:
     )
 
 
-def _slider(key: str, name: str, label: str, **attributes: object) -> Html:
+def _slider(key: str, name: str, label: str, initial: State, **attributes: object) -> Html:
     low, high, step, _ = CONTROLS[name]
+    value = float(initial.texts.get(QUANTITIES[name].column) or low)
+    if not low <= value <= high:
+        allowed = QUANTITIES[name].allowed
+        low = max(min(low, value, 2.0 * value), allowed.low)
+        high = min(max(high, value, 2.0 * value), allowed.high)
     label = f"{label}, slider"
     return _input(key, type="range", min=low, max=high, step=step, aria_label=label, **attributes)
 
 
-def _quantity(name: str) -> Html:
+def _quantity(name: str, initial: State) -> Html:
     """Write a text with a unit, and a slider."""
     quantity = QUANTITIES[name]
     key, unit = quantity.column, unit_of(quantity)
@@ -151,22 +166,22 @@ def _quantity(name: str) -> Html:
         "div",
         tag("label", f"{quantity.label} ", symbol, for_=key, title=quantity.meaning),
         _measure(key, unit),
-        _slider(key, name, quantity.label, data_unit=unit),
+        _slider(key, name, quantity.label, initial, data_unit=unit),
         _note(key),
         class_="quantity",
         id=f"row-{key}",
-        data_drives=" ".join(drives_of(name)),
+        data_drives=" ".join(drives_of(name, initial.drives)),
     )
 
 
-def _band(name: str) -> Html:
+def _band(name: str, initial: State) -> Html:
     """Write two texts and two sliders: the ends of a band of friction."""
     key, label = f"{name}_band", QUANTITIES[name].label
     texts, sliders = [], []
     for number, end in enumerate(("least", "most")):
         texts.append(tag("label", end, for_=f"{key}-{end}"))
         texts.append(_input(key, id=f"{key}-{end}", data_part=number, placeholder="exact"))
-        sliders.append(_slider(key, name, f"{end} {label}", data_part=number, data_unit=""))
+        sliders.append(_slider(key, name, f"{end} {label}", initial, data_part=number, data_unit=""))
     return tag(
         "div",
         tag("span", label),

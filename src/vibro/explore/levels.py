@@ -1,10 +1,10 @@
 """The cells of a map, solved in the order in which people need them: contact at once, flights coarse to fine.
 
-Contact takes a few milliseconds a map, of drives beyond one harmonic a few tenths of a second. A flight takes
-13 to 50 us where bodies do not bounce, and a millisecond or more where they do. These cells come one lattice
-after the other, each with half the spacing, and show a solved neighbour meanwhile. Over amplitude and
-frequency everything depends on the load G alone, up to the scales of length and time: there a line of loads
-shows the whole map before.
+Contact takes a few milliseconds a map. A flight takes 13 to 50 us where bodies do not bounce, and a
+millisecond or more where they do; on drives beyond one harmonic contact takes 10 to 500 us a cell too, the
+more, the more pieces they have. These cells come one lattice after the other, each with half the spacing, and
+show a solved neighbour meanwhile. Over amplitude and frequency everything depends on the load G alone, up to
+the scales of length and time: there a line of loads shows the whole map before.
 """
 
 from __future__ import annotations
@@ -92,7 +92,8 @@ class MapCells:
     grid : Grid
         Of two axes.
     patience : float, optional
-        How long the first loads may take that show a map over amplitude and frequency [s].
+        How long a first picture may take [s]: loads that show a map over amplitude and frequency, or lattices
+        beyond the widest one, on drives beyond one harmonic.
     expected : float, optional
         How long they took for the last map [s]: if longer than ``patience``, they are left to ``advance``.
         Irregular motion takes ten times as long as periodic motion, and successive maps are much alike.
@@ -110,19 +111,29 @@ class MapCells:
         values = grid.values()
         scene = scene_of(values)
         drive = scene.arrays()
-        self._solved = replace(grid, flight=False).solve(values)
-        waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
-        waiting &= self._solved.throw_number <= MOST_THROW
+        self._is_quick = drive.can(Ability.ONE_HARMONIC)  # where bodies do not hop
+        if self._is_quick:
+            self._solved = replace(grid, flight=False).solve(values)
+            waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
+            waiting &= self._solved.throw_number <= MOST_THROW
+        else:
+            self._solved = SteadyCycle(**{r.name: np.zeros(grid.shape, r.dtype) for r in RESULTS})
+            waiting = np.ones(grid.shape, np.bool_)
         self._exact = ~waiting
         self._waiting = _coarse_to_fine(waiting, _SPACINGS[0])
         self._done = 0
         self._line = None if self._is_solved else _Line.over(grid, scene, waiting)
         if self._line is not None and not grid.fixed["restitution"] and expected <= patience:
             self._line.solve_more()
-        self._has_limits = drive.can(Ability.PROOF) or not drive.can(Ability.ONE_HARMONIC)
+        self._has_limits = drive.can(Ability.PROOF) or not self._is_quick
         if self._has_limits:
             self._limits = limits_of(values)
         self._turn = _Turn()
+        if not self._is_quick:
+            end = time.perf_counter() + patience
+            self._solve_more(math.prod(-(-n // _SPACINGS[0]) for n in grid.shape))  # the widest lattice
+            while not self._is_solved and time.perf_counter() < end:
+                self._turn.take(self._solve_more)
         self._show()
 
     @property
@@ -138,7 +149,8 @@ class MapCells:
         if not self._has_limits:
             return share, "boundaries of back slip: a preview"
         if self._line is None or not self._line.is_known:
-            return share, f"hopping: {share:.0%} exact, the rest from neighbours or to come"
+            slow = "hopping: " if self._is_quick else ""
+            return share, f"{slow}{share:.0%} exact, the rest from neighbours or to come"
         told = f"of loads within {math.ceil(1e4 * self._line.spread) / 100:.4g} %"
         told = told if self._line.is_done else "a preview"
         return share, f"hopping: {share:.0%} exact, the rest {told}"

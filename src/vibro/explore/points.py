@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from vibro.explore.bands import bands_if, guaranteed_text
 from vibro.explore.markup import tag
 from vibro.explore.state import HEIGHT, WIDTH, number_text
+from vibro.files.motions import harmonic_lists
 from vibro.plots.style import REGIME_COLOURS
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.sweeps.grid import Grid
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["command_of", "point_of", "scene_text"]
 
 _APART: Final = "Of the operating point's own friction: commands and scene files know no bands."
+_SAVED: Final = "scene.toml"  # as the page calls it
+_IN_FILE: Final = f"The motion has no options: the command reads the scene file, saved as {_SAVED}."
 
 
 def point_of(state: State) -> dict[str, Any]:
@@ -39,9 +42,9 @@ def point_of(state: State) -> dict[str, Any]:
         ``speed``; ``tables`` with what ``vibro solve`` prints, as HTML; ``guaranteed``, for all bodies in the
         bands, and whether their least speed is ``unproved``; ``bands``, with kinetic friction given by
         itself, and following static friction; ``command`` and ``toml``, which make the same map, and
-        ``apart``, how their maps differ from it.
+        ``apart``, how their maps differ from it, or what the command needs.
     """
-    grid = Grid({}, state.point.fixed, state.point.length)
+    grid = Grid({}, state.point.fixed, state.point.length, motion=state.point.motion)
     (block,) = sweep_blocks(grid)
     one = OneScene(block)
     facts = facts_of(one, grid)
@@ -64,15 +67,15 @@ def point_of(state: State) -> dict[str, Any]:
         "unproved": is_open,
         "bands": [bands_if(state, follows=follows) for follows in (False, True)],
         "command": command_of(state),
-        "apart": _APART if state.bands else "",
+        "apart": _IN_FILE if state.is_given else _APART if state.bands else "",
         "toml": scene_text(state),
     }
 
 
 def command_of(state: State) -> str:
     """Return the command line that makes the same map, of the same cells."""
-    words = ["vibro", "map"]
-    for name, text in _given(state).items():
+    words = ["vibro", "map", *[_SAVED] * state.is_given]
+    for name, text in _given(state).items() if not state.is_given else ():
         option = QUANTITIES[name].options[0]
         # an option of two dashes may begin its value with one only behind =
         words += [f"{option}={text}"] if option.startswith("--") else [option, text]
@@ -86,13 +89,17 @@ def scene_text(state: State) -> str:
     """Return the scene file that makes the same map, of the same cells."""
     given = _given(state)
     point = state.point.fixed | ({} if state.point.length is None else {"trough_length": state.point.length})
-    scene = [f"{QUANTITIES[name].column} = {number_text(value)}" for name, value in point.items()]
+    lists, others = harmonic_lists(point) if state.is_given else ({}, point)
+    scene = [f"{key} = [{', '.join(map(number_text, values))}]" for key, values in lists.items()]
+    scene += [f"{QUANTITIES[name].column} = {number_text(value)}" for name, value in others.items()]
     swept = [
         f'{QUANTITIES[name].column} = "{text}"' if ":" in text else f"{QUANTITIES[name].column} = {text}"
         for name, text in given.items()
         if ":" in text or name == "friction_ratio"
     ]
-    return "\n".join(["[scene]", *scene, "", "[map]", *swept, ""])
+    motion = state.point.motion.table if state.point.motion else {}
+    moved = ["[motion]", *(f"{key} = {value}" for key, value in motion.items()), ""] if motion else []
+    return "\n".join(["[scene]", *scene, "", *moved, "[map]", *swept, ""])
 
 
 def _given(state: State) -> dict[str, str]:

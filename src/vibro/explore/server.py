@@ -26,7 +26,6 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from vibro.errors import FileError, InputError, shown
 from vibro.explore.answers import Answers
-from vibro.explore.form import form_html
 from vibro.explore.guards import HEADERS, Guarded, RefusedError, Session, query_of
 from vibro.explore.state import read_state
 
@@ -138,7 +137,7 @@ class _Routes:
     def __init__(self, answers: Answers, read: Callable[[Mapping[str, str]], State]) -> None:
         self._answers = answers
         self._read = read
-        self._files = _page_files()
+        self._files = _page_files(answers.form())
         self._quick, self._advancing, self._tables = _Turns(_QUICK), _Turns(1), _Turns(1)
         self._searches = _Turns(1)
 
@@ -204,8 +203,8 @@ def _missing() -> RefusedError:
     return RefusedError(HTTPStatus.NOT_FOUND, "there is nothing here")
 
 
-def _page_files() -> dict[str, tuple[bytes, str]]:
-    """Read the files of the page, with their types."""
+def _page_files(form: str) -> dict[str, tuple[bytes, str]]:
+    """Read the files of the page, with their types; the form goes into the page."""
     folder = files("vibro.explore") / "static"
     page = {
         file.name: (file.read_bytes(), _TYPES[PurePath(file.name).suffix])
@@ -213,7 +212,7 @@ def _page_files() -> dict[str, tuple[bytes, str]]:
         if file.is_file()
     }
     index, kind = page["index.html"]
-    page["index.html"] = (index.replace(b"<!-- form -->", form_html().encode()), kind)
+    page["index.html"] = (index.replace(b"<!-- form -->", form.encode()), kind)
     return page
 
 

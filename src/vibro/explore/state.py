@@ -2,22 +2,36 @@
 
 from __future__ import annotations
 
+import hashlib
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from vibro.axes import AxisSpec, parse_axis
 from vibro.errors import InputError, Problems, cut, shown
-from vibro.explore.controls import BANDS, CONTROLS, DRIVES, ELSEWHERE, VIEWS, drive_named
+from vibro.explore.controls import (
+    BANDS,
+    CONTROLS,
+    DRIVES,
+    GIVEN,
+    VIEWS,
+    drive_named,
+    drives_of,
+    given_drive,
+)
 from vibro.files.descriptions import EXAMPLES
+from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
     AMPLITUDES,
     BY_COLUMN,
     DEFAULTS,
     LEAST_SPEED,
     QUANTITIES,
+    SCALE,
     SWEPT,
     checked_number,
     kinetic_friction,
+    of_part,
 )
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.request import Request, gather
@@ -27,6 +41,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from vibro.axes import Axis
+    from vibro.explore.controls import Drive
     from vibro.quantities import Quantity
 
 __all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "number_text", "read_state"]
@@ -35,12 +50,17 @@ __all__ = ["HEIGHT", "WIDTH", "State", "initial_state", "number_text", "read_sta
 WIDTH: Final = 200
 HEIGHT: Final = 150
 
+_FINGERPRINT: Final = 8  # hexadecimal digits
+_AROUND: Final = 3.0  # factor between an operating point and the ends of an axis around it
 _MOST_CYCLES: Final = 20  # drive cycles of a history: more could not be told apart
 # The nut of examples/safety_nut.toml, and drives of other kinds with about its load.
-_VALUES: Final = {**EXAMPLES, **DEFAULTS, "normal_amplitude_2": 0.0, "normal_phase_2": 0.0}
-_USUAL: Final = {QUANTITIES[n].column: f"{_VALUES[n]:g}" for n in CONTROLS if n != "friction_ratio"}
+_VALUES: Final = {**EXAMPLES, **DEFAULTS, "normal_amplitude_2": 0.0, "normal_phase_2": 0.0, SCALE: 1.0}
+_USUAL: Final = {
+    QUANTITIES[n].column: f"{_VALUES[n]:g}" for n in CONTROLS if n in _VALUES and n != "friction_ratio"
+}
 _OTHERS: Final = {
     "drive": "line",
+    "motion": "",  # of the drive GIVEN, to tell one scene file from another
     "view": "regime",
     "x": "",
     "y": "",
@@ -87,6 +107,10 @@ class State:
         Bands of static friction, and of kinetic friction or its ratio, if they are not known exactly.
     target : float or None
         Speed that is to be reached [mm/s].
+    drives : mapping of str to Drive
+        Those that can be chosen, by name.
+    file : SceneFile
+        Name of the scene, and what the drive ``GIVEN`` has besides quantities with sliders.
     """
 
     texts: Mapping[str, str]
@@ -95,6 +119,13 @@ class State:
     y: AxisSpec
     bands: Mapping[str, tuple[float, float]]
     target: float | None
+    drives: Mapping[str, Drive]
+    file: SceneFile
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the drive is that of the scene which ``file`` describes."""
+        return self.texts["drive"] == GIVEN
 
     @property
     def view(self) -> str:
@@ -126,7 +157,8 @@ class State:
         elif self.follows and "static_friction" in drawn and "kinetic_friction" not in drawn:
             del fixed["kinetic_friction"]
             fixed["friction_ratio"] = self.friction_ratio
-        return Grid({axis.name: axis for axis in map(drawn.get, SWEPT) if axis}, fixed, self.point.length)
+        axes = {axis.name: axis for axis in map(drawn.get, SWEPT) if axis}
+        return Grid(axes, fixed, self.point.length, motion=self.point.motion)
 
 
 def initial_state(request: Request | None = None) -> State:
@@ -136,40 +168,30 @@ def initial_state(request: Request | None = None) -> State:
     ----------
     request : Request, optional
         Request of a scene file and options; its first two axes are drawn, and the operating point has the
-        scene's values, or those in the middle of the axes. Without it the nut of examples/safety_nut.toml.
-
-    Raises
-    ------
-    InputError
-        If the page cannot show its drive.
+        scene's values, or the usual ones, or those in the middle of the axes. Without it the nut of
+        examples/safety_nut.toml.
     """
     if request is None:
-        return _state({**_USUAL, **_OTHERS})
-    if request.motion is not None:
-        raise InputError(
-            "the page shows no motions of steps or samples",
-            hint="vibro solve and vibro map take all that a scene file can give",
-        )
+        return _state({**_USUAL, **_OTHERS}, DRIVES, SceneFile("", {}, {}))
     point = request.fixed | ({} if request.length is None else {"trough_length": request.length})
     if not point.get("along_phase"):  # where phases are counted from
         point.pop("along_phase", None)
-    other = [QUANTITIES[name].label for name in ELSEWHERE if name in {*point, *request.varying}]
-    if other:
-        raise InputError(
-            f"the page shows neither motions with a scale nor clamped parts, as {' and '.join(other)} tells",
-            hint="vibro solve and vibro map take all that a scene file can give",
-        )
-    drive = drive_named([name for name in request.drive if name in {*point, *request.varying}])
-    if not drive:
-        raise InputError(
-            "the page shows drives of at most two harmonics, the first along the trough without a phase",
-            hint="vibro solve takes all harmonics that a scene file can give",
-        )
-    texts = {**_USUAL, **_OTHERS, "drive": drive, "trough_length_mm": ""}
-    texts |= {QUANTITIES[name].column: "0" for name in DRIVES[drive].quantities}  # unless it is given
+    names = [n for n in (*request.drive, "normal_acceleration") if n in {*point, *request.varying}]
+    drive = "" if request.motion else drive_named(names)
+    drives, file = DRIVES, SceneFile(request.name or "", {}, {})
+    texts = {**_USUAL, **_OTHERS, "trough_length_mm": ""}
+    if drive:
+        texts |= {QUANTITIES[name].column: "0" for name in DRIVES[drive].quantities}  # unless it is given
+    else:
+        drive, drives = GIVEN, {**DRIVES, GIVEN: given_drive(names, varying=request.varying)}
+        unmoved = {name: request.specs[name] for name in names if name not in drives[GIVEN].quantities}
+        file = replace(file, scene=unmoved, motion=request.motion)
+    texts["drive"] = drive
     for name in request.varying:
-        values = request.axes()[name].values
-        point[name] = request.own.get(name, float(values[len(values) // 2]))
+        values, usual = request.axes()[name].values, QUANTITIES[name].default
+        if usual is None or not values[0] <= usual <= values[-1]:
+            usual = float(values[len(values) // 2])
+        point[name] = request.own.get(name, usual)
     if "friction_ratio" in point:
         mu_d = float(kinetic_friction(point.pop("friction_ratio"), point["static_friction"]))
         own = request.own if "friction_ratio" in request.varying else {}
@@ -183,9 +205,8 @@ def initial_state(request: Request | None = None) -> State:
         texts[key] = QUANTITIES[name].column
         texts[f"{key}_range"] = _range_text(spec)
     if len(drawn) == 1:
-        texts["y"] = next(QUANTITIES[n].column for n in (DRIVES[drive].y, DRIVES[drive].x) if n != drawn[0])
-    state = _state(texts)
-    return replace(state, point=replace(state.point, name=request.name))
+        texts["y"] = next(QUANTITIES[n].column for n in (drives[drive].y, drives[drive].x) if n != drawn[0])
+    return _state(texts, drives, file)
 
 
 def read_state(query: Mapping[str, str], initial: State) -> State:
@@ -212,13 +233,13 @@ def read_state(query: Mapping[str, str], initial: State) -> State:
     unknown = sorted(query.keys() - texts.keys())
     if unknown:
         raise InputError(*(f"unknown key {shown(key)}" for key in unknown), fields=[""] * len(unknown))
-    state = _state({**texts, **{key: text.strip() for key, text in query.items()}})
-    return replace(state, point=replace(state.point, name=initial.point.name))
+    texts |= {key: text.strip() for key, text in query.items()}
+    return _state(texts, initial.drives, initial.file)
 
 
-def _state(texts: dict[str, str]) -> State:
+def _state(texts: dict[str, str], drives: Mapping[str, Drive], file: SceneFile) -> State:
     wrong = Problems()
-    choices = {"drive": (*DRIVES,), "view": (*VIEWS,), "follow": ("0", "1")}
+    choices = {"drive": (*drives,), "view": (*VIEWS,), "follow": ("0", "1")}
     for key, known in choices.items():
         if texts[key] not in known:
             wrong.add(f"{key} = {shown(texts[key])}: must be {', '.join(known)}", field=key)
@@ -226,14 +247,19 @@ def _state(texts: dict[str, str]) -> State:
         said = shown(texts["cycles"])
         wrong.add(f"cycles = {said}: must be a whole number from 1 to {_MOST_CYCLES}", field="cycles")
     wrong.settle()
-    drive = DRIVES[texts["drive"]]
-    other = {name for d in DRIVES.values() for name in d.quantities} - set(drive.quantities)
-    shown_names = [name for name in CONTROLS if name not in other and name != "friction_ratio"]
-    point = _point(texts, shown_names)
+    is_given = texts["drive"] == GIVEN
+    motion = _fingerprint(file) if is_given else ""
+    if is_given and texts["motion"] not in ("", motion):
+        hint = "start vibro explore with the scene file of the link"
+        wrong.add("the link is of another motion than that of the scene", hint, "drive")
+    drive = drives[texts["drive"]]
+    names = [name for name in CONTROLS if texts["drive"] in drives_of(name, drives)]
+    shown_names = [name for name in names if name != "friction_ratio"]
+    point = _point(texts, shown_names, file if is_given else SceneFile(file.name, {}, {}))
     axes = {}
     for key, usual, count in (("x", drive.x, WIDTH), ("y", drive.y, HEIGHT)):
         with wrong.taken(field=f"{key}_range"):
-            axes[key] = _axis(key, usual, count, texts, [n for n in SWEPT if n not in {*other, *ELSEWHERE}])
+            axes[key] = _axis(key, usual, count, texts, [n for n in SWEPT if n in names], point.fixed)
     wrong.settle()
     x, y = axes["x"], axes["y"]
     drawn = {axis.quantity.name for axis in (x, y)}
@@ -245,7 +271,7 @@ def _state(texts: dict[str, str]) -> State:
     for name in BANDS:
         if text := texts[f"{name}_band"]:
             with wrong.taken(field=f"{name}_band"):
-                bands[name] = _band(name, text, drive.label if texts["drive"] != "line" else "", drawn)
+                bands[name] = _band(name, text, texts["drive"], drawn)
     if {"kinetic_friction", "friction_ratio"} <= bands.keys():
         wrong.add("kinetic friction has a band too", "leave one of them out", "friction_ratio_band")
     static, kinetic = (
@@ -268,48 +294,68 @@ def _state(texts: dict[str, str]) -> State:
     kept["trough_length"] = "" if point.length is None else number_text(point.length)
     canonical = {
         **{key: texts[key] for key in _OTHERS},
+        "motion": motion,
         **{QUANTITIES[name].column: kept[name] for name in shown_names if name in kept},
         **{key: axis.quantity.column for key, axis in axes.items()},
         **{f"{key}_range": _range_text(axis) for key, axis in axes.items()},
         **{f"{name}_band": ":".join(map(number_text, band)) for name, band in bands.items()},
         "target": "" if target is None else number_text(target),
     }
-    return State(canonical, point, x, y, bands, target)
+    return State(canonical, point, x, y, bands, target, drives, file)
 
 
-def _point(texts: Mapping[str, str], names: list[str]) -> Request:
-    """Read the operating point."""
+def _fingerprint(file: SceneFile) -> str:
+    """Return a short text that differs where another drive is given."""
+    table = file.motion and file.motion.table
+    told = repr(({name: float(spec.value) for name, spec in file.scene.items()}, table))
+    return hashlib.sha256(told.encode()).hexdigest()[:_FINGERPRINT]
+
+
+def _point(texts: Mapping[str, str], names: list[str], file: SceneFile) -> Request:
+    """Read the operating point, of which a file may give what has no slider."""
     given = {name: texts[QUANTITIES[name].column] for name in names}
     if not given["trough_length"]:
         del given["trough_length"]
     try:
-        return gather(given, None, _Page())
+        return gather(given, file, _Page())
     except InputError as exc:
         fields = [QUANTITIES[f].column if f in QUANTITIES else f for f in exc.fields]
         raise InputError(*exc.problems, hint=exc.hint, fields=fields) from None
 
 
-def _axis(key: str, usual: str, count: int, texts: Mapping[str, str], names: list[str]) -> AxisSpec:
+def _axis(
+    key: str, usual: str, count: int, texts: Mapping[str, str], names: list[str], point: Mapping[str, float]
+) -> AxisSpec:
     """Read an axis of the map; an InputError says what is wrong with its range, or names another field."""
     column, text = texts[key], texts[f"{key}_range"]
     quantity = BY_COLUMN.get(column) if column else QUANTITIES[usual]
     if quantity is None or quantity.name not in names:
         hint = f"choose from {', '.join(QUANTITIES[name].column for name in names)}"
         raise InputError(f"{key} = {shown(column)}: no axis of this drive", hint=hint, fields=[key])
-    spec = parse_axis(text or CONTROLS[quantity.name].axis, quantity)
+    spec = parse_axis(text or _usual_range(quantity, point.get(quantity.name, math.nan)), quantity)
     if not spec.is_range or spec.count is not None:
         raise InputError(f"{quantity.label} = {cut(text)}: must be a range", hint="write it like 0.1:3")
+    quantity = of_part(quantity, is_clamped="normal_acceleration" in point)
     if not quantity.allows(quantity.to_si(spec.axis(count).values)).all():
         allowed = quantity.allowed.text(quantity.unit)
         raise InputError(f"{quantity.label} = {cut(text)}: must be {allowed}")
     return spec
 
 
-def _band(name: str, text: str, other_drive: str, drawn: set[str]) -> tuple[float, float]:
+def _usual_range(quantity: Quantity, value: float) -> str:
+    """Return the range of a newly chosen axis; where it misses the operating point, one around that."""
+    text = CONTROLS[quantity.name].axis
+    low, high = map(float, text.split(":"))
+    if not math.isinf(quantity.allowed.high) or not (0.0 < value < low or value > high):
+        return text
+    return f"{value / _AROUND:.3g}:{value * _AROUND:.3g}"
+
+
+def _band(name: str, text: str, drive: str, drawn: set[str]) -> tuple[float, float]:
     """Read the band of a friction."""
     quantity = QUANTITIES[name]
-    if other_drive:
-        said = f"bands of friction are not known of drives {other_drive}"
+    if drive != "line":
+        said = "bands of friction are known of drives along a line alone"
         raise InputError(said, hint="take a drive along a line")
     if drawn & {*BANDS}:
         hint = "choose other axes, or leave the band out"

@@ -12,7 +12,6 @@ from vibro.core.codes import Regime
 from vibro.files import entries as form
 from vibro.quantities import (
     BY_COLUMN,
-    CLAMPED_TROUGH,
     MASS,
     NORMAL_FORCE,
     QUANTITIES,
@@ -20,6 +19,7 @@ from vibro.quantities import (
     SWEPT,
     Quantity,
     Range,
+    of_part,
 )
 from vibro.units import IN_GRAVITIES, LENGTH, PERCENT, PURE, SPEED, TIME, Kind
 
@@ -105,18 +105,13 @@ def _moved(of: Form, key: str, meaning: str) -> Entry:
 
 
 def _value(quantity: Quantity) -> Entry:
-    quantity = _widened(quantity)
+    quantity = of_part(quantity, is_clamped=True)  # whether a part is, other keys tell
     usual = "" if quantity.default is None else f"{quantity.default:g}"
     return form.Entry(form.VALUE, quantity, usual, EXAMPLES.get(quantity.name))
 
 
-def _widened(quantity: Quantity) -> Quantity:
-    """Return a quantity with all that it may be: a trough angle also under a clamped part."""
-    return CLAMPED_TROUGH if quantity.name == CLAMPED_TROUGH.name else quantity
-
-
 def _axis(quantity: Quantity) -> Entry:
-    quantity = _widened(quantity)
+    quantity = of_part(quantity, is_clamped=True)
     is_swept = STANDS_FOR.get(quantity.name, quantity.name) in SWEPT
     return form.Entry(form.AXIS if is_swept else form.POINT, quantity)
 

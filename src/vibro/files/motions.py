@@ -6,12 +6,13 @@ import math
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.errors import InputError, SceneError
+from vibro.quantities import HARMONIC, MOST_HARMONICS, QUANTITIES
 from vibro.waveforms import Motion, harmonic_motion, sampled_motion, step_motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["HARMONICS", "MOTIONS", "GivenMotion", "motion_of", "way_of"]
+__all__ = ["HARMONICS", "MOTIONS", "GivenMotion", "harmonic_lists", "motion_of", "way_of"]
 
 #: Keys of harmonics, which become single quantities, so that each of them can be an axis.
 HARMONICS: Final = ("along_harmonics_mm_deg", "normal_harmonics_mm_deg")
@@ -78,6 +79,34 @@ def motion_of(table: Mapping[str, Any]) -> GivenMotion:
         return GivenMotion(table, sampled_motion(x, y, "displacement", keys))
     except SceneError as exc:
         raise InputError(*(str(problem) for problem in exc.problems)) from None
+
+
+def harmonic_lists(values: Mapping[str, float]) -> tuple[dict[str, list[float]], dict[str, float]]:
+    """Return the lists of [scene] that give the same harmonics as single quantities.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        By quantity, in the units outside; a phase that is left out is 0.
+
+    Returns
+    -------
+    dict of str to list of float
+        By key; of directions with one harmonic without a phase of its own there are none.
+    dict of str to float
+        The other quantities.
+    """
+    lists, others = {}, {**values}
+    for way in ("along", "normal"):
+        if not any(name in values for name in HARMONIC if name.startswith(way)):
+            continue
+        for first in (f"{way}_amplitude", f"{way}_phase"):
+            names = [first, *(f"{first}_{n}" for n in range(2, MOST_HARMONICS + 1))]
+            count = max(n for n, name in enumerate(names, 1) if name in values or name in names[:1])
+            lists[f"{first}s{QUANTITIES[first].kind.suffix}"] = [
+                others.pop(name, 0.0) for name in names[:count]
+            ]
+    return lists, others
 
 
 def _harmonics(pairs: list[list[float]] | None, key: str) -> list[tuple[float, float]] | None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["motion_table", "phase_table", "trace"]
 
-_ROUNDING: Final = 1e-9  # of the number of steps
+_ROUNDING: Final = 1e-9  # of the number of steps, or of a drive cycle
 
 
 def trace(
@@ -41,8 +41,8 @@ def trace(
     samples_per_cycle : int
         Even steps in a drive cycle; 0 for the events alone.
     both_sides : bool
-        Whether there are two rows at an event, before and after it, as a picture needs them; else there is
-        one, after it.
+        Whether there are two rows at an event, before and after it, as a picture needs them, also where the
+        trough's acceleration jumps; else there is one, after it.
 
     Returns
     -------
@@ -50,15 +50,19 @@ def trace(
         Arrays of one row a time, ascending, from ``since`` on.
     """
     events = np.array([p.start for p in history.phases if since < p.start < until])
+    if both_sides:
+        jumps, beside = history.jumps(since, until), _ROUNDING / float(history.scene.frequency)
+        # Where a phase begins at a jump, both times may differ by rounding: they are one event.
+        ends = (np.searchsorted(events, jumps + side) for side in (-beside, beside))
+        events = np.union1d(events, jumps[np.equal(*ends)])
     rate = samples_per_cycle * float(history.scene.frequency)
     # A last step that differs from the end by rounding alone is dropped: the end is added below.
     steps = np.arange(math.ceil(rate * since), math.ceil(rate * until * (1.0 - _ROUNDING)))
     even = steps / rate if rate else np.array([])
     times = np.unique(np.concatenate([[since], even, events, [until]]))
-    after = history.sample(times)
     if not both_sides:
-        return after
-    before = history.sample(events, side="left")
+        return history.sample(times)
+    after, before = history.sample(times[:-1]), history.sample(np.append(events, until), side="left")
     # Stable: the row before an event stands first.
     order = np.argsort(np.concatenate([before.time, after.time]), kind="stable")
     return Sample(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from vibro.core.codes import Regime, Status
 from vibro.errors import FileError
-from vibro.quantities import QUANTITIES
+from vibro.quantities import QUANTITIES, TOLD_HARMONICS, counted_harmonics
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -131,7 +131,6 @@ _MARKS: Final = ("Mn", "Me")
 _MOST_MARKS: Final = 3  # on one letter: each stands on top of the one before
 
 UNIT_SIGNS: Final = {"deg": "°", "m/s^2": "m/s²"}
-_TOLD_HARMONICS: Final = 2  # that a heading lists; more would not fit
 _COMMAND: Final = re.compile(r"\\[a-z]+")
 _MARKUP: Final = re.compile(r"[${}_]")
 _LETTER: Final = 0.56  # width of a letter of a formula, over the size of the type
@@ -256,14 +255,13 @@ def values_text(values: Mapping[str, float], *, all_of_them: bool = False) -> st
     Quantities with their usual value are left out unless all are asked for, and so are harmonics from the
     third on, which are counted.
     """
-    parts, highest = [], 0
-    for name, quantity in QUANTITIES.items():
-        if name in values and (all_of_them or quantity.default != values[name]):
-            order = int(name.rpartition("_")[2]) if name[-1].isdigit() else 1
-            highest = max(highest, order)
-            if order <= _TOLD_HARMONICS or all_of_them:
-                parts.append(f"${quantity.symbol}$ = {value_text(name, values[name])}")
-    return ", ".join([*parts, f"{highest} harmonics"] if highest > _TOLD_HARMONICS else parts)
+    parts = [
+        f"${quantity.symbol}$ = {value_text(name, values[name])}"
+        for name, quantity in QUANTITIES.items()
+        if name in values and (all_of_them or quantity.default != values[name])
+        if quantity.order <= TOLD_HARMONICS or all_of_them
+    ]
+    return ", ".join([*parts, *counted_harmonics(values)])
 
 
 def broken_lines(text: str, size: float, room: float) -> str:

@@ -25,6 +25,7 @@ from vibro.core.compiled import doors
 from vibro.core.motions import Moments
 from vibro.errors import VibroError, shown
 from vibro.reals import NotRealError, real_array
+from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 __all__ = ["History", "Legs", "Motion", "Phase", "Sample"]
 
 _TURN: Final = 2.0 * np.pi
+_BESIDE: Final = 1e-9  # [rad] from a jump to the moment that tells the forces on one side of it
+_FORCES: Final = ("acceleration", "inertial", "normal")  # of ``Moments``
 _SLACK: Final = 1e-12  # [1] share of the whole by which a time may lie outside, for rounding by the caller
 
 
@@ -237,7 +240,8 @@ class History:
             Between 0 and ``end``, in any order [s].
         side : {"right", "left"}, optional
             At a time that is exactly the start of a phase: whether to return the values of this phase or
-            those of the one before. Velocities differ at impacts, forces wherever a slide starts or stops.
+            those of the one before. Velocities differ at impacts, forces wherever a slide starts or stops,
+            and where the trough's acceleration jumps.
 
         Returns
         -------
@@ -262,8 +266,21 @@ class History:
                 f"time {time[outside].flat[0]:.15g} s is outside of the history, 0 to {self.end:.15g} s"
             )
         flat = np.clip(time.ravel(), 0.0, self.end)
-        values = self._sample(flat, self._place(flat, side))
+        values = self._sample(flat, self._place(flat, side), side)
         return Sample(time, *(x.reshape(time.shape) for x in values))
+
+    @property
+    def _jumps(self) -> Floats:
+        """Shares of the period at which the trough's acceleration jumps [1]."""
+        motion = self.scene.motion
+        return motion.jumps if isinstance(motion, PiecewiseMotion) else np.empty(0)
+
+    def jumps(self, since: float, until: float) -> Floats:
+        """Return the times between two others at which the trough's acceleration jumps, ascending [s]."""
+        frequency, turns = float(self.scene.frequency), self.start_phase / _TURN
+        cycles = np.arange(math.floor(turns + since * frequency), math.ceil(turns + until * frequency))
+        times = ((cycles[:, np.newaxis] + self._jumps).ravel() - turns) / frequency
+        return np.asarray(times[(since < times) & (times < until)])
 
     @property
     def _units(self) -> tuple[float, float]:
@@ -308,18 +325,27 @@ class History:
                 return np.maximum(place, 0)
             place = place + ahead - (late & ~ahead)
 
-    def _sample(self, time: Floats, place: NDArray[np.int64]) -> tuple[Floats, ...]:
+    def _moments(self, row: NDArray[np.int64], since: Floats) -> dict[str, Floats]:
+        """Return position, velocity and forces in the solver's units, at times since legs began [1/w]."""
+        values, solver = np.empty((len(Moments._fields), since.size)), doors()
+        solver.moments(
+            self._grid.scenes, self._grid.place(), tuple(solver.row(x) for x in self._motion.legs),
+            solver.row(row), solver.row(since), solver.rows(values), since.size,
+        )  # fmt: skip
+        return dict(zip(Moments._fields, values, strict=True))
+
+    def _sample(self, time: Floats, place: NDArray[np.int64], side: str) -> tuple[Floats, ...]:
         row, count = self._row(place)
         legs, scene = self._motion.legs, self.scene
         since = _TURN * float(scene.frequency) * (time - self._start(place))
         since = np.clip(since, 0.0, legs.length[row])
         since = np.where(time >= self._start(place + 1), legs.length[row], since)
-        values, solver = np.empty((len(Moments._fields), time.size)), doors()
-        solver.moments(
-            self._grid.scenes, self._grid.place(), tuple(solver.row(x) for x in legs),
-            solver.row(row), solver.row(since), solver.rows(values), time.size,
-        )  # fmt: skip
-        at = dict(zip(Moments._fields, values, strict=True))
+        at = self._moments(row, since)
+        # At a jump of the trough's acceleration, rounding decides on which side of it a time lies. Take
+        # forces from a moment on the side that is wanted.
+        if self._jumps.size:
+            beside = np.clip(since + (-_BESIDE if side == "left" else _BESIDE), 0.0, legs.length[row])
+            at |= {name: x for name, x in self._moments(row, beside).items() if name in _FORCES}
         length, speed = self._units
         force = speed * _TURN * float(scene.frequency)
         flies = legs.mode[row] == Mode.FLIGHT

@@ -11,7 +11,16 @@ import numpy as np
 from vibro.core.codes import PHASE_NAMES, Regime, Status
 from vibro.limits import transitions
 from vibro.motion.settled import cycle_phases
-from vibro.quantities import AMPLITUDES, DEFAULTS, LENGTH, QUANTITIES, SCALE, scene_fields
+from vibro.quantities import (
+    AMPLITUDES,
+    DEFAULTS,
+    LENGTH,
+    QUANTITIES,
+    SCALE,
+    TOLD_HARMONICS,
+    counted_harmonics,
+    scene_fields,
+)
 from vibro.scene import Scene
 from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
 from vibro.sweeps.run import sweep_blocks
@@ -23,7 +32,7 @@ if TYPE_CHECKING:
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
 
-__all__ = ["OneScene", "beginnings", "estimate", "facts_of", "number", "phase_rows"]
+__all__ = ["OneScene", "beginnings", "estimate", "facts_of", "motion_text", "number", "phase_rows"]
 
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
@@ -106,7 +115,7 @@ class OneScene:
         given = {
             name: f"{QUANTITIES[name].label} {QUANTITIES[name].text(value)}"
             for name, value in self.given.items()
-            if value != DEFAULTS.get(name)
+            if value != DEFAULTS.get(name) and QUANTITIES[name].order <= TOLD_HARMONICS
         }
         if "amplitude" in given:
             stroke = QUANTITIES["stroke"].text(2.0 * self.given["amplitude"])
@@ -115,9 +124,10 @@ class OneScene:
             stroke = f"stroke {number(self.value(WITH_STROKE), LENGTH.unit)} peak to peak"
             if "normal_phase" in given:
                 path = "path" if self.scene.motion else "ellipse"
-                given["normal_phase"] += f" ({stroke}, the longest way across the {path})"
+                told = ", ".join([*counted_harmonics(self.given), stroke])
+                given["normal_phase"] += f" ({told}, the longest way across the {path})"
             else:
-                given = {"motion": f"motion of {_pieces(self.scene)} ({stroke})"} | given
+                given = {"motion": f"{motion_text(self.scene)} ({stroke})"} | given
         pattern = str(self._cycle.pattern)
         facts = [
             ("scene", ", ".join(given.values())),
@@ -232,11 +242,13 @@ class OneScene:
         return phases if len(phases) <= _MOST_PHASES else ()
 
 
-def _pieces(scene: Scene) -> str:
+def motion_text(scene: Scene) -> str:
+    """Say what kind of motion a scene has: ``motion of 2 pieces``."""
     motion = scene.motion
     if isinstance(motion, PiecewiseMotion):
-        return f"{motion.breaks.size - 1} pieces"
-    return f"{len(scene.along_harmonics or ()) or len(scene.normal_harmonics or ())} harmonics"
+        return f"motion of {motion.breaks.size - 1} pieces"
+    count = max(len(scene.along_harmonics or ()), len(scene.normal_harmonics or ()))
+    return f"motion of {count} harmonic{'s' * (count > 1)}"
 
 
 def _cycles(count: float) -> str:
@@ -289,7 +301,7 @@ def _sensitivity(one: OneScene, grid: Grid) -> list[tuple[str, str]]:
         told += f", {raised.regime.label}"
     exponent = one.value(WITH_EXPONENT)
     size = "scale" if SCALE in one.driven else "amplitude"
-    power = "" if math.isnan(exponent) else f" (d ln speed / d ln {size} = {number(exponent)})"
+    power = "" if math.isnan(exponent) else f" (d ln speed / d ln {size} = {number(round(exponent, _TOLD))})"
     return [("sensitivity", f"+10 % {one.all_amplitudes or 'amplitude'}: {told}{power}")]
 
 

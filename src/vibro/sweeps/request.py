@@ -14,7 +14,6 @@ from vibro.errors import Problems
 from vibro.files.descriptions import EXAMPLES
 from vibro.files.scene_files import SceneFile
 from vibro.quantities import (
-    CLAMPED_TROUGH,
     DEFAULTS,
     DRIVES,
     HARMONIC,
@@ -25,6 +24,7 @@ from vibro.quantities import (
     SWEPT,
     TWO_AXIS,
     drive_of,
+    of_part,
     scene_fields,
 )
 from vibro.scene import Scene
@@ -190,7 +190,7 @@ def gather(
     ranges: Mapping[str, str] | None = None,
     needs_length: bool = False,
     must_vary: bool = True,
-    asked_for: str | None = None,
+    asked_for: Sequence[str] = (),
     line_alone: tuple[str, str] | None = None,
 ) -> Request:
     """Merge a scene file and the caller's input, and check everything before anything is computed.
@@ -213,8 +213,8 @@ def gather(
         Whether the length of the trough is needed.
     must_vary : bool
         Whether ``ranges`` without any axis are refused.
-    asked_for : str, optional
-        Name of a quantity that is to be found: a caller may not give it, and the file's value is ignored.
+    asked_for : sequence of str, optional
+        Names of quantities that are to be found: a caller may not give them, and the file's are ignored.
     line_alone : pair of str, optional
         Message and hint for drives that do not move along a line.
 
@@ -235,15 +235,15 @@ def gather(
     swept = _by_slot(file.sweep, "[map]", problems) if reads_map else {}
     own = _by_slot(file.scene, "[scene]", problems)
 
-    if asked_for is not None:
-        own.pop(asked_for, None)
-        if asked_for in typed:
-            label = typed.pop(asked_for).quantity.label
-            problems.add(f"{label} is given, and asked for", "leave it out", asked_for)
+    for name in asked_for:
+        own.pop(name, None)
+        if name in typed:
+            label = typed.pop(name).quantity.label
+            problems.add(f"{label} is given, and asked for", "leave it out", name)
     values = {s.quantity.name: s.value for s in map(_amplitude_for_stroke, own.values())}
     described: dict[str, Any] = own | ({} if file.motion is None else {MOTION: file.motion})
     layers = [(caller.gives, typed), ("[map]", swept), ("[scene]", described)]
-    drive, mixed = drive_given(layers, caller.name, {*problems.slots, asked_for or ""})
+    drive, mixed = drive_given(layers, caller.name, {*problems.slots, *asked_for})
     if mixed is not None:
         problems.add(*mixed)
         problems.slots |= {*DRIVES}
@@ -269,7 +269,7 @@ def gather(
     _check_clamped(drive, merged, caller, problems)
     if ranges and must_vary and not problems.slots and not any(spec.varies for spec in merged.values()):
         problems.add("nothing varies", f"give an axis, for example {caller.axis(QUANTITIES[drive[0]])}")
-    given_up = {*ranges, asked_for, *other, *_harmonics_left_out(merged)}
+    given_up = {*ranges, *asked_for, *other, *_harmonics_left_out(merged)}
     given_up |= set() if needs_length else {"trough_length"}
     required = [slot for slot in _REQUIRED if slot not in given_up]
     _check_missing(required, merged, caller, problems)
@@ -338,9 +338,7 @@ def _check_varies(slot: str, spec: AxisSpec, caller: Caller, takes_axes: bool, p
 
 def _check_range(slot: str, spec: AxisSpec, problems: _Problems, *, is_clamped: bool) -> None:
     """Check every value, and tell the first wrong one in the user's units."""
-    quantity = spec.quantity
-    if slot == "trough_angle":
-        quantity = CLAMPED_TROUGH if is_clamped else QUANTITIES[slot]
+    quantity = of_part(QUANTITIES[spec.quantity.name], is_clamped=is_clamped)
     values = np.array(spec.values, np.float64)
     allowed = quantity.swept if spec.varies else quantity
     good = allowed.allows(quantity.to_si(values))

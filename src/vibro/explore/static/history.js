@@ -20,7 +20,7 @@ function drawPanel({ low, high, ticks, curves }, box, { header, arrays: { time, 
 /** @param {HistoryAnswer} answer */
 export function drawHistory(answer) {
   const { header: { title, phases, panels, ticks, note } } = answer;
-  const wide = place("history").clientWidth;
+  const wide = Math.max(place("history").clientWidth, LEFT + RIGHT); // 0 before the page is laid out
   const box = { left: LEFT, top: 0, width: wide - LEFT - RIGHT, height: 0 };
   const picture = svg("svg", { role: "img", "aria-label": title, "font-size": 12 });
   for (const { name, start, end } of phases.filter((p) => textWidth(p.name) < box.width * (p.end - p.start) - 4)) {
