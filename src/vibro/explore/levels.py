@@ -117,7 +117,8 @@ class MapCells:
             waiting = self._solved.status == int(Status.FLIGHT_NOT_MODELLED)
             waiting &= self._solved.throw_number <= MOST_THROW
         else:
-            self._solved = SteadyCycle(**{r.name: np.zeros(grid.shape, r.dtype) for r in RESULTS})
+            nothing: dict[str, Any] = {r.name: np.zeros(grid.shape, r.dtype) for r in RESULTS}
+            self._solved = SteadyCycle(**nothing)
             waiting = np.ones(grid.shape, np.bool_)
         self._exact = ~waiting
         self._waiting = _coarse_to_fine(waiting, _SPACINGS[0])
