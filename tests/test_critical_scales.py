@@ -296,3 +296,28 @@ def test_clamped_parts_do_not_tip() -> None:
     for ask in (tipping_load, stays_upright):
         with pytest.raises(SceneError, match=said):
             ask(clamped, 0.5)
+
+
+@pytest.mark.parametrize("side", [-1, 1], ids=["down the conveying way", "against it"])
+@pytest.mark.parametrize("pieces", [False, True], ids=["harmonics", "steps"])
+def test_a_body_that_runs_away_slides_one_way_from_its_onset_on(side: int, pieces: bool) -> None:
+    """Between both frictions a body rests until it slips, and then never again, whatever its first cycles are."""
+    motion = vibro.Motion.harmonics(along=[(1e-3, 0.0), (2e-4, 1.0)], normal=[(1e-4, 0.3)])
+    if pieces:
+        motion = vibro.Motion.steps(along=[(0.4, 3.0), (0.6, -2.0)], normal=[(0.5, 1.0), (0.5, -1.0)])
+
+    def at(scale: Any) -> Scene:
+        friction = {"static_friction": 0.2, "kinetic_friction": 0.05, "trough_angle": side * 0.195}
+        return Scene(motion=motion, motion_scale=scale, frequency=10.0, **friction)
+
+    own, other = ("back slip", "forward slip") if side > 0 else ("forward slip", "back slip")
+    found, loads = intervals(at(1.0)), vibro.critical_loads(at(1.0))
+    onset = min(float(loads.forward_onset), float(loads.back_onset)) / float(at(1.0).load)
+    hop = float(loads.hop) / float(at(1.0).load)
+    assert found[other] == []
+    for name in (own, "never at rest"):
+        ((first, last),) = found[name]
+        assert (first, last) == pytest.approx((onset, hop), rel=1e-12)
+    cycle = vibro.solve(at(np.geomspace(onset * 1.001, hop * 0.999, 60)))
+    assert set(cycle.status) == {Status.RUNAWAY}
+    assert set(cycle.regime) == {Regime.BACK_SLIP if side > 0 else Regime.FORWARD_SLIP}

@@ -177,8 +177,14 @@ def _regime_of(classes: Classes) -> int:
 
 
 def _classes_of(cycle: HoppingCycle, home: Orbit) -> Classes:
-    """Read the legs of a cycle from its pattern; follow it once more where that is a mark."""
+    """Read the legs of a cycle from its pattern; follow it once more where that is a mark.
+
+    A body that runs away slides down the trough for ever, whatever its first cycles are.
+    """
     pattern = home.cycle.pattern
+    if home.status == Status.RUNAWAY:
+        down = cycle.track.loads.weight_tangential > 0.0
+        return Classes(Mode.BACK if down else Mode.FORWARD, not down, down, rest=False)
     if pattern < 0:
         spelt = spell(cycle, no_hops(), home.velocity, no_letters(), 0)
         return Classes(pattern, spelt.forward, spelt.back, spelt.rest)
