@@ -20,11 +20,10 @@ from vibro.core.waves import (
     Mix,
     Moved,
     Waves,
-    at_nodes_of,
     depart,
+    integrals_of,
     moved,
     nodes_of,
-    part_of,
 )
 
 __all__ = [
@@ -100,16 +99,17 @@ class Crossing(NamedTuple):
 def crossing(fall: Fall, low: Left, high: Left) -> Crossing:
     """Find where nothing is left, between phases at which values have opposite signs, or are 0.
 
-    Halley's iteration in the bracket that its steps leave; halving where it converges slowly, next to a
-    double zero.
+    Halley's iteration in the bracket that its steps leave, from the zero of the cubic that is level at both
+    ends; halving where it converges slowly, next to a double zero.
     """
-    begin, end, falls = low.phase, high.phase, low.value > high.value
-    width = end - begin
-    x, before, step, least, most = begin + width * _share(low, high), width, 0.0, begin, end
+    begin, end, fell = low.phase, high.phase, low.value - high.value
+    lost = min(max(low.value / fell, 0.0), 1.0) if fell != 0.0 else 0.0
+    x = begin + (end - begin) * (0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0))
+    before, least, most = end - begin, begin, end
     now = fallen(fall, x)
     for _ in range(_STEPS):
         here = _left(fall, x, now)
-        if (here.value > 0.0) == falls:
+        if (here.value > 0.0) == (fell > 0.0):
             least = x
         else:
             most = x
@@ -129,30 +129,6 @@ def crossing(fall: Fall, low: Left, high: Left) -> Crossing:
             return Crossing(x, _onward(now, step))
         now = fallen(fall, x)
     return Crossing(x, now)
-
-
-def _share(low: Left, high: Left) -> float:
-    """Return where between two phases nothing is left, about, as a share of the way.
-
-    From the zero of the cubic that is level at both ends, two steps of Newton's towards that of the
-    polynomial that has the rates and the second derivatives there too.
-    """
-    fall = low.value - high.value
-    if fall == 0.0:
-        return 0.5
-    lost = min(max(low.value / fall, 0.0), 1.0)
-    x = 0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0)
-    d = high.phase - low.phase
-    p, q, u, w = d * low.rate, d * high.rate, 0.5 * d * d * low.bend, 0.5 * d * d * high.bend
-    a3 = -10.0 * fall - 6.0 * p - 4.0 * q - 3.0 * u + w
-    a4 = 15.0 * fall + 8.0 * p + 7.0 * q + 3.0 * u - 2.0 * w
-    a5 = -6.0 * fall - 3.0 * (p + q) - u + w
-    for _ in range(2):
-        value = low.value + x * (p + x * (u + x * (a3 + x * (a4 + x * a5))))
-        rate = p + x * (2.0 * u + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5)))
-        onward = x - value / rate if rate != 0.0 else x
-        x = onward if 0.0 < onward < 1.0 else x
-    return x
 
 
 def _onward(now: Moved, s: float) -> Moved:
@@ -224,7 +200,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
         # rounding has put the onset in front of the phase from which the load exceeds friction
         index, rises = index + 1, False
     drop = -TURN * mix.constant
-    low, top, least, minima = Left(0.0, speed, start.load, start.slope), speed, INF, 0
+    low, top, least, minima = Left(0.0, speed, start.load, 0.0), speed, INF, 0
     while True:
         far = ahead(waves, row, phase, index)
         if far >= limit:
@@ -254,22 +230,20 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
 
 
 def _find(waves: Waves, row: int, mix: Mix) -> None:
-    """Find the zeros of a load beyond kinetic friction, its integral and its slope there."""
+    """Find the zeros of a load beyond kinetic friction, and its integral there."""
     find_nodes(waves, row, mix)
-    nodes, values, part = nodes_of(waves, row), at_nodes_of(waves, row), part_of(waves)
     for i in range(number_of_nodes(waves, row)):
-        at = depart(waves, mix, waves.number[nodes + i])
-        waves.number[values + i], waves.number[values + part + i] = at.integral, at.slope
+        zero = waves.number[nodes_of(waves, row) + i]
+        waves.number[integrals_of(waves, row) + i] = depart(waves, mix, zero).integral
 
 
 def _at_node(fall: Fall, row: int, index: int, far: float, integral: float) -> Left:
     """Return what is left at a zero of the load, from its integrals there and at the start."""
-    waves, values = fall.waves, at_nodes_of(fall.waves, row)
-    node = values + index % number_of_nodes(waves, row)
-    gain = fall.mix.constant * far + (waves.number[node] - integral)
+    node = integrals_of(fall.waves, row) + index % number_of_nodes(fall.waves, row)
+    gain = fall.mix.constant * far + (fall.waves.number[node] - integral)
     if abs(gain) < _SMALL:
         gain = fallen(fall, far).velocity
-    return Left(far, fall.value + gain, 0.0, waves.number[node + part_of(waves)])
+    return Left(far, fall.value + gain, 0.0, 0.0)
 
 
 def _monotone(fall: Fall, limit: float) -> WaveSlide:

@@ -16,7 +16,7 @@ from vibro.core.elementary import INF, QUARTER, TURN, circle, wrap
 __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
     "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value",
-    "Waves", "at_cell_begin", "at_nodes_of", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart",
+    "Waves", "at_cell_begin", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "integrals_of",
     "load_at", "moved", "nodes_of", "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces",
     "read_harmonic", "ride", "tabulate", "trough_at", "value_at_cell_begin", "value_in_cell", "with_bounds",
 ]  # fmt: skip
@@ -38,13 +38,13 @@ ROWS: Final = 6
 #: [1] Cells of a period, per harmonic, in which zeros are isolated.
 CELLS: Final = 8
 #: [1] Parts of the memory, each of which has room for the coefficients of one wave, before the tables.
-ROOM: Final = 4 + 6 + 4 + 16
+ROOM: Final = 4 + 6 + 2 + 16
 
 _WAVE: Final = 2  # [part] the mix whose zeros are sought
 _LOCAL: Final = 3  # [part] a mix, as seen from the start of a leg
 _NODES: Final = 4  # [part] zeros, a part for each row
-_AT_NODES: Final = 10  # [part] integral and slope of a kinetic row at each of its zeros
-_CELLS: Final = 14  # [part] S, its slope, B and its slope where cells of harmonics begin
+_INTEGRALS: Final = 10  # [part] integrals of a kinetic row at its zeros, a part for each row
+_CELLS: Final = 12  # [part] S, its slope, B and its slope where cells of harmonics begin
 
 # [1] Largest velocity and position of a trough whose acceleration has no mean and is nowhere above 1.
 _MOST_VELOCITY: Final = QUARTER
@@ -135,10 +135,9 @@ class Moved(NamedTuple):
 
 
 class Departure(NamedTuple):
-    """A mix where a leg begins, its slope there, and its integral less its constant's, without a mean."""
+    """A mix where a leg begins, and its integral less its constant's, without a mean."""
 
     load: float
-    slope: float
     integral: float
 
 
@@ -165,9 +164,9 @@ def nodes_of(waves: Waves, row: int) -> int:
     return (_NODES + row) * part_of(waves)
 
 
-def at_nodes_of(waves: Waves, row: int) -> int:
-    """Return where the integrals at the zeros of a kinetic row begin; their slopes follow a part later."""
-    return (_AT_NODES + 2 * (row - KINETIC_FORWARD)) * part_of(waves)
+def integrals_of(waves: Waves, row: int) -> int:
+    """Return where the integrals of a kinetic row at its zeros begin."""
+    return (_INTEGRALS + row - KINETIC_FORWARD) * part_of(waves)
 
 
 def _table(waves: Waves) -> int:
@@ -382,9 +381,9 @@ def depart(waves: Waves, mix: Mix, phase: float) -> Departure:
         offset, sums = p - number[_table(waves) + j], _table(waves) + h + 1 + j
         here = _mixed_piece(waves, mix, j, offset)
         before = mix.along * number[sums] + mix.normal * number[sums + 2 * h]
-        return Departure(here.load, here.slope, before + (here.velocity - mix.constant * offset))
+        return Departure(here.load, before + (here.velocity - mix.constant * offset))
     first_sine, first_cosine = circle(phase)
-    sine, cosine, value, slope, integral = first_sine, first_cosine, mix.constant, 0.0, 0.0
+    sine, cosine, value, integral = first_sine, first_cosine, mix.constant, 0.0
     for k in range(h):
         u = mix.along * number[k] + mix.normal * number[2 * h + k]
         w = mix.along * number[h + k] + mix.normal * number[3 * h + k]
@@ -392,10 +391,9 @@ def depart(waves: Waves, mix: Mix, phase: float) -> Departure:
         share = 1.0 / (order * order)
         number[(2 * _LOCAL) * h + k], number[(2 * _LOCAL + 1) * h + k] = here_k * share, across_k * share
         value += here_k
-        slope += order * across_k
         integral -= order * share * across_k
         sine, cosine = sine * first_cosine + cosine * first_sine, cosine * first_cosine - sine * first_sine
-    return Departure(value, slope, integral)
+    return Departure(value, integral)
 
 
 def moved(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved:
