@@ -239,7 +239,8 @@ def _elliptical(options: Options) -> bool:
 
 def _two_motions() -> InputError:
     return InputError(
-        "the trough's motion is measured, beside a scene with a motion of its own or a clamped part",
+        "the trough's measured motion replaces a line or an ellipse alone; the scene has another motion or a"
+        " clamped part",
         hint="leave out --trough-along and --trough-normal, or that motion: harmonics are measured too",
     )
 
