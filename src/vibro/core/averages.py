@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.bounces import Flights, single_bounce
 from vibro.core.buffers import Doubles
+from vibro.core.captures import captures
 from vibro.core.codes import Status
 from vibro.core.elementary import INF, NAN, TURN
 from vibro.core.flight import bed_of
@@ -208,6 +209,7 @@ def averages(
         impact=loads.weight_normal * impact,
         peak=slid.peak,
     )
+    means = _with_captures(track, restitution, means, start, flights, hops)
     if throw < _CAPTURED:
         return _with_single_bounces(track, restitution, means, start, hops, bodies.path)
     return means
@@ -304,6 +306,29 @@ def _balance(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:
     for i in range(2 * BODIES):
         bodies.path[i] -= effect * bodies.gain[i]
     return slid
+
+
+def _with_captures(
+    track: Track, restitution: float, means: Means, start: float, flights: Flights, hops: Hops
+) -> Means:
+    """Average over the irregular motion, as one body, and the cycles in which bodies have ended.
+
+    Nobody knows which of them it will be, so that the error is the scatter of these motions.
+    """
+    found = captures(track, restitution, means.displacement, start, flights, hops)
+    if found.number == 0:
+        return means
+    # bodies that have not ended yet count among the irregular motion: most will be captured later
+    shift = found.displacement / (found.number + 1)
+    variance = (found.squares - found.displacement * shift) / found.number
+    return Means(
+        status=Status.AVERAGED,
+        displacement=means.displacement + shift,
+        deviation=math.sqrt(means.deviation * means.deviation + variance),
+        flight_fraction=(means.flight_fraction + found.aloft) / (found.number + 1),
+        impact=max(means.impact, found.impact),
+        peak=max(means.peak, found.peak),
+    )
 
 
 def _with_single_bounces(
