@@ -30,6 +30,7 @@ __all__ = ["Means", "averages"]
 # memory it is F-distributed about 1.
 _DRIFTS: Final = 3.0
 _PARTED: Final = 8.0
+_TOGETHER: Final = 5.0  # [1] square of Student's t
 _STUDENT: Final = (BODIES - 1) / (BODIES - 3)  # variance of Student's t for a scatter of so many bodies
 
 # [1] Throw number below which stable cycles of one bounce capture irregular motion within some thousand
@@ -185,12 +186,13 @@ def averages(
     for i in range(2 * BODIES):
         mean += bodies.path[i]
     mean /= total
-    own, halves = _variances(bodies, mean, total)
+    own, halves, drift = _variances(bodies, mean, total)
     ratio = own / halves if halves > 0.0 else (INF if own > 0.0 else 1.0)
     # Without memory both are the variance of a body's mean.
     variance = (own if ratio > _DRIFTS else 0.5 * (own + halves)) / BODIES
     if lands or ratio > _PARTED:
         variance += _STUDENT * max(own - halves, 0.0)
+    variance += drift
 
     # Where friction is too weak to hold gravity every flight without a stop adds speed downhill. The drive
     # takes no more than twice its own speed from that, and one landing no more than its friction.
@@ -199,7 +201,7 @@ def averages(
     undecided = loose and not runs and not slid.forgets
     if runs or (undecided and longest):
         return unresolved._replace(status=Status.RUNAWAY)
-    if not longest and (remembers or undecided or (not lands and ratio > _DRIFTS)):
+    if not longest and (remembers or undecided or drift > 0.0 or (not lands and ratio > _DRIFTS)):
         return unresolved
     means = Means(
         status=Status.AVERAGED,
@@ -209,24 +211,31 @@ def averages(
         impact=loads.weight_normal * impact,
         peak=slid.peak,
     )
-    means = _with_captures(track, restitution, means, start, flights, hops)
+    if loads.waves.kind != SINE:
+        means = _with_captures(track, restitution, means, start, flights, hops)
     if throw < _CAPTURED:
         return _with_single_bounces(track, restitution, means, start, hops, bodies.path)
     return means
 
 
-def _variances(bodies: _Bodies, mean: float, total: float) -> tuple[float, float]:
+def _variances(bodies: _Bodies, mean: float, total: float) -> tuple[float, float, float]:
     """Return the variance of a body's mean, from the scatter of the bodies and from their halves.
 
-    The sum of all deviations from the mean is 0.
+    The third number is the square of what first halves of all bodies differ by from second ones; 0 where
+    independent bodies without memory may differ as much. The sum of all deviations from the mean is 0.
     """
-    own, halves, scale = 0.0, 0.0, BODIES / total
+    own, halves, drift, scale = 0.0, 0.0, 0.0, BODIES / total
     for i in range(BODIES):
         first = (bodies.path[2 * i] - mean * bodies.time[2 * i]) * scale
         second = (bodies.path[2 * i + 1] - mean * bodies.time[2 * i + 1]) * scale
         own += (first + second) * (first + second)
         halves += (first - second) * (first - second)
-    return own / (BODIES - 1), halves / BODIES
+        drift += (first - second) / BODIES
+    drift *= drift
+    halves /= BODIES
+    if drift * (BODIES - 1) <= _TOGETHER * (halves - drift):
+        drift = 0.0
+    return own / (BODIES - 1), halves, drift
 
 
 def _slide(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:

@@ -21,7 +21,7 @@ from vibro.core.waves import SINE
 
 __all__ = ["Captures", "captures"]
 
-_FLIGHTS: Final = 512  # flights of each body, short bounces not counted
+_FLIGHTS: Final = 256  # flights of each body, short bounces not counted
 
 
 class Captures(NamedTuple):
