@@ -186,7 +186,7 @@ def bounces(
             if events >= most:
                 break
             continue
-        if rested and not (short or within(errors, LOST)):
+        if from_rest and not (short or within(errors, LOST)):
             break
         if row + 1 == look_back:
             look_back *= 2

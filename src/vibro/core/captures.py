@@ -16,12 +16,13 @@ from vibro.core.flight import Bed, bed_of
 from vibro.core.legs import Track
 from vibro.core.orbits import hopping_cycle, orbit_from, write_hops
 from vibro.core.return_map import Hops
-from vibro.core.samples import BODIES, kick
+from vibro.core.samples import kick
 from vibro.core.waves import SINE
 
 __all__ = ["Captures", "captures"]
 
-_FLIGHTS: Final = 256  # flights of each body, short bounces not counted
+_BODIES: Final = 8  # followed of each scene
+_FLIGHTS: Final = 512  # flights of each body, short bounces not counted
 
 
 class Captures(NamedTuple):
@@ -68,7 +69,7 @@ def captures(
     """
     loads, bed = track.loads, bed_of(track.loads)
     number, total, squares, aloft, impact, peak = 0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(BODIES):
+    for i in range(_BODIES):
         motion = _followed(bed, restitution, i, flights)
         if not motion.repeats:
             continue
@@ -93,7 +94,7 @@ def _followed(bed: Bed, restitution: float, body: int, flights: Flights) -> Boun
 
     A contact of a trough with one lift-off closes no cycle here: that from rest was looked for before.
     """
-    left, phase, speed = _FLIGHTS, bed.lift_off, kick(0, body)
+    left, phase, speed = _FLIGHTS, bed.lift_off, kick(body, 0)
     while True:
         motion = bounces(bed, restitution, flights, left, phase, speed, False)
         if motion.repeats and not (motion.rest > 0.0 and bed.waves.kind == SINE):
@@ -102,4 +103,4 @@ def _followed(bed: Bed, restitution: float, body: int, flights: Flights) -> Boun
         left -= flown
         if flown == 0 or left <= 0:
             return motion._replace(repeats=False)
-        phase, speed = motion.approach_end, kick(left, body)
+        phase, speed = motion.approach_end, kick(body + left, 0)
