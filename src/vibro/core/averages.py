@@ -30,7 +30,8 @@ __all__ = ["Means", "averages"]
 # memory it is F-distributed about 1.
 _DRIFTS: Final = 3.0
 _PARTED: Final = 8.0
-_TOGETHER: Final = 5.0  # [1] square of Student's t
+# [1] Square of Student's t, of first halves against second ones, above which bodies drift or run side by side.
+_TOGETHER: Final = 5.0
 _STUDENT: Final = (BODIES - 1) / (BODIES - 3)  # variance of Student's t for a scatter of so many bodies
 
 # [1] Throw number below which stable cycles of one bounce capture irregular motion within some thousand
@@ -327,7 +328,7 @@ def _with_captures(
     found = captures(track, restitution, means.displacement, start, flights, hops)
     if found.number == 0:
         return means
-    # bodies that have not ended yet count among the irregular motion: most will be captured later
+    # Bodies that have not ended yet do not count: most will be captured later.
     shift = found.displacement / (found.number + 1)
     variance = (found.squares - found.displacement * shift) / found.number
     return Means(

@@ -27,7 +27,8 @@ _PATIENCE: Final = 3  # [1] factor by which a part is prolonged to end with a co
 # other is kicked by a tenth of what the one before it gets, down to what rounding does.
 _KICK: Final = 1e-4
 _SHOVE: Final = 1e-2  # [1] relative change of speed that parts bodies which do not come to contact
-# [rad] Here the error of summing bounces, of the order of the square of this, is far below that of a mean.
+# [rad] Bounces summed too early bring a body to rest that the trough would throw again. At this duration the
+# error, of the order of its square, is that of the largest kicks squared.
 _ACCUMULATED: Final = 1e-4
 _GOLDEN: Final = 0.6180339887498949  # [1] multiples of it are spread evenly over [0, 1), modulo 1
 
