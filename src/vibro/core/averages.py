@@ -30,7 +30,7 @@ __all__ = ["Means", "averages"]
 # memory it is F-distributed about 1.
 _DRIFTS: Final = 3.0
 _PARTED: Final = 8.0
-# [1] Square of Student's t, of first halves against second ones, above which bodies drift or run side by side.
+# [1] Square of Student's t, of first halves against second ones: above it bodies drift or run side by side.
 _TOGETHER: Final = 5.0
 _STUDENT: Final = (BODIES - 1) / (BODIES - 3)  # variance of Student's t for a scatter of so many bodies
 
