@@ -61,17 +61,44 @@ def test_variances_are_those_of_the_textbook() -> None:
             bodies.time[2 * i + half], bodies.path[2 * i + half] = times[i][half], paths[i][half]
     total = sum(map(sum, times))
     mean = sum(map(sum, paths)) / total
-    own, halves = _variances(bodies, mean, total)
+    own, halves, drift = _variances(bodies, mean, total)
     off = [
         [(d - mean * t) * BODIES / total for d, t in zip(*x, strict=True)]
         for x in zip(paths, times, strict=True)
     ]
     assert own == pytest.approx(statistics.variance([a + b for a, b in off]), rel=1e-12)
     assert halves == pytest.approx(statistics.fmean([(a - b) ** 2 for a, b in off]), rel=1e-12)
+    assert drift == 0.0
 
 
-def _with(monkeypatch: pytest.MonkeyPatch, own: float, halves: float, **arguments: bool) -> Means:
-    monkeypatch.setattr(averages_module, "_variances", lambda *_: (own, halves))
+@pytest.mark.parametrize("shift", [0.0, 3.0])
+def test_drifts_are_those_that_a_t_test_finds(shift: float) -> None:
+    pick, bodies = random.Random(2), _bodies()
+    off = [(shift + pick.gauss(0.0, 1.0), -shift + pick.gauss(0.0, 1.0)) for _ in LIST]
+    for i in LIST:
+        for half in range(2):
+            bodies.time[2 * i + half], bodies.path[2 * i + half] = 0.5, off[i][half]
+    differences = [a - b for a, b in off]
+    drift = statistics.fmean(differences)
+    t = drift / (statistics.stdev(differences) / math.sqrt(BODIES))
+    found = _variances(bodies, 0.0, BODIES)[2]
+    assert found == (pytest.approx(drift * drift, rel=1e-12) if t * t > 5.0 else 0.0)
+    assert (found > 0.0) == (shift > 1.0)
+
+
+def test_bodies_side_by_side_drift_together() -> None:
+    # their scatter is nothing, but one body's halves differ
+    bodies = _bodies()
+    for i in LIST:
+        for half in range(2):
+            bodies.time[2 * i + half], bodies.path[2 * i + half] = 0.5, 0.5 - half
+    assert _variances(bodies, 0.0, BODIES) == (0.0, 1.0, 1.0)
+
+
+def _with(
+    monkeypatch: pytest.MonkeyPatch, own: float, halves: float, drift: float = 0.0, **arguments: bool
+) -> Means:
+    monkeypatch.setattr(averages_module, "_variances", lambda *_: (own, halves, drift))
     # above K = 2 no stable bounce, and never in contact
     return _averaged(line(2.45, 30.0, 0.5, 0.4), 0.3, 6, **arguments)
 
@@ -90,8 +117,12 @@ def test_the_error_is_that_of_twelve_bodies(monkeypatch: pytest.MonkeyPatch) -> 
         means = _with(monkeypatch, own, halves)
         assert means.status == Status.AVERAGED
         assert means.deviation == pytest.approx(TURN * math.sqrt(expected), rel=1e-14)
+    # what halves differ by, all bodies together, is added in full
+    assert _with(monkeypatch, 0.5, 1.0, 0.4).deviation == pytest.approx(
+        TURN * math.sqrt(0.75 / 12.0 + 0.4), rel=1e-14
+    )
     # where bodies come to contact the scatter beyond their halves is added in full
-    monkeypatch.setattr(averages_module, "_variances", lambda *_: (2.0, 1.0))
+    monkeypatch.setattr(averages_module, "_variances", lambda *_: (2.0, 1.0, 0.0))
     expected = 1.5 / 12.0 + 11.0 / 9.0
     assert _averaged(lands, 0.2, 6).deviation == pytest.approx(TURN * math.sqrt(expected), rel=1e-14)
 
@@ -101,9 +132,11 @@ def test_longer_samples_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     longer = _with(monkeypatch, 3.1, 1.0, longest=False)
     assert longer.status == Status.UNRESOLVED
     assert all(math.isnan(x) for x in longer[1:])
-    monkeypatch.setattr(averages_module, "_variances", lambda *_: (3.1, 1.0))
+    monkeypatch.setattr(averages_module, "_variances", lambda *_: (3.1, 1.0, 0.0))
     # not where bodies come to contact: kicks decide
     assert _averaged(line(4.3, 30.0, 0.5, 0.4), 0.2, 6, longest=False).status == Status.AVERAGED
+    # a drift asks for them everywhere
+    assert _with(monkeypatch, 1.0, 1.0, 0.1, longest=False).status == Status.UNRESOLVED
     monkeypatch.undo()
     # hardly any friction: bodies remember their velocities
     assert _averaged(line(2.45, 30.0, 0.5, 1e-4), 0.3, 6, longest=False).status == Status.UNRESOLVED

@@ -382,3 +382,15 @@ def test_a_single_bounce_exists_from_the_throw_number_on_that_can_throw_it_so_fa
     assert above.exists
     assert above.phase == pytest.approx(0.0, abs=1e-4)
     assert not single_bounce(sinusoidal(math.pi), 0.0, 1, 0).exists  # equality
+
+
+def test_a_contact_that_rounding_has_moved_tells_where_the_body_takes_off_again() -> None:
+    bed, e = sinusoidal(1.6), 0.7
+    motion = bounces(bed, e, FLIGHTS, 512, bed.lift_off, 1e-6, False)
+    assert not motion.repeats
+    assert motion.count == motion.cycles == 0
+    assert motion.approach > 20
+    last = motion.approach - 1
+    assert motion.landing == pytest.approx((FLIGHTS.phase[last] + FLIGHTS.length[last]) % TURN, rel=1e-12)
+    assert (motion.landing + motion.rest) % TURN == pytest.approx(motion.approach_end, rel=1e-12)
+    assert motion.approach_end == bed.lift_off

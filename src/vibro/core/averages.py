@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.bounces import Flights, single_bounce
 from vibro.core.buffers import Doubles
+from vibro.core.captures import captures
 from vibro.core.codes import Status
 from vibro.core.elementary import INF, NAN, TURN
 from vibro.core.flight import bed_of
@@ -29,6 +30,8 @@ __all__ = ["Means", "averages"]
 # memory it is F-distributed about 1.
 _DRIFTS: Final = 3.0
 _PARTED: Final = 8.0
+# [1] Square of Student's t, of first halves against second ones: above it bodies drift or run side by side.
+_TOGETHER: Final = 5.0
 _STUDENT: Final = (BODIES - 1) / (BODIES - 3)  # variance of Student's t for a scatter of so many bodies
 
 # [1] Throw number below which stable cycles of one bounce capture irregular motion within some thousand
@@ -184,12 +187,13 @@ def averages(
     for i in range(2 * BODIES):
         mean += bodies.path[i]
     mean /= total
-    own, halves = _variances(bodies, mean, total)
+    own, halves, drift = _variances(bodies, mean, total)
     ratio = own / halves if halves > 0.0 else (INF if own > 0.0 else 1.0)
     # Without memory both are the variance of a body's mean.
     variance = (own if ratio > _DRIFTS else 0.5 * (own + halves)) / BODIES
     if lands or ratio > _PARTED:
         variance += _STUDENT * max(own - halves, 0.0)
+    variance += drift
 
     # Where friction is too weak to hold gravity every flight without a stop adds speed downhill. The drive
     # takes no more than twice its own speed from that, and one landing no more than its friction.
@@ -198,7 +202,7 @@ def averages(
     undecided = loose and not runs and not slid.forgets
     if runs or (undecided and longest):
         return unresolved._replace(status=Status.RUNAWAY)
-    if not longest and (remembers or undecided or (not lands and ratio > _DRIFTS)):
+    if not longest and (remembers or undecided or drift > 0.0 or (not lands and ratio > _DRIFTS)):
         return unresolved
     means = Means(
         status=Status.AVERAGED,
@@ -208,23 +212,31 @@ def averages(
         impact=loads.weight_normal * impact,
         peak=slid.peak,
     )
+    if loads.waves.kind != SINE:
+        means = _with_captures(track, restitution, means, start, flights, hops)
     if throw < _CAPTURED:
         return _with_single_bounces(track, restitution, means, start, hops, bodies.path)
     return means
 
 
-def _variances(bodies: _Bodies, mean: float, total: float) -> tuple[float, float]:
+def _variances(bodies: _Bodies, mean: float, total: float) -> tuple[float, float, float]:
     """Return the variance of a body's mean, from the scatter of the bodies and from their halves.
 
-    The sum of all deviations from the mean is 0.
+    The third number is the square of what first halves of all bodies differ by from second ones; 0 where
+    independent bodies without memory may differ as much. The sum of all deviations from the mean is 0.
     """
-    own, halves, scale = 0.0, 0.0, BODIES / total
+    own, halves, drift, scale = 0.0, 0.0, 0.0, BODIES / total
     for i in range(BODIES):
         first = (bodies.path[2 * i] - mean * bodies.time[2 * i]) * scale
         second = (bodies.path[2 * i + 1] - mean * bodies.time[2 * i + 1]) * scale
         own += (first + second) * (first + second)
         halves += (first - second) * (first - second)
-    return own / (BODIES - 1), halves / BODIES
+        drift += (first - second) / BODIES
+    drift *= drift
+    halves /= BODIES
+    if drift * (BODIES - 1) <= _TOGETHER * (halves - drift):
+        drift = 0.0
+    return own / (BODIES - 1), halves, drift
 
 
 def _slide(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:
@@ -304,6 +316,29 @@ def _balance(track: Track, hops: Hops, bodies: _Bodies) -> _Slid:
     for i in range(2 * BODIES):
         bodies.path[i] -= effect * bodies.gain[i]
     return slid
+
+
+def _with_captures(
+    track: Track, restitution: float, means: Means, start: float, flights: Flights, hops: Hops
+) -> Means:
+    """Average over the irregular motion, as one body, and the cycles in which bodies have ended.
+
+    Nobody knows which of them it will be, so that the error is the scatter of these motions.
+    """
+    found = captures(track, restitution, means.displacement, start, flights, hops)
+    if found.number == 0:
+        return means
+    # Bodies that have not ended yet do not count: most will be captured later.
+    shift = found.displacement / (found.number + 1)
+    variance = (found.squares - found.displacement * shift) / found.number
+    return Means(
+        status=Status.AVERAGED,
+        displacement=means.displacement + shift,
+        deviation=math.sqrt(means.deviation * means.deviation + variance),
+        flight_fraction=(means.flight_fraction + found.aloft) / (found.number + 1),
+        impact=max(means.impact, found.impact),
+        peak=max(means.peak, found.peak),
+    )
 
 
 def _with_single_bounces(

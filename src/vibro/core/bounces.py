@@ -95,7 +95,8 @@ class Bounces(NamedTuple):
     Attributes
     ----------
     repeats : bool
-        Whether a cycle was found before rounding could choose it; all else is 0 if not.
+        Whether a cycle was found before rounding could choose it. If not, all else is 0 but where a contact
+        came too late: then the approach, the contact and the take-off after it are those until there.
     first, count : int
         Its flights are the rows first ... first + count - 1 of ``Flights``.
     approach : int
@@ -167,9 +168,9 @@ def bounces(
         short = rested and since <= _SHORT
         errors = propagate(bed, restitution, phase, speed, flown, after.length, errors)
         if after.contact:
-            if not (short or within(errors, SHARP)):
-                break
             again = next_take_off(bed, end)
+            if not (short or within(errors, SHARP)):
+                return Bounces(False, 0, 0, row + 1, 0, end, again.wait, again.phase)
             flights.landing[row], flights.rest[row] = end, again.wait
             before += again.wait
             first = _take_off_at(flights, row, again.phase)
@@ -185,7 +186,7 @@ def bounces(
             if events >= most:
                 break
             continue
-        if rested and not (short or within(errors, LOST)):
+        if from_rest and not (short or within(errors, LOST)):
             break
         if row + 1 == look_back:
             look_back *= 2

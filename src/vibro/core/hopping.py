@@ -16,8 +16,8 @@ from vibro.core.drives import Loads
 from vibro.core.elementary import NAN, TURN
 from vibro.core.flight import LOST, Bed, Covariance, Flight, bed_of, propagate, within
 from vibro.core.legs import Track, track_of
-from vibro.core.orbits import HoppingCycle, hopping_cycle, orbit_from
-from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed, write_hop
+from vibro.core.orbits import HoppingCycle, hopping_cycle, orbit_from, write_hops
+from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed
 from vibro.core.spelling import spell
 from vibro.core.wave_cycle import canonical
 from vibro.core.waves import SINE
@@ -214,7 +214,7 @@ def enter(track: Track, restitution: float, flights: Flights, hops: Hops) -> Ent
         known = motion.repeats and motion.approach == 0 and loads.waves.kind == SINE
         if known:
             last = motion.first + motion.count
-            _write_hops(loads, flights, hops, motion.first, last)
+            write_hops(loads, flights, hops, motion.first, last)
             # the contact at the end is among the hops
             velocity = return_map(track, hops, motion.first, last, 0.0, 0.0, start.velocity).velocity
         elif motion.repeats and _is_sharp(bed, restitution, flights, motion.approach):
@@ -229,14 +229,14 @@ def _entered(track: Track, motion: Bounces, velocity: float, flights: Flights, h
     """Follow a body along the trough from its first take-off until the cycle begins, and write its hops."""
     loads = track.loads
     if motion.repeats and (motion.rest == 0.0 or motion.approach > 0):
-        _write_hops(loads, flights, hops, 0, motion.approach)
+        write_hops(loads, flights, hops, 0, motion.approach)
         velocity = return_map(track, hops, 0, motion.approach, 0.0, 0.0, velocity).velocity
         # a cycle without rest begins at another phase than the approach ends
         begin = flights.phase[motion.first]
         if motion.rest == 0.0:
             velocity = with_same_ground_speed(loads, velocity, motion.approach_end, begin)
     last = motion.first + motion.count
-    _write_hops(loads, flights, hops, motion.first, last)
+    write_hops(loads, flights, hops, motion.first, last)
     if motion.rest > 0.0:  # it is that of the cycle's end
         hops.rest[last - 1] = 0.0
     return Entry(motion, velocity)
@@ -253,9 +253,3 @@ def _is_sharp(bed: Bed, restitution: float, flights: Flights, count: int) -> boo
         if flights.rest[row] > 0.0:
             errors = Covariance(0.0, 0.0, 0.0)
     return True
-
-
-def _write_hops(loads: Loads, flights: Flights, hops: Hops, first: int, last: int) -> None:
-    for row in range(first, last):
-        write_hop(loads, flights.phase[row], flights.length[row], flights.impulse[row], hops, row)
-        hops.landing[row], hops.rest[row] = flights.landing[row], flights.rest[row]

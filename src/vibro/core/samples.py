@@ -15,7 +15,7 @@ from vibro.core.elementary import wrap
 from vibro.core.flight import BOUNCE, after_landing, bed_of, flight, next_take_off
 from vibro.core.return_map import Hops, write_hop
 
-__all__ = ["BODIES", "ROWS", "Sample", "fly"]
+__all__ = ["BODIES", "ROWS", "Sample", "fly", "kick"]
 
 #: Bodies of each scene.
 BODIES: Final = 12
@@ -27,8 +27,9 @@ _PATIENCE: Final = 3  # [1] factor by which a part is prolonged to end with a co
 # other is kicked by a tenth of what the one before it gets, down to what rounding does.
 _KICK: Final = 1e-4
 _SHOVE: Final = 1e-2  # [1] relative change of speed that parts bodies which do not come to contact
-# [rad] Here the error of summing bounces, of the order of the square of this, is far below that of a mean.
-_ACCUMULATED: Final = 5e-2
+# [rad] Bounces summed too early bring a body to rest that the trough would throw again. At this duration the
+# error, of the order of its square, is that of the largest kicks squared.
+_ACCUMULATED: Final = 1e-4
 _GOLDEN: Final = 0.6180339887498949  # [1] multiples of it are spread evenly over [0, 1), modulo 1
 
 
@@ -89,7 +90,7 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
         Where the first one goes; up to ``ROWS`` rows are filled.
     """
     bed = bed_of(loads)
-    phase, speed = bed.lift_off, _kick(0, body)
+    phase, speed = bed.lift_off, kick(0, body)
     # parts 0 and 1 are the transient, 2 and 3 the halves of the sample
     part, events, has_landed = 0, 0, False
     quota = length // 2 + body  # so that what repeats all the same is met at different moments
@@ -122,7 +123,7 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
         ready = after.contact or not (has_landed or (part == 0 and body >= BODIES // 2))
         phase, speed = landing, after.take_off
         if after.contact:
-            phase, speed = again.phase, _kick(last - row, body)
+            phase, speed = again.phase, kick(last - row, body)
         if events < quota or not (ready or events >= _PATIENCE * quota):
             continue
         events, part = 0, part + 1
@@ -150,7 +151,7 @@ def _spread(count: int, body: int) -> float:
     return x - math.floor(x)
 
 
-def _kick(count: int, body: int) -> float:
+def kick(count: int, body: int) -> float:
     """Return the speed with which a body leaves the trough after a contact."""
     kick = _KICK
     for _ in range(body):
