@@ -301,7 +301,7 @@ def test_clamped_parts_do_not_tip() -> None:
 @pytest.mark.parametrize("side", [-1, 1], ids=["down the conveying way", "against it"])
 @pytest.mark.parametrize("pieces", [False, True], ids=["harmonics", "steps"])
 def test_a_body_that_runs_away_slides_one_way_from_its_onset_on(side: int, pieces: bool) -> None:
-    """Between both frictions a body rests until it slips, and then never again, whatever its first cycles are."""
+    """Between both frictions a body rests until it slips, and never again, whatever its first cycles are."""
     motion = vibro.Motion.harmonics(along=[(1e-3, 0.0), (2e-4, 1.0)], normal=[(1e-4, 0.3)])
     if pieces:
         motion = vibro.Motion.steps(along=[(0.4, 3.0), (0.6, -2.0)], normal=[(0.5, 1.0), (0.5, -1.0)])
