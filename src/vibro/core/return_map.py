@@ -22,6 +22,7 @@ from vibro.core.legs import Track, contact_leg, mode_of, next_lift_off
 from vibro.core.waves import (
     FORCE,
     SINE,
+    at_break,
     depart,
     moved,
     nodes_of,
@@ -256,7 +257,7 @@ def _contact(track: Track, out: Return, landing: float, rest: float, friction: f
         )
         if not leg.length < left - CLOSE:
             return out
-        phase, left, mode = wrap(phase + leg.length), left - leg.length, leg.next_mode
+        phase, left, mode = at_break(track.loads.waves, phase + leg.length), left - leg.length, leg.next_mode
     return out._replace(settled=False)
 
 

@@ -45,7 +45,7 @@ def fly_over_waves(waves: Waves, lift: Mix, phase: float, speed: float, lifted: 
     low = Left(0.0, 0.0, speed, load)
     for _ in range(_MOST_PIECES):
         far = ahead(waves, NORMAL, phase, index)
-        concave = not behind(waves, NORMAL, index % count)
+        concave = behind(waves, NORMAL, index % count)
         rises_away = low.phase < up <= far
         if rises_away:
             far = up

@@ -11,14 +11,15 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.buffers import Doubles, Integers
-from vibro.core.elementary import INF, QUARTER, TURN, circle, wrap
+from vibro.core.elementary import FEW_ULP, INF, QUARTER, TURN, circle, wrap
 
 __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
     "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value",
-    "Waves", "at_cell_begin", "at_nodes_of", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart",
-    "load_at", "moved", "nodes_of", "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces",
-    "read_harmonic", "ride", "tabulate", "trough_at", "value_at_cell_begin", "value_in_cell", "with_bounds",
+    "Waves", "at_break", "at_cell_begin", "at_nodes_of", "cell_begin", "cells_of", "combine", "curve_in_cell",
+    "depart", "load_at", "mixed", "moved", "nodes_of", "one_harmonic", "part_of", "prepare_cells",
+    "prepare_pieces", "read_harmonic", "ride", "tabulate", "trough_at", "value_at_cell_begin",
+    "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
 #: [kind] One harmonic, for which there are closed forms; several; pieces of cubic polynomials.
@@ -26,7 +27,7 @@ SINE: Final = 0
 HARMONICS: Final = 2
 PIECES: Final = 3
 
-#: [row] Zeros are kept of the load along the trough, of that on it, and of what exceeds friction.
+#: [row] Zeros are kept of the load along the trough, of that off it, and of what exceeds friction.
 FORCE: Final = 0
 NORMAL: Final = 1
 STATIC_FORWARD: Final = 2
@@ -50,6 +51,9 @@ _CELLS: Final = 14  # [part] S, its slope, B and its slope where cells of harmon
 _MOST_VELOCITY: Final = QUARTER
 _MOST_POSITION: Final = 0.5 * QUARTER * QUARTER
 
+
+# [rad] Phases of events are rounded, and loads jump at breaks: an event this close to a break is at it.
+_AT_BREAK: Final = 1e-12
 
 _NO_NUMBERS: Doubles = memoryview(b"").cast("d")
 _NO_MARKS: Integers = memoryview(b"").cast("q")
@@ -331,24 +335,45 @@ def _steepest(waves: Waves) -> float:
 # ----------------------------------------------------------------------------------------------- evaluation
 
 
-def piece_of(waves: Waves, phase: float) -> int:
-    """Find the piece that a phase in [0, 2 pi] lies in; the one that begins there, at an end."""
-    low, high, table = 0, waves.size, _table(waves)
+def mixed(mix: Mix, along: float, normal: float) -> float:
+    """Mix the loads S and B; 0 where rounding would choose the sign.
+
+    Pieces may keep a body just at the limit of friction, or of contact, for a while: equality holds it.
+    """
+    along, normal = mix.along * along, mix.normal * normal
+    value = mix.constant + along + normal
+    return value if abs(value) > FEW_ULP * (abs(mix.constant) + abs(along) + abs(normal)) else 0.0
+
+
+def at_break(waves: Waves, phase: float) -> float:
+    """Reduce the phase of an event to [0, 2 pi); to that of a break, if it is there but for rounding."""
+    if waves.kind != PIECES:
+        return wrap(phase)
+    near, _ = _place_of(waves, phase)
+    return near
+
+
+def _place_of(waves: Waves, phase: float) -> tuple[float, int]:
+    """Reduce a phase as ``at_break`` does, and find its piece; at a break the one that begins there."""
+    number, p, low, high, table = waves.number, wrap(phase), 0, waves.size, _table(waves)
     while high - low > 1:
         middle = (low + high) // 2
-        if waves.number[table + middle] <= phase:
+        if number[table + middle] <= p:
             low = middle
         else:
             high = middle
-    return low
+    if number[table + high] - p <= _AT_BREAK:
+        low = high if high < waves.size else 0
+        return number[table + low], low
+    begin = number[table + low]
+    return (begin if p - begin <= _AT_BREAK else p), low
 
 
 def load_at(waves: Waves, mix: Mix, phase: float) -> float:
     """Evaluate a mix at a phase; where it jumps, just behind."""
     number = waves.number
     if waves.kind == PIECES:
-        p = wrap(phase)
-        j = piece_of(waves, p)
+        p, j = _place_of(waves, phase)
         return _mixed_piece(waves, mix, j, p - number[_table(waves) + j]).load
     h = waves.size
     first_sine, first_cosine = circle(phase)
@@ -365,7 +390,7 @@ def _mixed_piece(waves: Waves, mix: Mix, j: int, offset: float) -> Moved:
     """Evaluate a mix within a piece, and integrate it from the piece's start."""
     number, one, two = waves.number, 4 * j, 4 * (waves.size + j)
     return _polynomial(
-        mix.constant + mix.along * number[one] + mix.normal * number[two],
+        mixed(mix, number[one], number[two]),
         mix.along * number[one + 1] + mix.normal * number[two + 1],
         mix.along * number[one + 2] + mix.normal * number[two + 2],
         mix.along * number[one + 3] + mix.normal * number[two + 3],
@@ -377,8 +402,7 @@ def depart(waves: Waves, mix: Mix, phase: float) -> Departure:
     """Begin a leg: keep a mix as it is seen from there, for ``moved``, and evaluate it."""
     number, h = waves.number, waves.size
     if waves.kind == PIECES:
-        p = wrap(phase)
-        j = piece_of(waves, p)
+        p, j = _place_of(waves, phase)
         offset, sums = p - number[_table(waves) + j], _table(waves) + h + 1 + j
         here = _mixed_piece(waves, mix, j, offset)
         before = mix.along * number[sums] + mix.normal * number[sums + 2 * h]
@@ -451,8 +475,7 @@ def moved(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved
 def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved:
     """Integrate a mix from a phase on, through the piece it lies in and all others."""
     number, count, table = waves.number, waves.size, _table(waves)
-    p = wrap(phase)
-    j = piece_of(waves, p)
+    p, j = _place_of(waves, phase)
     offset, left = p - number[table + j], number[table + j + 1] - p
     one, two = 4 * j, 4 * (count + j)
     a1 = mix.along * number[one + 1] + mix.normal * number[two + 1]
@@ -483,19 +506,17 @@ def _reached(waves: Waves, j: int, rest: float) -> tuple[int, float]:
     """Return the piece that a phase ``rest`` beyond the end of piece j lies in, and how far."""
     table, begin = _table(waves), (j + 1) % waves.size
     r = rest + (waves.number[table + begin] if begin > 0 else 0.0)
-    r -= TURN * math.floor(r / TURN)
-    end = piece_of(waves, r)
-    return end, r - waves.number[table + end]
+    reached, end = _place_of(waves, r)
+    return end, reached - waves.number[table + end]
 
 
 def ride(waves: Waves, phase: float, s: float) -> Ride:
     """Evaluate what acts on a body a phase s >= 0 after another one; where loads jump, just behind."""
     number, size = waves.number, waves.size
     if waves.kind == PIECES:
-        p = wrap(phase)
-        j = piece_of(waves, p)
+        p, j = _place_of(waves, phase)
         left, offset = number[_table(waves) + j + 1] - p, p - number[_table(waves) + j] + s
-        if s >= left:
+        if s >= left - _AT_BREAK:
             j, offset = _reached(waves, j, s - left)
         along, normal = _over_piece(waves, 4 * j, offset), _over_piece(waves, 4 * (size + j), offset)
         before = number[_table(waves) + 3 * size + 1 + j]
@@ -515,8 +536,7 @@ def trough_at(waves: Waves, normal: bool, phase: float) -> Value:
     """Return the trough's position, from its mean, and its velocity, along or normal to itself [A, A w]."""
     number, size = waves.number, waves.size
     if waves.kind == PIECES:
-        p = wrap(phase)
-        j = piece_of(waves, p)
+        p, j = _place_of(waves, phase)
         table, direction = _table(waves), 1 if normal else 0
         offset, sums = p - number[table + j], table + size + 1 + direction * 2 * size
         gain = _over_piece(waves, 4 * (direction * size + j), offset)
@@ -543,7 +563,7 @@ def combine(waves: Waves, mix: Mix) -> Bounds:
         number[_WAVE * part + i] = mix.along * number[i] + mix.normal * number[part + i]
     if waves.kind == PIECES:
         for j in range(waves.size):
-            number[_WAVE * part + 4 * j] += mix.constant
+            number[_WAVE * part + 4 * j] = mixed(mix, number[4 * j], number[part + 4 * j])
         return Bounds(0.0, INF, INF, 0.0)
     h, bound, slope, bend, fourth = waves.size, abs(mix.constant), 0.0, 0.0, 0.0
     for k in range(h):
