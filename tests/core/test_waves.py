@@ -172,9 +172,10 @@ def test_a_load_that_jumps_has_the_value_behind_the_jump() -> None:
     pieces[0, :, 0] = -3.0, 1.0
     waves = piecewise_waves(breaks, pieces)
     along = Mix(0.0, 1.0, 0.0)
-    before = QUARTER * (1.0 - EPS)
+    rounded, before = QUARTER * (1.0 - EPS), QUARTER - 1e-11
     for phase, value in ((0.0, 3.0), (before, 3.0), (QUARTER, -1.0), (TURN, 3.0), (-1e-9, -1.0)):
         assert load_at(waves, along, phase) == value
+    assert load_at(waves, along, rounded) == -1.0
     assert waves.steep == 0.0  # B is 0
     pieces[1, :, 0] = -3.0, 1.0
     assert piecewise_waves(breaks, pieces).steep == math.inf

@@ -12,11 +12,12 @@ from typing import Final, NamedTuple
 
 from vibro.core.cells import behind, find_nodes, number_of_nodes
 from vibro.core.drives import Loads, mix_of
-from vibro.core.elementary import EPS, INF, NAN, TURN, wrap
+from vibro.core.elementary import EPS, INF, NAN, NOISE, TURN, wrap
 from vibro.core.waves import (
     HARMONICS,
     KINETIC_BACK,
     KINETIC_FORWARD,
+    PIECES,
     Mix,
     Moved,
     Waves,
@@ -109,15 +110,16 @@ def crossing(fall: Fall, low: Left, high: Left) -> Crossing:
     now = fallen(fall, x)
     for _ in range(_STEPS):
         here = _left(fall, x, now)
-        if (here.value > 0.0) == falls:
-            least = x
-        else:
+        # pieces may leave nothing for a while: then find where that begins
+        if (here.value > 0.0) != falls or (here.rate == 0.0 and abs(here.value) <= NOISE):
             most = x
+        else:
+            least = x
         step = -here.value / here.rate if here.rate != 0.0 else INF
         bend = -0.5 * step * here.bend
         if abs(bend) < _MOST_BEND * abs(here.rate):
             step *= here.rate / (here.rate - bend)
-        inside = here.value == 0.0 or (least <= x + step <= most and abs(step) < 0.5 * before)
+        inside = least <= x + step <= most and abs(step) < 0.5 * before
         if not inside:
             step = 0.5 * (least + most) - x
         before = abs(step)
@@ -141,6 +143,8 @@ def _share(low: Left, high: Left) -> float:
     if fall == 0.0:
         return 0.5
     lost = min(max(low.value / fall, 0.0), 1.0)
+    if lost == 1.0:  # at the end the load may have jumped, and nothing be left long before
+        return 0.5
     x = 0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0)
     d = high.phase - low.phase
     p, q, u, w = d * low.rate, d * high.rate, 0.5 * d * d * low.bend, 0.5 * d * d * high.bend
@@ -223,19 +227,19 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
     if speed == 0.0 and rises:
         # rounding has put the onset in front of the phase from which the load exceeds friction
         index, rises = index + 1, False
-    drop = -TURN * mix.constant
+    drop, noise = -TURN * mix.constant, NOISE if waves.kind == PIECES else 0.0
     low, top, least, minima = Left(0.0, speed, start.load, start.slope), speed, INF, 0
     while True:
         far = ahead(waves, row, phase, index)
         if far >= limit:
             then = fallen(fall, limit)
             high = _left(fall, limit, then)
-            if not (high.value <= 0.0 and rises):
+            if not (high.value <= noise and rises):
                 end = max(high.value, 0.0)
                 return WaveSlide(limit, False, end, max(top, high.value), speed * limit + then.path)
         else:
             high = _at_node(fall, row, index, far, start.integral)
-        if high.value <= 0.0 and rises:
+        if high.value <= noise and rises:
             return _stopped(fall, crossing(fall, low, high), top)
         top = max(top, high.value)
         if rises:

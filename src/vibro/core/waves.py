@@ -345,36 +345,42 @@ def mixed(mix: Mix, along: float, normal: float) -> float:
     return value if abs(value) > FEW_ULP * (abs(mix.constant) + abs(along) + abs(normal)) else 0.0
 
 
+def piece_of(waves: Waves, phase: float) -> int:
+    """Find the piece that a phase in [0, 2 pi] lies in; the one that begins there, at an end."""
+    low, high, table = 0, waves.size, _table(waves)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if waves.number[table + middle] <= phase:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _place_of(waves: Waves, phase: float) -> tuple[int, float]:
+    """Return the piece that an event lies in, and how far; but for rounding it is not just before a break."""
+    p, table = wrap(phase), _table(waves)
+    j = piece_of(waves, p)
+    left = waves.number[table + j + 1] - p
+    if left <= _AT_BREAK:
+        return (j + 1) % waves.size, -left
+    return j, p - waves.number[table + j]
+
+
 def at_break(waves: Waves, phase: float) -> float:
     """Reduce the phase of an event to [0, 2 pi); to that of a break, if it is there but for rounding."""
     if waves.kind != PIECES:
         return wrap(phase)
-    near, _ = _place_of(waves, phase)
-    return near
-
-
-def _place_of(waves: Waves, phase: float) -> tuple[float, int]:
-    """Reduce a phase as ``at_break`` does, and find its piece; at a break the one that begins there."""
-    number, p, low, high, table = waves.number, wrap(phase), 0, waves.size, _table(waves)
-    while high - low > 1:
-        middle = (low + high) // 2
-        if number[table + middle] <= p:
-            low = middle
-        else:
-            high = middle
-    if number[table + high] - p <= _AT_BREAK:
-        low = high if high < waves.size else 0
-        return number[table + low], low
-    begin = number[table + low]
-    return (begin if p - begin <= _AT_BREAK else p), low
+    j, offset = _place_of(waves, phase)
+    return waves.number[_table(waves) + j] if abs(offset) <= _AT_BREAK else wrap(phase)
 
 
 def load_at(waves: Waves, mix: Mix, phase: float) -> float:
     """Evaluate a mix at a phase; where it jumps, just behind."""
     number = waves.number
     if waves.kind == PIECES:
-        p, j = _place_of(waves, phase)
-        return _mixed_piece(waves, mix, j, p - number[_table(waves) + j]).load
+        j, offset = _place_of(waves, phase)
+        return _mixed_piece(waves, mix, j, offset).load
     h = waves.size
     first_sine, first_cosine = circle(phase)
     sine, cosine, value = first_sine, first_cosine, mix.constant
@@ -402,7 +408,8 @@ def depart(waves: Waves, mix: Mix, phase: float) -> Departure:
     """Begin a leg: keep a mix as it is seen from there, for ``moved``, and evaluate it."""
     number, h = waves.number, waves.size
     if waves.kind == PIECES:
-        p, j = _place_of(waves, phase)
+        p = wrap(phase)
+        j = piece_of(waves, p)
         offset, sums = p - number[_table(waves) + j], _table(waves) + h + 1 + j
         here = _mixed_piece(waves, mix, j, offset)
         before = mix.along * number[sums] + mix.normal * number[sums + 2 * h]
@@ -475,7 +482,8 @@ def moved(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved
 def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: float) -> Moved:
     """Integrate a mix from a phase on, through the piece it lies in and all others."""
     number, count, table = waves.number, waves.size, _table(waves)
-    p, j = _place_of(waves, phase)
+    p = wrap(phase)
+    j = piece_of(waves, p)
     offset, left = p - number[table + j], number[table + j + 1] - p
     one, two = 4 * j, 4 * (count + j)
     a1 = mix.along * number[one + 1] + mix.normal * number[two + 1]
@@ -486,7 +494,9 @@ def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: fl
     if s < left:
         return _polynomial(value, a1, a2, a3, s)
     own, rest, begin = _polynomial(value, a1, a2, a3, left), s - left, (j + 1) % count
-    end, beyond = _reached(waves, j, rest)
+    reached = _beyond(waves, j, rest)
+    end = piece_of(waves, reached)
+    beyond = reached - number[table + end]
     velocity, path = own.velocity + mix.constant * rest, own.path + own.velocity * rest
     path += 0.5 * mix.constant * rest * rest
     for direction in range(2):
@@ -496,28 +506,28 @@ def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: fl
             gain = _over_piece(waves, 4 * (direction * count + end), beyond)
             before = number[sums + begin]
             velocity += share * (number[sums + end] + gain.velocity - before)
-            reached = number[sums + count + end] + number[sums + end] * beyond + gain.path
-            path += share * (reached - number[sums + count + begin] - before * rest)
+            height = number[sums + count + end] + number[sums + end] * beyond + gain.path
+            path += share * (height - number[sums + count + begin] - before * rest)
     now = _mixed_piece(waves, mix, end, beyond)
     return Moved(now.load, velocity, path, now.slope)
 
 
-def _reached(waves: Waves, j: int, rest: float) -> tuple[int, float]:
-    """Return the piece that a phase ``rest`` beyond the end of piece j lies in, and how far."""
-    table, begin = _table(waves), (j + 1) % waves.size
-    r = rest + (waves.number[table + begin] if begin > 0 else 0.0)
-    reached, end = _place_of(waves, r)
-    return end, reached - waves.number[table + end]
+def _beyond(waves: Waves, j: int, rest: float) -> float:
+    """Return the phase ``rest`` beyond the end of piece j, in [0, 2 pi)."""
+    begin = (j + 1) % waves.size
+    r = rest + (waves.number[_table(waves) + begin] if begin > 0 else 0.0)
+    return r - TURN * math.floor(r / TURN)
 
 
 def ride(waves: Waves, phase: float, s: float) -> Ride:
     """Evaluate what acts on a body a phase s >= 0 after another one; where loads jump, just behind."""
     number, size = waves.number, waves.size
     if waves.kind == PIECES:
-        p, j = _place_of(waves, phase)
+        p = wrap(phase)
+        j = piece_of(waves, p)
         left, offset = number[_table(waves) + j + 1] - p, p - number[_table(waves) + j] + s
         if s >= left - _AT_BREAK:
-            j, offset = _reached(waves, j, s - left)
+            j, offset = _place_of(waves, _beyond(waves, j, s - left))
         along, normal = _over_piece(waves, 4 * j, offset), _over_piece(waves, 4 * (size + j), offset)
         before = number[_table(waves) + 3 * size + 1 + j]
         return Ride(along.load, normal.load, -(before + normal.velocity))
@@ -536,7 +546,8 @@ def trough_at(waves: Waves, normal: bool, phase: float) -> Value:
     """Return the trough's position, from its mean, and its velocity, along or normal to itself [A, A w]."""
     number, size = waves.number, waves.size
     if waves.kind == PIECES:
-        p, j = _place_of(waves, phase)
+        p = wrap(phase)
+        j = piece_of(waves, p)
         table, direction = _table(waves), 1 if normal else 0
         offset, sums = p - number[table + j], table + size + 1 + direction * 2 * size
         gain = _over_piece(waves, 4 * (direction * size + j), offset)
