@@ -91,6 +91,11 @@ def _left(fall: Fall, s: float, now: Moved) -> Left:
     return Left(s, fall.value + now.velocity, now.load, now.slope)
 
 
+def _noise(waves: Waves) -> float:
+    """Return the speed, or height, that rounding may leave of none: pieces may keep a body there."""
+    return NOISE if waves.kind == PIECES else 0.0
+
+
 class Crossing(NamedTuple):
     """Where nothing is left, and what the load has done until then."""
 
@@ -111,7 +116,7 @@ def crossing(fall: Fall, low: Left, high: Left) -> Crossing:
     for _ in range(_STEPS):
         here = _left(fall, x, now)
         # pieces may leave nothing for a while: then find where that begins
-        if (here.value > 0.0) != falls or (here.rate == 0.0 and abs(here.value) <= NOISE):
+        if (here.value > 0.0) != falls or (here.rate == 0.0 and abs(here.value) <= _noise(fall.waves)):
             most = x
         else:
             least = x
@@ -227,7 +232,7 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
     if speed == 0.0 and rises:
         # rounding has put the onset in front of the phase from which the load exceeds friction
         index, rises = index + 1, False
-    drop, noise = -TURN * mix.constant, NOISE if waves.kind == PIECES else 0.0
+    drop, noise = -TURN * mix.constant, _noise(waves)
     low, top, least, minima = Left(0.0, speed, start.load, start.slope), speed, INF, 0
     while True:
         far = ahead(waves, row, phase, index)
