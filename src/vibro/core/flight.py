@@ -400,6 +400,8 @@ def propagate(
     errors : Covariance
         Of the take-off.
     """
+    if bed.waves.kind == PIECES and flown.impact == 0.0:
+        return Covariance(0.0, 0.0, 0.0)  # it lands without speed at a jump of the load
     a, b, c, d = tangent_map(bed, restitution, phase, flown)
     s, climb = flown.length, bed.throw * min(flown.length, 1.0)
     impact = max(flown.impact, _GRAZING)
