@@ -311,11 +311,16 @@ def mode_of(loads: Loads, phase: float, velocity: float, friction: float) -> int
     if velocity == 0.0:
         at = _ride(loads, phase)
         force = math.copysign(1.0, at.along - loads.weight_tangential)
-        if mixed(beyond_friction(loads, friction, force), at.along, at.normal) > 0.0:
+        if _slips(loads, at, friction, force):
             way = force
     if way == 0.0:
         return Mode.REST
     return Mode.FORWARD if way > 0.0 else Mode.BACK
+
+
+def _slips(loads: Loads, at: Ride, friction: float, way: float) -> bool:
+    """Return whether a body that stands slips in a direction; one that the trough does not press is free."""
+    return mixed(beyond_friction(loads, friction, way), at.along, min(at.normal, loads.weight_normal)) > 0.0
 
 
 def _ride(loads: Loads, phase: float) -> Ride:
@@ -422,7 +427,7 @@ def _left(loads: Loads, end: SlideEnd, way: float, path: float, impulse: float, 
     next_mode, gain = Mode.FORWARD if way > 0.0 else Mode.BACK, 1.0
     if end.stopped:
         next_mode, gain = Mode.REST, 0.0
-        if mixed(beyond_friction(loads, loads.static_friction, -way), then.along, then.normal) > 0.0:
+        if _slips(loads, then, loads.static_friction, -way):
             friction = loads.kinetic_friction * max(loads.weight_normal - then.normal, 0.0)
             against = way * (loads.weight_tangential - then.along)
             next_mode = Mode.BACK if way > 0.0 else Mode.FORWARD

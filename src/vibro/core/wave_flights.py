@@ -12,7 +12,7 @@ import math
 from typing import Final
 
 from vibro.core.cells import behind, number_of_nodes
-from vibro.core.elementary import INF, NAN, NOISE, TURN, wrap
+from vibro.core.elementary import FEW_ULP, INF, NAN, TURN, wrap
 from vibro.core.wave_slides import Crossing, Fall, Left, ahead, crossing, first_ahead, left_after
 from vibro.core.waves import HARMONICS, NORMAL, PIECES, Mix, Moved, Waves, depart, trough_at
 
@@ -98,7 +98,7 @@ def _through_hollow(fall: Fall, low: Left, high: Left) -> Crossing:
     Tangents at both ends bound the height from below. Where the load jumps, a body may land without speed as
     the trough ceases to fall away: rounding would make it miss the jump by the root of an ulp.
     """
-    noise = NOISE * (1.0 + fall.mix.normal) * (1.0 + high.phase * high.phase)
+    noise = FEW_ULP * (1.0 + fall.mix.normal) * (1.0 + high.phase * high.phase)
     if fall.waves.kind == PIECES and max(abs(high.value), abs(high.rate)) <= noise:
         return Crossing(high.phase, Moved(0.0, -fall.rate, -fall.rate * high.phase, 0.0))
     if high.value > 0.0:
