@@ -137,7 +137,8 @@ SOLVED = {
 def test_the_steady_cycle_is_that_solved_by_hand(name: str) -> None:
     drive, displacement, period = SOLVED[name]
     found = vibro.solve(drive)
-    assert found.status == Status.OK
+    # kinetic friction would not hold it: then rounding might let it slip
+    assert found.status == (Status.BOUNDARY if name == "static friction bears it" else Status.OK)
     assert found.period_cycles == period
     assert found.displacement_per_cycle == pytest.approx(displacement, rel=0.0, abs=1e-13)
 

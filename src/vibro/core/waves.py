@@ -18,7 +18,7 @@ __all__ = [
     "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value",
     "Waves", "at_break", "at_cell_begin", "at_nodes_of", "cell_begin", "cells_of", "combine", "curve_in_cell",
     "depart", "load_at", "mixed", "moved", "nodes_of", "one_harmonic", "part_of", "prepare_cells",
-    "prepare_pieces", "read_harmonic", "ride", "tabulate", "trough_at", "value_at_cell_begin",
+    "prepare_pieces", "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at", "value_at_cell_begin",
     "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
@@ -585,6 +585,18 @@ def combine(waves: Waves, mix: Mix) -> Bounds:
         bend += order * order * size
         fourth += order * order * order * order * size
     return Bounds(bound, slope, bend, fourth)
+
+
+def stays_zero(waves: Waves, mix: Mix, lift: Mix) -> bool:
+    """Return whether a mix is 0, but for rounding, throughout a piece at whose start the lift is negative."""
+    number, part = waves.number, part_of(waves)
+    combine(waves, mix)
+    for j in range(waves.size):
+        c, pressed = _WAVE * part + 4 * j, mixed(lift, number[4 * j], number[part + 4 * j]) < 0.0
+        flat = number[c + 1] == 0.0 and number[c + 2] == 0.0 and number[c + 3] == 0.0
+        if pressed and flat and number[c] == 0.0:
+            return True
+    return False
 
 
 def cells_of(waves: Waves) -> int:
