@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, free_along, phase_difference
-from vibro.core.elementary import INF, NAN, QUARTER, TURN, wrap, wrap_around
+from vibro.core.elementary import INF, NAN, QUARTER, TURN, braked, wrap, wrap_around
 from vibro.core.flight import (
     ACCUMULATED,
     Bed,
@@ -239,8 +239,7 @@ def _in_flight(course: Course, now: State) -> Step:
     length = hop.length + landed.length
     path, velocity = free_along(loads, now.phase, now.velocity, length)
     # the impact takes as much speed as friction has impulse for, Eq. (31)
-    left = max(abs(velocity) - loads.kinetic_friction * loads.weight_normal * landed.impulse, 0.0)
-    slowed = -left if velocity < 0.0 else left
+    slowed = braked(velocity, loads.kinetic_friction * loads.weight_normal * landed.impulse)
     end = touch + landed.length
     phase = at_break(loads.waves, end)
     held = course.track.landed_friction
@@ -250,7 +249,7 @@ def _in_flight(course: Course, now: State) -> Step:
     after = State(
         now.cycle + nearest_turn(end - phase), phase, mode, now.position + path, slowed, landed.take_off
     )
-    return Step(length, path, velocity, hop.impact, 1.0 if left > 0.0 else 0.0, after)
+    return Step(length, path, velocity, hop.impact, 1.0 if slowed != 0.0 else 0.0, after)
 
 
 def _flight(course: Course, now: State) -> Flight:

@@ -340,9 +340,9 @@ def mixed(mix: Mix, along: float, normal: float) -> float:
 
     Pieces may keep a body just at the limit of friction, or of contact, for a while: equality holds it.
     """
-    along, normal = mix.along * along, mix.normal * normal
-    value = mix.constant + along + normal
-    return value if abs(value) > FEW_ULP * (abs(mix.constant) + abs(along) + abs(normal)) else 0.0
+    value = mix.constant + mix.along * along + mix.normal * normal
+    # the largest load of pieces is 1, and their mean was taken from all of them
+    return value if abs(value) > FEW_ULP * (abs(mix.constant) + abs(mix.along) + abs(mix.normal)) else 0.0
 
 
 def piece_of(waves: Waves, phase: float) -> int:
