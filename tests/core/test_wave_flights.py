@@ -71,7 +71,7 @@ def _over_harmonics(rng: np.random.Generator, count: int, throw: float) -> Troug
     waves = harmonic_waves(np.zeros(count, complex), drawn_harmonics(rng, count))
     share = throw / largest(waves, LIFT)
     lift = Mix(-1.0, 0.0, share)
-    find_nodes(waves, NORMAL, Mix(1.0, 0.0, -share))
+    find_nodes(waves, NORMAL, Mix(-1.0, 0.0, share))
     return Trough(waves, lift, None, share * coefficients_of(waves, normal=True))
 
 
@@ -79,7 +79,7 @@ def _over_pieces(rng: np.random.Generator, count: int, throw: float) -> Trough:
     breaks, pieces = drawn_pieces(rng, count)
     waves = piecewise_waves(breaks, pieces)
     share = throw / largest(waves, LIFT)
-    find_nodes(waves, NORMAL, Mix(1.0, 0.0, -share))
+    find_nodes(waves, NORMAL, Mix(-1.0, 0.0, share))
     lift = -share * pieces[1]
     lift[:, 0] -= 1.0
     return Trough(waves, Mix(-1.0, 0.0, share), breaks, lift)
@@ -97,7 +97,7 @@ def _drawn(seed: int, count: int, *, pieces: bool = False) -> list[tuple[Trough,
         lift_offs = [
             waves.number[nodes_of(waves, NORMAL) + j]
             for j in range(number_of_nodes(waves, NORMAL))
-            if not behind(waves, NORMAL, j)
+            if behind(waves, NORMAL, j)
         ]
         phase, speed, lifted = lift_offs[i % len(lift_offs)], 0.0, i % 3 == 0
         if i % 3 == 1:
@@ -134,7 +134,7 @@ def test_a_short_flight_lasts_twice_as_long_as_the_trough_falls_away() -> None:
         trough = _over_harmonics(rng, 1 + i % 8, 1.0 + 10.0 ** rng.uniform(-10.0, -8.0))
         waves = trough.waves
         assert number_of_nodes(waves, NORMAL) == 2
-        first = 0 if not behind(waves, NORMAL, 0) else 1
+        first = 0 if behind(waves, NORMAL, 0) else 1
         begin = waves.number[nodes_of(waves, NORMAL) + first]
         upwards = ahead(waves, NORMAL, begin, first + 1)
         length, impact = fly_over_waves(waves, trough.lift, begin, 0.0, True)
@@ -165,7 +165,7 @@ def test_flights_take_few_pieces_however_long_they_are(
         speed = throw * 10.0 ** rng.uniform(-6.0, 1.0) if i % 2 else 0.0
         phase, waves = rng.uniform(0.0, TURN), trough.waves
         if speed == 0.0:
-            first = 0 if not behind(waves, NORMAL, 0) else 1
+            first = 0 if behind(waves, NORMAL, 0) else 1
             phase = waves.number[nodes_of(waves, NORMAL) + first]
         calls = 0
         length, _ = fly_over_waves(waves, trough.lift, phase, speed, speed == 0.0)

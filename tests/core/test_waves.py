@@ -19,7 +19,19 @@ from helpers.waves import (
 )
 
 from vibro.core.elementary import QUARTER, TURN
-from vibro.core.waves import Mix, Waves, depart, load_at, moved, one_harmonic, ride, trough_at
+from vibro.core.waves import (
+    Mix,
+    Waves,
+    at_break,
+    depart,
+    load_at,
+    mixed,
+    moved,
+    one_harmonic,
+    ride,
+    stays_zero,
+    trough_at,
+)
 
 EPS = 2.0**-52
 MP = mpmath.mp.clone()
@@ -172,9 +184,10 @@ def test_a_load_that_jumps_has_the_value_behind_the_jump() -> None:
     pieces[0, :, 0] = -3.0, 1.0
     waves = piecewise_waves(breaks, pieces)
     along = Mix(0.0, 1.0, 0.0)
-    before = QUARTER * (1.0 - EPS)
+    rounded, before = QUARTER * (1.0 - EPS), QUARTER - 1e-11
     for phase, value in ((0.0, 3.0), (before, 3.0), (QUARTER, -1.0), (TURN, 3.0), (-1e-9, -1.0)):
         assert load_at(waves, along, phase) == value
+    assert load_at(waves, along, rounded) == -1.0
     assert waves.steep == 0.0  # B is 0
     pieces[1, :, 0] = -3.0, 1.0
     assert piecewise_waves(breaks, pieces).steep == math.inf
@@ -210,3 +223,39 @@ def test_the_trough_moves_about_its_mean(normal: bool) -> None:
 def test_one_harmonic_has_no_memory() -> None:
     assert one_harmonic().kind == 0
     assert len(one_harmonic().number) == len(one_harmonic().mark) == 0
+
+
+def test_an_event_next_to_a_break_is_at_it() -> None:
+    waves = piecewise_waves(np.array([0.0, 0.25, 1.0]), np.zeros((2, 2, 4)))
+    for s in (-5e-13, -EPS, 0.0, 5e-13):
+        assert at_break(waves, QUARTER + s) == QUARTER
+        assert at_break(waves, 3.0 * TURN + s) == 0.0
+    for phase in (1e-11, QUARTER - 1e-11, QUARTER + 1e-11, TURN - 1e-11):
+        assert at_break(waves, phase) == phase
+    assert at_break(one_harmonic(), -EPS) == TURN - EPS
+
+
+def test_the_loads_at_the_end_of_a_leg_are_those_behind_the_break() -> None:
+    pieces = np.zeros((2, 2, 4))
+    pieces[0, :, 0], pieces[1, :, 0] = (-3.0, 1.0), (-6.0, 2.0)
+    waves = piecewise_waves(np.array([0.0, 0.25, 1.0]), pieces)
+    for s in (-5e-13, -EPS, 0.0, 5e-13):
+        assert ride(waves, 0.5, QUARTER - 0.5 + s)[:2] == (-1.0, -2.0)
+        assert ride(waves, 2.0, TURN - 2.0 + s)[:2] == (3.0, 6.0)
+    assert ride(waves, 0.5, QUARTER - 0.5 - 1e-11)[:2] == (3.0, 6.0)
+
+
+def test_a_mix_that_rounding_decides_is_0() -> None:
+    assert mixed(Mix(-0.3, 0.1, 0.1), 1.0, 2.0) == 0.0  # 0.1 + 0.2 is not 0.3
+    assert mixed(Mix(-0.3, 0.1, 0.1), 1.0, 2.0 + 1e-14) > 0.0
+    assert mixed(Mix(0.0, 1.0, 0.0), -1e-14, 1.0) == -1e-14
+
+
+def test_a_load_stays_at_a_limit_on_pieces_that_press_the_body() -> None:
+    pieces = np.zeros((2, 2, 4))
+    pieces[0, :, 0], pieces[1, :, 0] = (-0.3, 0.1), (-0.2, 0.2 / 3.0)
+    waves = piecewise_waves(np.array([0.0, 0.25, 1.0]), pieces)
+    along = Mix(-0.3, 1.0, 0.0)
+    assert stays_zero(waves, along, Mix(-0.3, 0.0, 1.0))
+    assert not stays_zero(waves, along, Mix(-0.1, 0.0, 1.0))
+    assert not stays_zero(waves, Mix(-0.2, 1.0, 0.0), Mix(-0.3, 0.0, 1.0))

@@ -30,7 +30,7 @@ from vibro.core.flight import (
     tangent_map,
     within,
 )
-from vibro.core.waves import SINE, trough_at
+from vibro.core.waves import SINE, at_break, trough_at
 
 __all__ = [
     "LONGEST_CYCLE", "MOST_BOUNCES", "MOST_FLIGHTS", "Bounces", "Flights", "SingleBounce", "bounces",
@@ -162,7 +162,7 @@ def bounces(
         touch = phase + flown.length
         after = after_landing(bed, touch, flown.impact, restitution, ACCUMULATED)
         length = flown.length + after.length
-        end = wrap(touch + after.length)
+        end = at_break(bed.waves, touch + after.length)
         _write(flights, row, phase, speed, Flight(length, flown.impact), after.impulse, before)
         before, since = before + length, since + length
         short = rested and since <= _SHORT
@@ -275,7 +275,7 @@ def _close(bed: Bed, restitution: float, flights: Flights, last: int, lag: int) 
             a, c = one.phase_phase * a + one.phase_speed * c, one.speed_phase * a + one.speed_speed * c
             b, d = one.phase_phase * b + one.phase_speed * d, one.speed_phase * b + one.speed_speed * d
             elapsed += flown.length
-            phase, speed = wrap(phase + flown.length), after.take_off
+            phase, speed = at_break(bed.waves, phase + flown.length), after.take_off
         late, faster = wrap_around(elapsed), speed - start_speed
         determinant = (1.0 - a) * (1.0 - d) - b * c
         if determinant == 0.0:

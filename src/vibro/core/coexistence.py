@@ -66,7 +66,7 @@ def _flies_otherwise(bed: Bed, restitution: float, period: float, impact: float,
     most = 0
     if bed.waves.kind != SINE:
         for i in range(number_of_nodes(bed.waves, NORMAL)):  # bodies that rest until another lift-off
-            lifts = not behind(bed.waves, NORMAL, i)
+            lifts = behind(bed.waves, NORMAL, i)
             phase = bed.waves.number[nodes_of(bed.waves, NORMAL) + i]
             if lifts and _leads_elsewhere(bed, restitution, phase, 0.0, period, impact, flights):
                 return True

@@ -27,10 +27,9 @@ from vibro.core.waves import (
 )
 
 __all__ = [
-    "Directions", "Loads", "along_cosine", "along_sine", "directions", "ellipse_loads", "ellipse_scale",
-    "free_along", "free_normal",
-    "line_loads", "mirrored", "mix_of", "normal_height", "normal_load", "phase_difference", "tangential_load",
-    "wave_loads", "weight_over_load",
+    "Directions", "Loads", "along_cosine", "along_sine", "beyond_friction", "directions", "ellipse_loads",
+    "ellipse_scale", "free_along", "free_normal", "line_loads", "mirrored", "mix_of", "normal_height",
+    "normal_load", "phase_difference", "tangential_load", "wave_loads", "weight_over_load",
 ]  # fmt: skip
 
 # [1] Range of 1/G in which no product of it overflows or vanishes; the body rests, or leaves, long before.
@@ -177,10 +176,14 @@ def mix_of(loads: Loads, row: int) -> Mix:
     if row == FORCE:
         return Mix(-t, 1.0, 0.0)
     if row == NORMAL:
-        return Mix(n, 0.0, -1.0)
-    way = -1.0 if row % 2 == 1 else 1.0  # backward rows are odd
+        return Mix(-n, 0.0, 1.0)  # -N, as rows are positive where a body is no longer held
     friction = loads.static_friction if row <= STATIC_BACK else loads.kinetic_friction
-    return Mix(-(friction * n + way * t), way, friction)
+    return beyond_friction(loads, friction, -1.0 if row % 2 == 1 else 1.0)  # backward rows are odd
+
+
+def beyond_friction(loads: Loads, friction: float, way: float) -> Mix:
+    """Return the load along the trough, forward (+1.0) or back (-1.0), less friction."""
+    return Mix(-(friction * loads.weight_normal + way * loads.weight_tangential), way, friction)
 
 
 def mirrored(loads: Loads) -> Loads:
@@ -224,7 +227,7 @@ def tangential_load(loads: Loads, phase: float) -> float:
 def normal_load(loads: Loads, phase: float) -> float:
     """N of Eq. (54): load on the trough, negative where it falls away under the body."""
     if loads.waves.kind != SINE:
-        return load_at(loads.waves, mix_of(loads, NORMAL), phase)
+        return -load_at(loads.waves, mix_of(loads, NORMAL), phase)
     return loads.weight_normal - loads.drive_normal * math.sin(phase)
 
 
@@ -246,8 +249,8 @@ def free_normal(loads: Loads, phase: float, velocity: float, s: float) -> Motion
         sine, cosine = math.sin(phase), math.cos(phase)
         return free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, velocity, s)
     mix = mix_of(loads, NORMAL)
-    fallen = moved(waves, mix, phase, depart(waves, mix, phase).load, s)
-    return Motion(velocity * s - fallen.path, velocity - fallen.velocity)
+    flown = moved(waves, mix, phase, depart(waves, mix, phase).load, s)
+    return Motion(velocity * s + flown.path, velocity + flown.velocity)
 
 
 def normal_height(loads: Loads, phase: float) -> float:

@@ -9,7 +9,7 @@ import math
 from typing import Final, NamedTuple
 
 __all__ = [
-    "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Circle", "Motion", "circle",
+    "EPS", "FEW_ULP", "INF", "NAN", "NOISE", "PI", "QUARTER", "TURN", "Circle", "Motion", "braked", "circle",
     "free_motion", "hypotenuse", "positive_part", "rounded_sign", "series_q", "series_r", "sine_gap",
     "until", "wrap", "wrap_around",
 ]  # fmt: skip
@@ -57,6 +57,12 @@ def wrap_around(phase: float) -> float:
 def positive_part(value: float) -> float:
     """Return the value where it is positive, else 0; 0 for NaN."""
     return value if value > 0.0 else 0.0
+
+
+def braked(velocity: float, loss: float) -> float:
+    """Take a loss of speed from a velocity: 0, with its sign, where no more than rounding is left."""
+    left = abs(velocity) - loss
+    return math.copysign(left if left > NOISE * loss else 0.0, velocity)
 
 
 def hypotenuse(x: float, y: float) -> float:

@@ -24,10 +24,20 @@ from vibro.core.elementary import (
     sine_gap,
     until,
     wrap,
-    wrap_around,
 )
 from vibro.core.wave_flights import fly_over_waves
-from vibro.core.waves import NORMAL, PIECES, SINE, Mix, Waves, depart, load_at, moved, one_harmonic
+from vibro.core.waves import (
+    NORMAL,
+    PIECES,
+    SINE,
+    Mix,
+    Waves,
+    at_break,
+    depart,
+    load_at,
+    moved,
+    one_harmonic,
+)
 
 __all__ = [
     "ACCUMULATED", "BOUNCE", "LOST", "SHARP", "Bed", "Covariance", "Flight", "Impact", "TangentMap",
@@ -51,8 +61,6 @@ _SETTLED: Final = 1e-8  # [1] a last Newton step below this fraction of the leng
 # [1] Newton's iteration from the far end of a turn needs many steps to the landing of a short bounce, which
 # lasts 2 v / N. Start it this much of v / N after the take-off, if that is after the landing: half the steps.
 _SHORT_BOUNCE: Final = 2.2
-
-_AT_JUMP: Final = 1e-12  # [rad] between a jump of the load and a landing, whose rounding it covers
 
 # [A w n] A grazing landing multiplies errors by a factor without bound: no impact counts as slower than this,
 # which is far below those of the shortest flights at K = 1 + 1e-15.
@@ -92,7 +100,7 @@ def bed_of(loads: Loads) -> Bed:
         # to the last bit the lift-off of ``track_of``, by which flights from rest are known
         return sinusoidal(throw)._replace(lift_off=math.asin(loads.weight_normal / loads.drive_normal))
     lift = Mix(-1.0, 0.0, 1.0 / loads.weight_normal)
-    return Bed(throw, next_event(loads.waves, NORMAL, False, 0.0).phase, lift, loads.waves)
+    return Bed(throw, next_event(loads.waves, NORMAL, True, 0.0).phase, lift, loads.waves)
 
 
 def no_bed(loads: Loads) -> Bed:
@@ -110,7 +118,7 @@ def bed_load(bed: Bed, phase: float) -> float:
 def next_take_off(bed: Bed, phase: float) -> Event:
     """Return where the trough next falls away under a body that rests on it."""
     if bed.waves.kind != SINE:
-        return next_event(bed.waves, NORMAL, False, phase)
+        return next_event(bed.waves, NORMAL, True, phase)
     return Event(bed.lift_off, until(bed.lift_off, phase))
 
 
@@ -300,9 +308,7 @@ def lands_at_jump(bed: Bed, phase: float) -> bool:
 
     It comes to contact there and leaves at once, from the jump itself: rounding may not choose another start.
     """
-    if bed.waves.kind != PIECES:
-        return False
-    return abs(wrap_around(phase - next_take_off(bed, phase).phase)) <= _AT_JUMP
+    return bed.waves.kind == PIECES and next_take_off(bed, phase).phase == at_break(bed.waves, phase)
 
 
 def _lasts(bed: Bed, phase: float, load: float, length: float) -> bool:
@@ -394,6 +400,8 @@ def propagate(
     errors : Covariance
         Of the take-off.
     """
+    if bed.waves.kind == PIECES and flown.impact == 0.0:
+        return Covariance(0.0, 0.0, 0.0)  # it lands without speed at a jump of the load
     a, b, c, d = tangent_map(bed, restitution, phase, flown)
     s, climb = flown.length, bed.throw * min(flown.length, 1.0)
     impact = max(flown.impact, _GRAZING)

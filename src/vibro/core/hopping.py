@@ -21,6 +21,7 @@ from vibro.core.return_map import Hops, release, return_map, with_same_ground_sp
 from vibro.core.spelling import spell
 from vibro.core.wave_cycle import canonical
 from vibro.core.waves import SINE
+from vibro.core.windows import is_held_at_limit
 
 __all__ = ["MOST_THROW", "Entry", "Hopping", "enter", "hopping", "write_hopping_letters"]
 
@@ -110,6 +111,8 @@ def hopping(loads: Loads, restitution: float, flights: Flights, hops: Hops) -> H
         if out.status == Status.UNRESOLVED:
             length = _SHORT_SAMPLE if stage == 0 else (_MIDDLE_SAMPLE if stage == 1 else _LONG_SAMPLE)
             out = _means(track, restitution, length, stage == 2, flights, hops)
+    if out.status == Status.OK and is_held_at_limit(loads):
+        out = out._replace(status=int(Status.BOUNDARY))
     if out.status <= Status.BOUNDARY or out.status == Status.AVERAGED:
         return out._replace(coexists=1 if slope > loads.kinetic_friction * weight else -1)
     return out

@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.cells import Event, find_nodes, forget_nodes, next_event
 from vibro.core.codes import Mode
-from vibro.core.drives import Loads, mix_of, normal_load, tangential_load
+from vibro.core.drives import Loads, along_sine, beyond_friction, mix_of
 from vibro.core.elementary import INF, NAN, PI, QUARTER, TURN, free_motion, until, wrap, wrap_around
 from vibro.core.wave_slides import slide_over_waves
 from vibro.core.waves import (
@@ -27,6 +27,8 @@ from vibro.core.waves import (
     SINE,
     STATIC_BACK,
     STATIC_FORWARD,
+    Ride,
+    mixed,
     ride,
 )
 from vibro.core.windows import load_amplitude, own_phase
@@ -140,7 +142,7 @@ def _track_over_waves(loads: Loads, restitution: float) -> Track:
     if loads.drive_normal > loads.weight_normal:
         find_nodes(loads.waves, NORMAL, mix_of(loads, NORMAL))
         find_nodes(loads.waves, FORCE, mix_of(loads, FORCE))
-        lift_off = next_event(loads.waves, NORMAL, False, 0.0).phase
+        lift_off = next_event(loads.waves, NORMAL, True, 0.0).phase
     forward = next_event(loads.waves, STATIC_FORWARD, True, 0.0).phase
     back = next_event(loads.waves, STATIC_BACK, True, 0.0).phase
     none = Forcing(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -161,7 +163,7 @@ def next_onset(track: Track, way: float, phase: float) -> Event:
 def next_lift_off(track: Track, phase: float) -> Event:
     """Return where the trough next falls away under a body that rests on it."""
     if track.loads.waves.kind != SINE and track.lift_off < INF:
-        return next_event(track.loads.waves, NORMAL, False, phase)
+        return next_event(track.loads.waves, NORMAL, True, phase)
     return Event(track.lift_off, until(track.lift_off, phase) if track.lift_off < INF else INF)
 
 
@@ -307,12 +309,26 @@ def mode_of(loads: Loads, phase: float, velocity: float, friction: float) -> int
     """
     way = velocity
     if velocity == 0.0:
-        load = tangential_load(loads, phase)
-        if abs(load) > friction * normal_load(loads, phase):
-            way = load
+        at = _ride(loads, phase)
+        force = math.copysign(1.0, at.along - loads.weight_tangential)
+        if _slips(loads, at, friction, force):
+            way = force
     if way == 0.0:
         return Mode.REST
     return Mode.FORWARD if way > 0.0 else Mode.BACK
+
+
+def _slips(loads: Loads, at: Ride, friction: float, way: float) -> bool:
+    """Return whether a body that stands slips in a direction; one that the trough does not press is free."""
+    return mixed(beyond_friction(loads, friction, way), at.along, min(at.normal, loads.weight_normal)) > 0.0
+
+
+def _ride(loads: Loads, phase: float) -> Ride:
+    """Evaluate the inertial loads at a phase; of one harmonic without the velocity."""
+    if loads.waves.kind != SINE:
+        return ride(loads.waves, phase, 0.0)
+    along = loads.drive_tangential * along_sine(loads, phase)
+    return Ride(along, loads.drive_normal * math.sin(phase), NAN)
 
 
 class Leg(NamedTuple):
@@ -386,9 +402,7 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
             return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
         before, then = ride(loads.waves, phase, 0.0), ride(loads.waves, phase, slid.length)
         pressed = loads.weight_normal * slid.length + (then.velocity - before.velocity)
-        normal = max(loads.weight_normal - then.normal, 0.0)
-        against = way * (loads.weight_tangential - then.along)
-        return _left(loads, found, way, slid.path, pressed, normal, against)
+        return _left(loads, found, way, slid.path, pressed, then)
     end = slide_from_speed(at, phase, speed, limit)
     if end.length == INF:
         return Leg(INF, NAN, NAN, same, NAN, 1.0, NAN, True)
@@ -401,25 +415,21 @@ def _slide(loads: Loads, at: Forcing, way: float, phase: float, speed: float, li
     path = free_motion(at.amplitude, at.drag, own_sine, own_cosine, speed, end.length).path
     # the impulse of the trough takes the normal speed that the body would have in flight
     impulse = -free_motion(loads.drive_normal, loads.weight_normal, sine, cosine, 0.0, end.length).velocity
-    normal, against = 0.0, 0.0
-    if end.stopped:
-        normal = max(normal_load(loads, phase + end.length), 0.0)
-        against = -way * tangential_load(loads, phase + end.length)
-    return _left(loads, end, way, path, impulse, normal, against)
+    then = _ride(loads, phase + end.length) if end.stopped else Ride(NAN, NAN, NAN)
+    return _left(loads, end, way, path, impulse, then)
 
 
-def _left(
-    loads: Loads, end: SlideEnd, way: float, path: float, impulse: float, normal: float, against: float
-) -> Leg:
+def _left(loads: Loads, end: SlideEnd, way: float, path: float, impulse: float, then: Ride) -> Leg:
     """Tell what follows a slide of a path, under a normal impulse: both without their signs.
 
-    ``normal`` and ``against`` are the load on the trough at its end, and that along it against the slide.
+    ``then`` are the inertial loads at its end, of which only one that stops takes notice.
     """
     next_mode, gain = Mode.FORWARD if way > 0.0 else Mode.BACK, 1.0
     if end.stopped:
-        friction = loads.kinetic_friction * normal
         next_mode, gain = Mode.REST, 0.0
-        if against > loads.static_friction * normal:
+        if _slips(loads, then, loads.static_friction, -way):
+            friction = loads.kinetic_friction * max(loads.weight_normal - then.normal, 0.0)
+            against = way * (loads.weight_tangential - then.along)
             next_mode = Mode.BACK if way > 0.0 else Mode.FORWARD
             gain = (against - friction) / (against + friction)
     return Leg(end.length, way * end.speed, way * path, next_mode, way * impulse, gain, end.top, end.settled)

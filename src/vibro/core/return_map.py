@@ -16,12 +16,13 @@ from vibro.core.buffers import Doubles
 from vibro.core.cells import number_of_nodes
 from vibro.core.codes import MOST_LETTERS, Mode
 from vibro.core.drives import Loads, along_cosine, mix_of, normal_load, phase_difference
-from vibro.core.elementary import PI, TURN, free_motion, wrap
+from vibro.core.elementary import PI, TURN, braked, free_motion, wrap
 from vibro.core.flight import BOUNCE
 from vibro.core.legs import Track, contact_leg, mode_of, next_lift_off
 from vibro.core.waves import (
     FORCE,
     SINE,
+    at_break,
     depart,
     moved,
     nodes_of,
@@ -234,8 +235,7 @@ def return_map(
 
 def landed(hops: Hops, row: int, velocity: float) -> float:
     """Return the velocity after a flight and its impact; one that the impact stops keeps its sign."""
-    v = velocity + hops.gain[row]
-    return math.copysign(max(abs(v) - hops.brake[row], 0.0), v)
+    return braked(velocity + hops.gain[row], hops.brake[row])
 
 
 def _contact(track: Track, out: Return, landing: float, rest: float, friction: float) -> Return:
@@ -256,7 +256,7 @@ def _contact(track: Track, out: Return, landing: float, rest: float, friction: f
         )
         if not leg.length < left - CLOSE:
             return out
-        phase, left, mode = wrap(phase + leg.length), left - leg.length, leg.next_mode
+        phase, left, mode = at_break(track.loads.waves, phase + leg.length), left - leg.length, leg.next_mode
     return out._replace(settled=False)
 
 

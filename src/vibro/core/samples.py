@@ -11,9 +11,9 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.drives import Loads, along_cosine
-from vibro.core.elementary import wrap
 from vibro.core.flight import BOUNCE, after_landing, bed_of, flight, next_take_off
 from vibro.core.return_map import Hops, write_hop
+from vibro.core.waves import at_break
 
 __all__ = ["BODIES", "ROWS", "Sample", "fly", "kick"]
 
@@ -100,7 +100,7 @@ def fly(loads: Loads, restitution: float, body: int, length: int, hops: Hops, ro
         flown = flight(bed, phase, speed)
         touch = phase + flown.length
         after = after_landing(bed, touch, flown.impact, restitution, _ACCUMULATED)
-        hop, landing = flown.length + after.length, wrap(touch + after.length)
+        hop, landing = flown.length + after.length, at_break(bed.waves, touch + after.length)
         again = next_take_off(bed, landing)
         rest = again.wait if after.contact else 0.0
         write_hop(loads, phase, hop, after.impulse, hops, last - 1)

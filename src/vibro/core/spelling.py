@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 from vibro.core.buffers import Bytes
 from vibro.core.codes import Mode
-from vibro.core.elementary import wrap
 from vibro.core.legs import contact_leg, mode_of
 from vibro.core.orbits import HoppingCycle
 from vibro.core.return_map import CLOSE, MOST_LEGS, Hops, is_chained, landed
+from vibro.core.waves import at_break
 
 __all__ = ["Spelt", "no_letters", "spell"]
 
@@ -92,7 +92,7 @@ def _with_contact(
         spelt = _with_leg(spelt, mode, leg.velocity, out, room)
         if not leg.length < left - CLOSE:
             break
-        phase, left, mode = wrap(phase + leg.length), left - leg.length, leg.next_mode
+        phase, left, mode = at_break(track.loads.waves, phase + leg.length), left - leg.length, leg.next_mode
     return spelt
 
 

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 from vibro.core.codes import Mode
 from vibro.core.drives import Loads, free_along, phase_difference
-from vibro.core.elementary import INF, NAN, QUARTER, TURN, wrap, wrap_around
+from vibro.core.elementary import INF, NAN, QUARTER, TURN, braked, wrap, wrap_around
 from vibro.core.flight import (
     ACCUMULATED,
     Bed,
@@ -29,7 +29,7 @@ from vibro.core.flight import (
 )
 from vibro.core.legs import Leg, Track, contact_leg, mode_of, next_lift_off, next_onset, track_of
 from vibro.core.slide import Onset, slide, start_inside
-from vibro.core.waves import SINE
+from vibro.core.waves import SINE, at_break
 from vibro.core.windows import Start, own_phase, resting_start, thresholds
 
 __all__ = ["Course", "State", "Step", "course_of", "nearest_turn", "starting", "step"]
@@ -167,7 +167,7 @@ def starting(course: Course, phase: float, velocity: float) -> State:
     Where the trough cannot bear it, N < 0, it leaves at once.
     """
     loads = course.track.loads
-    phase = wrap(phase + phase_difference(loads))
+    phase = at_break(loads.waves, phase + phase_difference(loads))
     mode = mode_of(loads, phase, velocity, loads.static_friction)
     if math.isfinite(course.track.lift_off) and bed_load(course.bed, phase) < 0.0:
         mode = Mode.FLIGHT
@@ -192,8 +192,7 @@ def _in_contact(course: Course, now: State) -> Step:
     track = course.track
     hops = math.isfinite(track.lift_off)
     leaving = next_lift_off(track, now.phase)
-    # a slide may begin at the lift-off itself: then it lasts until the next one
-    limit = wrap(leaving.phase - now.phase) if hops else INF
+    limit = leaving.wait if hops else INF
     leg = _sharpened(course, now, contact_leg(track, now.mode, now.phase, now.velocity, limit))
     position = now.position + leg.displacement
     if not math.isfinite(leg.length):
@@ -202,16 +201,13 @@ def _in_contact(course: Course, now: State) -> Step:
     leaves = hops and leg.length >= limit
     mode = Mode.FLIGHT if leaves else leg.next_mode
     end = now.phase + leg.length
-    turns = math.floor(end / TURN)
-    cycle, phase = now.cycle + int(turns), end - TURN * turns
     # a rest ends at the onset itself, a contact at the lift-off itself
-    exact = phase
+    phase = at_break(track.loads.waves, end)
     if leaves:
-        exact = leaving.phase
+        phase = leaving.phase
     elif now.mode == Mode.REST:
-        exact = next_onset(track, 1.0 if mode == Mode.FORWARD else -1.0, now.phase).phase
-    cycle += nearest_turn(phase - exact)
-    after = State(cycle, exact, mode, position, leg.velocity, 0.0)
+        phase = next_onset(track, 1.0 if mode == Mode.FORWARD else -1.0, now.phase).phase
+    after = State(now.cycle + nearest_turn(end - phase), phase, mode, position, leg.velocity, 0.0)
     return Step(leg.length, leg.displacement, leg.velocity, 0.0, leg.gain, after)
 
 
@@ -243,17 +239,17 @@ def _in_flight(course: Course, now: State) -> Step:
     length = hop.length + landed.length
     path, velocity = free_along(loads, now.phase, now.velocity, length)
     # the impact takes as much speed as friction has impulse for, Eq. (31)
-    left = max(abs(velocity) - loads.kinetic_friction * loads.weight_normal * landed.impulse, 0.0)
-    slowed = -left if velocity < 0.0 else left
+    slowed = braked(velocity, loads.kinetic_friction * loads.weight_normal * landed.impulse)
     end = touch + landed.length
-    turns = math.floor(end / TURN)
-    phase = end - TURN * turns
+    phase = at_break(loads.waves, end)
     held = course.track.landed_friction
     mode = mode_of(loads, phase, slowed, held) if landed.contact else Mode.FLIGHT
     if landed.contact and lands_at_jump(course.bed, phase):
-        mode, phase = Mode.FLIGHT, next_take_off(course.bed, phase).phase
-    after = State(now.cycle + int(turns), phase, mode, now.position + path, slowed, landed.take_off)
-    return Step(length, path, velocity, hop.impact, 1.0 if left > 0.0 else 0.0, after)
+        mode = Mode.FLIGHT
+    after = State(
+        now.cycle + nearest_turn(end - phase), phase, mode, now.position + path, slowed, landed.take_off
+    )
+    return Step(length, path, velocity, hop.impact, 1.0 if slowed != 0.0 else 0.0, after)
 
 
 def _flight(course: Course, now: State) -> Flight:

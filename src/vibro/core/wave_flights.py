@@ -12,9 +12,9 @@ import math
 from typing import Final
 
 from vibro.core.cells import behind, number_of_nodes
-from vibro.core.elementary import INF, NAN, TURN, wrap
+from vibro.core.elementary import FEW_ULP, INF, NAN, TURN, wrap
 from vibro.core.wave_slides import Crossing, Fall, Left, ahead, crossing, first_ahead, left_after
-from vibro.core.waves import HARMONICS, NORMAL, Mix, Moved, Waves, depart, trough_at
+from vibro.core.waves import HARMONICS, NORMAL, PIECES, Mix, Moved, Waves, depart, trough_at
 
 __all__ = ["fly_over_waves"]
 
@@ -45,7 +45,7 @@ def fly_over_waves(waves: Waves, lift: Mix, phase: float, speed: float, lifted: 
     low = Left(0.0, 0.0, speed, load)
     for _ in range(_MOST_PIECES):
         far = ahead(waves, NORMAL, phase, index)
-        concave = not behind(waves, NORMAL, index % count)
+        concave = behind(waves, NORMAL, index % count)
         rises_away = low.phase < up <= far
         if rises_away:
             far = up
@@ -95,8 +95,12 @@ def _over_crest(fall: Fall, low: Left, high: Left) -> Crossing:
 def _through_hollow(fall: Fall, low: Left, high: Left) -> Crossing:
     """Return the landing in a convex piece that begins downwards; NaN if there is none.
 
-    Tangents at both ends bound the height from below.
+    Tangents at both ends bound the height from below. Where the load jumps, a body may land without speed as
+    the trough ceases to fall away: rounding would make it miss the jump by the root of an ulp.
     """
+    noise = FEW_ULP * (1.0 + fall.mix.normal) * (1.0 + high.phase * high.phase)
+    if fall.waves.kind == PIECES and max(abs(high.value), abs(high.rate)) <= noise:
+        return Crossing(high.phase, Moved(0.0, -fall.rate, -fall.rate * high.phase, 0.0))
     if high.value > 0.0:
         if high.rate <= 0.0:
             return _none()

@@ -12,11 +12,12 @@ from typing import Final, NamedTuple
 
 from vibro.core.cells import behind, find_nodes, number_of_nodes
 from vibro.core.drives import Loads, mix_of
-from vibro.core.elementary import EPS, INF, NAN, TURN, wrap
+from vibro.core.elementary import EPS, INF, NAN, NOISE, TURN, wrap
 from vibro.core.waves import (
     HARMONICS,
     KINETIC_BACK,
     KINETIC_FORWARD,
+    PIECES,
     Mix,
     Moved,
     Waves,
@@ -89,6 +90,11 @@ def _left(fall: Fall, s: float, now: Moved) -> Left:
     return Left(s, fall.value + now.velocity, now.load, now.slope)
 
 
+def _noise(waves: Waves) -> float:
+    """Return the speed, or height, that rounding may leave of none: pieces may keep a body there."""
+    return NOISE if waves.kind == PIECES else 0.0
+
+
 class Crossing(NamedTuple):
     """Where nothing is left, and what the load has done until then."""
 
@@ -103,21 +109,24 @@ def crossing(fall: Fall, low: Left, high: Left) -> Crossing:
     ends; halving where it converges slowly, next to a double zero.
     """
     begin, end, fell = low.phase, high.phase, low.value - high.value
-    lost = min(max(low.value / fell, 0.0), 1.0) if fell != 0.0 else 0.0
+    lost = min(max(low.value / fell, 0.0), 1.0) if fell != 0.0 else 0.5
+    if lost == 1.0:  # at the end the load may have jumped, and nothing be left long before
+        lost = 0.5
     x = begin + (end - begin) * (0.5 - math.sin(math.asin(1.0 - 2.0 * lost) / 3.0))
     before, least, most = end - begin, begin, end
     now = fallen(fall, x)
     for _ in range(_STEPS):
         here = _left(fall, x, now)
-        if (here.value > 0.0) == (fell > 0.0):
-            least = x
-        else:
+        # pieces may leave nothing for a while: then find where that begins
+        if (here.value > 0.0) != (fell > 0.0) or (here.rate == 0.0 and abs(here.value) <= _noise(fall.waves)):
             most = x
+        else:
+            least = x
         step = -here.value / here.rate if here.rate != 0.0 else INF
         bend = -0.5 * step * here.bend
         if abs(bend) < _MOST_BEND * abs(here.rate):
             step *= here.rate / (here.rate - bend)
-        inside = here.value == 0.0 or (least <= x + step <= most and abs(step) < 0.5 * before)
+        inside = least <= x + step <= most and abs(step) < 0.5 * before
         if not inside:
             step = 0.5 * (least + most) - x
         before = abs(step)
@@ -199,19 +208,19 @@ def slide_over_waves(loads: Loads, way: float, phase: float, speed: float, limit
     if speed == 0.0 and rises:
         # rounding has put the onset in front of the phase from which the load exceeds friction
         index, rises = index + 1, False
-    drop = -TURN * mix.constant
+    drop, noise = -TURN * mix.constant, _noise(waves)
     low, top, least, minima = Left(0.0, speed, start.load, 0.0), speed, INF, 0
     while True:
         far = ahead(waves, row, phase, index)
         if far >= limit:
             then = fallen(fall, limit)
             high = _left(fall, limit, then)
-            if not (high.value <= 0.0 and rises):
+            if not (high.value <= noise and rises):
                 end = max(high.value, 0.0)
                 return WaveSlide(limit, False, end, max(top, high.value), speed * limit + then.path)
         else:
             high = _at_node(fall, row, index, far, start.integral)
-        if high.value <= 0.0 and rises:
+        if high.value <= noise and rises:
             return _stopped(fall, crossing(fall, low, high), top)
         top = max(top, high.value)
         if rises:

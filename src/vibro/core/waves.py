@@ -11,14 +11,15 @@ import math
 from typing import Final, NamedTuple
 
 from vibro.core.buffers import Doubles, Integers
-from vibro.core.elementary import INF, QUARTER, TURN, circle, wrap
+from vibro.core.elementary import FEW_ULP, INF, QUARTER, TURN, circle, wrap
 
 __all__ = [
     "CELLS", "FORCE", "HARMONICS", "KINETIC_BACK", "KINETIC_FORWARD", "NORMAL", "PIECES", "ROOM", "ROWS",
     "SINE", "STATIC_BACK", "STATIC_FORWARD", "Bounds", "Curve", "Departure", "Mix", "Moved", "Ride", "Value",
-    "Waves", "at_cell_begin", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart", "integrals_of",
-    "load_at", "moved", "nodes_of", "one_harmonic", "part_of", "piece_of", "prepare_cells", "prepare_pieces",
-    "read_harmonic", "ride", "tabulate", "trough_at", "value_at_cell_begin", "value_in_cell", "with_bounds",
+    "Waves", "at_break", "at_cell_begin", "cell_begin", "cells_of", "combine", "curve_in_cell", "depart",
+    "integrals_of", "load_at", "mixed", "moved", "nodes_of", "one_harmonic", "part_of", "prepare_cells",
+    "prepare_pieces", "read_harmonic", "ride", "stays_zero", "tabulate", "trough_at", "value_at_cell_begin",
+    "value_in_cell", "with_bounds",
 ]  # fmt: skip
 
 #: [kind] One harmonic, for which there are closed forms; several; pieces of cubic polynomials.
@@ -26,7 +27,7 @@ SINE: Final = 0
 HARMONICS: Final = 2
 PIECES: Final = 3
 
-#: [row] Zeros are kept of the load along the trough, of that on it, and of what exceeds friction.
+#: [row] Zeros are kept of the load along the trough, of that off it, and of what exceeds friction.
 FORCE: Final = 0
 NORMAL: Final = 1
 STATIC_FORWARD: Final = 2
@@ -50,6 +51,9 @@ _CELLS: Final = 12  # [part] S, its slope, B and its slope where cells of harmon
 _MOST_VELOCITY: Final = QUARTER
 _MOST_POSITION: Final = 0.5 * QUARTER * QUARTER
 
+
+# [rad] Phases of events are rounded, and loads jump at breaks: an event this close to a break is at it.
+_AT_BREAK: Final = 1e-12
 
 _NO_NUMBERS: Doubles = memoryview(b"").cast("d")
 _NO_MARKS: Integers = memoryview(b"").cast("q")
@@ -330,6 +334,16 @@ def _steepest(waves: Waves) -> float:
 # ----------------------------------------------------------------------------------------------- evaluation
 
 
+def mixed(mix: Mix, along: float, normal: float) -> float:
+    """Mix the loads S and B; 0 where rounding would choose the sign.
+
+    Pieces may keep a body just at the limit of friction, or of contact, for a while: equality holds it.
+    """
+    value = mix.constant + mix.along * along + mix.normal * normal
+    # the largest load of pieces is 1, and their mean was taken from all of them
+    return value if abs(value) > FEW_ULP * (abs(mix.constant) + abs(mix.along) + abs(mix.normal)) else 0.0
+
+
 def piece_of(waves: Waves, phase: float) -> int:
     """Find the piece that a phase in [0, 2 pi] lies in; the one that begins there, at an end."""
     low, high, table = 0, waves.size, _table(waves)
@@ -342,13 +356,30 @@ def piece_of(waves: Waves, phase: float) -> int:
     return low
 
 
+def _place_of(waves: Waves, phase: float) -> tuple[int, float]:
+    """Return the piece that an event lies in, and how far; but for rounding it is not just before a break."""
+    p, table = wrap(phase), _table(waves)
+    j = piece_of(waves, p)
+    left = waves.number[table + j + 1] - p
+    if left <= _AT_BREAK:
+        return (j + 1) % waves.size, -left
+    return j, p - waves.number[table + j]
+
+
+def at_break(waves: Waves, phase: float) -> float:
+    """Reduce the phase of an event to [0, 2 pi); to that of a break, if it is there but for rounding."""
+    if waves.kind != PIECES:
+        return wrap(phase)
+    j, offset = _place_of(waves, phase)
+    return waves.number[_table(waves) + j] if abs(offset) <= _AT_BREAK else wrap(phase)
+
+
 def load_at(waves: Waves, mix: Mix, phase: float) -> float:
     """Evaluate a mix at a phase; where it jumps, just behind."""
     number = waves.number
     if waves.kind == PIECES:
-        p = wrap(phase)
-        j = piece_of(waves, p)
-        return _mixed_piece(waves, mix, j, p - number[_table(waves) + j]).load
+        j, offset = _place_of(waves, phase)
+        return _mixed_piece(waves, mix, j, offset).load
     h = waves.size
     first_sine, first_cosine = circle(phase)
     sine, cosine, value = first_sine, first_cosine, mix.constant
@@ -364,7 +395,7 @@ def _mixed_piece(waves: Waves, mix: Mix, j: int, offset: float) -> Moved:
     """Evaluate a mix within a piece, and integrate it from the piece's start."""
     number, one, two = waves.number, 4 * j, 4 * (waves.size + j)
     return _polynomial(
-        mix.constant + mix.along * number[one] + mix.normal * number[two],
+        mixed(mix, number[one], number[two]),
         mix.along * number[one + 1] + mix.normal * number[two + 1],
         mix.along * number[one + 2] + mix.normal * number[two + 2],
         mix.along * number[one + 3] + mix.normal * number[two + 3],
@@ -461,7 +492,9 @@ def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: fl
     if s < left:
         return _polynomial(value, a1, a2, a3, s)
     own, rest, begin = _polynomial(value, a1, a2, a3, left), s - left, (j + 1) % count
-    end, beyond = _reached(waves, j, rest)
+    reached = _beyond(waves, j, rest)
+    end = piece_of(waves, reached)
+    beyond = reached - number[table + end]
     velocity, path = own.velocity + mix.constant * rest, own.path + own.velocity * rest
     path += 0.5 * mix.constant * rest * rest
     for direction in range(2):
@@ -471,19 +504,17 @@ def _moved_over_pieces(waves: Waves, mix: Mix, phase: float, value: float, s: fl
             gain = _over_piece(waves, 4 * (direction * count + end), beyond)
             before = number[sums + begin]
             velocity += share * (number[sums + end] + gain.velocity - before)
-            reached = number[sums + count + end] + number[sums + end] * beyond + gain.path
-            path += share * (reached - number[sums + count + begin] - before * rest)
+            height = number[sums + count + end] + number[sums + end] * beyond + gain.path
+            path += share * (height - number[sums + count + begin] - before * rest)
     now = _mixed_piece(waves, mix, end, beyond)
     return Moved(now.load, velocity, path, now.slope)
 
 
-def _reached(waves: Waves, j: int, rest: float) -> tuple[int, float]:
-    """Return the piece that a phase ``rest`` beyond the end of piece j lies in, and how far."""
-    table, begin = _table(waves), (j + 1) % waves.size
-    r = rest + (waves.number[table + begin] if begin > 0 else 0.0)
-    r -= TURN * math.floor(r / TURN)
-    end = piece_of(waves, r)
-    return end, r - waves.number[table + end]
+def _beyond(waves: Waves, j: int, rest: float) -> float:
+    """Return the phase ``rest`` beyond the end of piece j, in [0, 2 pi)."""
+    begin = (j + 1) % waves.size
+    r = rest + (waves.number[_table(waves) + begin] if begin > 0 else 0.0)
+    return r - TURN * math.floor(r / TURN)
 
 
 def ride(waves: Waves, phase: float, s: float) -> Ride:
@@ -493,8 +524,8 @@ def ride(waves: Waves, phase: float, s: float) -> Ride:
         p = wrap(phase)
         j = piece_of(waves, p)
         left, offset = number[_table(waves) + j + 1] - p, p - number[_table(waves) + j] + s
-        if s >= left:
-            j, offset = _reached(waves, j, s - left)
+        if s >= left - _AT_BREAK:
+            j, offset = _place_of(waves, _beyond(waves, j, s - left))
         along, normal = _over_piece(waves, 4 * j, offset), _over_piece(waves, 4 * (size + j), offset)
         before = number[_table(waves) + 3 * size + 1 + j]
         return Ride(along.load, normal.load, -(before + normal.velocity))
@@ -541,7 +572,7 @@ def combine(waves: Waves, mix: Mix) -> Bounds:
         number[_WAVE * part + i] = mix.along * number[i] + mix.normal * number[part + i]
     if waves.kind == PIECES:
         for j in range(waves.size):
-            number[_WAVE * part + 4 * j] += mix.constant
+            number[_WAVE * part + 4 * j] = mixed(mix, number[4 * j], number[part + 4 * j])
         return Bounds(0.0, INF, INF, 0.0)
     h, bound, slope, bend, fourth = waves.size, abs(mix.constant), 0.0, 0.0, 0.0
     for k in range(h):
@@ -552,6 +583,18 @@ def combine(waves: Waves, mix: Mix) -> Bounds:
         bend += order * order * size
         fourth += order * order * order * order * size
     return Bounds(bound, slope, bend, fourth)
+
+
+def stays_zero(waves: Waves, mix: Mix, lift: Mix) -> bool:
+    """Return whether a mix is 0, but for rounding, throughout a piece at whose start the lift is negative."""
+    number, part = waves.number, part_of(waves)
+    combine(waves, mix)
+    for j in range(waves.size):
+        c, pressed = _WAVE * part + 4 * j, mixed(lift, number[4 * j], number[part + 4 * j]) < 0.0
+        flat = number[c + 1] == 0.0 and number[c + 2] == 0.0 and number[c + 3] == 0.0
+        if pressed and flat and number[c] == 0.0:
+            return True
+    return False
 
 
 def cells_of(waves: Waves) -> int:

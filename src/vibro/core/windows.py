@@ -14,11 +14,11 @@ from vibro.core.cells import find_nodes, largest, number_of_nodes
 from vibro.core.drives import Loads, mix_of
 from vibro.core.elementary import FEW_ULP, NOISE, PI, hypotenuse, rounded_sign
 from vibro.core.slide import Onset
-from vibro.core.waves import NORMAL, SINE, Mix
+from vibro.core.waves import NORMAL, PIECES, SINE, STATIC_BACK, STATIC_FORWARD, Mix, stays_zero
 
 __all__ = [
-    "Start", "Thresholds", "cosine_lead", "load_amplitude", "outlasts", "own_phase", "phase_offset",
-    "reaches", "resting_start", "speed_at_close", "thresholds", "thresholds_of",
+    "Start", "Thresholds", "cosine_lead", "is_held_at_limit", "load_amplitude", "outlasts", "own_phase",
+    "phase_offset", "reaches", "resting_start", "speed_at_close", "thresholds", "thresholds_of",
 ]  # fmt: skip
 
 # [1] The least double keeps quotients of a drive without load from being 0 / 0.
@@ -82,11 +82,21 @@ def _over_waves(loads: Loads) -> Thresholds:
     ahead = largest(loads.waves, Mix(0.0, 1.0, friction))
     behind = largest(loads.waves, Mix(0.0, -1.0, friction))
     at = thresholds_of(loads, ahead, behind)
+    if is_held_at_limit(loads):
+        at = at._replace(edge=True)
     if at.hops:
         find_nodes(loads.waves, NORMAL, mix_of(loads, NORMAL))
         if number_of_nodes(loads.waves, NORMAL) == 0:
             return at._replace(hops=False, edge=True)
     return at
+
+
+def is_held_at_limit(loads: Loads) -> bool:
+    """Return whether a piece keeps the load at static friction, above kinetic: rounding lets a body slip."""
+    if loads.waves.kind != PIECES or loads.kinetic_friction == loads.static_friction:
+        return False
+    forward, back, lift = mix_of(loads, STATIC_FORWARD), mix_of(loads, STATIC_BACK), mix_of(loads, NORMAL)
+    return stays_zero(loads.waves, forward, lift) or stays_zero(loads.waves, back, lift)
 
 
 def thresholds_of(loads: Loads, ahead: float, behind: float) -> Thresholds:
