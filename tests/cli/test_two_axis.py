@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.commands import ELLIPSE, FRICTION, NUT, SLIP_STICK, Run, rows_of
+from helpers.commands import ELLIPSE, FRICTION, NUT, Run, rows_of
 
 import vibro
 
@@ -197,8 +197,6 @@ HARMONIC = (
          "[scene] gives amplitude, drive angle: a drive along a line has no phase", ""),
         (("solve", "ellipse.toml", "-A", "1"),
          "the command line gives amplitude and [scene] gives along amplitude, normal", ""),
-        (("solve", *SLIP_STICK, "--along-2", ".1", "--speed", "50"),
-         "error: --speed finds amplitudes of drives along a line or an ellipse", ""),
         (("accuracy", "ellipse.toml"), "error: vibro accuracy runs methods for a drive along a line", ""),
         (("solve", *NUT, "--along-2", "0.3"), "a drive moves either along a line or along an ellipse", ""),
         (("solve", "--along", "1", "--normal", "0", "--along-phase-2", "9", "-f", "10", *FRICTION),

@@ -96,7 +96,7 @@ class Bounces(NamedTuple):
     ----------
     repeats : bool
         Whether a cycle was found before rounding could choose it. If not, all else is 0 but where a contact
-        came too late: then the approach, the contact and the take-off after it are those until there.
+        came too late: then the approach and the take-off after it are those until there.
     first, count : int
         Its flights are the rows first ... first + count - 1 of ``Flights``.
     approach : int
@@ -170,7 +170,7 @@ def bounces(
         if after.contact:
             again = next_take_off(bed, end)
             if not (short or within(errors, SHARP)):
-                return Bounces(False, 0, 0, row + 1, 0, end, again.wait, again.phase)
+                return Bounces(False, 0, 0, row + 1, 0, 0.0, 0.0, again.phase)
             flights.landing[row], flights.rest[row] = end, again.wait
             before += again.wait
             first = _take_off_at(flights, row, again.phase)
