@@ -321,3 +321,27 @@ def test_a_body_that_runs_away_slides_one_way_from_its_onset_on(side: int, piece
     cycle = vibro.solve(at(np.geomspace(onset * 1.001, hop * 0.999, 60)))
     assert set(cycle.status) == {Status.RUNAWAY}
     assert set(cycle.regime) == {Regime.BACK_SLIP if side > 0 else Regime.FORWARD_SLIP}
+
+
+@pytest.mark.parametrize("harmonics", [1, 5, 16])
+def test_a_few_ulp_above_an_onset_a_body_slips_or_rounding_decides(harmonics: int) -> None:
+    """Rounding of many harmonics may hide a window that the largest load has opened."""
+    rng, count = np.random.default_rng(harmonics), 1000
+    k = np.arange(1, harmonics + 1)
+    sizes = rng.uniform(0.0, 1e-4, (2, harmonics, count)) / (k**2)[:, None]
+    phases = rng.uniform(-3.0, 3.0, (2, harmonics, count))
+    along, normal = (list(zip(*x, strict=True)) for x in zip(sizes, phases, strict=True))
+    static, motion = rng.uniform(0.2, 0.8, count), vibro.Motion.harmonics(along=along, normal=normal)
+
+    def at(scale: Any) -> Scene:
+        friction = {"static_friction": static, "kinetic_friction": 0.9 * static}
+        return Scene(motion=motion, motion_scale=scale, frequency=15.0, **friction)
+
+    loads = vibro.critical_loads(at(1.0))
+    onset = np.minimum(loads.forward_onset, loads.back_onset) / at(1.0).load
+    for ulps in (0, 4, 8, 9, 10, 16, 64):
+        cycle = vibro.solve(at(onset * (1.0 + ulps * 2.0**-52)))
+        assert set(cycle.status) <= {Status.OK, Status.BOUNDARY}
+        assert set(cycle.status[cycle.pattern == "_"]) <= {Status.BOUNDARY}
+        if ulps in (0, 64):
+            assert set(cycle.status) == {Status.OK if ulps else Status.BOUNDARY}

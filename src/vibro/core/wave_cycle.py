@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from vibro.core.buffers import Bytes
-from vibro.core.cells import behind, number_of_nodes
+from vibro.core.cells import Event, behind, number_of_nodes
 from vibro.core.codes import SPELT_PATTERNS, Mode, Model, Pattern, Regime, Status
 from vibro.core.contact import Steady, unanswered, without_cycle
 from vibro.core.drives import Loads
-from vibro.core.elementary import TURN
+from vibro.core.elementary import INF, TURN
 from vibro.core.legs import next_onset, track_of
 from vibro.core.orbits import (
     HoppingCycle,
@@ -85,7 +85,7 @@ def wave_cycle(loads: Loads, at: Thresholds, classes_alone: bool) -> Steady:
     regime = _regime_of(_classes_of(cycle, home))
     if home.status != Status.OK and home.status != Status.BOUNDARY:
         return unanswered(regime if home.status == Status.RUNAWAY else Regime.UNDEFINED, home.status)
-    if home.status == Status.BOUNDARY:
+    if home.status == Status.BOUNDARY or _is_hidden(loads, at):
         status = int(Status.BOUNDARY)
     if classes_alone:
         return unanswered(regime, status)
@@ -135,6 +135,8 @@ def _settle(loads: Loads, at: Thresholds) -> _Settled:
     loose, hops, track = _is_loose(loads), no_hops(), track_of(loads, 0.0)
     ahead, behind = next_onset(track, 1.0, 0.0), next_onset(track, -1.0, 0.0)
     onset = ahead if ahead.wait <= behind.wait else behind
+    if not onset.wait < INF:
+        onset = Event(0.0, 0.0)  # rounding hides it, and the body rests
     cycle = hopping_cycle(track, 0, 0, onset.phase, TURN, TURN)
     start = return_map(track, hops, 0, 0, 0.0, onset.wait, 0.0).velocity
     # one-way bodies are in order, so that all are at rest when the fastest one stops
@@ -151,6 +153,14 @@ def _settle(loads: Loads, at: Thresholds) -> _Settled:
     if not (loose or alone) and has_stop(home.cycle):
         alone = attracts_all(cycle, hops, home, _ROUNDS)
     return _Settled(cycle, home, start, alone, loose)
+
+
+def _is_hidden(loads: Loads, at: Thresholds) -> bool:
+    """Return whether rounding hides a window of slip, as it may where that begins beneath many harmonics."""
+    ahead, behind = loads.waves.mark[2 * STATIC_FORWARD + 1], loads.waves.mark[2 * STATIC_BACK + 1]
+    none_ahead = number_of_nodes(loads.waves, STATIC_FORWARD) == 0 and ahead == 0
+    none_behind = number_of_nodes(loads.waves, STATIC_BACK) == 0 and behind == 0
+    return (at.forward and none_ahead) or (at.back and none_behind)
 
 
 def _may_rest(cycle: HoppingCycle, hops: Hops, start: float) -> bool:
