@@ -82,7 +82,7 @@ class Grid:
         )
         self._memory = _NO_MEMORY
         if kind in (HARMONICS, PIECES):
-            part, table = (2 * size, 16 * size * size) if kind == HARMONICS else (4 * size, 5 * size + 1)
+            part, table = (2 * size, 8 * size * size) if kind == HARMONICS else (4 * size, 5 * size + 1)
             self._memory = np.empty(ROOM * part + table), np.empty(2 * ROWS, np.int64)
             doors().prepare(self.scenes, (np.empty(0, np.int64), *self._memory), breaks, pieces)
 

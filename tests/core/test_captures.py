@@ -15,7 +15,8 @@ from vibro.core.captures import Captures, captures
 from vibro.core.codes import Status
 from vibro.core.flight import bed_of
 from vibro.core.legs import track_of
-from vibro.core.orbits import hopping_cycle, orbit_from, write_hops
+from vibro.core.orbits import hopping_cycle, orbit_from
+from vibro.core.return_map import write_hops
 from vibro.core.samples import kick
 
 TURN = 2.0 * math.pi

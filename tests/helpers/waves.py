@@ -39,7 +39,7 @@ def view(values: Any) -> Any:
 
 @functools.lru_cache
 def _prepared(harmonics: int) -> bytes:
-    numbers = np.zeros(ROOM * 2 * harmonics + 16 * harmonics * harmonics)
+    numbers = np.zeros(ROOM * 2 * harmonics + 8 * harmonics * harmonics)
     prepare_cells(harmonics, view(numbers))
     return numbers.tobytes()
 

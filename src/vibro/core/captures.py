@@ -14,8 +14,8 @@ from vibro.core.codes import Status
 from vibro.core.elementary import TURN
 from vibro.core.flight import Bed, bed_of
 from vibro.core.legs import Track
-from vibro.core.orbits import hopping_cycle, orbit_from, write_hops
-from vibro.core.return_map import Hops
+from vibro.core.orbits import hopping_cycle, orbit_from
+from vibro.core.return_map import Hops, write_hops
 from vibro.core.samples import kick
 from vibro.core.waves import SINE
 

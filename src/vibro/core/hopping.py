@@ -16,8 +16,8 @@ from vibro.core.drives import Loads
 from vibro.core.elementary import NAN, TURN
 from vibro.core.flight import LOST, Bed, Covariance, Flight, bed_of, propagate, within
 from vibro.core.legs import Track, track_of
-from vibro.core.orbits import HoppingCycle, hopping_cycle, orbit_from, write_hops
-from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed
+from vibro.core.orbits import HoppingCycle, hopping_cycle, orbit_from
+from vibro.core.return_map import Hops, release, return_map, with_same_ground_speed, write_hops
 from vibro.core.spelling import spell
 from vibro.core.wave_cycle import canonical
 from vibro.core.waves import SINE

@@ -17,13 +17,11 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from vibro.core.bounces import Flights
 from vibro.core.cells import behind, number_of_nodes
 from vibro.core.codes import Status
-from vibro.core.drives import Loads
 from vibro.core.elementary import EPS, FEW_ULP, INF, NAN, until
 from vibro.core.legs import Track
-from vibro.core.return_map import Hops, Return, return_map, write_hop
+from vibro.core.return_map import Hops, Return, return_map
 from vibro.core.waves import SINE, STATIC_BACK, STATIC_FORWARD, nodes_of
 
 __all__ = [
@@ -42,7 +40,6 @@ __all__ = [
     "others_on",
     "stopping",
     "stops_of",
-    "write_hops",
 ]  # fmt: skip
 
 #: [1] Rounding of one evaluation of the return map, relative to the velocities in it.
@@ -103,13 +100,6 @@ class HoppingCycle(NamedTuple):
     fall: float
     drive: float
     forces: float
-
-
-def write_hops(loads: Loads, flights: Flights, hops: Hops, first: int, last: int) -> None:
-    """Integrate the motion along the trough over flights and the contacts after them, into the same rows."""
-    for row in range(first, last):
-        write_hop(loads, flights.phase[row], flights.length[row], flights.impulse[row], hops, row)
-        hops.landing[row], hops.rest[row] = flights.landing[row], flights.rest[row]
 
 
 def hopping_cycle(

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from vibro.core.bounces import Flights
 from vibro.core.buffers import Doubles
 from vibro.core.cells import number_of_nodes
 from vibro.core.codes import MOST_LETTERS, Mode
@@ -30,7 +31,7 @@ from vibro.core.waves import (
 
 __all__ = [
     "CLOSE", "MOST_LEGS", "Hops", "Release", "Return", "is_chained", "landed", "no_hops", "release",
-    "return_map", "with_same_ground_speed", "write_hop",
+    "return_map", "with_same_ground_speed", "write_hop", "write_hops",
 ]  # fmt: skip
 
 #: [1] Legs of one contact, which lasts less than a drive cycle: four and more for each harmonic, or piece.
@@ -151,6 +152,13 @@ def write_hop(loads: Loads, phase: float, length: float, impulse: float, hops: H
     _write(loads, flown.velocity, length, flown.path, impulse, hops, row)
     hops.high[row] = high
     hops.low[row] = low
+
+
+def write_hops(loads: Loads, flights: Flights, hops: Hops, first: int, last: int) -> None:
+    """Integrate the motion along the trough over flights and the contacts after them, into the same rows."""
+    for row in range(first, last):
+        write_hop(loads, flights.phase[row], flights.length[row], flights.impulse[row], hops, row)
+        hops.landing[row], hops.rest[row] = flights.landing[row], flights.rest[row]
 
 
 def _write_over_waves(

@@ -182,12 +182,12 @@ def _table(waves: Waves) -> int:
 
 
 def prepare_cells(harmonics: int, number: Doubles) -> None:
-    """Fill the table of drives with so many harmonics: sines and cosines at the ends of cells.
+    """Fill the table of drives with so many harmonics: sines and cosines at the ends of cells of half a turn.
 
-    The memory has room for ``ROOM`` parts of 2 H numbers and 8 H rows of 2 H more.
+    The memory has room for ``ROOM`` parts of 2 H numbers and 4 H rows of 2 H more.
     """
     row = ROOM * 2 * harmonics
-    for i in range(CELLS * harmonics):
+    for i in range(CELLS * harmonics // 2):
         for k in range(harmonics):
             # the product of whole numbers is reduced to one turn before it is rounded
             angle = TURN * ((i * (k + 1)) % (CELLS * harmonics)) / (CELLS * harmonics)
