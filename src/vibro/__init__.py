@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from vibro.limits import critical_loads, transitions
     from vibro.motion.arrivals import arrival_time
     from vibro.motion.histories import simulate
+    from vibro.output.stored import open_sweep
+    from vibro.output.writing import write_sweep
     from vibro.records.waveforms import MeasuredMotion, measured_motion
     from vibro.results.designs import Certificate, DesignResult, Guarantee, Interval
     from vibro.results.history import History
     from vibro.results.steady import SteadyCycle
     from vibro.scene import Scene
     from vibro.steady import solve
-    from vibro.sweeps.stored import open_sweep
     from vibro.sweeps.whole import read_scene, sweep
-    from vibro.sweeps.writing import write_sweep
     from vibro.waveforms import Motion
 
 __all__ = [
@@ -84,13 +84,13 @@ _HOMES = {
     "feasible_amplitudes": "vibro.inverse.windows",
     "guarantee": "vibro.inverse.guarantees",
     "measured_motion": "vibro.records.waveforms",
-    "open_sweep": "vibro.sweeps.stored",
+    "open_sweep": "vibro.output.stored",
     "read_scene": "vibro.sweeps.whole",
     "simulate": "vibro.motion.histories",
     "solve": "vibro.steady",
     "sweep": "vibro.sweeps.whole",
     "transitions": "vibro.limits",
-    "write_sweep": "vibro.sweeps.writing",
+    "write_sweep": "vibro.output.writing",
     "yield_share": "vibro.inverse.yields",
 }
 

@@ -1,22 +1,24 @@
-"""How a run ends that is interrupted: at once, with nothing unfinished left behind.
+"""How the command's process ends when it is interrupted: at once, with nothing half done left behind.
 
 An exception that a signal's handler raises may fall anywhere: into an import or a callback, where it is lost,
-or into the tidying up of the one before. So the handler raises nothing: it undoes what is unfinished, says so
-and ends the process. It is there before anything else of a run: this module imports nothing that takes time.
+or into the tidying up of the one before. So the handler raises nothing: it does what was asked for the end,
+ends the children, and ends the process. Functions of the library install no handler: there Python raises
+KeyboardInterrupt. This module imports nothing that takes time: it is there before anything else of a run.
 """
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
-    from typing import Any, NoReturn
+    from typing import NoReturn
 
-__all__ = ["EXIT_CODE", "HeldOff", "Undone", "end_on_signals", "ignore_signals"]
+__all__ = ["EXIT_CODE", "OnEnd", "end_on_signals", "ignore_signals"]
 
 EXIT_CODE = 130
 
@@ -24,7 +26,7 @@ EXIT_CODE = 130
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 _SIGNALS = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
 
-_unfinished: list[Callable[[], str | None]] = []
+_acts: list[Callable[[], str | None]] = []
 
 
 def end_on_signals() -> None:
@@ -43,9 +45,9 @@ def ignore_signals() -> None:
 def _end(number: int, frame: FrameType | None) -> NoReturn:
     ignore_signals()
     said = ["error: interrupted"]
-    for undo in reversed(_unfinished):
+    for act in (*reversed(_acts), _kill_children):
         try:
-            hint = undo()
+            hint = act()
             said += [f"hint: {hint}"] if hint else []
         except Exception:
             pass
@@ -55,51 +57,23 @@ def _end(number: int, frame: FrameType | None) -> NoReturn:
         os._exit(EXIT_CODE)
 
 
-class Undone:
-    """Context in which a signal that ends the process first calls ``undo``, all signals being ignored.
+def _kill_children() -> None:
+    if "multiprocessing" in sys.modules:
+        for child in sys.modules["multiprocessing"].active_children():
+            child.kill()
+
+
+class OnEnd:
+    """Context in which a signal that ends the process first calls ``act``, all signals being ignored.
 
     What that returns is a hint for the user.
     """
 
-    def __init__(self, undo: Callable[[], str | None]) -> None:
-        self._undo = undo
+    def __init__(self, act: Callable[[], str | None]) -> None:
+        self._act = act
 
     def __enter__(self) -> None:
-        _unfinished.append(self._undo)
+        _acts.append(self._act)
 
     def __exit__(self, *_: object) -> None:
-        _unfinished.remove(self._undo)
-
-
-class HeldOff:
-    """Context in which signals wait: files are made, renamed or removed, and half of that must not remain.
-
-    Elsewhere than in the main thread, where signals do not arrive, it does nothing.
-    """
-
-    def __init__(self) -> None:
-        self._handlers: dict[int, Any] = {}
-        self._came: list[int] = []
-        self._done = False
-
-    def done(self) -> None:
-        """Say that all that was asked for is there: no signal is of any account from now on."""
-        self._done = True
-
-    def __enter__(self) -> HeldOff:
-        for number in _SIGNALS:
-            handler = signal.getsignal(number)
-            if handler not in (None, signal.SIG_IGN):  # none of Python's, or nobody's
-                try:
-                    signal.signal(number, lambda number, _: self._came.append(number))
-                except ValueError:  # another thread
-                    break
-                self._handlers[number] = handler
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self._handlers.items():
-            signal.signal(number, signal.SIG_IGN if self._done and handler is _end else handler)
-        if not self._done:
-            for number in self._came:
-                signal.raise_signal(number)
+        _acts.remove(self._act)

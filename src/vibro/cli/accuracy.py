@@ -64,11 +64,11 @@ def accuracy_command(
     against converged event-driven simulation. With -o the table goes to STEM.csv and STEM.json too, the
     picture to STEM.png.
     """
+    from vibro.cli.answer import count
     from vibro.cli.console import Console
-    from vibro.cli.output import count
     from vibro.cli.request import plain_number, whole_number
     from vibro.cli.series import SeriesOutput
-    from vibro.files.publication import json_text
+    from vibro.output.record import json_text
 
     console = Console(quiet=options.quiet)
     wanted = picture_formats(formats)
@@ -132,7 +132,7 @@ def _grid(request: Request, console: Console) -> Grid:
 def _run(grid: Grid, scenes: int, tolerance: float, console: Console) -> Trade:
     from vibro.accuracy.methods import METHODS
     from vibro.accuracy.trade import best_reference, run_methods, runs
-    from vibro.cli.output import count
+    from vibro.cli.answer import count
 
     reference = best_reference()
     number = min(scenes, reference.most)

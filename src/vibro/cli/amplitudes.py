@@ -14,11 +14,11 @@ from vibro.cli.report import aligned, bound
 from vibro.cli.request import request_of
 from vibro.core.codes import Regime
 from vibro.errors import InputError
-from vibro.files.publication import json_text
 from vibro.inverse.extremes import counted
 from vibro.inverse.questions import MOST_THROW
 from vibro.inverse.windows import HOPS_SAMPLED, feasible_amplitudes
 from vibro.limits import critical_loads
+from vibro.output.record import json_text
 from vibro.quantities import (
     DEFAULTS,
     LEAST_SPEED,

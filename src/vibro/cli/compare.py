@@ -221,7 +221,7 @@ def compare_command(
     if output.takes_stdout:
         return 0
     if options.json:
-        from vibro.files.publication import json_text
+        from vibro.output.record import json_text
 
         print(json_text(content))
     else:

@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING, Final
 
 from vibro.errors import InputError
-from vibro.files.stems import PICTURE_FORMATS
+from vibro.output.names import PICTURE_FORMATS
 from vibro.quantities import QUANTITIES, SWEPT
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ import traceback
 from typing import TYPE_CHECKING
 
 from vibro.errors import printable
-from vibro.interrupts import Undone
+from vibro.interrupts import OnEnd
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from typing import TextIO
 
 __all__ = [
@@ -109,6 +109,11 @@ class Console:
         if not self.quiet:
             tell(text)
 
+    def echo_all(self, lines: Iterable[str]) -> None:
+        """Say several things, a line each."""
+        for line in lines:
+            self.echo(line)
+
     def warn(self, text: str) -> None:
         """Say what the user should know about the answer."""
         self.echo(f"warning: {text}")
@@ -161,6 +166,6 @@ class Console:
             if not console.is_dumb_terminal:
                 os.write(2, b"\r\x1b[K\x1b[?25h")
 
-        with Undone(show_cursor), Progress(*columns, console=console, transient=True) as bar:
+        with OnEnd(show_cursor), Progress(*columns, console=console, transient=True) as bar:
             task = bar.add_task(label, total=total, note="")
             yield lambda done, note="", total=total: bar.update(task, completed=done, note=note, total=total)

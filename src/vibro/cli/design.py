@@ -66,10 +66,10 @@ def design_command(
     from vibro.cli.design_report import design_report
     from vibro.cli.request import whole_number
     from vibro.cli.series import SeriesOutput
-    from vibro.files.publication import json_text
     from vibro.inverse.designs import checked_digits, chosen_of, find_designs
     from vibro.inverse.reading import read_spec
     from vibro.inverse.rounding import DIGITS
+    from vibro.output.record import json_text
     from vibro.plots.design import DESIGN_PICTURES
 
     console = Console(quiet=options.quiet)

@@ -32,8 +32,8 @@ def friction_command(
     A band lo:hi is as wide as its source prints it. Sources that contradict each other stay side by side.
     In a question of vibro design a row is named static_friction = "steel on steel, dry, Lust".
     """
-    from vibro.files.publication import json_text
     from vibro.friction_catalogue import find
+    from vibro.output.record import json_text
 
     found = find(" ".join(pair or ()))
     if json:

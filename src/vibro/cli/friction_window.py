@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from vibro.cli.output import count
+from vibro.cli.answer import count
 from vibro.core.codes import Status
 from vibro.quantities import LENGTH, QUANTITIES
 from vibro.sweeps.one_scene import number

@@ -18,15 +18,16 @@ from vibro.cli.options import (
     picture_formats,
     refuse_without_flight,
 )
-from vibro.cli.parts import (
-    Form,
-    PartCellsOption,
+from vibro.cli.shards import (
+    CSV,
     ResumeOption,
     SchedulerOption,
+    ShardCellsOption,
+    ShardsOption,
     TableOption,
     WorkersOption,
-    parting_of,
-    write_parted,
+    sharding_of,
+    write_sharded,
 )
 from vibro.cli.tables import (
     NEEDS_PART,
@@ -111,8 +112,9 @@ def map_command(
     digits: DigitsOption = None,
     pitch: PitchOption = None,
     mass: MassOption = None,
-    table: TableOption = Form.CSV,
-    part_cells: PartCellsOption = None,
+    table: TableOption = CSV,
+    shard_cells: ShardCellsOption = None,
+    shards: ShardsOption = None,
     workers: WorkersOption = None,
     scheduler: SchedulerOption = None,
     resume: ResumeOption = False,
@@ -122,9 +124,9 @@ def map_command(
     An axis is a list 15,20,25 or a range lo:hi, lo:hi:count, lo:hi:step=d, each with an optional :log;
     without a count a range has 200 values, 100 beside another axis and 20 beside more. Numbers may carry
     units: 800um, 900rpm, 0.35rad. Without amplitude or frequency they sweep 0.1:3 mm and 5:60 Hz. The
-    results go to STEM.csv, STEM.json and pictures, or with --table parquet to a folder. Given in place of a
-    scene file, such a folder is drawn without solving anything. A list of at most 12 values is drawn as
-    curves beside one range, and as a map each beside two.
+    results go to STEM.csv, STEM.json and pictures; with --table xlsx to a workbook, with parquet to a folder.
+    Given in place of a scene file, such a folder is drawn without solving anything. A list of at most 12
+    values is drawn as curves beside one range, and as a map each beside two.
     """
     if options.scene is not None and options.scene.is_dir():
         from vibro.cli.stored_map import map_stored
@@ -132,8 +134,8 @@ def map_command(
         return map_stored(context, options, x, y, at or [], show or [], speed, formats)
     if options.scene is not None and options.scene.suffix == ".parquet":
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
+    from vibro.cli.answer import Pictures, make_grid, write_sweep
     from vibro.cli.friction_window import friction_window
-    from vibro.cli.output import Pictures, make_grid, write_sweep
     from vibro.cli.request import question_length, request_of
     from vibro.plots import picture_names
     from vibro.plots.view import check_drawable, choose_view
@@ -156,8 +158,14 @@ def map_command(
             "--speed: no speeds are computed with --accuracy regimes", hint="leave one of them out"
         )
     part = part_of(pitch, mass)
-    parting = parting_of(
-        table, options, part_cells=part_cells, workers=workers, scheduler=scheduler, resume=resume
+    sharding = sharding_of(
+        table,
+        options,
+        shard_cells=shard_cells,
+        shards=shards,
+        workers=workers,
+        scheduler=scheduler,
+        resume=resume,
     )
     request = request_of(options, context.obj, reads_map=True, takes_axes=True, ranges=RANGES)
     question_length(request, options)
@@ -185,14 +193,14 @@ def map_command(
         check_drawable(view)
         tell_choices(view, grid.axes, held, console)
     window = None if level is None else friction_window(grid.axes, level)
-    if parting is not None:
+    if sharding is not None:
         if window:
             raise InputError(
-                "--speed: which of both frictions keep it is told beside a CSV alone",
+                "--speed: which of both frictions keep it is not told beside a folder",
                 hint="leave it out, or --table parquet",
             )
-        plan = parting.plan(grid, written, request.name or "", request.own)
-        code, tally = write_parted(plan, parting, options, context.obj, console, name, pictures)
+        plan = sharding.plan(grid, written, request.name or "", request.own)
+        code, tally = write_sharded(plan, sharding, options, context.obj, console, name, pictures)
         if tally.at_rest:
             console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
         return code
@@ -204,7 +212,7 @@ def map_command(
         if window:
             window.add(block.cycle)
 
-    code = write_sweep(grid, written, options, context.obj, console, name, pictures, look)
+    code = write_sweep(grid, written, options, context.obj, console, name, pictures, look, table)
     if window:
         console.echo(window.text())
     if not moves:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Self
@@ -76,7 +75,7 @@ def motion_command(
     the motion goes to a scene file, for vibro solve, vibro map and others.
     """
     from vibro.cli.motion_report import MotionReport
-    from vibro.files.publication import json_text
+    from vibro.output.record import json_text
     from vibro.quantities import DRIVES, QUANTITIES, checked_number, scene_fields
     from vibro.records.measured_speeds import speeds_of, throw_number
     from vibro.records.reading import read_record
@@ -132,35 +131,39 @@ def _rest_of_scene(options: Options, argv: Sequence[str]) -> tuple[Request, bool
 
 
 class _Target:
-    """Where the scene file goes: a file, which is claimed before anything is computed, stdout or nowhere."""
+    """Where the scene file goes: a file, whose name is held from the beginning, stdout or nowhere."""
 
     def __init__(
         self, output: str | None, data: Path, options: Options, console: Console, *, force: bool
     ) -> None:
-        from vibro.files.outputs import OutputSet
-        from vibro.files.stems import output_stem, suffixed
+        from vibro.cli.stems import output_stem
+        from vibro.output.staging import Staging
 
         self._takes_stdout = output == "-"
-        self._path: Path | None = None
-        self._files: AbstractContextManager[Any] = nullcontext()
+        self._console = console
+        self._files: Staging | None = None
         if output is not None and not self._takes_stdout:
-            is_named = output.casefold().endswith(".toml") and not Path(output).is_dir()
-            stem = Path(output) if is_named else output_stem(output, f"{data.stem}-drive")
-            self._path = stem if is_named else suffixed(stem, ".toml")
+            path = Path(output)
+            is_named = output.casefold().endswith(".toml") and not path.is_dir()
+            stem = path.with_suffix("") if is_named else output_stem(output, f"{data.stem}-drive")
+            tables = {"": path.suffix[1:] if is_named else "toml"}
             reads = (data, options.scene)
-            # The file is its own stem: pictures of the scene, whose names begin with its stem, stay.
-            self._files = OutputSet(self._path, [self._path], force=force, tell=console.echo, reads=reads)
+            self._files = Staging(stem, force=force, tables=tables, reads=reads, described=False)
 
     def write(self, text: str) -> None:
         """Write the scene file, if it is wanted."""
         if self._takes_stdout:
             print(text, end="")
-        elif self._path is not None:
-            self._written[self._path].write_text(text, encoding="utf-8")
+        elif self._files:
+            self._files.table().write_text(text, encoding="utf-8")
+            self._files.finish()
+            self._console.echo_all(self._files.told)
 
     def __enter__(self) -> Self:
-        self._written = self._files.__enter__()
+        if self._files:
+            self._files.__enter__()
         return self
 
     def __exit__(self, *raised: Any) -> None:
-        self._files.__exit__(*raised)
+        if self._files:
+            self._files.__exit__(*raised)

@@ -15,7 +15,7 @@ import typer
 from vibro.cli.completion import complete_formats
 from vibro.core.codes import Level
 from vibro.errors import InputError, cut, shown
-from vibro.files.stems import PICTURE_FORMATS
+from vibro.output.names import PICTURE_FORMATS
 from vibro.quantities import DRIVES, QUANTITIES
 
 if TYPE_CHECKING:

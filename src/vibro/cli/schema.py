@@ -35,18 +35,19 @@ def schema_command(
     goes to STEM.json.
     """
     from vibro.cli.console import Console
+    from vibro.cli.stems import output_stem
     from vibro.files.descriptions import FILES
     from vibro.files.json_schema import schema_of
-    from vibro.files.outputs import OutputSet
-    from vibro.files.publication import json_text
-    from vibro.files.stems import output_stem, suffixed
+    from vibro.output.record import json_text
+    from vibro.output.staging import Staging
 
     text = json_text(schema_of(FILES[kind]))
     if output in (None, "-"):
         print(text)
         return 0
     stem = output_stem(output, f"vibro-{kind}.schema")
-    target = suffixed(stem, ".json")
-    with OutputSet(stem, [target], force=force, tell=Console(quiet=quiet).echo) as files:
-        files[target].write_text(text + "\n", encoding="utf-8")
+    with Staging(stem, force=force, tables={"": "json"}, described=False) as files:
+        files.table().write_text(text + "\n", encoding="utf-8")
+        files.finish()
+    Console(quiet=quiet).echo_all(files.told)
     return 0

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any, Self
 
-from vibro.cli.output import table_stream
-from vibro.files.publication import Publication
-from vibro.files.stems import output_stem
+from vibro.cli.answer import check_stdout
+from vibro.cli.stems import output_stem
 from vibro.files.tables import CsvFormat
+from vibro.output.staging import Staging
 from vibro.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -54,6 +55,11 @@ class SeriesOutput:
     reads : sequence of Path or None
         Files that are never replaced: the run's own input.
 
+    Attributes
+    ----------
+    takes_stdout : bool
+        Whether stdout is for the table alone.
+
     Raises
     ------
     InputError, FileError
@@ -73,24 +79,20 @@ class SeriesOutput:
         reads: Sequence[Path | None] = (),
     ) -> None:
         self._form = CsvFormat(options.excel, options.decimal_comma)
-        self._stream = table_stream(json=options.json) if options.output == "-" else None
-        self._files: Publication | None = None
-        if options.output not in (None, "-"):
-            self._files = Publication(
+        self._argv, self._console = argv, console
+        self.takes_stdout = options.output == "-"
+        self._files: Staging | None = None
+        if self.takes_stdout:
+            check_stdout(json=options.json)
+        elif options.output is not None:
+            self._files = Staging(
                 output_stem(options.output, name),
-                argv,
                 force=options.force,
-                tell=console.echo,
-                tables=tables,
+                tables=dict.fromkeys(tables, "csv"),
                 pictures=pictures,
                 formats=formats,
                 reads=reads,
             )
-
-    @property
-    def takes_stdout(self) -> bool:
-        """Whether stdout is for the table alone."""
-        return self._stream is not None
 
     def write(
         self,
@@ -109,21 +111,14 @@ class SeriesOutput:
         content : mapping
             What the sidecar says beside version, arguments and files.
         """
-        if self._stream:
-            self._stream.write(self._form.table(next(iter(tables().values()))))
+        if self.takes_stdout:
+            sys.stdout.buffer.write(self._form.table(next(iter(tables().values()))).encode())
         if not self._files:
             return
         for name, columns in tables().items():
-            with self._files.table(name) as stream:
-                stream.write(self._form.table(columns))
-        from vibro.plots import save
-
-        figures = draw()
-
-        def save_one(name: str, path: Path, form: str, metadata: Mapping[str, str]) -> None:
-            save(figures[name], path, form, metadata)
-
-        self._files.finish(content, save_one if figures else None)
+            self._files.table(name).write_text(self._form.table(columns), encoding="utf-8", newline="")
+        self._files.finish(self._argv, content, draw())
+        self._console.echo_all(self._files.told)
 
     def __enter__(self) -> Self:
         if self._files:

@@ -88,7 +88,7 @@ def solve_command(
     --json prints. With --speed and without an amplitude the answer is which amplitudes reach that speed, or
     which scales of a motion, with --hopping also those at which the body hops.
     """
-    from vibro.cli.output import answer_one, make_grid
+    from vibro.cli.answer import answer_one, make_grid
     from vibro.cli.request import question_length, request_of
     from vibro.quantities import STAND_RATIO, checked_number
     from vibro.sweeps.columns import columns_of

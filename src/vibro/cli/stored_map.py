@@ -61,17 +61,17 @@ def map_stored(
     FileError
         If the folder cannot be read, or the files cannot be written.
     """
+    from vibro.cli.answer import tell_peaks
     from vibro.cli.friction_window import friction_window
-    from vibro.cli.output import Pictures, tell_peaks
-    from vibro.files.part_sets import MANIFEST
-    from vibro.files.publication import Publication, json_text
-    from vibro.files.stems import output_stem
+    from vibro.cli.stems import output_stem
+    from vibro.output.record import json_text, sweep_record
+    from vibro.output.shard_files import open_shards
+    from vibro.output.shard_folder import manifest_of
+    from vibro.output.staging import Staging
+    from vibro.output.stored import stored_picture
     from vibro.plots import map_figures, picture_names
     from vibro.plots.view import check_drawable, choose_view
     from vibro.quantities import LEAST_SPEED, checked_number
-    from vibro.sweeps.csv_sink import provenance
-    from vibro.sweeps.part_files import open_parts
-    from vibro.sweeps.stored import stored_picture
 
     folder = options.scene
     assert folder is not None
@@ -79,8 +79,8 @@ def map_stored(
     console = Console(quiet=options.quiet)
     wanted, shown = picture_formats(formats), shown_pictures(show)
     level = None if speed is None else checked_number(speed, LEAST_SPEED)
-    parts = open_parts(folder)
-    grid = parts.plan.grid
+    shards = open_shards(folder)
+    plan, grid = shards.plan, shards.plan.grid
     _refuse_unsolved(grid, folder, shown, speed)
     for axis in grid.axes.values():
         console.echo(str(axis))
@@ -98,31 +98,30 @@ def map_stored(
 
     def draw() -> dict[str, Figure]:
         nonlocal said
-        result = stored_picture(parts, view.drawn, names)
+        result = stored_picture(shards, view.drawn, names)
         window = None if level is None else friction_window(result.axes, level)
         if window and all(len(axis) == len(grid.axes[name]) for name, axis in result.axes.items()):
             window.add(result.cycle)
             said = window.text()
         return map_figures(result, names, x=view.x.name, y=view.y.name if view.y else None, level=level)
 
-    with Publication(
+    with Staging(
         output_stem(options.output, folder.resolve().name),
-        context.obj,
         force=options.force,
-        tell=console.echo,
-        tables=(),
+        tables={},
         pictures=names,
         formats=wanted,
-        reads=[folder / MANIFEST],
+        reads=[manifest_of(folder)],
     ) as files:
-        origin = {"folder": str(folder), "fingerprint": parts.plan.fingerprint}
-        content = {"sweep": origin, **provenance(grid, parts.plan.table, parts.tally)}
-        whole = files.finish(content, Pictures(names, wanted, draw).saver())
-    tell_peaks(parts.tally, grid, console)
+        origin = {"folder": str(folder), "fingerprint": plan.fingerprint}
+        content = {"sweep": origin, **sweep_record(grid, plan.table, shards.tally.told())}
+        record = files.finish(context.obj, content, draw())
+    console.echo_all(files.told)
+    tell_peaks(shards.tally, grid, console)
     if said:
         console.echo(said)
     if options.json:
-        print(json_text(whole))
+        print(json_text(record))
     return 0
 
 

@@ -38,8 +38,8 @@ def traverse_time_command(
     One scene has both the time at its mean speed and the exact one from rest at trough phase 0. With axes, in
     the syntax of vibro map, or with --sweep it prints a table, or writes it to STEM.csv with -o STEM.
     """
+    from vibro.cli.answer import answer_one, answer_sweep, make_grid
     from vibro.cli.console import Console
-    from vibro.cli.output import answer_one, answer_sweep, make_grid
     from vibro.cli.request import question_length, request_of
     from vibro.quantities import QUANTITIES
     from vibro.sweeps.columns import columns_of

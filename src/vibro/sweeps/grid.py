@@ -188,15 +188,18 @@ class Grid:
         elsewhere = any(self.fixed.get(name) != value for name, value in others.items())
         return None if elsewhere else {name: own[name] for name in self.axes}
 
-    def describe(self) -> dict[str, Any]:
-        """Return the sidecar's description of the grid: fixed quantities and axes, by their columns."""
+    def describe(self, *, every_value: bool = False) -> dict[str, Any]:
+        """Describe the grid: fixed quantities and axes, by their columns.
+
+        Values of an axis are listed where they do not follow from its ends, or with ``every_value``.
+        """
         axes = {
             axis.column: {
                 "count": len(axis),
                 "first": float(axis.values[0]),
                 "last": float(axis.values[-1]),
                 "spacing": axis.spacing,
-                **({"values": axis.values.tolist()} if axis.spacing == "list" else {}),
+                **({"values": axis.values.tolist()} if every_value or axis.spacing == "list" else {}),
             }
             for axis in self.axes.values()
         }

@@ -14,14 +14,14 @@ import numpy as np
 
 from vibro.axes import axis_of
 from vibro.errors import FileError, InputError, shown
+from vibro.output.gathered import Texts, gathering
+from vibro.output.selection import Selection
+from vibro.output.shard_files import ShardFiles, open_shards
 from vibro.plots.view import index_of
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import listed
-from vibro.sweeps.gathered import Texts, gathering
-from vibro.sweeps.part_files import PartFiles, open_parts
 from vibro.sweeps.run import solved_picture
-from vibro.sweeps.selection import Selection
 from vibro.sweeps.solved import SolvedGrid, axis_called, check_memory, one_value
 
 if TYPE_CHECKING:
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from vibro.axes import Axis
+    from vibro.output.gathered import Gathered
     from vibro.results.steady import Result
     from vibro.results.sweep import SweepResult
-    from vibro.sweeps.gathered import Gathered
     from vibro.sweeps.grid import Grid
 
 __all__ = ["StoredSweep", "open_sweep", "stored_picture"]
@@ -56,12 +56,12 @@ class StoredSweep(SolvedGrid):
         Names of the columns of its cells.
     """
 
-    _parts: PartFiles
+    _shards: ShardFiles
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns of its cells."""
-        return tuple(self._parts.columns)
+        return tuple(self._shards.columns)
 
     def to_frame(
         self, filters: Mapping[str, Any] | None = None, columns: Sequence[str] | None = None
@@ -94,18 +94,18 @@ class StoredSweep(SolvedGrid):
         """
         import pandas as pd
 
-        parts = self._parts
+        shards = self._shards
         names = self.columns if columns is None else _checked(columns, self.columns)
         cells = _selection(self._grid, {} if filters is None else filters)
-        per_cell = sum(gathering(parts.columns[name]).bytes_per_cell for name in names)
+        per_cell = sum(gathering(shards.columns[name]).bytes_per_cell for name in names)
         hint = "filter the cells, name fewer columns, or let another reader of Parquet, such as DuckDB, do it"
         check_memory(cells.shape, per_cell, hint)
-        return pd.DataFrame({name: found.of_frame() for name, found in parts.read(names, cells).items()})
+        return pd.DataFrame({name: found.of_frame() for name, found in shards.read(names, cells).items()})
 
     def _cells(
         self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
     ) -> dict[str, NDArray[Any]]:
-        return _cells(self._parts, results, indices)
+        return _cells(self._shards, results, indices)
 
 
 def open_sweep(path: str | PathLike[str]) -> StoredSweep:
@@ -143,18 +143,18 @@ def open_sweep(path: str | PathLike[str]) -> StoredSweep:
     """
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"path = {shown(path)}: must be a path", hint='write it like "wide_sweep"')
-    parts = open_parts(Path(path))
-    return StoredSweep(parts.plan.grid, parts.plan.own, parts.plan.name, parts)
+    shards = open_shards(Path(path))
+    return StoredSweep(shards.plan.grid, shards.plan.own, shards.plan.name, shards)
 
 
 def stored_picture(
-    parts: PartFiles, drawn: Mapping[str, tuple[int, ...]], pictures: Sequence[str]
+    shards: ShardFiles, drawn: Mapping[str, tuple[int, ...]], pictures: Sequence[str]
 ) -> SweepResult:
     """Read the cells of pictures from files.
 
     Parameters
     ----------
-    parts : PartFiles
+    shards : ShardFiles
         The cells.
     drawn : mapping of str to tuple of int
         As for ``solved_picture``.
@@ -168,23 +168,23 @@ def stored_picture(
     FileError
         If a file cannot be read.
     """
-    plan = parts.plan
-    return solved_picture(plan.grid, drawn, plan.own, plan.name, pictures, partial(_cells, parts))
+    plan = shards.plan
+    return solved_picture(plan.grid, drawn, plan.own, plan.name, pictures, partial(_cells, shards))
 
 
 def _cells(
-    parts: PartFiles, results: Collection[str], indices: Sequence[NDArray[np.intp]]
+    shards: ShardFiles, results: Collection[str], indices: Sequence[NDArray[np.intp]]
 ) -> dict[str, NDArray[Any]]:
     """Read results of the cells at some values of every axis."""
     wanted = [result for result in RESULTS if result.name in results]
-    missing = [result.column for result in wanted if result.column not in parts.columns]
+    missing = [result.column for result in wanted if result.column not in shards.columns]
     if missing:
         raise InputError(
-            f"there is no picture without the columns {', '.join(missing)}: {parts.folder} lacks them",
-            hint="let vibro map write them: leave --columns out, or name them too",
+            f"there is no picture without the columns {', '.join(missing)}: {shards.folder} lacks them",
+            hint="write them too: name them in columns, or leave that out",
         )
-    cells = Selection(parts.plan.grid.shape, indices)
-    found = parts.read([result.column for result in wanted], cells)
+    cells = Selection(shards.plan.grid.shape, indices)
+    found = shards.read([result.column for result in wanted], cells)
     return {result.name: _values(result, found[result.column]).reshape(cells.shape) for result in wanted}
 
 

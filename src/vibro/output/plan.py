@@ -1,14 +1,14 @@
-"""Plans of sweeps in parts: the manifest, and a fingerprint of everything that decides the parts' bytes."""
+"""Plans of sweeps in shards: what the manifest says, with a fingerprint of what decides their bytes."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cache, cached_property
+from dataclasses import dataclass, field
+from functools import cache
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
@@ -17,7 +17,8 @@ from vibro.axes import Axis
 from vibro.core.codes import Level
 from vibro.errors import FileError, InputError, VibroError
 from vibro.files.motions import motion_of
-from vibro.files.part_sets import MOST_PARTS, part_name
+from vibro.output.record import sweep_record
+from vibro.output.shard_folder import MOST_SHARDS
 from vibro.parallel import BLOCK
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, chosen, columns_of
@@ -27,15 +28,19 @@ from vibro.sweeps.grid import Grid
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["PART_CELLS", "ROW_GROUP", "Plan", "check_arrow", "check_manifest", "read_plan", "versions"]
+__all__ = ["ROW_GROUP", "Plan", "check_arrow", "check_manifest", "read_plan", "usual_shard_cells", "versions"]
 
-#: [cells] of a part, unless asked for: seconds of work, some tens of megabytes.
-PART_CELLS: Final = 1_000_000
-#: [cells] Solved and encoded at once: the bytes of a part depend on it.
+#: [cells] Solved and encoded at once: the bytes of a shard depend on it.
 ROW_GROUP: Final = BLOCK
 
+# [cells] of a shard, unless asked for: seconds of work, some tens of megabytes. Means of bodies that bounce,
+# and searches for other motions, take up to some ms a cell: there a shard takes about a minute.
+_SHARD_CELLS: Final = 1_000_000
+_DEAR_SHARD_CELLS: Final = 20_000
+
 _FORMATS: Final = "vibro sweep "
-_FORMAT: Final = f"{_FORMATS}1"
+_FORMAT: Final = f"{_FORMATS}2"
+_OLD_FORMAT: Final = f"{_FORMATS}1"
 # Keys left out of the fingerprint: command line, settings of pictures, values that follow from others.
 _BESIDE: Final = ("argv", "name", "own", "parts", "fingerprint")
 
@@ -56,13 +61,20 @@ def check_arrow() -> None:
 
 @cache
 def versions() -> Mapping[str, str]:
-    """Return the versions of all libraries that decide a part's bytes."""
+    """Return the versions of all libraries that decide a shard's bytes."""
     return {"vibro": __version__, **{name: version(name) for name in ("numpy", "scipy", "pyarrow")}}
+
+
+def usual_shard_cells(grid: Grid) -> int:
+    """Return how many cells a shard has where nobody asks for a number: fewer where cells are dear."""
+    restitution = grid.axes["restitution"].values if "restitution" in grid.axes else grid.fixed["restitution"]
+    dear = grid.flight and (grid.coexistence or np.any(restitution))
+    return _DEAR_SHARD_CELLS if dear else _SHARD_CELLS
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A sweep, cut into parts.
+    """A sweep, cut into shards.
 
     Attributes
     ----------
@@ -70,86 +82,79 @@ class Plan:
         The grid. Cells are numbered through, the last axis fastest.
     table : Table
         The columns written.
-    part_cells : int
-        Cells of each part; the last may have fewer.
+    shard_cells : int
+        Cells of each shard; the last may have fewer.
     name : str
         Name of the scene.
     own : mapping of str to float
         The scene's own values, in the user's units, for pictures.
-    versions : mapping of str to str
-        Versions of the libraries that make the parts.
+    content : mapping
+        What the manifest says, without the run that began it; with ``fingerprint``, which is equal for two
+        plans whose shards are the same.
     """
 
     grid: Grid
     table: Table
-    part_cells: int
+    shard_cells: int
     name: str
     own: Mapping[str, float]
-    versions: Mapping[str, str]
+    content: Mapping[str, Any] = field(repr=False)
 
-    @property
-    def parts(self) -> int:
-        """Number of parts."""
-        return -(-self.grid.size // self.part_cells)
+    @classmethod
+    def of(
+        cls, grid: Grid, table: Table, shard_cells: int | None, name: str, own: Mapping[str, float]
+    ) -> Self:
+        """Make the plan of a sweep, in shards of the usual size unless that is given.
 
-    def range_of(self, part: int) -> tuple[int, int]:
-        """Return the first cell of a part, and the one after its last."""
-        return part * self.part_cells, min((part + 1) * self.part_cells, self.grid.size)
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """Fingerprint, equal for two plans whose parts are the same."""
-        return _fingerprint(self.content)
-
-    @property
-    def content(self) -> dict[str, Any]:
-        """Content of the manifest, without the run that began it."""
-        grid, table = self.grid, self.table
-        described = grid.describe()
-        return {
+        Raises
+        ------
+        InputError
+            If there would be more shards than names can number.
+        """
+        cells = shard_cells or usual_shard_cells(grid)
+        shards = -(-grid.size // cells)
+        if shards > MOST_SHARDS:
+            raise InputError(
+                f"shard_cells={cells}: {grid.size} cells would be {shards} shards, more than {MOST_SHARDS}",
+                hint=f"give at least shard_cells={-(-grid.size // MOST_SHARDS)}",
+            )
+        content = {
             "format": _FORMAT,
-            "versions": dict(self.versions),
-            "name": self.name,
-            "axes": [
-                {"column": axis.column, "spacing": axis.spacing, "values": axis.values.tolist()}
-                for axis in grid.axes.values()
-            ],
-            "scene": described["scene"],
-            **({"motion": described["motion"]} if "motion" in described else {}),
-            "own": dict(self.own),
-            "accuracy": grid.level.value,
-            "flight": grid.flight,
-            "coexistence": grid.coexistence,
-            "part": dict(table.part),
-            "digits": table.digits,
-            "columns": {column.name: column.unit for column in table.columns},
-            "cells": grid.size,
-            "part_cells": self.part_cells,
+            "versions": dict(versions()),
+            "name": name,
+            "own": dict(own),
+            **sweep_record(grid, table, every_value=True),
+            "shard_cells": cells,
             "row_group_cells": ROW_GROUP,
-            "parts": [
-                {"file": part_name(part), "first_cell": first, "cells": end - first}
-                for part in range(self.parts)
-                for first, end in [self.range_of(part)]
-            ],
         }
+        content["fingerprint"] = _fingerprint(content)
+        return cls(grid, table, cells, name, own, content)
+
+    @property
+    def shards(self) -> int:
+        """Number of shards."""
+        return -(-self.grid.size // self.shard_cells)
+
+    @property
+    def fingerprint(self) -> str:
+        """Fingerprint of everything that decides the shards' bytes."""
+        return str(self.content["fingerprint"])
+
+    @property
+    def is_old(self) -> bool:
+        """Whether an older version wrote the manifest: it can be read, not resumed."""
+        return bool(self.content["format"] == _OLD_FORMAT)
+
+    def range_of(self, shard: int) -> tuple[int, int]:
+        """Return the first cell of a shard, and the one after its last."""
+        return shard * self.shard_cells, min((shard + 1) * self.shard_cells, self.grid.size)
 
     def manifest(self, argv: Sequence[str]) -> str:
         """Return the manifest of a run with these arguments."""
-        content = {**self.content, "argv": list(argv), "fingerprint": self.fingerprint}
-        return json.dumps(content, indent=1, allow_nan=False) + "\n"
-
-    def check(self) -> None:
-        """Refuse more parts than names can number."""
-        if self.parts > MOST_PARTS:
-            least = -(-self.grid.size // MOST_PARTS)
-            raise InputError(
-                f"part cells = {self.part_cells}: {self.grid.size} cells would be {self.parts} parts,"
-                f" more than {MOST_PARTS}",
-                hint=f"give at least {least}",
-            )
+        return json.dumps({**self.content, "argv": list(argv)}, indent=1, allow_nan=False) + "\n"
 
     def differences(self, other: Plan) -> list[str]:
-        """List how the plan in the folder differs from this one, as far as it changes the parts."""
+        """List how the plan in the folder differs from this one, as far as it changes the shards."""
         there, here = _counted(other.content), _counted(self.content)
         told = []
         for key in dict.fromkeys([*here, *there]):
@@ -200,41 +205,43 @@ def read_plan(text: str, path: object) -> Plan:
         If it is no manifest of a sweep, or was changed after it was written.
     """
     content = check_manifest(text, path)
-    if content["format"] != _FORMAT:
+    if content["format"] not in (_FORMAT, _OLD_FORMAT):
         raise FileError(f"{path}: {content['format']} is not known here", hint="use the vibro that wrote it")
     try:
+        if _fingerprint(content) != content["fingerprint"]:  # first: changed numbers may ask for endless work
+            raise ValueError("fingerprint")
         return _plan_of(content)
     except (LookupError, TypeError, ValueError, AttributeError, VibroError):
         raise FileError(
             f"{path} is damaged, or was changed after it was written",
-            hint="put back what was there, or start anew with --force",
+            hint="put back what was there, or start anew with force=True",
         ) from None
 
 
 def _plan_of(content: Mapping[str, Any]) -> Plan:
-    """Make a plan of a manifest; ValueError if it was changed after it was written."""
-    if _fingerprint(content) != content["fingerprint"]:  # first: changed numbers may ask for endless work
-        raise ValueError("fingerprint")
     known = {quantity.column: quantity for quantity in QUANTITIES.values()}
-    quantities = [known[entry["column"]] for entry in content["axes"]]
-    axes = {
-        quantity.name: Axis(quantity.name, np.array(entry["values"], np.float64), entry["spacing"])
-        for quantity, entry in zip(quantities, content["axes"], strict=True)
-    }
+    axes = {}
+    for column, entry in _axes_of(content):
+        name = known[column].name
+        axes[name] = Axis(name, np.array(entry["values"], np.float64), entry["spacing"])
     scene = {known[column].name: float(value) for column, value in content["scene"].items()}
     length = scene.pop("trough_length", None)
     motion = motion_of(content["motion"]) if "motion" in content else None
     solved = Level(content["accuracy"]), content["flight"], content["coexistence"]
     grid = Grid(axes, scene, length, *solved, motion=motion)
-    part = content["part"]
+    part = content.get("part", {})
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if "pitch_mm" in part else ()
     columns = chosen(list(content["columns"]), columns_of(axes, *extra, drive=grid.drive))
     table = Table(columns, content["digits"], part)
     own = {str(name): float(value) for name, value in content["own"].items()}
-    plan = Plan(grid, table, content["part_cells"], str(content["name"]), own, content["versions"])
-    if plan.fingerprint != content["fingerprint"] or plan.content["parts"] != content["parts"]:
-        raise ValueError("content")
-    return plan
+    cells = content["part_cells" if content["format"] == _OLD_FORMAT else "shard_cells"]
+    return Plan(grid, table, cells, str(content["name"]), own, content)
+
+
+def _axes_of(content: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+    if content["format"] == _OLD_FORMAT:
+        return [(entry["column"], entry) for entry in content["axes"]]
+    return list(content["axes"].items())
 
 
 def _fingerprint(content: Mapping[str, Any]) -> str:
@@ -246,7 +253,7 @@ def _text(value: Any) -> str:
 
 
 def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the parts of a manifest that the fingerprint covers, with the order of columns."""
+    """Return what the fingerprint covers of a manifest, with the order of columns."""
     counted = {key: value for key, value in content.items() if key not in _BESIDE}
     return {**counted, "columns": list(content["columns"].items())}
 

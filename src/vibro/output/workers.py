@@ -18,7 +18,6 @@ from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any, Final, Self
 
 from vibro.errors import FileError, VibroError
-from vibro.interrupts import HeldOff, Undone
 from vibro.memory import retain_freed_memory
 from vibro.parallel import cores
 
@@ -66,6 +65,9 @@ class Workers(ABC):
             Here or by the future, if the worker was lost: another one may do the task.
         """
 
+    def check(self) -> None:  # noqa: B027
+        """Look whether anybody is left who could do the work."""
+
 
 class Threads(Workers):
     """Threads of this process, each with its own part while there are enough.
@@ -104,23 +106,20 @@ class Processes(Workers):
     def __init__(self, number: int) -> None:
         self.number = number
         self.threads = max(1, cores() // number)
-        self._undone = Undone(_kill_children)
 
     def __enter__(self) -> Self:
         _start_tracker()
         # A forked process would inherit the lock of the folder, and locks held by other threads.
         context = multiprocessing.get_context("spawn")
         self._pool = ProcessPoolExecutor(self.number, context, initializer=_begin_worker)
-        self._undone.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._pool.shutdown(cancel_futures=True)
-        self._undone.__exit__()
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
         """Submit a task; processes that this starts leave interrupts to this one."""
-        with HeldOff(), _without_interrupts():
+        with _without_interrupts():
             return self._pool.submit(work, *args)
 
 
@@ -224,7 +223,9 @@ class Cluster(Workers):
             logging.getLogger(name).setLevel(level)
 
 
-def workers_of(parts: int, processes: int | None, scheduler: str | None) -> Workers:
+def workers_of(
+    parts: int, processes: int | None, scheduler: str | None, tell: Callable[[str], None] = print
+) -> Workers:
     """Return workers for so many parts: threads unless processes or a scheduler are asked for."""
     if scheduler is not None:
         return Cluster(scheduler)
@@ -264,13 +265,6 @@ def _start_tracker() -> None:
             resource_tracker.ensure_running()
     finally:
         sys.warnoptions.remove("ignore:resource_tracker")
-
-
-def _kill_children() -> None:
-    """End the processes of a pool, so that their temporary files can be removed."""
-    for child in multiprocessing.active_children():
-        child.kill()
-        child.join()
 
 
 def _begin_worker() -> None:

@@ -1,4 +1,4 @@
-"""Reading a sweep's folder: its manifest, and the requested cells of its Parquet parts."""
+"""Reading a sweep's folder: its manifest, and the requested cells of its shards."""
 
 from __future__ import annotations
 
@@ -9,29 +9,30 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from vibro.errors import FileError, cut, shown
-from vibro.files.part_sets import MANIFEST, SUCCESS, part_name
-from vibro.sweeps.gathered import gathering
-from vibro.sweeps.parts import place_of, read_footer
-from vibro.sweeps.plan import check_arrow, read_plan
+from vibro.output.gathered import gathering
+from vibro.output.parquet import read_footer
+from vibro.output.plan import check_arrow, read_plan
+from vibro.output.shard_folder import SUCCESS, manifest_of, shard_name
+from vibro.output.shards import place_of
 from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from vibro.output.gathered import Gathered
+    from vibro.output.plan import Plan
+    from vibro.output.selection import Selection
     from vibro.results.sweep import Column
-    from vibro.sweeps.gathered import Gathered
-    from vibro.sweeps.plan import Plan
-    from vibro.sweeps.selection import Selection
 
-__all__ = ["PartFiles", "open_parts"]
+__all__ = ["ShardFiles", "open_shards"]
 
 _REASON: Final = 200  # characters of a library's message
-_WANTED: Final = "give a folder that vibro map --table parquet has written"
-_AGAIN: Final = "run what wrote it again, with --resume, or from Python with resume=True"
+_WANTED: Final = "give a folder that a sweep was written to"
+_AGAIN: Final = "run what wrote it again with resume=True"
 
 
 @dataclass(frozen=True, eq=False)
-class PartFiles:
+class ShardFiles:
     """A finished folder.
 
     Attributes
@@ -54,7 +55,7 @@ class PartFiles:
         return {column.name: column for column in self.plan.table.columns}
 
     def read(self, names: Sequence[str], cells: Selection) -> dict[str, Gathered]:
-        """Read columns of some cells, from those parts and row groups alone that hold them.
+        """Read columns of some cells, from those shards and row groups alone that hold them.
 
         Parameters
         ----------
@@ -71,14 +72,14 @@ class PartFiles:
         Raises
         ------
         FileError
-            If a part cannot be read, or has changed.
+            If a shard cannot be read, or has changed.
         """
         found = {name: gathering(self.columns[name])(cells.size) for name in names}
-        for part in range(self.plan.parts):
-            start, end = self.plan.range_of(part)
+        for shard in range(self.plan.shards):
+            start, end = self.plan.range_of(shard)
             if cells.before(start) == cells.before(end):
                 continue
-            with self.opened(part) as file:
+            with self.opened(shard) as file:
                 for group in range(file.num_row_groups):
                     stop = start + file.metadata.row_group(group).num_rows
                     rows = cells.within(start, stop)
@@ -90,19 +91,19 @@ class PartFiles:
         return found
 
     @contextlib.contextmanager
-    def opened(self, part: int) -> Iterator[Any]:
-        """Open the file of a part and check its footer; the error names a file that cannot be read."""
+    def opened(self, shard: int) -> Iterator[Any]:
+        """Open the file of a shard and check its footer; the error names a file that cannot be read."""
         from pyarrow import ArrowException, parquet
 
-        path = self.folder / part_name(part)
-        expected, (first, end) = place_of(self.plan, part), self.plan.range_of(part)
+        path = self.folder / shard_name(shard)
+        expected, (first, end) = place_of(self.plan, shard), self.plan.range_of(shard)
         try:
             # Opened here: Arrow gives names such as s3: or ~ a special meaning.
             with (
                 path.open("rb") as stream,
                 parquet.ParquetFile(stream, page_checksum_verification=True) as file,
             ):
-                said = read_footer(file.metadata) or {}
+                said = read_footer(file.metadata)
                 for key, value in expected.items():
                     if said.get(key) != value:
                         what = f"its {key.replace('_', ' ')} is {shown(said.get(key))}, not {shown(value)}"
@@ -120,8 +121,8 @@ class PartFiles:
             raise _damaged(path, cut(str(exc), _REASON)) from exc
 
 
-def open_parts(folder: Path) -> PartFiles:
-    """Open a folder, and check that all of its parts are there, and belong to it.
+def open_shards(folder: Path) -> ShardFiles:
+    """Open a folder, and check that all of its shards are there, and belong to it.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ def open_parts(folder: Path) -> PartFiles:
 
     Returns
     -------
-    PartFiles
+    ShardFiles
         With only the footers read so far.
 
     Raises
@@ -142,19 +143,20 @@ def open_parts(folder: Path) -> PartFiles:
     if not folder.is_dir():
         what = "is no folder" if folder.exists() else "is not there"
         raise FileError(f"cannot open {folder}: it {what}", hint=_WANTED)
-    manifest = _text(folder / MANIFEST)
+    path = manifest_of(folder)
+    manifest = _text(path)
     if manifest is None:
-        raise FileError(f"{folder} holds no sweep: there is no {MANIFEST} in it", hint=_WANTED)
-    plan = read_plan(manifest, folder / MANIFEST)
+        raise FileError(f"{folder} holds no sweep: there is no {path.name} in it", hint=_WANTED)
+    plan = read_plan(manifest, path)
     success = _text(folder / SUCCESS)
     if success is None:
-        there = sum((folder / part_name(part)).is_file() for part in range(plan.parts))
-        raise FileError(f"{folder} is not finished: {there} of {plan.parts} parts are there", hint=_AGAIN)
+        there = sum((folder / shard_name(shard)).is_file() for shard in range(plan.shards))
+        raise FileError(f"{folder} is not finished: {there} of {plan.shards} shards are there", hint=_AGAIN)
     check_arrow()
-    files = PartFiles(folder, plan, Tally())
-    for part in range(plan.parts):
-        with files.opened(part) as file:
-            files.tally.include([Tally.read(read_footer(file.metadata) or {})])
+    files = ShardFiles(folder, plan, Tally())
+    for shard in range(plan.shards):
+        with files.opened(shard) as file:
+            files.tally.include([Tally.read(read_footer(file.metadata))])
     _check_success(success, files, folder / SUCCESS)
     return files
 
@@ -171,8 +173,8 @@ def _text(path: Path) -> str | None:
         raise _damaged(path, "it is no text in UTF-8") from exc
 
 
-def _check_success(success: str, files: PartFiles, path: Path) -> None:
-    """Refuse a summary that contradicts the parts."""
+def _check_success(success: str, files: ShardFiles, path: Path) -> None:
+    """Refuse a summary that contradicts the shards."""
     try:
         content: Mapping[str, Any] = json.loads(success)
         said = Tally.read(content)
@@ -181,7 +183,7 @@ def _check_success(success: str, files: PartFiles, path: Path) -> None:
     except (LookupError, TypeError, ValueError, AttributeError) as exc:
         raise _damaged(path, cut(str(exc), _REASON)) from exc
     if said != files.tally:
-        raise _damaged(path, "it counts cells that its parts do not have")
+        raise _damaged(path, "it counts cells that its shards do not have")
 
 
 def _damaged(path: Path, why: str) -> FileError:

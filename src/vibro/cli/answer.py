@@ -1,4 +1,4 @@
-"""From a checked request to its answer: what the commands that write tables share."""
+"""From a checked request to its answer: what the commands that solve sweeps share."""
 
 from __future__ import annotations
 
@@ -10,24 +10,25 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from vibro.cli.console import Console
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import Flight
+from vibro.cli.stems import output_stem
 from vibro.core.codes import Level, Regime, Status
 from vibro.errors import FileError, InputError
-from vibro.files.publication import Publication, json_text
-from vibro.files.stems import output_stem
-from vibro.files.tables import CsvFormat
+from vibro.output.record import json_text, sweep_record
+from vibro.output.run import write_table
+from vibro.output.sinks import new_sink
+from vibro.output.staging import Staging
 from vibro.quantities import QUANTITIES
 from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import records
-from vibro.sweeps.csv_sink import provenance, write_rows
 from vibro.sweeps.one_scene import OneScene, estimate, number
 from vibro.sweeps.run import sweep_blocks
 from vibro.sweeps.tally import Tally
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
-    from pathlib import Path
-    from typing import TextIO
+    from typing import BinaryIO
 
     from matplotlib.figure import Figure
 
@@ -42,10 +43,10 @@ __all__ = [
     "answer_one",
     "answer_sweep",
     "byte_count",
+    "check_stdout",
     "conclude",
     "count",
     "make_grid",
-    "table_stream",
     "tell_peaks",
     "write_sweep",
 ]
@@ -54,7 +55,6 @@ _ROWS_OF_A_SHEET: Final = 1_048_576
 # [B] What cells with their separator come to, rounded up: exact numbers that vary; texts, numbers that do not
 # vary, and those that do where bodies hop alone.
 _LONG, _SHORT = 19, 8
-_UNRESOLVED: Final = 3  # exit code
 
 
 @dataclass(frozen=True)
@@ -74,13 +74,6 @@ class Pictures:
     names: Sequence[str]
     formats: Sequence[str]
     draw: Callable[[], Mapping[str, Figure]]
-
-    def saver(self) -> Callable[[str, Path, str, Mapping[str, str]], None]:
-        """Draw, and return what writes the figures by name."""
-        from vibro.plots import save
-
-        figures = self.draw()
-        return lambda name, path, form, metadata: save(figures[name], path, form, metadata)
 
 
 def count(number: int) -> str:
@@ -114,9 +107,10 @@ def write_sweep(
     console: Console,
     name: str,
     pictures: Pictures | None = None,
-    look: Callable[[Block], None] | None = None,
+    look: Callable[[Block], None] = lambda block: None,
+    form: str = "csv",
 ) -> int:
-    """Solve a grid and write its table, pictures and sidecar.
+    """Solve a grid and write its table, pictures and JSON.
 
     Parameters
     ----------
@@ -136,6 +130,8 @@ def write_sweep(
         What to draw.
     look : callable, optional
         Called with every block of solved cells, in their order.
+    form : str, optional
+        Of the table.
 
     Returns
     -------
@@ -147,36 +143,39 @@ def write_sweep(
     InputError, FileError
         If the grid is too large, or the files cannot be written.
     """
-    form = CsvFormat(options.excel, options.decimal_comma, table.digits)
-    if grid.size > _ROWS_OF_A_SHEET:
+    style = {"excel": options.excel, "decimal_comma": options.decimal_comma} if form == "csv" else {}
+    sink = new_sink(form, **style)
+    if form == "csv" and grid.size > _ROWS_OF_A_SHEET:
         console.warn(
             f"{count(grid.size)} rows are more than the {count(_ROWS_OF_A_SHEET)} of a spreadsheet;"
             " --table parquet suits them better"
         )
-    if options.output == "-":
-        stream = table_stream(json=options.json)
-        with console.progress("solving", grid.size) as report:
-            tally = write_rows(grid, table.columns, form, stream, report, look)
-        return conclude(tally, grid, console)
 
-    names = pictures.names if pictures else ()
-    formats = pictures.formats if pictures else ()
-    stem = output_stem(options.output, name)
-    with Publication(
-        stem,
-        argv,
+    def write(file: BinaryIO) -> Tally:
+        with console.progress("solving", grid.size) as report:
+            return write_table(grid, table, sink, file, argv, report=report, look=look)
+
+    if options.output == "-":
+        check_stdout(json=options.json)
+        return conclude(write(sys.stdout.buffer), grid, console)
+
+    with Staging(
+        output_stem(options.output, name),
         force=options.force,
-        tell=console.echo,
-        pictures=names,
-        formats=formats,
+        tables={"": form},
+        pictures=pictures.names if pictures else (),
+        formats=pictures.formats if pictures else (),
         reads=[options.scene],
     ) as files:
-        _check_size(grid, _row_bytes(grid, table), files)
-        with files.table() as stream, console.progress("solving", grid.size) as report:
-            tally = write_rows(grid, table.columns, form, stream, report, look)
-        content = files.finish(provenance(grid, table, tally), pictures.saver() if pictures else None)
+        if form == "csv":
+            _check_size(grid, _row_bytes(grid, table), files)
+        with files.table().open("wb") as file:
+            tally = write(file)
+        content = sweep_record(grid, table, tally.told())
+        record = files.finish(argv, content, pictures.draw() if pictures else {})
+    console.echo_all(files.told)
     if options.json:
-        print(json_text(content))
+        print(json_text(record))
     return conclude(tally, grid, console)
 
 
@@ -245,26 +244,27 @@ def answer_one(
     InputError, FileError
         If the files cannot be written.
     """
-    if options.output is not None:
-        # JSON on stdout is the answer here, not the sidecar.
+    blocks: list[Block] = []
+    if options.output is None:
+        blocks += sweep_blocks(grid)
+    else:
+        # JSON on stdout is the answer here, not the description of the files.
         quiet = replace(options, json=options.json and options.output == "-")
-        code = write_sweep(grid, table, quiet, argv, Console(quiet=options.quiet), name)
+        code = write_sweep(grid, table, quiet, argv, Console(quiet=options.quiet), name, look=blocks.append)
         if options.output == "-":
             return code
-    (block,) = sweep_blocks(grid)
+    (block,) = blocks
     if options.json:
         print(json_text(next(records(answer or table, block))))
     else:
         print(report(OneScene(block)))
-    return _UNRESOLVED if block.cycle.status == Status.UNRESOLVED else 0
+    return ExitCode.UNRESOLVED if block.cycle.status == Status.UNRESOLVED else ExitCode.DONE
 
 
-def table_stream(*, json: bool) -> TextIO:
-    """Return stdout for a table alone: in UTF-8, with line ends as they are written."""
+def check_stdout(*, json: bool) -> None:
+    """Refuse JSON on stdout beside a table."""
     if json:
         raise InputError("--json and -o - both want stdout", hint="leave one of them out")
-    sys.stdout.reconfigure(encoding="utf-8", newline="")  # type: ignore[union-attr]
-    return sys.stdout
 
 
 def _row_bytes(grid: Grid, table: Table) -> int:
@@ -275,7 +275,7 @@ def _row_bytes(grid: Grid, table: Table) -> int:
     return sum(_SHORT if column.name in short else long for column in table.columns)
 
 
-def _check_size(grid: Grid, row_bytes: int, files: Publication) -> None:
+def _check_size(grid: Grid, row_bytes: int, files: Staging) -> None:
     free, needed = files.free_space(), grid.size * row_bytes
     if needed > free:
         sizes = f"about {byte_count(needed)}, but only {byte_count(free)} are free"
@@ -330,4 +330,4 @@ def conclude(tally: Tally, grid: Grid, console: Console) -> int:
             if tally.regime[regime]:
                 console.echo(f"{regime.label or 'no regime':>12} {tally.regime[regime] / size:7.1%}")
         tell_peaks(tally, grid, console)
-    return _UNRESOLVED if tally.status[Status.UNRESOLVED] else 0
+    return ExitCode.UNRESOLVED if tally.status[Status.UNRESOLVED] else ExitCode.DONE

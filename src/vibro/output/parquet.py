@@ -1,31 +1,34 @@
-"""A solved block as a Parquet row group: exact numbers, nulls where there is none, texts by dictionaries."""
+"""Tables as Parquet, a row group a block: exact numbers, nulls where there is none, texts by dictionaries."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 from inspect import signature
 from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import numpy as np
 
 from vibro.files.tables import rounded_cells
+from vibro.output.plan import ROW_GROUP
 from vibro.quantities import BY_COLUMN, DRIVES, QUANTITIES, SWEPT
-from vibro.sweeps.plan import ROW_GROUP
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.columns import Table
+    from vibro.sweeps.grid import Grid
 
-__all__ = ["HashedFile", "open_writer", "row_group", "schema_of"]
+__all__ = ["HashedFile", "Parquet", "read_footer"]
 
 # Of zstd: higher levels take longer and save next to nothing (benchmarks/sweeps.py --encodings).
 _LEVEL: Final = -1
 # [cells] of a page: compression starts anew with each, and larger pages do not fit into the core's cache.
 _PAGE: Final = ROW_GROUP // 2
+_FOOTER: Final = b"vibro"  # key of the record in a footer
 # Inputs: no cell lacks them.
 _GIVEN: Final = frozenset(QUANTITIES[name].column for name in (*SWEPT, *DRIVES))
 
@@ -73,15 +76,44 @@ class HashedFile:
         self.closed = True
 
 
-def schema_of(columns: Sequence[Column]) -> Any:
-    """Return pyarrow's schema of a table with these columns."""
-    import pyarrow as arrow
+class Parquet:
+    """Parquet; the bytes follow from the cells and the record alone."""
 
-    return arrow.schema([_field(column, arrow) for column in columns])
+    def open(self, file: Any, grid: Grid, table: Table) -> None:
+        """Begin a file."""
+        import pyarrow as arrow
+
+        self._table = table
+        self._schema = arrow.schema([_field(column, arrow) for column in table.columns])
+        self._writer = _open_writer(file, self._schema)
+
+    def write(self, block: Block) -> None:
+        """Write cells as one row group."""
+        import pyarrow as arrow
+
+        arrays = [_array(column, block, self._table.digits, arrow) for column in self._table.columns]
+        self.copy(arrow.table(arrays, schema=self._schema))
+
+    def copy(self, cells: Any) -> None:
+        """Write cells that pyarrow has read as one row group."""
+        self._writer.write_table(cells, ROW_GROUP)
+
+    def close(self, record: Mapping[str, Any] | None = None) -> None:
+        """End the file, once; its footer has the record with a checksum, as Parquet has none of it."""
+        if record is not None:
+            text = json.dumps(record)
+            footer = {**record, "sha256": hashlib.sha256(text.encode()).hexdigest()}
+            self._writer.add_key_value_metadata({_FOOTER: json.dumps(footer)})
+        self._writer.close()
 
 
-def open_writer(sink: Any, schema: Any) -> Any:
-    """Return pyarrow's writer of a table with this schema; one file, whose bytes follow from its cells."""
+def read_footer(metadata: Any) -> dict[str, Any]:
+    """Return the record in the footer of a file, with its checksum; empty if it has none."""
+    content: dict[str, Any] = json.loads((metadata.metadata or {}).get(_FOOTER, b"{}"))
+    return content
+
+
+def _open_writer(sink: Any, schema: Any) -> Any:
     import pyarrow as arrow
     from pyarrow import parquet
 
@@ -104,14 +136,6 @@ def open_writer(sink: Any, schema: Any) -> Any:
         write_batch_size=_PAGE,
         **rows,
     )
-
-
-def row_group(table: Table, block: Block, schema: Any) -> Any:
-    """Make a block one row group: pyarrow's table of its cells, by this schema."""
-    import pyarrow as arrow
-
-    arrays = [_array(column, block, table.digits, arrow) for column in table.columns]
-    return arrow.table(arrays, schema=schema)
 
 
 def _field(column: Column, arrow: Any) -> Any:

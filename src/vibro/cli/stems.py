@@ -1,4 +1,4 @@
-"""Stems: what users call a set of output files, before its suffixes."""
+"""Stems: what ``-o`` names, before the suffixes of the files."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ from pathlib import Path
 from typing import Final
 
 from vibro.errors import FileError, InputError
+from vibro.output.names import PICTURE_FORMATS
+from vibro.output.sinks import FORMS
 
-__all__ = ["PICTURES", "PICTURE_FORMATS", "file_suffix", "output_stem", "suffixed"]
-
-#: Every picture of a map or a design that has a name of its own, and the formats that pictures may have.
-PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight", "band")
-PICTURE_FORMATS: Final = ("png", "svg", "pdf")
+__all__ = ["output_stem"]
 
 _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
-_SUFFIXES: Final = (".csv", ".json", *(f".{form}" for form in PICTURE_FORMATS))
+_SUFFIXES: Final = (*(f".{form}" for form in (*FORMS, *PICTURE_FORMATS)), ".json")
 
 
 def output_stem(output: str | None, name: str) -> Path:
@@ -31,7 +29,7 @@ def output_stem(output: str | None, name: str) -> Path:
     Returns
     -------
     Path
-        Suffixes are appended to it by ``suffixed``.
+        Suffixes are appended to it.
 
     Raises
     ------
@@ -74,13 +72,3 @@ def output_stem(output: str | None, name: str) -> Path:
     if exists and not path.is_file():
         raise FileError(f"{given}: it is neither a file nor a folder", hint="-o - writes the table to stdout")
     return path
-
-
-def suffixed(stem: Path, suffix: str) -> Path:
-    """Append a suffix to a stem, whatever dots the stem has: ``run1.5`` becomes ``run1.5.csv``."""
-    return stem.with_name(stem.name + suffix)
-
-
-def file_suffix(name: str, form: str) -> str:
-    """Return what a table or a picture appends to the stem; the only one of its kind may have no name."""
-    return f"-{name}.{form}" if name else f".{form}"

@@ -1,0 +1,24 @@
+"""Names of output files: suffixes that are appended to a stem, whatever dots that has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["PICTURES", "PICTURE_FORMATS", "file_suffix", "suffixed"]
+
+#: Every picture of a map or a design that has a name of its own, and the formats that pictures may have.
+PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight", "band")
+PICTURE_FORMATS: Final = ("png", "svg", "pdf")
+
+
+def suffixed(stem: Path, suffix: str) -> Path:
+    """Append a suffix to a stem: ``run1.5`` becomes ``run1.5.csv``."""
+    return stem.with_name(stem.name + suffix)
+
+
+def file_suffix(name: str, form: str) -> str:
+    """Return what a table or a picture appends to the stem; the only one of its kind may have no name."""
+    return f"-{name}.{form}" if name else f".{form}"

@@ -1,0 +1,63 @@
+"""The description of a run: what was asked for, how, and how many cells of each kind came out.
+
+The JSON beside a table, the manifest of a folder of Parquet files and the metadata of pictures all have it.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from vibro import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from vibro.sweeps.columns import Table
+    from vibro.sweeps.grid import Grid
+
+__all__ = ["json_text", "picture_metadata", "run_record", "sweep_record"]
+
+
+def sweep_record(
+    grid: Grid, table: Table, counts: Mapping[str, Any] | None = None, *, every_value: bool = False
+) -> dict[str, Any]:
+    """Describe a sweep: enough to run it again.
+
+    Parameters
+    ----------
+    grid : Grid
+        What is solved.
+    table : Table
+        What is written.
+    counts : mapping, optional
+        What ``Tally.told`` says of the cells.
+    every_value : bool
+        Whether every value of an axis is listed, not only those that do not follow from its ends.
+    """
+    return {
+        **grid.describe(every_value=every_value),
+        **({"part": dict(table.part)} if table.part else {}),
+        "accuracy": grid.level.value,
+        "flight": grid.flight,
+        "coexistence": grid.coexistence,
+        "cells": grid.size,
+        **(counts or {}),
+        "columns": {column.name: column.unit for column in table.columns},
+        "digits": table.digits,
+    }
+
+
+def run_record(argv: Sequence[str], content: Mapping[str, Any]) -> dict[str, Any]:
+    """Add to a description which version made it, from which arguments of the command."""
+    return {"version": __version__, "argv": ["vibro", *argv], **content}
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """Write JSON for people; numbers that JSON does not know are refused."""
+    return json.dumps(content, indent=2, allow_nan=False)
+
+
+def picture_metadata(content: Mapping[str, Any]) -> dict[str, str]:
+    """Return what a picture carries of a description."""
+    return {"Software": f"vibro {__version__}", "Description": json.dumps(content, allow_nan=False)}
