@@ -159,14 +159,14 @@ def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
     [
         (
             ("map", "-A", "0.1:3:1000000", "-f", "5:60:1000000", *NUT_ANGLE_AND_FRICTION),
-            "error: 1000000 x 1000000 = 1 000 000 000 000 cells are about 275 TB, but only 100 B are free",
+            "error: 1000000 x 1000000 = 1 000 000 000 000 cells are about 283 TB, but only 100 B are free",
         ),
-        (TABLE, "error: 3 x 3 = 9 cells are about 2.65 kB, but only 100 B are free in new"),
+        (TABLE, "error: 3 x 3 = 9 cells are about 2.79 kB, but only 100 B are free in new"),
         (
             (*SMALL, "--columns", "amplitude_mm,mean_velocity_mm_s,regime", "--digits", "4"),
             "error: 3 x 3 = 9 cells are about 180 B, but only 100 B are free in new",
         ),
-        (("solve", *NUT), "error: one cell is about 253 B, but only 100 B are free in new"),
+        (("solve", *NUT), "error: one cell is about 261 B, but only 100 B are free in new"),
     ],
 )
 def test_what_the_disk_cannot_hold_is_refused_with_its_size(
@@ -204,9 +204,9 @@ def test_a_trough_shorter_than_the_stroke_is_questioned_once(
 @pytest.mark.parametrize(
     ("axes", "hint"),
     [
-        (("-A", "0.1:3:1000000", "-f", "5:60:1000000"), "ask for at most 36 363 cells, such as 190 x 190,"),
-        (("-A", "0.1:3:1000000", "-f", "20,30,40"), "ask for at most 36 363 cells, such as 12000 x 3,"),
-        (("-A", "0.1:3:1000000", "-f", "20"), "ask for at most 37 878 cells,"),
+        (("-A", "0.1:3:1000000", "-f", "5:60:1000000"), "ask for at most 35 335 cells, such as 180 x 180,"),
+        (("-A", "0.1:3:1000000", "-f", "20,30,40"), "ask for at most 35 335 cells, such as 11000 x 3,"),
+        (("-A", "0.1:3:1000000", "-f", "20"), "ask for at most 36 764 cells,"),
     ],
 )
 def test_a_grid_that_is_too_large_is_told_what_would_fit(

@@ -11,6 +11,7 @@ system: next to a lock of another system nothing is removed.
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import os
 import platform
@@ -29,6 +30,8 @@ __all__ = ["PREFIX", "Hidden", "hidden_folder"]
 
 PREFIX: Final = ".vibro-"
 _LOCK: Final = "lock-"
+# How file systems say that they have no locks.
+_NO_LOCKS: Final = {errno.ENOSYS, errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP}
 # A run that leaves, or looks whether another has ended, holds the lock for a moment.
 _ATTEMPTS: Final = 30
 _PAUSE: Final = 0.01  # [s]
@@ -75,6 +78,7 @@ class Hidden:
         self._lock_path = folder / f"{_LOCK}{_system()}"
         # Without a fallback: locks of files alone tell by process numbers whether their holder is alive.
         self._lock = FileLock(self._lock_path, timeout=0, thread_local=False, fallback_to_soft=False)
+        self._held = False
         self._made: list[Path] = []
         self._on_end = OnEnd(self._leave)
 
@@ -98,12 +102,13 @@ class Hidden:
             try:
                 self._make_folders()
                 self._lock.acquire()
-            except (Timeout, FileNotFoundError):  # another run has it, or has just removed a folder
+            except (Timeout, FileNotFoundError, FileExistsError):  # another run has it, or has just left
                 time.sleep(_PAUSE)
                 continue
-            except OSError:
-                # A file system without locks: the folder itself says that it is taken.
-                if self._folder not in self._made:
+            except OSError as exc:
+                if exc.errno not in _NO_LOCKS:
+                    raise
+                if self._folder not in self._made:  # the folder itself says that it is taken
                     break
             foreign = [path for path in self._others() if path.name.startswith(_LOCK)]
             if foreign:
@@ -114,6 +119,7 @@ class Hidden:
             for path in self._others():
                 shutil.rmtree(path)
             self.path.mkdir()
+            self._held = True
             return
         raise FileError(
             f"another run is writing {self._what} at this moment",
@@ -133,7 +139,7 @@ class Hidden:
     def _leave(self) -> None:
         shutil.rmtree(self.path, ignore_errors=True)
         emptied = list(self._made)
-        if self._lock.is_locked:
+        if self._held or self._lock.is_locked:
             # Before it is released, as whoever gets it next finds that it is gone; Windows removes it then.
             with contextlib.suppress(OSError):
                 self._lock_path.unlink()
