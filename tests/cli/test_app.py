@@ -136,12 +136,12 @@ def test_faults_are_told_in_one_line_and_leave_nothing(
 
 def test_existing_files_are_known_before_computing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("nut-speed.png").touch()
-    monkeypatch.setattr("vibro.sweeps.csv_sink.sweep_blocks", None)
+    monkeypatch.setattr("vibro.output.run.sweep_blocks", None)
     result = run(*SMALL, "-o", "nut")
     assert result.exit_code == 1
     assert result.stderr.endswith(
-        "error: nut-speed.png exists already, but no nut.json: a run did not end there\n"
-        "hint: replace with --force, or choose another name with -o\n"
+        "error: nut-speed.png exists already, but no nut.json: that is left of an interrupted run\n"
+        "hint: replace with --force, or choose another name\n"
     )
     assert [path.name for path in Path().iterdir()] == ["nut-speed.png"]
 
@@ -151,7 +151,7 @@ def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
     result = run(*SMALL, "-o", "out/nut")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-2].startswith("error: cannot write to out: ")
-    assert result.stderr.endswith("hint: out is a file\n")
+    assert result.stderr.endswith("hint: out is a file; choose another place\n")
 
 
 @pytest.mark.parametrize(
@@ -172,7 +172,7 @@ def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
 def test_what_the_disk_cannot_hold_is_refused_with_its_size(
     run: Run, monkeypatch: pytest.MonkeyPatch, args: tuple[str, ...], said: str
 ) -> None:
-    monkeypatch.setattr("vibro.files.publication.Publication.free_space", lambda _: 100)
+    monkeypatch.setattr("vibro.output.staging.Staging.free_space", lambda _: 100)
     result = run(*args, "-o", "new/nut")
     assert result.exit_code == 1
     assert said in result.stderr
@@ -212,7 +212,7 @@ def test_a_trough_shorter_than_the_stroke_is_questioned_once(
 def test_a_grid_that_is_too_large_is_told_what_would_fit(
     run: Run, monkeypatch: pytest.MonkeyPatch, axes: tuple[str, ...], hint: str
 ) -> None:
-    monkeypatch.setattr("vibro.files.publication.Publication.free_space", lambda _: 10_000_000)
+    monkeypatch.setattr("vibro.output.staging.Staging.free_space", lambda _: 10_000_000)
     result = run("map", *axes, *NUT_ANGLE_AND_FRICTION, "-o", "nut")
     assert result.exit_code == 1
     assert hint in result.stderr.splitlines()[-1]
@@ -221,7 +221,7 @@ def test_a_grid_that_is_too_large_is_told_what_would_fit(
 
 
 def test_more_rows_than_a_sheet_holds_are_a_warning(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.cli.output._ROWS_OF_A_SHEET", 8)
+    monkeypatch.setattr("vibro.cli.answer._ROWS_OF_A_SHEET", 8)
     result = run(*SMALL, "-o", "-")
     assert (
         "warning: 9 rows are more than the 8 of a spreadsheet; --table parquet suits them better\n"
