@@ -30,6 +30,8 @@ from vibro.sweeps.derived import (
     standing,
     throughput,
 )
+from vibro.sweeps.stored import StoredSweep
+from vibro.sweeps.whole import Sweep
 
 ROOT = Path(__file__).parent.parent
 THEORY = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
@@ -100,10 +102,14 @@ def test_the_core_cites_its_equations() -> None:
     assert len(cited(text)) >= 15
 
 
-@pytest.mark.parametrize("name", ["Scene", *(n for n in vibro.__all__ if n[0].islower())])
-def test_the_examples_of_public_names_run(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+METHODS = (Sweep.to_xarray, StoredSweep.to_xarray, vibro.History.to_frame)
+FUNCTIONS = [vibro.Scene, *(getattr(vibro, name) for name in vibro.__all__ if name[0].islower()), *METHODS]
+
+
+@pytest.mark.parametrize("example", FUNCTIONS, ids=lambda example: example.__qualname__)
+def test_the_examples_of_public_names_run(example: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    (test,) = doctest.DocTestFinder(recurse=False).find(getattr(vibro, name), name)
+    (test,) = doctest.DocTestFinder(recurse=False).find(example, example.__qualname__)
     assert test.examples
     assert doctest.DocTestRunner().run(test).failed == 0
 

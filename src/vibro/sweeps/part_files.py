@@ -74,7 +74,8 @@ class PartFiles:
             If a part cannot be read, or has changed.
         """
         found = {name: gathering(self.columns[name])(cells.size) for name in names}
-        for part in range(self.plan.parts):
+        first, last = (cell // self.plan.part_cells for cell in cells.ends)
+        for part in range(first, last + 1):
             start, end = self.plan.range_of(part)
             if cells.before(start) == cells.before(end):
                 continue
