@@ -14,8 +14,9 @@ import numpy as np
 
 from vibro.axes import axis_of
 from vibro.errors import InputError, shown
+from vibro.html_tables import amount, in_numbers
 from vibro.plots.view import index_of
-from vibro.quantities import QUANTITIES
+from vibro.quantities import QUANTITIES, SPEED
 from vibro.results.steady import RESULTS
 from vibro.sweeps.columns import listed
 from vibro.sweeps.datasets import (
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 
     from vibro.axes import Axis
     from vibro.results.steady import Result
-    from vibro.results.sweep import Column, SweepResult
+    from vibro.results.sweep import Column, Peak, SweepResult
     from vibro.sweeps.gathered import Gathered
     from vibro.sweeps.grid import Grid
 
@@ -174,6 +175,21 @@ class StoredSweep(SolvedGrid):
         return dataset(
             self._grid, self._title, found, values, indices=cells.indices, version=version, more=more
         )
+
+    def _summary(self) -> list[tuple[str, str]]:
+        tally = self._parts.tally
+        return [
+            ("folder", f"{self._parts.folder}: {self._parts.plan.parts} files, {len(self.columns)} columns"),
+            ("regime", in_numbers((code.label, n) for code, n in tally.regime.most_common())),
+            ("status", in_numbers((code.label, n) for code, n in tally.status.most_common())),
+            *((name.replace("_", " "), self._told(peak)) for name, peak in tally.peaks.items()),
+        ]
+
+    def _told(self, peak: Peak) -> str:
+        at = ", ".join(
+            f"{axis.label} {amount(peak.values[name], axis.unit)}" for name, axis in self._grid.axes.items()
+        )
+        return f"{amount(peak.speed, SPEED.unit)}" + (f" at {at}" if at else "")
 
     def _cells(
         self, results: Collection[str], indices: Sequence[NDArray[np.intp]]

@@ -14,6 +14,7 @@ from vibro.core.codes import Level
 from vibro.errors import InputError, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.quantities import BY_COLUMN, QUANTITIES
+from vibro.results.steady import summary
 from vibro.results.sweep import Block
 from vibro.scene import Scene
 from vibro.steady import check_switch, level_of
@@ -154,6 +155,9 @@ class Sweep(SolvedGrid):
     def _columns(self, names: Sequence[str] | None) -> tuple[Column, ...]:
         usual = columns_of(self._grid.axes, drive=self._grid.drive)
         return usual if names is None else chosen(names, usual)
+
+    def _summary(self) -> list[tuple[str, str]]:
+        return summary(self.cycle)
 
     def _cells(
         self, results: Collection[str], indices: Sequence[NDArray[np.intp]]
