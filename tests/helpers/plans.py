@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 from unittest import mock
 
-import vibro
 from vibro.files.part_sets import PartSet
-from vibro.sweeps.columns import Table, chosen, columns_of
-from vibro.sweeps.derived import throughput
 from vibro.sweeps.executors import Threads, Workers
 from vibro.sweeps.parted import Summary, agree, make_parts
 from vibro.sweeps.plan import PART_CELLS, Plan, versions
+
+import vibro
+from vibro.sweeps.columns import Table, chosen, columns_of
+from vibro.sweeps.derived import throughput
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -31,8 +32,9 @@ def swept(
     usual: dict[str, Any] = {"amplitude_mm": 1, "frequency_hz": 15, **NUT}
     if {"along_amplitude_mm", "normal_amplitude_mm"} & quantities.keys():
         usual = {key: usual[key] for key in usual if key not in ("amplitude_mm", "drive_angle_deg")}
-    if "friction_ratio" in quantities:
-        del usual["kinetic_friction"]
+    for name, other in (("friction_ratio", "kinetic_friction"), ("stroke_mm", "amplitude_mm")):
+        if name in quantities:
+            del usual[other]
     return vibro.sweep(accuracy=accuracy, flight=flight, coexistence=coexistence, **{**usual, **quantities})
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from helpers.plans import NUT, plan_of
+from vibro.sweeps.plan import read_plan
 
 import vibro
-from vibro.sweeps.plan import read_plan
 
 LINE: dict[str, Any] = {"amplitude_mm": [1, 4], "frequency_hz": 15, **NUT}
 FRICTION: dict[str, Any] = {"static_friction": 0.4, "kinetic_friction": 0.3}

@@ -14,26 +14,27 @@ import numpy as np
 import pandas as pd
 import pyarrow as arrow
 import pytest
+import vibro.sweeps.parted
 from helpers.plans import plan_of, swept, written
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet
+from vibro.files.part_sets import PartSet
+from vibro.sweeps.executors import Processes, Threads
+from vibro.sweeps.parts import Job, Written, check_part, read_footer, solve_piece, write_part
 
-import vibro.sweeps.parted
 from vibro.core.codes import Status
 from vibro.errors import FileError, VibroError
-from vibro.files.part_sets import PartSet
 from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
 from vibro.sweeps.columns import to_frame
-from vibro.sweeps.executors import Processes, Threads
-from vibro.sweeps.parts import Job, Written, check_part, read_footer, solve_piece, write_part
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from vibro.sweeps.plan import Plan
+
     from vibro.sweeps.whole import Sweep
 
 

@@ -11,14 +11,14 @@ import pytest
 from helpers.plans import plan_of, swept
 from hypothesis import given
 from hypothesis import strategies as st
+from vibro.files.part_sets import MOST_PARTS
+from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, read_plan, versions
 
 from vibro.axes import Axis
 from vibro.core.codes import Level
 from vibro.errors import FileError, InputError
-from vibro.files.part_sets import MOST_PARTS
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, read_plan, versions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

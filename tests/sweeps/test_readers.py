@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import polars
 import pytest
+import xarray as xr
 
 import vibro
 
@@ -21,7 +22,7 @@ SCALE = (Path(__file__).parents[2] / "docs" / "scale.md").read_text(encoding="ut
 READERS = re.findall(r"```python\n(.*?)```", SCALE, flags=re.DOTALL)
 
 
-@pytest.mark.parametrize("code", READERS, ids=["pandas", "duckdb", "polars", "vibro"])
+@pytest.mark.parametrize("code", READERS, ids=["pandas", "duckdb", "polars", "vibro", "xarray"])
 def test_what_the_docs_say_of_readers_runs(
     code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -42,6 +43,13 @@ def test_what_the_docs_say_of_readers_runs(
     elif isinstance(found, duckdb.DuckDBPyRelation):
         most = frame[frame["amplitude_mm"] < 1].groupby("regime", observed=True)["throw_number"].max()
         assert dict(found.fetchall()) == most.to_dict()
+    elif isinstance(found, xr.DataArray):
+        hops = frame["regime"].astype("str") == "hopping"
+        shares = hops.groupby([frame["amplitude_mm"], frame["static_friction"]]).mean()
+        np.testing.assert_allclose(found.values.ravel(), shares, rtol=1e-12)
+        assert 0 < found.mean() < 1
+        with xr.open_dataset("wide.nc", engine="h5netcdf") as cells:
+            assert cells.regime.size == len(frame)
     else:
         assert Path("regime.png").read_bytes().startswith(b"\x89PNG")
 

@@ -56,7 +56,7 @@ class Table:
 
 def _given(name: str) -> Column:
     quantity = QUANTITIES[name]
-    return Column(quantity.column, quantity.unit, partial(_quantity, name))
+    return Column(quantity.column, quantity.unit, partial(_quantity, name), meaning=quantity.meaning)
 
 
 def _quantity(name: str, block: Block) -> NDArray[Any]:

@@ -41,6 +41,19 @@ class SolvedGrid(ABC):
         axes = [f"{axis.column} ({len(axis)} values)" for axis in self._grid.axes.values()]
         return f"<{type(self).__name__} of {' x '.join(axes) or 'one operating point'}>"
 
+    def _repr_html_(self) -> str:
+        """Return axes, fixed quantities and a summary of the cells as a table for notebooks."""
+        from vibro.html_tables import amount, html_table
+
+        rows = [tuple(str(axis).split(": ", 1)) for axis in self._grid.axes.values()]
+        fixed = dict(self._grid.fixed)
+        if self._grid.length is not None:
+            fixed["trough_length"] = self._grid.length
+        if self._grid.motion is not None:
+            rows.append(("motion", ", ".join(self._grid.motion.table)))
+        rows += [(QUANTITIES[n].label, amount(x, QUANTITIES[n].unit)) for n, x in fixed.items()]
+        return html_table(repr(self).strip("<>"), [*rows, *self._summary()])
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of values of each axis."""
@@ -108,6 +121,10 @@ class SolvedGrid(ABC):
             )
         result = solved_picture(grid, view.drawn, self._own, self._title, [name], self._cells)
         return map_figures(result, [name], x=view.x.name, y=view.y.name if view.y else None)[name]
+
+    @abstractmethod
+    def _summary(self) -> list[tuple[str, str]]:
+        """Summarise the cells: pairs of a name and a text."""
 
     @abstractmethod
     def _cells(
