@@ -21,6 +21,7 @@ from vibro.cli.console import (
     tolerate_any_encoding,
 )
 from vibro.cli.design import design_command
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.explore import explore_command
 from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
@@ -31,7 +32,7 @@ from vibro.cli.simulate import simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
 from vibro.errors import FileError, InputError, VibroError
-from vibro.interrupts import EXIT_CODE, end_on_signals, ignore_signals
+from vibro.interrupts import end_on_signals, ignore_signals
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -39,8 +40,6 @@ if TYPE_CHECKING:
 __all__ = ["app", "main"]
 
 _OF_COMPLETION = frozenset({"--install-completion", "--show-completion"})
-_FAILED = 1
-_WRONG_INPUT = 2
 _OBJECTS = 100_000  # made before garbage is looked for
 
 
@@ -71,10 +70,10 @@ class _Commands(TyperGroup):
             )
             sys.stdout.flush()
         except KeyboardInterrupt:
-            code = EXIT_CODE
+            code = ExitCode.INTERRUPTED
         except Exception as exc:
             code = _report(exc, argv)
-        if code == EXIT_CODE:  # typer's, too, where signals raise exceptions
+        if code == ExitCode.INTERRUPTED:  # typer's, too, where signals raise exceptions
             print_error(["interrupted"])
         sys.exit(code)
 
@@ -85,13 +84,13 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         tell_traceback(exc)
     if isinstance(exc, InputError):
         print_error(exc.problems, exc.hint)
-        return _WRONG_INPUT
+        return ExitCode.WRONG_INPUT
     if isinstance(exc, FileError):
         print_error([str(exc)], exc.hint)
-        return _FAILED
+        return ExitCode.FAILED
     if isinstance(exc, VibroError):
         print_error([str(exc)])
-        return _WRONG_INPUT
+        return ExitCode.WRONG_INPUT
     if hasattr(exc, "format_message"):  # how typer says that the arguments are wrong
         command = next((arg for arg in argv if not arg.startswith("-")), "")
         known = command if command in _SCENES | _OTHERS else ""
@@ -103,12 +102,12 @@ def _report(exc: Exception, argv: Sequence[str]) -> int:
         if not isinstance(exc, BrokenPipeError):
             what = f"read or write {exc.filename}" if exc.filename else "write to stdout"
             print_error([f"cannot {what}: {exc.strerror or exc}"])
-        return _FAILED
+        return ExitCode.FAILED
     if isinstance(exc, MemoryError):
         print_error(["not enough memory"], "ask for fewer values")
-        return _FAILED
+        return ExitCode.FAILED
     print_unexpected(exc)
-    return _FAILED
+    return ExitCode.FAILED
 
 
 app = typer.Typer(
@@ -119,15 +118,7 @@ app = typer.Typer(
 )
 
 
-_EXIT_CODES = """\b
-Exit codes:
-  0    done
-  1    a file or stream could not be read or written
-  2    the input is wrong
-  3    done, but something is unresolved: cells, or the one value asked for
-  4    done, but nothing meets the goal
-  130  interrupted
-"""
+_EXIT_CODES = "\b\nExit codes:\n" + "".join(f"  {code:<3}  {code.meaning}\n" for code in ExitCode)
 
 
 @app.callback(invoke_without_command=True, epilog=_EXIT_CODES)

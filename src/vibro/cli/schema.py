@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import DebugOption, ForceOption, OutputOption, QuietOption, VersionOption
 
 __all__ = ["SchemaOf", "schema_command"]
@@ -44,9 +45,9 @@ def schema_command(
     text = json_text(schema_of(FILES[kind]))
     if output in (None, "-"):
         print(text)
-        return 0
+        return ExitCode.DONE
     stem = output_stem(output, f"vibro-{kind}.schema")
     target = suffixed(stem, ".json")
     with OutputSet(stem, [target], force=force, tell=Console(quiet=quiet).echo) as files:
         files[target].write_text(text + "\n", encoding="utf-8")
-    return 0
+    return ExitCode.DONE
