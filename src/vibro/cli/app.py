@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from vibro.cli.accuracy import accuracy_command
-from vibro.cli.compare import CompareCommand, compare_command
+from vibro.cli.compare import compare_command
 from vibro.cli.completion import check_shell, complete_in_plain_text
 from vibro.cli.console import (
     open_closed_streams,
@@ -31,6 +31,7 @@ from vibro.cli.schema import schema_command
 from vibro.cli.simulate import simulate_command
 from vibro.cli.solve import solve_command
 from vibro.cli.traverse_time import traverse_time_command
+from vibro.cli.words import options_of, speak_in
 from vibro.errors import FileError, InputError, VibroError
 from vibro.interrupts import end_on_signals, ignore_signals
 
@@ -57,6 +58,7 @@ class _Commands(TyperGroup):
     ) -> NoReturn:
         argv = list(sys.argv[1:] if args is None else args)
         tolerate_any_encoding()
+        speak_in({})
         try:
             if _OF_COMPLETION.intersection(argv):
                 check_shell()
@@ -76,6 +78,12 @@ class _Commands(TyperGroup):
         if code == ExitCode.INTERRUPTED:  # typer's, too, where signals raise exceptions
             print_error(["interrupted"])
         sys.exit(code)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command, in whose options errors and warnings speak from now on."""
+        name, command, rest = super().resolve_command(ctx, args)
+        speak_in(options_of(command.params if command else ()))
+        return name, command, rest
 
 
 def _report(exc: Exception, argv: Sequence[str]) -> int:
@@ -150,9 +158,8 @@ _OTHERS: dict[str, Callable[..., int]] = {
     "explore": shares_options(explore_command, of_answer=False),
     "schema": schema_command,
 }
-_CLASSES = {"compare": CompareCommand}
 for _name, _command in _SCENES.items():
-    app.command(_name, cls=_CLASSES.get(_name))(shares_options(_command))
+    app.command(_name)(shares_options(_command))
 for _name, _command in _OTHERS.items():
     app.command(_name)(_command)
 
