@@ -11,6 +11,7 @@ import typer
 
 from vibro.cli.completion import complete_panels
 from vibro.cli.console import Console
+from vibro.cli.exit_codes import ExitCode
 from vibro.cli.options import FormatOption, Options, picture_formats
 from vibro.errors import InputError, cut, shown
 
@@ -139,12 +140,12 @@ def simulate_command(
             content,
         )
     if output.takes_stdout:
-        return 0
+        return ExitCode.DONE
     if options.json:
         print(json.dumps({**content, "phases": _records(history)}, indent=2, allow_nan=False))
     else:
         print(_text(history, follow))
-    return 0
+    return ExitCode.DONE
 
 
 def _tables(history: History, samples: int) -> dict[str, TableColumns]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from vibro.errors import MOST_TOLD, FileError, InputError, cut, shown
+from vibro.errors import MOST_TOLD, FileError, InputError, cut, did_you_mean, shown
 from vibro.files.descriptions import FILES
 from vibro.files.nearby import suggestion
 
@@ -148,7 +147,7 @@ def refuse_other_kinds(content: Mapping[str, Any], file: FileKind, path: Path) -
     for other in FILES.values():
         required = {name for name, kind in other.tables.items() if kind.required}
         if required <= content.keys() and _count_unknown(content, other) < _count_unknown(content, file):
-            raise InputError(f"{path}: this is {other.meaning}", hint=f"run vibro {other.command} {path}")
+            raise InputError(f"{path}: this is {other.meaning}", hint=f'run vibro.{other.function}("{path}")')
 
 
 def _count_unknown(content: Mapping[str, Any], file: FileKind) -> int:
@@ -188,7 +187,5 @@ def _refuse_unknown(
     elif len(problems.found) >= MOST_TOLD:
         meant = ""  # the message leaves it out, and each lookup takes 0.1 ms
     else:
-        text = word.casefold() if isinstance(word, str) else ""
-        close = difflib.get_close_matches(text, known, n=1, cutoff=0.5)
-        meant = f"; did you mean {close[0]!r}?" if close else f"; known are {', '.join(known)}"
+        meant = "; " + (did_you_mean(word, known) or f"known are {', '.join(known)}")
     problems.add(f"{what} {shown(word)}{meant}", "" if len(homes) == 1 else hint)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import os
 from abc import ABC, abstractmethod
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vibro.axes import axis_of
 from vibro.core.codes import Level
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, did_you_mean, shown
 from vibro.quantities import BY_COLUMN, QUANTITIES, find_quantity
 from vibro.sweeps.run import solved_picture
 
@@ -156,11 +155,9 @@ def axis_called(called: object, argument: str) -> Quantity:
     """Find the quantity that an argument names by key, name or letter."""
     quantity = find_quantity(str(called))
     if quantity is None or quantity.name == "stroke":
-        close = difflib.get_close_matches(str(called), BY_COLUMN, n=1, cutoff=0.6)
-        guess = f"; did you mean {close[0]}?" if close else ""
         raise InputError(
             f"{argument}: {shown(called)} is no axis",
-            hint=f"axes are called by key, such as amplitude_mm, or letter{guess}",
+            hint=did_you_mean(called, BY_COLUMN) or "axes are called by key, such as amplitude_mm, or letter",
         )
     return quantity
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 import numpy as np
 
 from vibro.core.codes import Level
-from vibro.errors import InputError, shown
+from vibro.errors import InputError, did_you_mean, shown
 from vibro.files.scene_files import SceneFile, read_scene_file
 from vibro.quantities import BY_COLUMN, QUANTITIES
 from vibro.results.steady import summary
@@ -219,7 +218,9 @@ def sweep(
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
     grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
-    check_memory(grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to a file with vibro map")
+    check_memory(
+        grid.shape, _BYTES_PER_CELL, "ask for fewer values, or write them to files by vibro.write_sweep"
+    )
     return Sweep(grid, request.own, request.name or "", grid.solve(grid.values()))
 
 
@@ -227,8 +228,7 @@ def request_of_call(scene_file: str | PathLike[str] | None, quantities: Mapping[
     """Read arguments that are named as the keys of scene files."""
     unknown = [key for key in quantities if key not in BY_COLUMN]
     if unknown:
-        close = difflib.get_close_matches(unknown[0], list(BY_COLUMN), n=1, cutoff=0.5)
-        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(BY_COLUMN)}"
+        hint = did_you_mean(unknown[0], BY_COLUMN) or f"known are {', '.join(BY_COLUMN)}"
         raise InputError(*(f"unknown argument {shown(key)}" for key in unknown), hint=hint)
     given = {BY_COLUMN[key].name: value for key, value in quantities.items()}
     file = None if scene_file is None else _read(scene_file)
