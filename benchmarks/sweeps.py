@@ -36,10 +36,10 @@ from unittest.mock import patch
 
 from vibro.axes import parse_axis
 from vibro.memory import retain_freed_memory
+from vibro.output.workers import Cluster, Processes, Threads, Workers
 from vibro.parallel import cores
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.sweeps.columns import Table, columns_of
-from vibro.sweeps.executors import Cluster, Processes, Threads, Workers
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, versions
 

@@ -16,9 +16,9 @@ from helpers.commands import NUT_ANGLE_AND_FRICTION
 
 from vibro.axes import parse_axis
 from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, part_name
+from vibro.output.workers import Threads, Workers
 from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, columns_of
-from vibro.sweeps.executors import Threads, Workers
 from vibro.sweeps.grid import Grid
 from vibro.sweeps.parted import Progress, agree, make_parts
 from vibro.sweeps.plan import Plan, read_plan, versions

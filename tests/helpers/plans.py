@@ -7,9 +7,9 @@ from unittest import mock
 
 import vibro
 from vibro.files.part_sets import PartSet
+from vibro.output.workers import Threads, Workers
 from vibro.sweeps.columns import Table, chosen, columns_of
 from vibro.sweeps.derived import throughput
-from vibro.sweeps.executors import Threads, Workers
 from vibro.sweeps.parted import Summary, agree, make_parts
 from vibro.sweeps.plan import PART_CELLS, Plan, versions
 

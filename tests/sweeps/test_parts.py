@@ -23,10 +23,10 @@ import vibro.sweeps.parted
 from vibro.core.codes import Status
 from vibro.errors import FileError, VibroError
 from vibro.files.part_sets import PartSet
+from vibro.output.workers import Processes, Threads
 from vibro.quantities import BY_COLUMN
 from vibro.results.sweep import Block
 from vibro.sweeps.columns import to_frame
-from vibro.sweeps.executors import Processes, Threads
 from vibro.sweeps.parts import Job, Written, check_part, read_footer, solve_piece, write_part
 
 if TYPE_CHECKING:

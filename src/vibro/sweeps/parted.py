@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from concurrent.futures import Future
 
-    from vibro.sweeps.executors import Workers
+    from vibro.output.workers import Workers
 
 __all__ = ["Progress", "Summary", "agree", "make_parts"]
 
@@ -242,7 +242,10 @@ class _Run:
     def check_workers(self) -> None:
         """Have a worker check versions and folder before anything is changed."""
         try:
-            self._workers.submit(check_job, self._job).result()
+            future = self._workers.submit(check_job, self._job)
+            while not wait([future], _NOTICED).done:
+                self._workers.check()
+            future.result()
         except BrokenExecutor as exc:
             raise FileError(
                 "workers end as soon as they begin",
@@ -262,6 +265,7 @@ class _Run:
             if not self._running and not lost:
                 return self._summary
             done, _ = wait(self._running, _NOTICED, FIRST_COMPLETED)
+            self._workers.check()
             lost += [task for future in done if (task := self._take(future)) is not None]
             if lost:
                 self._renew(lost)

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from vibro.core.codes import Level
 from vibro.errors import InputError, shown
 from vibro.files.part_sets import PartSet, part_folder
+from vibro.output.workers import workers_of
 from vibro.steady import check_switch, level_of
 from vibro.sweeps.columns import Table, chosen, columns_of
-from vibro.sweeps.executors import workers_of
 from vibro.sweeps.parted import agree, make_parts
 from vibro.sweeps.plan import PART_CELLS, Plan, check_arrow, versions
 from vibro.sweeps.stored import open_sweep
