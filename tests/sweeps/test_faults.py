@@ -34,7 +34,7 @@ from helpers.parted import (
 
 from vibro.errors import FileError
 from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, new_part, part_name
-from vibro.sweeps.executors import Processes, Threads, Workers
+from vibro.output.workers import Processes, Threads, Workers
 from vibro.sweeps.parted import Progress
 from vibro.sweeps.parts import Job, check_part, solve_piece, write_part
 
@@ -87,7 +87,7 @@ def test_a_killed_process_is_replaced(tmp_path: Path) -> None:
 
 
 def test_processes_that_end_at_once_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.sweeps.executors._begin_worker", partial(os._exit, 1))
+    monkeypatch.setattr("vibro.output.workers._begin_worker", partial(os._exit, 1))
     with pytest.raises(FileError, match="workers end as soon as they begin"):
         made(tmp_path / "wide", Processes(1))
     assert not (tmp_path / "wide").exists()
@@ -97,7 +97,7 @@ def test_processes_that_end_again_and_again_end_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def kill_for_good() -> None:
-        monkeypatch.setattr("vibro.sweeps.executors._begin_worker", partial(os._exit, 1))
+        monkeypatch.setattr("vibro.output.workers._begin_worker", partial(os._exit, 1))
         for child in multiprocessing.active_children():
             child.kill()
 
@@ -326,7 +326,7 @@ from pathlib import Path
 from typing import Any
 from helpers.parted import made, resumed, undisturbed
 from vibro.errors import FileError
-from vibro.sweeps.executors import Cluster, Processes, Threads
+from vibro.output.workers import Cluster, Processes, Threads
 
 def check(workers, folder):
     ballast = folder.with_name("ballast")
