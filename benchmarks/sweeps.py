@@ -39,7 +39,6 @@ from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, versions
 
 from vibro.axes import parse_axis
 from vibro.memory import retain_freed_memory
-from vibro.output.workers import Cluster, Processes, Threads, Workers
 from vibro.parallel import cores
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.sweeps.columns import Table, columns_of

@@ -24,7 +24,6 @@ Records and questions:
     wild              wild input for every reader
 Sweeps and files:
     plans, parted     sweeps in parts, and programs that make them
-    clusters          a Dask cluster of this machine, whose members can be killed
     parted_maps       ``vibro map --table parquet`` and its folder
     outputs, writers  sets of output files; writers that are killed
     buffers           where malloc places large buffers

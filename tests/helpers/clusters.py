@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Self
 
-from helpers.parted import LIMIT, until
+from helpers.sharded import LIMIT, until
 
 TTL = "3s"  # after which a worker that says nothing is taken for lost
 

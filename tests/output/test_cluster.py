@@ -1,4 +1,4 @@
-"""Sweeps in parts on a Dask cluster come out the same whatever happens to its workers, or the client."""
+"""Sweeps in shards on a Dask cluster come out the same whatever happens to its workers, or the client."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from helpers.clusters import Dask
 from helpers.commands import POSIX
-from helpers.parted import (
+from helpers.sharded import (
     INTERRUPTED,
     LIMIT,
     NAMESPACE,
@@ -24,7 +24,7 @@ from helpers.parted import (
 )
 
 from vibro.errors import FileError, VibroError
-from vibro.files.part_sets import SUCCESS
+from vibro.output.shard_folder import SUCCESS
 from vibro.output.workers import Cluster
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def test_a_worker_that_cannot_do_the_work_ends_the_run_before_it_changes_anythin
     folder, preload = tmp_path / "wide", tmp_path.parent / "preload.py"
     before: tuple[str, ...] = ()
     if what == "another version":
-        preload.write_text("import vibro.sweeps.plan as plan; plan.__version__ = '0.0'", encoding="utf-8")
+        preload.write_text("import vibro.output.plan as plan; plan.__version__ = '0.0'", encoding="utf-8")
         told = r"^a worker has vibro 0\.0, "
     else:
         if not mounts(tmp_path):

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from helpers.clusters import Dask
 from helpers.commands import POSIX
-from helpers.parted import COMMAND, LIMIT, until
+from helpers.sharded import COMMAND, LIMIT, until
 
 from vibro.errors import FileError, VibroError
 from vibro.output import workers as room
@@ -49,7 +49,7 @@ import vibro
 if __name__ == "__main__":
     vibro.write_sweep(
         "wide", amplitude_mm="0.5:2:10", frequency_hz="10:30:30", drive_angle_deg=20, static_friction=0.74,
-        kinetic_friction=0.57, part_cells=50, workers=2,
+        kinetic_friction=0.57, shard_cells=50, workers=2,
     )
 """
 

@@ -121,6 +121,8 @@ class Hidden:
             self.path.mkdir()
             self._held = True
             return
+        if not self._folder.parent.is_dir():  # a link to nothing: nobody can make it
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
         raise FileError(
             f"another run is writing {self._what} at this moment",
             hint=f"wait until it has ended; if there is none, remove the folder {self._folder}",

@@ -162,9 +162,9 @@ class ShardFolder:
             raise FileError(f"{self.shown} holds something else: {names}", hint=OTHER_NAME)
 
     def clear(self) -> None:
-        """Remove what says that the set is whole, then all of its files."""
+        """Remove what says that the set is whole, then its files, and last what says that they are a set."""
         names = {path.name for path in self.folder.iterdir() if _OURS.fullmatch(path.name)}
-        for name in sorted(names, key=lambda name: (name != SUCCESS, "manifest" not in name, name)):
+        for name in sorted(names, key=lambda name: (name != SUCCESS, "manifest" in name, name)):
             (self.folder / name).unlink()
 
     def shards(self) -> set[str]:
@@ -216,7 +216,7 @@ class ShardFolder:
         if self.read(MANIFEST) != manifest:
             raise FileError(
                 f"{self.shown / MANIFEST} was removed or changed while this run went on",
-                hint="put back what was there, or start anew with force=True",
+                hint=f"put back what was there, or {OTHER_NAME}",
             )
         for name, stamp in stamps.items():
             if not self._is_same(name, stamp, digests[name]):

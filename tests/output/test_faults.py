@@ -31,12 +31,12 @@ from helpers.parted import (
     resumed,
     undisturbed,
 )
-
-from vibro.errors import FileError
 from vibro.files.part_sets import MANIFEST, SUCCESS, PartSet, new_part, part_name
-from vibro.output.workers import Processes, Threads, Workers
 from vibro.sweeps.parted import Progress
 from vibro.sweeps.parts import Job, check_part, solve_piece, write_part
+
+from vibro.errors import FileError
+from vibro.output.workers import Processes, Threads, Workers
 
 pytest.importorskip("pyarrow")
 
