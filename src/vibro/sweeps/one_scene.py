@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -32,7 +33,17 @@ if TYPE_CHECKING:
     from vibro.results.sweep import Block, Column
     from vibro.sweeps.grid import Grid
 
-__all__ = ["OneScene", "beginnings", "estimate", "facts_of", "motion_text", "number", "phase_rows"]
+__all__ = [
+    "OneScene",
+    "beginnings",
+    "bound",
+    "estimate",
+    "facts_of",
+    "motion_text",
+    "number",
+    "phase_rows",
+    "throughput_text",
+]
 
 _MOST_PHASES: Final = 40  # a longer table is not readable
 _RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
@@ -355,3 +366,9 @@ def estimate(value: float, error: float, unit: str = "") -> str:
 def number(value: float, unit: str = "") -> str:
     """Write a number for people, with six digits."""
     return f"{value:z.6g} {unit}".rstrip()
+
+
+def bound(value: float, unit: str = "", *, upper: bool) -> str:
+    """Write a bound for people with six digits, rounded so that it still holds."""
+    rounding = ROUND_CEILING if upper else ROUND_FLOOR
+    return number(float(Context(prec=6, rounding=rounding).create_decimal(repr(float(value)))), unit)
