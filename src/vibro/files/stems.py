@@ -15,7 +15,7 @@ PICTURES: Final = ("regime", "speed", "traverse", "impact", "flight", "band")
 PICTURE_FORMATS: Final = ("png", "svg", "pdf")
 
 _GIVE_A_NAME: Final = "give a name for the files, such as -o out/nut"
-_SUFFIXES: Final = (".csv", ".json", *(f".{form}" for form in PICTURE_FORMATS))
+_SUFFIXES: Final = (".csv", ".json", ".html", *(f".{form}" for form in PICTURE_FORMATS))
 
 
 def output_stem(output: str | None, name: str) -> Path:
@@ -66,7 +66,9 @@ def output_stem(output: str | None, name: str) -> Path:
     if suffix:
         stem = output[: -len(suffix)]
         example = (
-            f"write -o {stem}, which makes {stem}.csv" if path.name[: -len(suffix)] not in ("", ".") else ""
+            f"write -o {stem}, which makes {stem}{suffix if suffix == '.html' else '.csv'}"
+            if path.name[: -len(suffix)] not in ("", ".")
+            else ""
         )
         raise InputError(
             f"{given}: {suffix} is added to the name, as to those of all files", hint=example or _GIVE_A_NAME

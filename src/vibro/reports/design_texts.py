@@ -311,7 +311,7 @@ def chosen_facts(spec: Spec, chosen: Chosen, *, met: bool) -> list[tuple[str, st
 
 
 def load_rows(chosen: Chosen) -> list[tuple[str, str]]:
-    """Return the rows of a table of the load over those at which parts change their motion, its head first."""
+    """Return the rows of a table of the load over critical loads of the parts, its head first."""
     rows = [(what, number(load)) for what, load in chosen.loads.items()]
     return [("", "load now / load at which"), *rows]
 

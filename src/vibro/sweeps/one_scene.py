@@ -23,11 +23,19 @@ from vibro.quantities import (
     scene_fields,
 )
 from vibro.scene import Scene
-from vibro.sweeps.derived import LEAST_DIFFERENCE, WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKE
+from vibro.sweeps.derived import (
+    LEAST_DIFFERENCE,
+    WITH_ACCELERATION,
+    WITH_EXPONENT,
+    WITH_STROKE,
+    throughput,
+)
 from vibro.sweeps.run import sweep_blocks
 from vibro.waveforms import PiecewiseMotion
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from vibro.limits import Transition
     from vibro.motion.settled import CyclePhase
     from vibro.results.sweep import Block, Column
@@ -49,6 +57,7 @@ _MOST_PHASES: Final = 40  # a longer table is not readable
 _RAISED: Final = 1.1  # larger amplitude of the estimate, over that of the scene
 _TOLD: Final = 9  # decimals of a percentage, below which there is rounding alone
 _LEAST_CERTAIN: Final = 1.0 / 3.0  # standard error over the size of a mean whose sign is not in doubt
+_SIGMAS: Final = 3.0  # standard errors by which a mean may be off
 
 
 class OneScene:
@@ -100,6 +109,11 @@ class OneScene:
         return time if math.isfinite(time) else None
 
     @property
+    def pattern(self) -> str:
+        """Letters of the phases of a steady cycle, ``F_B_``; empty if there is none."""
+        return str(self._cycle.pattern)
+
+    @property
     def throw_number(self) -> float:
         """Most unloading over the weight on the trough [1]."""
         return float(self._cycle.throw_number)
@@ -139,7 +153,7 @@ class OneScene:
                 given["normal_phase"] += f" ({told}, the longest way across the {path})"
             else:
                 given = {"motion": f"{motion_text(self.scene)} ({stroke})"} | given
-        pattern = str(self._cycle.pattern)
+        pattern = self.pattern
         facts = [
             ("scene", ", ".join(given.values())),
             ("regime", (self.regime.label or "none") + (f", pattern {pattern}" if pattern else "")),
@@ -355,6 +369,35 @@ def phase_rows(one: OneScene) -> list[tuple[str, ...]]:
         for p in one.phases()
     ]
     return [("phase", "start [ms]", "end [ms]", "displacement [mm]"), *rows] if rows else []
+
+
+def throughput_text(one: OneScene, part: Mapping[str, float]) -> str:
+    """Say how many parts pass in a row, and their mass.
+
+    Parameters
+    ----------
+    one : OneScene
+        The scene.
+    part : mapping of str to float
+        ``pitch_mm``, from each part to the next, and ``mass_kg`` of one, as far as they are known.
+
+    Returns
+    -------
+    str
+        Empty without a pitch.
+    """
+    if "pitch_mm" not in part:
+        return ""
+    columns = throughput(part["pitch_mm"], part.get("mass_kg"))
+    values = [one.value(column) for column in columns]
+    speed, error = one.result("mean_velocity"), one.result("mean_velocity_error")
+    if math.isnan(speed) or speed <= 0.0 < speed + _SIGMAS * error:
+        return "unknown" if math.isnan(speed) else "unknown: which way parts go is not sure"
+    rates = [
+        estimate(value, value * one.relative_error, column.unit.replace("1/min", "parts/min"))
+        for value, column in zip(values, columns, strict=True)
+    ]
+    return f"{', '.join(rates)} at most, one part every {number(part['pitch_mm'], 'mm')}"
 
 
 def estimate(value: float, error: float, unit: str = "") -> str:
