@@ -11,7 +11,7 @@ import numpy as np
 
 from vibro.cli.console import Console
 from vibro.cli.exit_codes import ExitCode
-from vibro.cli.report import aligned, bound
+from vibro.cli.report import aligned
 from vibro.cli.request import request_of
 from vibro.core.codes import Regime
 from vibro.errors import InputError
@@ -34,7 +34,7 @@ from vibro.quantities import (
 )
 from vibro.scene import Scene
 from vibro.steady import solve
-from vibro.sweeps.one_scene import motion_text
+from vibro.sweeps.one_scene import bound, motion_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -27,6 +27,7 @@ from vibro.cli.friction import friction_command
 from vibro.cli.map import map_command
 from vibro.cli.motion import motion_command
 from vibro.cli.options import print_version, shares_options
+from vibro.cli.report_page import report_command
 from vibro.cli.schema import schema_command
 from vibro.cli.simulate import simulate_command
 from vibro.cli.solve import solve_command
@@ -155,6 +156,7 @@ _OTHERS: dict[str, Callable[..., int]] = {
     "design": shares_options(design_command, of_scene=False),
     "motion": shares_options(motion_command, of_drive=False, of_answer=False),
     "friction": friction_command,
+    "report": shares_options(report_command, of_table=False),
     "explore": shares_options(explore_command, of_answer=False),
     "schema": schema_command,
 }

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from vibro.inverse.specs import Spec
     from vibro.results.designs import DesignResult
 
-__all__ = ["design_command"]
+__all__ = ["design_command", "design_record"]
 
 
 class Only(StrEnum):
@@ -101,7 +101,7 @@ def design_command(
         output.write(
             lambda: {"": _columns(result)},
             draw,
-            _content(source, result) if options.output else {},
+            design_record(source, result) if options.output else {},
         )
     if not output.takes_stdout:
         print(json_text(result.to_dict()) if options.json else design_report(spec, result, chosen))
@@ -130,7 +130,7 @@ def _figures(spec: Spec, chosen: Chosen | None) -> dict[str, Figure]:
     return design_figures(spec, chosen, setting_fields(spec, chosen), speed_band(spec, chosen))
 
 
-def _content(source: Path, result: DesignResult) -> dict[str, Any]:
+def design_record(source: Path, result: DesignResult) -> dict[str, Any]:
     """Return what the sidecar says: the question as it was asked, and its answer."""
     from vibro.files.toml_files import read_toml
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vibro.errors import Problems
     from vibro.files.descriptions import FileKind
 
-__all__ = ["ABSENT", "Table", "read_toml", "refuse_other_kinds", "refuse_unknown_tables"]
+__all__ = ["ABSENT", "Table", "kind_of", "read_toml", "refuse_other_kinds", "refuse_unknown_tables"]
 
 #: Stands for a table that a file does not have.
 ABSENT: Final[Mapping[Any, Any]] = MappingProxyType({})
@@ -142,12 +142,22 @@ class Table:
         return next(entry.shown for key in keys if (entry := self._entries[key]).example is not None)
 
 
+def kind_of(content: Mapping[str, Any]) -> FileKind:
+    """Return the kind of a file: one whose tables it has, with the fewest unknown names in it."""
+    kinds = [kind for kind in FILES.values() if _required(kind) <= content.keys()]
+    return min(kinds, key=lambda kind: _count_unknown(content, kind))
+
+
 def refuse_other_kinds(content: Mapping[str, Any], file: FileKind, path: Path) -> None:
     """Refuse a file of another kind as a whole: one that has its tables, and fewer unknown names in it."""
     for other in FILES.values():
-        required = {name for name, kind in other.tables.items() if kind.required}
-        if required <= content.keys() and _count_unknown(content, other) < _count_unknown(content, file):
+        unknown = _count_unknown(content, other)
+        if _required(other) <= content.keys() and unknown < _count_unknown(content, file):
             raise InputError(f"{path}: this is {other.meaning}", hint=f'run vibro.{other.function}("{path}")')
+
+
+def _required(file: FileKind) -> set[str]:
+    return {name for name, kind in file.tables.items() if kind.required}
 
 
 def _count_unknown(content: Mapping[str, Any], file: FileKind) -> int:
