@@ -34,14 +34,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 from unittest.mock import patch
 
+from vibro.sweeps.executors import Cluster, Processes, Threads, Workers
+from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, versions
+
 from vibro.axes import parse_axis
 from vibro.memory import retain_freed_memory
 from vibro.parallel import cores
 from vibro.quantities import DEFAULTS, QUANTITIES
 from vibro.sweeps.columns import Table, columns_of
-from vibro.sweeps.executors import Cluster, Processes, Threads, Workers
 from vibro.sweeps.grid import Grid
-from vibro.sweeps.plan import PART_CELLS, ROW_GROUP, Plan, versions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

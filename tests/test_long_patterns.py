@@ -17,8 +17,8 @@ from vibro import Status
 from vibro.core.codes import MOST_LETTERS, spelt_code
 from vibro.core.flight import BOUNCE
 from vibro.long_patterns import turned
+from vibro.output.workers import Processes, Threads
 from vibro.slopes import scale_slope
-from vibro.sweeps.executors import Processes, Threads
 
 if TYPE_CHECKING:
     from pathlib import Path

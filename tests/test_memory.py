@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from helpers.buffers import is_glibc, keeps_large_buffers
 
-from vibro.sweeps.executors import Processes
+from vibro.output.workers import Processes
 
 pytestmark = pytest.mark.skipif(not is_glibc(), reason="a setting of glibc's malloc")
 

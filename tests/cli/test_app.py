@@ -13,6 +13,8 @@ import pytest
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, POSIX, SMALL, TABLE, TELLS_LOADED, VIBRO, Run
 
 import vibro
+from vibro.cli.exit_codes import ExitCode
+from vibro.interrupts import EXIT_CODE
 
 COMMANDS = ("map", "solve", "traverse-time")
 
@@ -83,7 +85,36 @@ def test_a_missing_scene_file_is_exit_code_1(run: Run) -> None:
     result = run("map", "nutt.toml")
     assert result.exit_code == 1
     assert result.stderr.startswith("error: cannot read nutt.toml: ")
-    assert result.stderr.endswith("hint: did you mean nut.toml?\n")
+    assert result.stderr.endswith("hint: did you mean 'nut.toml'?\n")
+
+
+@pytest.mark.parametrize("name", ["wid", "wid/", "wide.parquet"])
+def test_a_map_of_what_is_not_there_is_told_what_is(run: Run, name: str) -> None:
+    Path("wide").mkdir()
+    Path("other.csv").touch()
+    result = run("map", name)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == (
+        f"error: cannot read {Path(name)}: there is no such file or folder\nhint: did you mean 'wide'?\n"
+    )
+
+
+@pytest.mark.parametrize("command", ["solve", "simulate", "traverse-time", "accuracy", "compare", "design"])
+def test_every_command_says_that_its_file_is_missing(run: Run, command: str) -> None:
+    record = ["record.csv"] if command == "compare" else []
+    Path("record.csv").write_text("t [s],x [mm]\n" + "".join(f"{i / 600},1\n" for i in range(99)))
+    result = run(command, "nut.parquet" if command == "design" else "nut.toml", *record)
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1].startswith("error: cannot read nut.")
+
+
+def test_help_tells_every_exit_code(run: Run) -> None:
+    told = run("--help").stdout
+    for code in ExitCode:
+        assert f"{code:d} " in told
+        assert code.meaning in told
+    assert ExitCode.INTERRUPTED == EXIT_CODE == 130
+    assert [*ExitCode] == [0, 1, 2, 3, 4, 130]
 
 
 def test_a_wrong_scene_file_is_exit_code_2(run: Run) -> None:
@@ -136,12 +167,12 @@ def test_faults_are_told_in_one_line_and_leave_nothing(
 
 def test_existing_files_are_known_before_computing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("nut-speed.png").touch()
-    monkeypatch.setattr("vibro.sweeps.csv_sink.sweep_blocks", None)
+    monkeypatch.setattr("vibro.output.run.sweep_blocks", None)
     result = run(*SMALL, "-o", "nut")
     assert result.exit_code == 1
     assert result.stderr.endswith(
-        "error: nut-speed.png exists already, but no nut.json: a run did not end there\n"
-        "hint: replace with --force, or choose another name with -o\n"
+        "error: nut-speed.png exists already, but no nut.json: that is left of an interrupted run\n"
+        "hint: replace with --force, or choose another name\n"
     )
     assert [path.name for path in Path().iterdir()] == ["nut-speed.png"]
 
@@ -151,7 +182,7 @@ def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
     result = run(*SMALL, "-o", "out/nut")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-2].startswith("error: cannot write to out: ")
-    assert result.stderr.endswith("hint: out is a file\n")
+    assert result.stderr.endswith("hint: out is a file; choose another place\n")
 
 
 @pytest.mark.parametrize(
@@ -172,7 +203,7 @@ def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
 def test_what_the_disk_cannot_hold_is_refused_with_its_size(
     run: Run, monkeypatch: pytest.MonkeyPatch, args: tuple[str, ...], said: str
 ) -> None:
-    monkeypatch.setattr("vibro.files.publication.Publication.free_space", lambda _: 100)
+    monkeypatch.setattr("vibro.output.staging.Staging.free_space", lambda _: 100)
     result = run(*args, "-o", "new/nut")
     assert result.exit_code == 1
     assert said in result.stderr
@@ -212,7 +243,7 @@ def test_a_trough_shorter_than_the_stroke_is_questioned_once(
 def test_a_grid_that_is_too_large_is_told_what_would_fit(
     run: Run, monkeypatch: pytest.MonkeyPatch, axes: tuple[str, ...], hint: str
 ) -> None:
-    monkeypatch.setattr("vibro.files.publication.Publication.free_space", lambda _: 10_000_000)
+    monkeypatch.setattr("vibro.output.staging.Staging.free_space", lambda _: 10_000_000)
     result = run("map", *axes, *NUT_ANGLE_AND_FRICTION, "-o", "nut")
     assert result.exit_code == 1
     assert hint in result.stderr.splitlines()[-1]
@@ -221,7 +252,7 @@ def test_a_grid_that_is_too_large_is_told_what_would_fit(
 
 
 def test_more_rows_than_a_sheet_holds_are_a_warning(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.cli.output._ROWS_OF_A_SHEET", 8)
+    monkeypatch.setattr("vibro.cli.answer._ROWS_OF_A_SHEET", 8)
     result = run(*SMALL, "-o", "-")
     assert (
         "warning: 9 rows are more than the 8 of a spreadsheet; --table parquet suits them better\n"

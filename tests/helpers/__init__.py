@@ -30,6 +30,8 @@ Sweeps and files:
 Pictures, pages, commands:
     drawn, pixels     artists of pictures; their colours
     explorers         clients of the explorer that compute nothing
+    browsers          a browser, and what looks at pages in it
+    reports           reports read as their readers do
     packed, pages     answers as the explorer's page reads them; the page in a browser
     commands          commands run as programs
     key_tables        tables of keys in docs/files.md and docs/design.md (a program)

@@ -31,8 +31,9 @@ def swept(
     usual: dict[str, Any] = {"amplitude_mm": 1, "frequency_hz": 15, **NUT}
     if {"along_amplitude_mm", "normal_amplitude_mm"} & quantities.keys():
         usual = {key: usual[key] for key in usual if key not in ("amplitude_mm", "drive_angle_deg")}
-    if "friction_ratio" in quantities:
-        del usual["kinetic_friction"]
+    for name, other in (("friction_ratio", "kinetic_friction"), ("stroke_mm", "amplitude_mm")):
+        if name in quantities:
+            del usual[other]
     return vibro.sweep(accuracy=accuracy, flight=flight, coexistence=coexistence, **{**usual, **quantities})
 
 

@@ -100,7 +100,9 @@ def meetings(root: Path, calm: dict[str, bytes]) -> None:
 
 if __name__ == "__main__":
     how, root = sys.argv[1], Path(sys.argv[2])
-    written(root / "calm", PLAN)  # here, so that runs need not import each for itself what takes most of their time
+    written(
+        root / "calm", PLAN
+    )  # here, so that runs need not import each for itself what takes most of their time
     calm = files(root / "calm")
     (root / how).mkdir()
     {"kills": kills, "meetings": meetings}[how](root / how, calm)

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import polars
 import pytest
+import xarray as xr
 from pyarrow import dataset, parquet
 from typer.testing import CliRunner
 
@@ -74,7 +75,7 @@ def test_other_programs_read_all_rows_beside_pictures(folder: Path, reader: str)
 EXAMPLES = re.findall(r"```python\n(.*?)```", SCALE, flags=re.DOTALL)
 
 
-@pytest.mark.parametrize("code", EXAMPLES, ids=["pandas", "duckdb", "polars", "vibro"])
+@pytest.mark.parametrize("code", EXAMPLES, ids=["pandas", "duckdb", "polars", "vibro", "xarray"])
 def test_what_the_docs_say_of_readers_runs(
     code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -95,6 +96,13 @@ def test_what_the_docs_say_of_readers_runs(
     elif isinstance(found, duckdb.DuckDBPyRelation):
         most = frame[frame["amplitude_mm"] < 1].groupby("regime", observed=True)["throw_number"].max()
         assert dict(found.fetchall()) == most.to_dict()
+    elif isinstance(found, xr.DataArray):
+        hops = frame["regime"].astype("str") == "hopping"
+        shares = hops.groupby([frame["amplitude_mm"], frame["static_friction"]]).mean()
+        np.testing.assert_allclose(found.values.ravel(), shares, rtol=1e-12)
+        assert 0 < found.mean() < 1
+        with xr.open_dataset("wide.nc", engine="h5netcdf") as cells:
+            assert cells.regime.size == len(frame)
     else:
         assert Path("regime.png").read_bytes().startswith(b"\x89PNG")
 

@@ -41,7 +41,8 @@ from vibro.cli.tables import (
 )
 from vibro.cli.views import SHOWN, axis_name, held_axes, shown_pictures, tell_choices
 from vibro.core.codes import Level
-from vibro.errors import InputError
+from vibro.errors import FileError, InputError
+from vibro.files.nearby import suggestion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,6 +133,11 @@ def map_command(
         from vibro.cli.stored_map import map_stored
 
         return map_stored(context, options, x, y, at or [], show or [], speed, formats)
+    if options.scene is not None and not options.scene.exists():
+        raise FileError(
+            f"cannot read {options.scene}: there is no such file or folder",
+            hint=suggestion(options.scene, (".toml",), folders=True),
+        )
     if options.scene is not None and options.scene.suffix == ".parquet":
         raise InputError(f"{options.scene} is one file of a sweep", hint="give the folder that it lies in")
     from vibro.cli.answer import Pictures, make_grid, write_sweep

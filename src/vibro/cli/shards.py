@@ -123,6 +123,8 @@ def sharding_of(
         for option, is_given in (("--excel", options.excel), ("--decimal-comma", options.decimal_comma)):
             if is_given:
                 raise InputError(f"{option} is about CSV", hint=f"leave it out, or --table {form}")
+    if form != CSV and options.output == "-":
+        raise InputError(f"--table {form}: it is no text for stdout", hint="give a name, such as -o out/nut")
     if form != PARQUET:
         given = {
             "--shard-cells": shard_cells, "--shards": shards, "--workers": workers, "--scheduler": scheduler,
