@@ -115,9 +115,9 @@ def test_json_is_what_there_is(run: Run) -> None:
     ("options", "said", "hint"),
     [
         *[
-            (options, f"{options[0].replace('part', 'shard')}: a table as csv is one file", "add --table parquet")
-            for options in (["--resume"], ["--shard-cells", "3"], ["--part-cells", "3"], ["--shards", "0:1"], ["--workers", "2"], ["--workers", ""],
-                            ["--scheduler", "tcp://a:1"])
+            (options, f"{options[0]}: a table as csv is one file", "add --table parquet")
+            for options in (["--resume"], ["--shard-cells", "3"], ["--shards", "0:1"], ["--workers", "2"],
+                            ["--workers", ""], ["--scheduler", "tcp://a:1"])
         ],
         (["--excel"], "--excel is about CSV", "leave it out, or --table parquet"),
         (["--decimal-comma"], "--decimal-comma is about CSV", "leave it out, or --table parquet"),
@@ -144,16 +144,16 @@ def test_json_is_what_there_is(run: Run) -> None:
         (["--table", "excel"], "Invalid value for '--table': 'excel' is not one of 'csv', 'xlsx', 'parquet'.",
          "see vibro map --help"),
         (["--shards", "0:4", "--shard-cells", "4"], "shards = '0:4': must be first:stop, of 3 shards",
-         'write it like shards="0:2"'),
+         'write it like --shards 0:2'),
         (["--shards", "0:1", "--force"],
          "shards and force are both given: the one goes on, the other starts anew", "leave one of them out"),
-        (["-o", "-"], "folder = '-': shards go into a folder", "such as out/wide"),
+        (["-o", "-"], "--table parquet: it is no text for stdout", "give a name, such as -o out/nut"),
         (["-o", ""], "folder = '': shards go into a folder", "such as out/wide"),
         (["-o", "x.csv"], "folder = 'x.csv': shards go into a folder", "such as x"),
         (["-o", "far/x.parquet"], "folder = 'far/x.parquet': shards go into a folder", "such as far/x"),
         (["--shard-cells", "1", "-A", "1:2:1001", "-f", "5:6:1001"],
-         "shard_cells=1: 1002001 cells would be 1002001 shards, more than 1000000",
-         "give at least shard_cells=2"),
+         "--shard-cells 1: 1002001 cells would be 1002001 shards, more than 1000000",
+         "give at least --shard-cells 2"),
         (["-A", "1", "-f", "15", "--mu-s", "0.5,0.7", "--mu-d", "0.3,0.4", "--accuracy", "exact",
           "--speed", "20"],
          "--speed: which of both frictions keep it is not told beside a folder",
@@ -244,7 +244,9 @@ def test_a_cluster_needs_distributed(run: Run, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setitem(sys.modules, "distributed", None)
     result = run(*SHARDED, "-o", "out", "--scheduler", "tcp://127.0.0.1:1")
     assert result.exit_code == 1
-    assert error(result) == refusal("scheduler needs distributed", "pip install 'vibro[distributed]'")
+    assert error(result) == refusal(
+        "--scheduler tcp://127.0.0.1:1 needs the library distributed", "pip install 'vibro[distributed]'"
+    )
 
 
 @POSIX

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,18 +36,11 @@ def contents(folder: str = "out") -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
 
 
-def plain(text: str) -> str:
-    """Write a message without what tells an option from an argument: ``--shards 0:2`` and ``shards="0:2"``."""
-    text = re.sub(r"\bfolder = |-o =? ?", "FOLDER ", text)
-    return " ".join(re.sub(r'--|=True|["\'_=-]', " ", text).split())
-
-
 def error(result: Result) -> list[str]:
-    """Return what a run says that fails, plainly, without the echo of its axes."""
-    lines = result.stderr.splitlines()
-    return [plain(line) for line in lines if line.startswith(("error: ", "hint: "))]
+    """Return what a run says that fails, without the echo of its axes."""
+    return [line for line in result.stderr.splitlines() if line.startswith(("error: ", "hint: "))]
 
 
-def refusal(problem: str, hint: str = "") -> list[str]:
+def refusal(problem: str, hint: str) -> list[str]:
     """Return what ``error`` does of a run that is refused."""
-    return [plain(f"error: {problem}"), *([plain(f"hint: {hint}")] if hint else [])]
+    return [f"error: {problem}", f"hint: {hint}"]

@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from vibro.output.shards import Progress
 
 
-
 class Counted(Processes):
     """Processes which tell how often they were begun."""
 
@@ -168,7 +167,7 @@ def test_the_second_of_two_runs_is_refused_and_harms_nothing(tmp_path: Path) -> 
     before, hidden = states(folder), sorted(folder.rglob(".vibro-*/*"))
     assert len(hidden) == 2  # the lock, and where workers write
     for how in ({"force": True}, {"resume": True}, {"shards": "0:4"}, {}):
-        with pytest.raises(FileError, match="another run is writing .*wide at this moment"):
+        with pytest.raises(FileError, match=r"another run is writing .*wide at this moment"):
             made(folder, report=lambda _: pytest.fail("it computes"), **how)
     second = subprocess.run(
         [*VIBRO, *COMMAND, "--resume"], cwd=tmp_path, text=True, capture_output=True, check=False
@@ -210,9 +209,7 @@ def swapped(path: Path, place: int) -> None:
     os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
 
 
-def test_damaged_shards_are_made_again(
-    tmp_path: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_damaged_shards_are_made_again(tmp_path: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     other = tmp_path / "other"
     made(other, plan=small_plan(amplitude="0.5:2:10", frequency="10:31:300"))
     paths = [folder / shard_name(shard) for shard in range(15)]

@@ -54,7 +54,7 @@ def test_ranges_go_on_beside_others_but_not_beside_themselves_or_a_run_of_all(tm
         for shards in ("3:9", "0:15"):
             written(folder, PLAN, shards=shards)
         for how in ({"shards": "0:5"}, {"resume": True}, {"force": True}):
-            with pytest.raises(FileError, match="another run is writing .*wide at this moment"):
+            with pytest.raises(FileError, match=r"another run is writing .*wide at this moment"):
                 written(folder, PLAN, report=lambda _: pytest.fail("it computes"), **how)
 
     met = Once(meet, 1)
@@ -84,7 +84,7 @@ def test_of_two_that_begin_at_once_the_later_takes_the_manifest_of_the_first_or_
         late()
         assert made(folder, resume=True) == undisturbed()
     else:
-        with pytest.raises(FileError, match="another run has begun another sweep in .*wide"):
+        with pytest.raises(FileError, match=r"another run has begun another sweep in .*wide"):
             late()
         assert {path.name for path in folder.iterdir()} == {MANIFEST, *map(shard_name, range(4, 9))}
         assert json.loads((folder / MANIFEST).read_bytes())["fingerprint"] == plan.fingerprint

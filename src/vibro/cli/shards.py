@@ -268,9 +268,7 @@ def _tell(console: Console, folder: Path, summary: Summary, written: Sequence[st
 
     cells = summary.tally.status.total()
     each = f"{byte_count(summary.size)}, {summary.size / cells:.1f} bytes a cell"
-    console.echo(
-        f"wrote {folder}: {_shards(len(summary.sizes))}, {each}; digest {summary.digest}"
-    )
+    console.echo(f"wrote {folder}: {_shards(len(summary.sizes))}, {each}; digest {summary.digest}")
     for name in (*written, MANIFEST, SUCCESS):
         if (folder / name).exists():
             console.echo(f"wrote {folder / name}")
