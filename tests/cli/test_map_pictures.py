@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from helpers import parted_maps
+from helpers import sharded_maps
 from helpers.commands import NUT, NUT_ANGLE_AND_FRICTION, Run, rows_of
 
 
@@ -109,14 +109,14 @@ def test_a_stroke_chooses_the_amplitude_that_is_drawn(run: Run) -> None:
     assert "hint: give the nearest, 1.25 or 2 mm" in wrong.stderr
 
 
-def test_pictures_go_into_the_folder_of_a_table_in_parts(run: Run) -> None:
+def test_pictures_go_into_the_folder_of_a_table_in_shards(run: Run) -> None:
     from PIL import Image
 
-    asked = (*parted_maps.AXES, "-L", "600", "--table", "parquet", "-o", "out")
+    asked = (*sharded_maps.AXES, "-L", "600", "--table", "parquet", "-o", "out")
     result = run(*asked)
     assert result.exit_code == 0
-    drawn = ["regime.png", "speed.png", "traverse.png"]
-    assert parted_maps.names() == ["_SUCCESS", "manifest.json", "part-000000.parquet", *drawn]
+    drawn = ["_regime.png", "_speed.png", "_traverse.png"]
+    assert sharded_maps.names() == ["_SUCCESS", "_manifest.json", *drawn, "part-000000.parquet"]
     assert [f"wrote {Path('out', name)}" in result.stderr for name in drawn] == [True] * 3
     for name, title in zip(
         drawn, ("Steady regimes", "Mean conveying speed", "Traverse time over 600 mm"), strict=True
@@ -126,14 +126,14 @@ def test_pictures_go_into_the_folder_of_a_table_in_parts(run: Run) -> None:
             assert picture.info["Title"] == title
             assert picture.info["Software"].startswith("vibro ")
             said = json.loads(picture.info["Description"])
-        assert (said["digest"], said["cells"]) == (parted_maps.told()["digest"], 9)
+        assert (said["digest"], said["cells"]) == (sharded_maps.told()["digest"], 9)
         assert said["scene"]["trough_length_mm"] == 600
     # They are drawn again, and go with the sweep that they are of.
-    Path("out", "regime.png").unlink()
+    Path("out", "_regime.png").unlink()
     assert run(*asked, "--resume", "--accuracy", "exact").exit_code == 0
-    assert "regime.png" in parted_maps.names()
+    assert "_regime.png" in sharded_maps.names()
     assert (
-        run(*parted_maps.QUICK, "--table", "parquet", "-o", "out", "--force", "--format", "svg").exit_code
+        run(*sharded_maps.QUICK, "--table", "parquet", "-o", "out", "--force", "--format", "svg").exit_code
         == 0
     )
-    assert parted_maps.names() == ["_SUCCESS", "manifest.json", "part-000000.parquet", "regime.svg"]
+    assert sharded_maps.names() == ["_SUCCESS", "_manifest.json", "_regime.svg", "part-000000.parquet"]

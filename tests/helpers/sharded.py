@@ -14,25 +14,17 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from helpers.commands import NUT_ANGLE_AND_FRICTION
-from helpers.plans import written
+from helpers.plans import NUT, written
 
-from vibro.axes import parse_axis
+from vibro.core.codes import Level
 from vibro.output.plan import Plan, read_plan
 from vibro.output.shard_folder import MANIFEST, SUCCESS, shard_name
 from vibro.output.shards import Progress
 from vibro.output.workers import Threads, Workers
-from vibro.quantities import QUANTITIES
 from vibro.sweeps.columns import Table, columns_of
-from vibro.sweeps.grid import Grid
+from vibro.sweeps.whole import request_of_call
 
-FIXED = {
-    "drive_angle": 20.0,
-    "static_friction": 0.74,
-    "kinetic_friction": 0.57,
-    "trough_angle": 0.0,
-    "gravity": 9.81,
-    "restitution": 0.3,
-}
+GIVEN: dict[str, Any] = {"amplitude_mm": "0.5:2:10", "frequency_hz": "10:30:300", "restitution": 0.3, **NUT}
 COMMAND = (
     *("map", "-A", "0.5:2:10", "-f", "10:30:300", *NUT_ANGLE_AND_FRICTION, "--flight", "off"),
     *("--restitution", "0.3", "--table", "parquet", "--shard-cells", "200", "-o", "wide", "-q"),
@@ -75,22 +67,17 @@ AS_COMMAND = f"""{PAUSES}
 AS_CALL = f"""{PAUSES}
     import sys
     import vibro
-    vibro.write_sweep(
-        "wide", amplitude_mm="0.5:2:10", frequency_hz="10:30:300", drive_angle_deg=20, static_friction=0.74,
-        kinetic_friction=0.57, restitution=0.3, flight=False, shard_cells=200,
-        workers=int(sys.argv[1]) or None,
-    )
+    workers = int(sys.argv[1]) or None
+    vibro.write_sweep("wide", flight=False, shard_cells=200, workers=workers, **{GIVEN})
 """
 """A script that has the library write the same, and pauses likewise."""
 
 
-def small_plan(shards: int = 15, **texts: str) -> Plan:
-    """Plan a sweep of the given axes, or of 3000 cells."""
-    texts = texts or {"amplitude": "0.5:2:10", "frequency": "10:30:300"}
-    axes = {name: parse_axis(text, QUANTITIES[name]).axis(5) for name, text in texts.items()}
-    grid = Grid(axes, FIXED, None, flight=False)
-    table = Table(columns_of(axes, drive=grid.drive, made_with=grid.made_with))
-    return Plan.of(grid, table, -(-grid.size // shards), "small", {})
+def small_plan(shards: int = 15, **changed: Any) -> Plan:
+    """Plan a sweep of 3000 cells, or of others."""
+    grid = request_of_call(None, {**GIVEN, **changed}).grid(Level.EXACT, flight=False, coexistence=False)
+    table = Table(columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with))
+    return Plan.of(grid, table, -(-grid.size // shards), "", {})
 
 
 class Once:

@@ -24,7 +24,7 @@ def names(folder: str = "out") -> list[str]:
 
 
 def frame(folder: str = "out") -> pd.DataFrame:
-    return pd.read_parquet(sorted(Path(folder).glob("part-*.parquet")))
+    return pd.concat([pd.read_parquet(path) for path in sorted(Path(folder).glob("part-*.parquet"))])
 
 
 def told(name: str = "_SUCCESS", folder: str = "out") -> dict[str, Any]:
@@ -39,8 +39,3 @@ def contents(folder: str = "out") -> dict[str, bytes]:
 def error(result: Result) -> list[str]:
     """Return what a run says that fails, without the echo of its axes."""
     return [line for line in result.stderr.splitlines() if line.startswith(("error: ", "hint: "))]
-
-
-def refusal(problem: str, hint: str) -> list[str]:
-    """Return what ``error`` does of a run that is refused."""
-    return [f"error: {problem}", f"hint: {hint}"]

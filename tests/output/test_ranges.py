@@ -19,7 +19,7 @@ from vibro.errors import FileError, InputError
 from vibro.output.shard_folder import MANIFEST, SUCCESS, shard_name
 
 GIVEN: dict[str, Any] = {"amplitude_mm": "0.5:2:4", "frequency_hz": "10:30:5", "flight": False, **NUT}
-OTHER = small_plan(amplitude="0.5:2:10", frequency="10:31:300")
+OTHER = small_plan(frequency_hz="10:31:300")
 
 
 def test_ranges_one_after_the_other_are_finished_by_a_run_without_one(tmp_path: Path) -> None:

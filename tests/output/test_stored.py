@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from vibro.output.stored import StoredSweep
     from vibro.sweeps.whole import Sweep
 
-OLD = Path(__file__).parents[1] / "data" / "sweep_folder"
 NUT: dict[str, Any] = {"static_friction": 0.74, "kinetic_friction": 0.57, "trough_length_mm": 600}
 
 
@@ -357,12 +356,3 @@ def test_names_that_mean_something_elsewhere_are_those_of_folders(
     monkeypatch.chdir(copy.parent)
     copy.rename(name)
     assert len(vibro.open_sweep(name).to_frame(columns=["regime"])) == 924
-
-
-def test_a_folder_of_an_older_version_is_drawn_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its cells are compared in tests/sweeps/test_made_with.py."""
-    old = vibro.open_sweep(OLD)
-    given = {"amplitude_mm": [1, 4], "frequency_hz": [15, 20], "drive_angle_deg": 20, "restitution": 0.3}
-    held = vibro.sweep(**{**NUT, **given})
-    assert old.fixed == held.fixed
-    np.testing.assert_array_equal(pixels(old.draw("regime")), pixels(held.draw("regime")))
