@@ -48,7 +48,7 @@ _SMALLER: Final = 0.8  # width of a letter of maps, over that of the usual type
 _MOST_CHARACTERS: Final = 32_767  # of a cell
 _SIGNIFICANT, _ON_MAPS = 5, 4  # digits that are shown of the largest number of a column, and of a map
 _PLAIN: Final = range(-4, 9)  # powers of ten that are shown without an exponent
-_WIDEST, _WIDEST_TEXT = 100, 30  # [characters] of a line of the summary, and of texts of *Cells*
+_WIDEST, _WIDEST_TEXT = 100, 18  # [characters] of a line of the summary, and of texts of *Cells*
 _SMALL: Final = 8  # [pt] type of maps
 _NARROWEST, _REGIME_WIDTH, _CURVE_WIDTH = 6, 8.5, 14  # [characters]
 
