@@ -26,6 +26,7 @@ Sweeps and files:
     plans, parted     sweeps in parts, and programs that make them
     parted_maps       ``vibro map --table parquet`` and its folder
     outputs, writers  sets of output files; writers that are killed
+    workbooks         workbooks of sweeps, written and read back
     buffers           where malloc places large buffers
 Pictures, pages, commands:
     drawn, pixels     artists of pictures; their colours
