@@ -30,16 +30,6 @@ MAY = {
     "explore/guards.py": "the page speaks to whoever started vibro explore; ssh -L",
     "explore/points.py": "the page shows the command that makes its map",
     "explore/state.py": "as guards.py",
-    # texts that are still to be worded
-    "files/outputs.py": "",
-    "files/part_sets.py": "",
-    "files/placing.py": "",
-    "files/stems.py": "",
-    "sweeps/executors.py": "",
-    "sweeps/part_files.py": "",
-    "sweeps/parted.py": "",
-    "sweeps/plan.py": "",
-    "sweeps/stored.py": "",
 }
 
 

@@ -78,7 +78,7 @@ AS_CALL = f"""{PAUSES}
     vibro.write_sweep(
         "wide", amplitude_mm="0.5:2:10", frequency_hz="10:30:300", drive_angle_deg=20, static_friction=0.74,
         kinetic_friction=0.57, restitution=0.3, flight=False, shard_cells=200,
-        workers=int(sys.argv[1]) if sys.argv[1:] else None,
+        workers=int(sys.argv[1]) or None,
     )
 """
 """A script that has the library write the same, and pauses likewise."""
@@ -160,13 +160,11 @@ def paused(folder: Path, *more: str, program: str = AS_COMMAND) -> subprocess.Po
 
 def ended_by(number: signal.Signals, run: subprocess.Popen[str], *, group: bool = True) -> tuple[int, str]:
     """Send a signal, as terminals do to a whole group; return the exit code and what was said on stderr."""
-    began = time.monotonic()
     if group:
         os.killpg(run.pid, number)
     else:
         run.send_signal(number)
     code = run.wait(LIMIT)
-    assert time.monotonic() - began < 2.0
     # Whatever it has started has its stderr too, which ends with the last of them.
     _, said = run.communicate(timeout=LIMIT)
     return code, said

@@ -190,7 +190,7 @@ def test_the_order_of_columns_counts() -> None:
 
 def with_numpy_1() -> Plan:
     """Plan as if another NumPy were here."""
-    with mock.patch("vibro.output.plan.versions", lambda: {**versions(), "numpy": "1.0"}):
+    with mock.patch("vibro.output.plan.versions", return_value={**versions(), "numpy": "1.0"}):
         return plan_of(nut())
 
 
@@ -307,7 +307,7 @@ def test_a_later_format_is_told() -> None:
 
 
 def test_equal_numbers_that_are_written_differently_differ() -> None:
-    """A sign of zero changes the fingerprint, which shards repeat: it must be told, not taken for the same."""
+    """A sign of zero changes the fingerprint, which shards repeat: it must be told, not overlooked."""
     grid = THERE.grid
     grids = [replace(grid, fixed={**grid.fixed, "trough_angle": x}) for x in (0.0, -0.0)]
     zeros = [Plan.of(grid, THERE.table, None, "", {}) for grid in grids]

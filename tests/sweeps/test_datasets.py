@@ -112,7 +112,7 @@ def test_every_number_of_the_frame_comes_back_from_netcdf(name: str, tmp_path: P
     assert dataset.attrs["flight"] == (given.get("flight", True) and name != "regimes")
     assert dataset.attrs["coexistence"] == (name == "coexistence")
     assert dataset.attrs["accuracy"] == given.get("accuracy", "exact")
-    back = store(solved, tmp_path / "stored", part_cells=5, row_group_cells=2)
+    back = store(solved, tmp_path / "stored", shard_cells=5, row_group_cells=2)
     for chunks in (None, "auto"):
         xr.testing.assert_identical(vibro.open_sweep(back).to_xarray(chunks=chunks).compute(), dataset)
 

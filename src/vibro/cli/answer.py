@@ -328,7 +328,7 @@ def tell_peaks(tally: Tally, grid: Grid, console: Console) -> None:
 
 def conclude(tally: Tally, grid: Grid, console: Console) -> int:
     """Tell how it went, and return the exit code."""
-    size = grid.size
+    size = tally.status.total()  # of some shards alone fewer than the grid's
     for status in Status:
         if status is not Status.OK and tally.status[status]:
             cells = "cell" if size == 1 else f"of {count(size)} cells"

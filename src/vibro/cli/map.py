@@ -207,7 +207,7 @@ def map_command(
             )
         plan = sharding.plan(grid, written, request.name or "", request.own)
         code, tally = write_sharded(plan, sharding, options, context.obj, console, name, pictures)
-        if tally.at_rest:
+        if tally.at_rest and shards is None:
             console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
         return code
     style = None

@@ -164,16 +164,15 @@ class Sharding:
 
     def _manifest(self, plan: Plan, folder: ShardFolder, argv: Sequence[str]) -> str:
         """Write the manifest, if it is not there; one that another run has just written must be the same."""
-        manifest = folder.read(MANIFEST)
-        if manifest is None:
+        if folder.read(MANIFEST) is None:
             try:
                 folder.write(MANIFEST, plan.manifest(argv), replace=False)
             except FileError:
                 if folder.read(MANIFEST) is None:
                     raise
-            manifest = folder.read(MANIFEST) or ""
-            if read_plan(manifest, folder.shown / MANIFEST).fingerprint != plan.fingerprint:
-                raise FileError(f"another run has begun another sweep in {folder.shown}", hint=_ANEW)
+        manifest = folder.read(MANIFEST) or ""
+        if read_plan(manifest, folder.shown / MANIFEST).fingerprint != plan.fingerprint:
+            raise FileError(f"another run has begun another sweep in {folder.shown}", hint=_ANEW)
         return manifest
 
     def _continued(self, folder: ShardFolder, plan: Plan, there: Plan) -> Plan:
