@@ -24,7 +24,7 @@ def names(folder: str = "out") -> list[str]:
 
 
 def frame(folder: str = "out") -> pd.DataFrame:
-    return pd.read_parquet(sorted(Path(folder).glob("part-*.parquet")))
+    return pd.read_parquet(folder)
 
 
 def told(name: str = "_SUCCESS", folder: str = "out") -> dict[str, Any]:

@@ -100,9 +100,11 @@ def test_the_cells_are_an_excel_table(tmp_path: Path) -> None:
     grid = grid_of(amplitude_mm="0.1:3:8", frequency_hz="5:60:11")
     sheet = written(tmp_path / "x.xlsx", grid)[0]["Cells"]
     table = sheet.tables["Cells"]
-    assert table.ref == table.autoFilter.ref == "A2:V90"
-    assert [column.name for column in table.tableColumns] == [column.name for column in columns_of()]
-    assert sheet.dimensions == "A1:V90"
+    assert table.ref == table.autoFilter.ref == "A2:X90"
+    assert [column.name for column in table.tableColumns] == [
+        column.name for column in columns_of(made_with=grid.made_with)
+    ]
+    assert sheet.dimensions == "A1:X90"
     assert (sheet.freeze_panes, sheet.print_title_rows) == ("A3", "$1:$2")
     assert (sheet.page_setup.orientation, sheet.page_setup.fitToHeight) == ("landscape", 0)
     assert sheet.sheet_properties.pageSetUpPr.fitToPage
@@ -234,7 +236,7 @@ def test_the_summary_says_what_was_solved_and_found(tmp_path: Path) -> None:
     told = summary(workbook)
     assert workbook["Summary"]["A1"].value == "Sweep nut"
     assert told["drive angle"] == [20, "deg", "angle of the drive's line above the trough's surface"]
-    assert told["restitution"][0] == 0
+    assert told["gravity"][0] == 9.81
     assert told["amplitude"][0] == "9 values, 0.1 ... 3 mm, step 0.362"
     assert told["cells"][0] == 99
     for regime in Regime:
