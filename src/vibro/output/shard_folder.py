@@ -162,9 +162,9 @@ class ShardFolder:
             raise FileError(f"{self.shown} holds something else: {names}", hint=OTHER_NAME)
 
     def clear(self) -> None:
-        """Remove what says that the set is whole, then all of its files."""
+        """Remove what says that the set is whole, then its files, last what says of which sweep they are."""
         names = {path.name for path in self.folder.iterdir() if _OURS.fullmatch(path.name)}
-        for name in sorted(names, key=lambda name: (name != SUCCESS, "manifest" not in name, name)):
+        for name in sorted(names, key=lambda name: (name != SUCCESS, "manifest" in name, name)):
             (self.folder / name).unlink()
 
     def shards(self) -> set[str]:
