@@ -11,19 +11,18 @@ system: next to a lock of another system nothing is removed.
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import os
 import platform
 import shutil
 import time
+import unicodedata
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Self
+from typing import Final, Self
 
 from vibro.errors import FileError
 from vibro.interrupts import OnEnd
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 __all__ = ["PREFIX", "Hidden", "hidden_folder"]
 
@@ -32,11 +31,16 @@ _LOCK: Final = "lock-"
 # A run that leaves, or looks whether another has ended, holds the lock for a moment.
 _ATTEMPTS: Final = 30
 _PAUSE: Final = 0.01  # [s]
+# How file systems say that they have no locks.
+_NO_LOCKS: Final = {errno.ENOSYS, errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL}
 
 
 def hidden_folder(stem: Path) -> Path:
-    """Return the hidden folder of a stem; its name is short, however long that of the stem is."""
-    name = os.path.normcase(stem.name).encode(errors="surrogateescape")
+    """Return the hidden folder of a stem; its name is short, however long that of the stem is.
+
+    Names that a file system may take for one, as they differ in case or composed characters, have the same.
+    """
+    name = unicodedata.normalize("NFC", stem.name.casefold()).encode(errors="surrogateescape")
     return stem.with_name(f"{PREFIX}{hashlib.sha256(name).hexdigest()[:16]}")
 
 
@@ -75,6 +79,7 @@ class Hidden:
         self._lock_path = folder / f"{_LOCK}{_system()}"
         # Without a fallback: locks of files alone tell by process numbers whether their holder is alive.
         self._lock = FileLock(self._lock_path, timeout=0, thread_local=False, fallback_to_soft=False)
+        self._lock_status: os.stat_result | None = None
         self._made: list[Path] = []
         self._on_end = OnEnd(self._leave)
 
@@ -91,57 +96,89 @@ class Hidden:
         self._leave()
         self._on_end.__exit__()
 
-    def _take(self) -> None:
-        from filelock import Timeout
+    def remove_files(self) -> None:
+        """Remove the files of this run: whoever still writes some stops."""
+        _remove(self.path)
 
-        for _ in range(_ATTEMPTS):
+    def _take(self) -> None:
+        for attempt in range(_ATTEMPTS):
             try:
                 self._make_folders()
-                self._lock.acquire()
-            except (Timeout, FileNotFoundError):  # another run has it, or has just removed a folder
-                time.sleep(_PAUSE)
-                continue
-            except OSError:
-                # A file system without locks: the folder itself says that it is taken.
-                if self._folder not in self._made:
+                if self._get_lock():
                     break
-            foreign = [path for path in self._others() if path.name.startswith(_LOCK)]
-            if foreign:
-                raise FileError(
-                    f"another machine is writing {self._what}, or was when it or this one stopped",
-                    hint=f"wait until it has ended; if it has, remove the folder {self._folder}",
-                )
-            for path in self._others():
-                shutil.rmtree(path)
-            self.path.mkdir()
-            return
-        raise FileError(
-            f"another run is writing {self._what} at this moment",
-            hint=f"wait until it has ended; if there is none, remove the folder {self._folder}",
-        )
+            except FileNotFoundError:  # another run has just removed a folder
+                if attempt + 1 == _ATTEMPTS:
+                    raise
+            time.sleep(_PAUSE)
+        else:
+            raise FileError(
+                f"another run is writing {self._what} at this moment",
+                hint=f"wait until it has ended; if there is none, remove the folder {self._folder}",
+            )
+        self._lock_status = self._lock_path.stat()
+        if any(path.name.startswith(_LOCK) for path in self._others()):
+            raise FileError(
+                f"another machine is writing {self._what}, or was when it or this one stopped",
+                hint=f"wait until it has ended; if it has, remove the folder {self._folder}",
+            )
+        for path in self._others():
+            _remove(path)
+        self.path.mkdir()
 
     def _make_folders(self) -> None:
         for path in reversed([p for p in (self._folder, *self._folder.parents) if not p.exists()]):
-            with contextlib.suppress(FileExistsError):
+            self._made.append(path)  # before a signal can come between
+            try:
                 path.mkdir()
-                self._made.append(path)
+            except FileExistsError:
+                self._made.remove(path)
+        if self._folder.is_symlink():
+            raise FileError(f"{self._folder} is a symbolic link", hint="remove it")
 
-    def _others(self) -> Iterator[Path]:
+    def _get_lock(self) -> bool:
+        """Get the lock, and tell whether that was possible."""
+        from filelock import Timeout
+
+        try:
+            self._lock.acquire()
+        except (Timeout, PermissionError, IsADirectoryError, NotADirectoryError):
+            return False
+        except OSError as exc:
+            if exc.errno not in _NO_LOCKS:
+                raise
+            return self._folder in self._made  # it says by itself that it is taken
+        return True
+
+    def _others(self) -> list[Path]:
         """Return what is in the folder beside this run's lock."""
-        return (path for path in self._folder.iterdir() if path != self._lock_path)
+        return [path for path in self._folder.iterdir() if path != self._lock_path]
 
     def _leave(self) -> None:
-        shutil.rmtree(self.path, ignore_errors=True)
+        self.remove_files()
         emptied = list(self._made)
-        if self._lock.is_locked:
+        if self._lock.is_locked or self._lock_status:
             # Before it is released, as whoever gets it next finds that it is gone; Windows removes it then.
+            # Where somebody has removed the folder, another run may have its lock by this name.
             with contextlib.suppress(OSError):
-                self._lock_path.unlink()
-            self._lock.release()
+                if not self._lock_status or os.path.samestat(self._lock_status, self._lock_path.stat()):
+                    self._lock_path.unlink()
+            with contextlib.suppress(OSError, RuntimeError):  # a signal in the middle of it
+                self._lock.release()
             emptied.append(self._folder)
         for path in reversed(emptied):
             with contextlib.suppress(OSError):
                 path.rmdir()
+
+
+def _remove(path: Path) -> None:
+    """Remove a file or folder as well as possible, by a name at which nobody adds anything meanwhile."""
+    with contextlib.suppress(OSError):
+        path = path.replace(path.with_name(os.urandom(8).hex()))
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            path.unlink()
 
 
 def _system() -> str:

@@ -11,7 +11,6 @@ import errno
 import hashlib
 import os
 import re
-import shutil
 from typing import TYPE_CHECKING, Final, NamedTuple, Self
 
 from vibro.errors import FileError
@@ -230,7 +229,7 @@ class ShardFolder:
 
     def stop(self) -> None:
         """Have workers stop: what they write to is gone."""
-        shutil.rmtree(self.hidden, ignore_errors=True)
+        self._hidden.remove_files()
 
     def _is_same(self, name: str, stamp: Stamp, digest: str) -> bool:
         """Whether a file is as it was; its content is read only where it was touched."""
