@@ -174,9 +174,10 @@ class Staging:
 
     def _publish(self, target: Path) -> None:
         path = self._waiting(target)
-        if is_regular(target):
+        status = status_of_target(target)
+        if status:
             with contextlib.suppress(OSError):  # not all file systems have rights
-                path.chmod(stat.S_IMODE(target.stat().st_mode))
+                path.chmod(stat.S_IMODE(status.st_mode))
         put(path, target, replace=self._force)
 
     def _check_targets(self) -> None:
@@ -227,15 +228,15 @@ def _put_new(path: Path, target: Path) -> None:
         path.rename(target)  # which refuses a name that is not free
         return
     try:
-        os.link(path, target)  # which refuses it, too; renaming does not
+        os.link(
+            path, target
+        )  # which refuses it, too; renaming does not. The other name goes with its folder.
     except OSError as exc:
         if exc.errno not in _NO_LINKS:
             raise
         if os.path.lexists(target):
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(target)) from exc
         path.rename(target)
-    else:
-        path.unlink()
 
 
 def status_of_target(target: Path) -> os.stat_result | None:
