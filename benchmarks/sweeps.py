@@ -81,7 +81,9 @@ def grid_of(cells: float, flight: bool = False, axes: dict[str, str] = AXES) -> 
 
 
 def plan_of(grid: Grid, part_cells: int = PART_CELLS) -> Plan:
-    return Plan(grid, Table(columns_of(grid.axes)), part_cells, "wide_sweep", {}, versions())
+    return Plan(
+        grid, Table(columns_of(grid.axes, made_with=grid.made_with)), part_cells, "wide_sweep", {}, versions()
+    )
 
 
 # Times and memory of a process and those that it starts.

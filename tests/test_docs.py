@@ -25,6 +25,7 @@ from vibro.sweeps.derived import (
     WITH_ACCELERATION,
     WITH_ARRIVAL,
     WITH_EXPONENT,
+    WITH_LENGTH,
     WITH_STROKE,
     WITH_STROKES,
     standing,
@@ -132,7 +133,7 @@ def test_a_code_name_that_does_not_exist_is_noticed() -> None:
 def test_columns_are_those_of_the_tables() -> None:
     listed = [row[3].strip("`") for row in rows() if row[3] != "-"]
     assert len(set(listed)) == len(listed)
-    extra = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_ARRIVAL, WITH_STROKES)
+    extra = (WITH_LENGTH, WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT, WITH_ARRIVAL, WITH_STROKES)
     every = columns_of(QUANTITIES, *extra, *throughput(25.0, 0.1), *standing(1.0))
     assert {column.name for column in every} <= set(listed)
 

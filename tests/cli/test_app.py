@@ -136,12 +136,12 @@ def test_faults_are_told_in_one_line_and_leave_nothing(
 
 def test_existing_files_are_known_before_computing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("nut-speed.png").touch()
-    monkeypatch.setattr("vibro.sweeps.csv_sink.sweep_blocks", None)
+    monkeypatch.setattr("vibro.output.run.sweep_blocks", None)
     result = run(*SMALL, "-o", "nut")
     assert result.exit_code == 1
     assert result.stderr.endswith(
-        "error: nut-speed.png exists already, but no nut.json: a run did not end there\n"
-        "hint: replace with --force, or choose another name with -o\n"
+        "error: nut-speed.png exists already, but no nut.json: that is left of an interrupted run\n"
+        "hint: replace with --force, or choose another name\n"
     )
     assert [path.name for path in Path().iterdir()] == ["nut-speed.png"]
 
@@ -151,7 +151,7 @@ def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
     result = run(*SMALL, "-o", "out/nut")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-2].startswith("error: cannot write to out: ")
-    assert result.stderr.endswith("hint: out is a file\n")
+    assert result.stderr.endswith("hint: out is a file; choose another place\n")
 
 
 @pytest.mark.parametrize(
@@ -159,20 +159,20 @@ def test_a_file_in_the_way_of_the_folder(run: Run) -> None:
     [
         (
             ("map", "-A", "0.1:3:1000000", "-f", "5:60:1000000", *NUT_ANGLE_AND_FRICTION),
-            "error: 1000000 x 1000000 = 1 000 000 000 000 cells are about 275 TB, but only 100 B are free",
+            "error: 1000000 x 1000000 = 1 000 000 000 000 cells are about 283 TB, but only 100 B are free",
         ),
-        (TABLE, "error: 3 x 3 = 9 cells are about 2.65 kB, but only 100 B are free in new"),
+        (TABLE, "error: 3 x 3 = 9 cells are about 2.79 kB, but only 100 B are free in new"),
         (
             (*SMALL, "--columns", "amplitude_mm,mean_velocity_mm_s,regime", "--digits", "4"),
             "error: 3 x 3 = 9 cells are about 180 B, but only 100 B are free in new",
         ),
-        (("solve", *NUT), "error: one cell is about 253 B, but only 100 B are free in new"),
+        (("solve", *NUT), "error: one cell is about 261 B, but only 100 B are free in new"),
     ],
 )
 def test_what_the_disk_cannot_hold_is_refused_with_its_size(
     run: Run, monkeypatch: pytest.MonkeyPatch, args: tuple[str, ...], said: str
 ) -> None:
-    monkeypatch.setattr("vibro.files.publication.Publication.free_space", lambda _: 100)
+    monkeypatch.setattr("vibro.output.staging.Staging.free_space", lambda _: 100)
     result = run(*args, "-o", "new/nut")
     assert result.exit_code == 1
     assert said in result.stderr
@@ -204,15 +204,15 @@ def test_a_trough_shorter_than_the_stroke_is_questioned_once(
 @pytest.mark.parametrize(
     ("axes", "hint"),
     [
-        (("-A", "0.1:3:1000000", "-f", "5:60:1000000"), "ask for at most 36 363 cells, such as 190 x 190,"),
-        (("-A", "0.1:3:1000000", "-f", "20,30,40"), "ask for at most 36 363 cells, such as 12000 x 3,"),
-        (("-A", "0.1:3:1000000", "-f", "20"), "ask for at most 37 878 cells,"),
+        (("-A", "0.1:3:1000000", "-f", "5:60:1000000"), "ask for at most 35 335 cells, such as 180 x 180,"),
+        (("-A", "0.1:3:1000000", "-f", "20,30,40"), "ask for at most 35 335 cells, such as 11000 x 3,"),
+        (("-A", "0.1:3:1000000", "-f", "20"), "ask for at most 36 764 cells,"),
     ],
 )
 def test_a_grid_that_is_too_large_is_told_what_would_fit(
     run: Run, monkeypatch: pytest.MonkeyPatch, axes: tuple[str, ...], hint: str
 ) -> None:
-    monkeypatch.setattr("vibro.files.publication.Publication.free_space", lambda _: 10_000_000)
+    monkeypatch.setattr("vibro.output.staging.Staging.free_space", lambda _: 10_000_000)
     result = run("map", *axes, *NUT_ANGLE_AND_FRICTION, "-o", "nut")
     assert result.exit_code == 1
     assert hint in result.stderr.splitlines()[-1]
@@ -221,7 +221,7 @@ def test_a_grid_that_is_too_large_is_told_what_would_fit(
 
 
 def test_more_rows_than_a_sheet_holds_are_a_warning(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vibro.cli.output._ROWS_OF_A_SHEET", 8)
+    monkeypatch.setattr("vibro.cli.answer._ROWS_OF_A_SHEET", 8)
     result = run(*SMALL, "-o", "-")
     assert (
         "warning: 9 rows are more than the 8 of a spreadsheet; --table parquet suits them better\n"

@@ -68,6 +68,44 @@ def test_the_sidecar_tells_what_the_table_holds(run: Run) -> None:
     assert "part" not in content
 
 
+BOUNCING = ("--restitution", "0.5")
+LONG = ("-L", "600")
+
+
+@pytest.mark.parametrize(
+    ("args", "told"),
+    [
+        (("solve", *NUT), {"restitution": 0}),
+        (("solve", *NUT, *BOUNCING, *LONG), {"restitution": 0.5, "trough_length_mm": 600}),
+        (("solve", *NUT, *BOUNCING, *LONG, "--flight", "off"), {"trough_length_mm": 600}),
+        (("solve", *NUT, *BOUNCING, "--accuracy", "regimes"), {}),
+        ((*MAP, *BOUNCING, *LONG), {"restitution": 0.5, "trough_length_mm": 600}),
+        ((*MAP, *BOUNCING, "--flight", "off"), {}),
+        ((*MAP, *LONG, "--accuracy", "regimes"), {"trough_length_mm": 600}),
+        ((*TRAVERSE, *BOUNCING), {"restitution": 0.5, "trough_length_mm": 600}),
+        ((*TRAVERSE, "--flight", "off"), {"trough_length_mm": 600}),
+        (("traverse-time", *NUT, *LONG), {"restitution": 0, "trough_length_mm": 600}),
+    ],
+)
+def test_a_table_tells_what_it_was_made_with(run: Run, args: tuple[str, ...], told: dict[str, float]) -> None:
+    rows = rows_of(run(*args, "-o", "-").stdout)
+    names = list(rows[0])
+    assert names[names.index("back_ratio") + 1 : names.index("flight_fraction")] == list(told)
+    for row in rows:
+        assert {name: float(row[name]) for name in told} == told
+    if args[0] != "map":
+        answer = json.loads(run(*args, "--json").stdout)
+        for cell in answer if isinstance(answer, list) else [answer]:
+            assert [name for name in cell if name in names] == names
+            assert cell.items() >= told.items()
+
+
+def test_what_it_was_made_with_is_told_on_request(run: Run) -> None:
+    names = "trough_length_mm,amplitude_mm,restitution"
+    asked = (*MAP, *LONG, "--flight", "off", "--columns", names, "-o", "-")
+    assert run(*asked).stdout.splitlines()[:2] == [names, "600,0.1,0"]
+
+
 def test_parts_pass_at_the_rate_of_speed_over_pitch(run: Run) -> None:
     rows = rows_of(run(*MAP, "--pitch", "25", "--mass", "12g", "--flight", "off", "-o", "-").stdout)
     assert list(rows[0])[-4:] == ["parts_per_min", "mass_flow_kg_h", "model", "status"]
@@ -185,6 +223,11 @@ def test_what_solve_writes_is_what_is_asked_for(run: Run) -> None:
             ("solve", *NUT, "--json", "--columns", "upright"),
             "column upright: an option that it needs is missing",
             "add --stand-ratio 0.6",
+        ),
+        (
+            (*MAP, "--columns", "regime,trough_length_mm"),
+            "column trough_length_mm: an option that it needs is missing",
+            "add -L 600mm",
         ),
         ((*MAP, "--digits", "0"), "--digits 0: must be from 1 to 17", "without it"),
         ((*MAP, "--digits", "18"), "--digits 18: must be from 1 to 17", "without it"),

@@ -79,7 +79,7 @@ def plan_of(*, flight: bool = False, parts: int = 15, **texts: str) -> Plan:
     texts = texts or {"amplitude": "0.5:2:10", "frequency": "10:30:300"}
     axes = {name: parse_axis(text, QUANTITIES[name]).axis(5) for name, text in texts.items()}
     grid = Grid(axes, FIXED, None, flight=flight)
-    table = Table(columns_of(axes, drive=grid.drive))
+    table = Table(columns_of(axes, drive=grid.drive, made_with=grid.made_with))
     return Plan(grid, table, -(-grid.size // parts), "small", {}, versions())
 
 

@@ -47,7 +47,7 @@ def plan_of(
     """Plan the same sweep in parts."""
     grid = solved._grid
     extra = throughput(part["pitch_mm"], part.get("mass_kg")) if part else ()
-    usual = columns_of(grid.axes, *extra, drive=grid.drive)
+    usual = columns_of(grid.axes, *extra, drive=grid.drive, made_with=grid.made_with)
     table = Table(usual if columns is None else chosen(columns, usual), digits, part or {})
     return Plan(grid, table, part_cells, solved._title, solved._own, versions())
 

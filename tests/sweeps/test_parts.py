@@ -270,7 +270,8 @@ def test_types_and_encodings(tmp_path: Path, sweeps: dict[str, Sweep]) -> None:
         assert table.schema.field(column.name).type == wanted
         assert said.compression == "ZSTD"
         # Inputs, which come again and again, are smaller as they are (benchmarks/sweeps.py --encodings).
-        split = column.is_number and column.name not in BY_COLUMN
+        # The trough's length is written as results are: on request it is a column without values too.
+        split = column.is_number and column.name not in BY_COLUMN.keys() - {"trough_length_mm"}
         assert ("BYTE_STREAM_SPLIT" in said.encodings) == split
         assert ("RLE_DICTIONARY" in said.encodings) != column.is_number
         assert said.is_stats_set == (column.name in BY_COLUMN), column.name

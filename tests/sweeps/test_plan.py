@@ -216,10 +216,11 @@ DIFFERENT = {
     "trough_angle_deg: 0.0 there, 1.0 here": plan_of(nut(trough_angle_deg=1)),
     "gravity_m_s2: 9.81 there, 1.62 here": plan_of(nut(gravity_m_s2=1.62)),
     "restitution: 0.0 there, 0.3 here": plan_of(nut(restitution=0.3)),
-    "trough_length_mm: none there, 600.0 here": plan_of(nut(trough_length_mm=600)),
-    "accuracy: exact there, regimes here; flight: True there, False here":
-        plan_of(nut(accuracy="regimes")),
-    "flight: True there, False here": plan_of(nut(flight=False)),
+    "trough_length_mm: none there, 600.0 here; columns: none there, trough_length_mm here":
+        plan_of(nut(trough_length_mm=600)),
+    "accuracy: exact there, regimes here; flight: True there, False here;"
+    " columns: restitution there, none here": plan_of(nut(accuracy="regimes")),
+    "flight: True there, False here; columns: restitution there, none here": plan_of(nut(flight=False)),
     "coexistence: False there, True here": plan_of(nut(coexistence=True)),
     "digits: none there, 4 here": plan_of(nut(), digits=4),
     "part cells: 1000000 there, 7 here": plan_of(nut(), 7),

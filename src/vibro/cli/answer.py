@@ -269,7 +269,7 @@ def check_stdout(*, json: bool) -> None:
 
 def _row_bytes(grid: Grid, table: Table) -> int:
     """Estimate what a row of a table comes to [B]."""
-    short = {QUANTITIES[name].column for name in grid.fixed}
+    short = {QUANTITIES[name].column for name in (*grid.fixed, "trough_length")}
     short |= {result.column for result in RESULTS if result.in_contact is not None or not result.is_number}
     long = _LONG if table.digits is None else min(_LONG, table.digits + 2)  # a point, a separator
     return sum(_SHORT if column.name in short else long for column in table.columns)

@@ -123,12 +123,13 @@ def solve_command(
     request = request_of(options, context.obj)
     question_length(request, options)
     grid = make_grid(request, level=accuracy, flight=flight, coexistence=coexist)
-    usual = columns_of((), *extra, drive=grid.drive)
+    usual = columns_of((), *extra, drive=grid.drive, made_with=grid.made_with)
     table = table_of(usual, columns, digits, needed=_NEEDS, has_length=grid.length is not None, part=part)
     answer = table
     if columns is None:
         more = (WITH_STROKE, WITH_ACCELERATION, WITH_EXPONENT)
-        answer = replace(table, columns=columns_of((), *extra, *more, drive=grid.drive))
+        every = columns_of((), *extra, *more, drive=grid.drive, made_with=grid.made_with)
+        answer = replace(table, columns=every)
     report = partial(_report, grid=grid, part=part)
     return answer_one(grid, table, options, context.obj, request.name or "vibro-solve", report, answer)
 

@@ -68,7 +68,7 @@ MassOption = Annotated[
 #: Columns that follow from the part's pitch and mass, and what gives these.
 NEEDS_PART: Final = {"parts_per_min": "--pitch 25mm", "mass_flow_kg_h": "--pitch 25mm --mass 12g"}
 #: Columns that are empty without a trough length.
-_NEEDS_LENGTH: Final = dict.fromkeys(("traverse_time_s", "strokes"), "-L 600mm")
+_NEEDS_LENGTH: Final = dict.fromkeys(("trough_length_mm", "traverse_time_s", "strokes"), "-L 600mm")
 
 
 def part_of(pitch: str | None, mass: str | None) -> dict[str, float]:

@@ -53,14 +53,13 @@ def traverse_time_command(
         raise InputError("nothing varies", hint=f"give an axis, for example {option} 0.1:3:200")
     follows = exact or not request.varying
     extra = (WITH_ARRIVAL, WITH_STROKES) if follows else (WITH_STROKES,)
-    usual = columns_of(request.varying, *extra, drive=request.drive)
+    console = Console(quiet=options.quiet)
+    grid = make_grid(request, console, flight=flight, arrivals=follows)
+    usual = columns_of(grid.axes, *extra, drive=grid.drive, made_with=grid.made_with)
     table = table_of(usual, columns, digits, needed={WITH_ARRIVAL.name: "--exact"}, has_length=True)
     if not request.varying:
         refuse_without_table(options, columns, digits)
-        grid = make_grid(request, flight=flight, arrivals=follows)
         return answer_one(grid, table, options, context.obj, name, _report)
-    console = Console(quiet=options.quiet)
-    grid = make_grid(request, console, flight=flight, arrivals=follows)
     return answer_sweep(grid, table, options, context.obj, console, name)
 
 

@@ -103,7 +103,7 @@ class Answers:
         shown = self._kept(state).cells(0.0).shown
         cycle = shown.cycle if shown.exact.all() else grid.solve(values)
         found = certain_of(state, scene_of(values))
-        columns = columns_of(grid.axes, drive=grid.drive)
+        columns = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
         if found is not None:
             axes = [
                 column for column in columns if column.name in {axis.column for axis in grid.axes.values()}

@@ -32,7 +32,7 @@ _LOCK: Final = "lock-"
 _ATTEMPTS: Final = 30
 _PAUSE: Final = 0.01  # [s]
 # How file systems say that they have no locks.
-_NO_LOCKS: Final = {errno.ENOSYS, errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL}
+_NO_LOCKS: Final = {errno.ENOSYS, errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP}
 
 
 def hidden_folder(stem: Path) -> Path:
@@ -106,7 +106,7 @@ class Hidden:
                 self._make_folders()
                 if self._get_lock():
                     break
-            except FileNotFoundError:  # another run has just removed a folder
+            except (FileNotFoundError, FileExistsError):  # another run has just removed a folder, or the lock
                 if attempt + 1 == _ATTEMPTS:
                     raise
             time.sleep(_PAUSE)

@@ -163,8 +163,9 @@ class Plan:
             if key == "axes":
                 told += _axis_differences(other.grid, self.grid)
             elif key == "columns":
-                names = [",".join(name for name, _ in which[key]) for which in (there, here)]
-                told.append(_difference(key, *names))
+                told.append(
+                    _column_difference(*([name for name, _ in which[key]] for which in (there, here)))
+                )
             elif isinstance(here.get(key), Mapping) and isinstance(there.get(key), Mapping):
                 told += _entry_differences(there[key], here[key])
             else:
@@ -261,6 +262,13 @@ def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
 def _difference(what: str, there: object, here: object) -> str:
     said = ["none" if value is None else value for value in (there, here)]
     return f"{what}: {said[0]} there, {said[1]} here"
+
+
+def _column_difference(there: list[str], here: list[str]) -> str:
+    """Name the columns that are on one side alone; where both have the same ones, their orders."""
+    alone = [[name for name in names if name not in {*there} & {*here}] for names in (there, here)]
+    told = [",".join(names) or None for names in (alone if any(alone) else (there, here))]
+    return _difference("columns", *told)
 
 
 def _entry_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:

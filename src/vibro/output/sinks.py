@@ -5,8 +5,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, BinaryIO, Final, Protocol
 
-from vibro.files.tables import CsvFormat
-
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -61,6 +59,8 @@ class Csv:
 
     def open(self, file: BinaryIO, grid: Grid, table: Table) -> None:
         """Write the header."""
+        from vibro.files.tables import CsvFormat  # NumPy is not loaded to tell which forms there are
+
         self._file, self._columns = file, table.columns
         self._format = CsvFormat(*self._style, table.digits)
         self._file.write(self._format.header(self._columns).encode())

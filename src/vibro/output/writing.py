@@ -318,7 +318,7 @@ def write_sweep(
     check_switch("flight", flight)
     check_switch("coexistence", coexistence)
     grid = request.grid(level, flight=flight and level is Level.EXACT, coexistence=coexistence)
-    usual = columns_of(grid.axes, drive=grid.drive)
+    usual = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
     table = Table(usual if columns is None else chosen(columns, usual))
     plan = how.plan(grid, table, request.name or "", request.own)
     path = shard_folder(os.fspath(folder))

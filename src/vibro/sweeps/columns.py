@@ -20,6 +20,7 @@ from vibro.sweeps.derived import (
     TRAVERSE,
     WITH_ACCELERATION,
     WITH_EXPONENT,
+    WITH_LENGTH,
     WITH_STROKE,
     WITH_STROKES,
     column_of,
@@ -68,29 +69,39 @@ def _found(result: Result, block: Block) -> NDArray[Any]:
 
 
 _WHERE_SWEPT: Final = ("friction_ratio", "normal_acceleration", "restitution")
-# Columns that are written only on request.
-_ON_REQUEST: Final = (WITH_STROKE, _given("restitution"), WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKES)
+# What a table was made with, by the names of ``Grid.made_with``.
+_MADE_WITH: Final = {"restitution": _given("restitution"), "trough_length": WITH_LENGTH}
+# Columns that every table can have, but has only on request or, of those above, where they matter.
+_ON_REQUEST: Final = (
+    WITH_STROKE, *_MADE_WITH.values(), WITH_ACCELERATION, WITH_EXPONENT, WITH_STROKES,
+)  # fmt: skip
 
 
 def columns_of(
-    axes: Collection[str] = (), *extra: Column, drive: Collection[str] = LINEAR
+    axes: Collection[str] = (),
+    *extra: Column,
+    drive: Collection[str] = LINEAR,
+    made_with: Collection[str] = (),
 ) -> tuple[Column, ...]:
     """Return the columns of a table.
 
     Parameters
     ----------
     axes : collection of str
-        Names of the axes: friction ratio, normal acceleration and restitution have a column only if they are
-        swept.
+        Names of the axes: friction ratio, normal acceleration and restitution have a column among the inputs
+        only if they are swept.
     *extra : Column
         Further columns of this table, before ``model``.
     drive : collection of str
         Names of the drive's quantities.
+    made_with : collection of str
+        Of ``Grid.made_with``, told before the results of flights.
     """
     left_out = {*DRIVES, *_WHERE_SWEPT}.difference(axes, drive)
     given = [_given(name) for name in QUANTITIES if name in {*SWEPT, *drive} - left_out]
     columns: list[Column] = []
     for result in RESULTS:
+        columns += [_MADE_WITH[name] for name in made_with] if result.name == "flight_fraction" else []
         columns += extra if result.name == "model_code" else ()
         columns.append(column_of(result, partial(_found, result)))
         columns += [TRAVERSE] if result.name == "peak_velocity" else []

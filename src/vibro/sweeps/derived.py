@@ -40,6 +40,7 @@ __all__ = [
     "WITH_ACCELERATION",
     "WITH_ARRIVAL",
     "WITH_EXPONENT",
+    "WITH_LENGTH",
     "WITH_STROKE",
     "WITH_STROKES",
     "column_of",
@@ -58,6 +59,10 @@ def column_of(result: Result, values: Callable[[Block], NDArray[Any]]) -> Column
 
 def _unknown(block: Block) -> Floats:
     return np.full((1,) * len(block.shape), np.nan)
+
+
+def _length(block: Block) -> Floats:
+    return _unknown(block) if block.length is None else np.full((1,) * len(block.shape), block.length)
 
 
 def _traverse_time(block: Block) -> Floats:
@@ -125,6 +130,7 @@ TRAVERSE: Final = column_of(TRAVERSE_TIME, _traverse_time)
 WITH_ACCELERATION: Final = column_of(ACCELERATION, _acceleration)
 WITH_ARRIVAL: Final = column_of(ARRIVAL_TIME, _arrival)
 WITH_EXPONENT: Final = column_of(SPEED_EXPONENT, _speed_exponent)
+WITH_LENGTH: Final = Column(QUANTITIES["trough_length"].column, LENGTH.unit, _length)
 WITH_STROKE: Final = Column(QUANTITIES["stroke"].column, LENGTH.unit, _stroke)
 WITH_STROKES: Final = column_of(STROKES, _strokes)
 

@@ -75,6 +75,20 @@ class Grid:
         """Names of the drive's quantities."""
         return drive_of((*self.axes, *self.fixed))
 
+    @property
+    def made_with(self) -> tuple[str, ...]:
+        """Names of the quantities that tables tell in every row, as their results depend on them.
+
+        Restitution where flights are followed, which a clamped part never begins, unless it is an axis, which
+        has its column anyway; the trough's length where there is one.
+        """
+        hops = self.flight and "normal_acceleration" not in {*self.axes, *self.fixed}
+        told = {
+            "restitution": hops and "restitution" not in self.axes,
+            "trough_length": self.length is not None,
+        }
+        return tuple(name for name, is_told in told.items() if is_told)
+
     def values(self, box: tuple[slice, ...] | None = None) -> dict[str, Floats]:
         """Return every quantity of a box of cells, in the user's units.
 

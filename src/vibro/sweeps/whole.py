@@ -100,8 +100,9 @@ class Sweep(SolvedGrid):
         InputError
             If there is no such column, or one is named twice.
         """
-        usual = columns_of(self._grid.axes, drive=self._grid.drive)
-        block = Block(self._grid.values(), self.cycle, self._grid.length)
+        grid = self._grid
+        usual = columns_of(grid.axes, drive=grid.drive, made_with=grid.made_with)
+        block = Block(grid.values(), self.cycle, grid.length)
         return to_frame(usual if columns is None else chosen(columns, usual), block)
 
     def _cells(

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from vibro.axes import parse_axis
+from vibro.cli.stems import output_stem
 from vibro.errors import FileError, InputError, printable
-from vibro.files.stems import PICTURES, output_stem, suffixed
+from vibro.output.names import PICTURES, suffixed
 from vibro.plots import choose_view, picture_names
 from vibro.plots.design import DESIGN_PICTURES
 from vibro.quantities import QUANTITIES

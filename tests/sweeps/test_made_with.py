@@ -1,0 +1,90 @@
+"""Tables tell what they were made with: restitution where bodies may fly, and the trough's length."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from helpers.plans import NUT, plan_of
+
+import vibro
+from vibro.sweeps.plan import read_plan
+
+LINE: dict[str, Any] = {"amplitude_mm": [1, 4], "frequency_hz": 15, **NUT}
+FRICTION: dict[str, Any] = {"static_friction": 0.4, "kinetic_friction": 0.3}
+ELLIPSE: dict[str, Any] = {
+    "along_amplitude_mm": [1, 2], "normal_amplitude_mm": 0.5, "frequency_hz": 30, **FRICTION
+}  # fmt: skip
+CLAMPED: dict[str, Any] = {
+    "along_amplitude_mm": [1, 9], "normal_amplitude_mm": 0, "normal_acceleration_m_s2": 20,
+    "frequency_hz": 15, **FRICTION,
+}  # fmt: skip
+LENGTH: dict[str, Any] = {"trough_length_mm": 600.1}
+BOUNCING: dict[str, Any] = {"restitution": 0.5}
+OLD = Path(__file__).parents[1] / "data" / "sweep_folder"
+"""A folder that was written before tables told this."""
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (LINE, {"restitution": 0.0}),
+        (LINE | BOUNCING, BOUNCING),
+        (LINE | BOUNCING | LENGTH, BOUNCING | LENGTH),
+        (LINE | BOUNCING | LENGTH | {"flight": False}, LENGTH),
+        (LINE | BOUNCING | {"accuracy": "regimes"}, {}),
+        (LINE | LENGTH | {"accuracy": "regimes"}, LENGTH),
+        (LINE | {"restitution": [0, 0.5]}, {}),
+        (LINE | LENGTH | {"restitution": [0, 0.5], "flight": False}, LENGTH),
+        (ELLIPSE | BOUNCING | LENGTH, BOUNCING | LENGTH),
+        (CLAMPED | BOUNCING, {}),
+        (CLAMPED | LENGTH | {"normal_acceleration_m_s2": [20, 30]}, LENGTH),
+        (LINE | LENGTH | {"amplitude_mm": 4}, {"restitution": 0.0} | LENGTH),
+    ],
+)
+def test_what_results_depend_on_stands_before_those_of_flights(
+    given: dict[str, Any], told: dict[str, float], tmp_path: Path
+) -> None:
+    frame = vibro.sweep(**given).to_frame()
+    names = list(frame)
+    between = names[names.index("back_ratio") + 1 : names.index("flight_fraction")]
+    assert between == list(told)
+    for name, value in told.items():
+        assert frame[name].tolist() == [value] * len(frame)
+    if isinstance(given.get("restitution"), list):
+        assert names[names.index("trough_angle_deg") + 1] == "restitution"
+    else:
+        assert names.count("restitution") == ("restitution" in told)
+    stored = vibro.write_sweep(tmp_path / "folder", **given)
+    pd.testing.assert_frame_equal(stored.to_frame(), frame)
+    asked = ["trough_length_mm", "restitution"]
+    on_request = vibro.sweep(**given).to_frame(asked)
+    assert list(on_request) == asked
+    np.testing.assert_array_equal(on_request["trough_length_mm"], given.get("trough_length_mm", np.nan))
+    np.testing.assert_array_equal(np.unique(on_request["restitution"]), given.get("restitution", 0.0))
+
+
+def test_a_motion_has_its_restitution_unless_it_carries_a_clamped_part(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    moved = "\n[motion]\nalong_steps = [[0.8, 2.4], [0.2, -9.6]]\n"
+    point = "[scene]\nfrequency_hz = 5\nstatic_friction = 0.3\nkinetic_friction = 0.2\nrestitution = 0.5\n"
+    scene.write_text(point + moved, encoding="utf-8")
+    assert vibro.sweep(scene).to_frame()["restitution"].unique().tolist() == [0.5]
+    scene.write_text(f"{point}normal_acceleration_m_s2 = 5\n{moved}", encoding="utf-8")
+    assert "restitution" not in vibro.sweep(scene).to_frame()
+
+
+def test_an_older_folder_without_them_is_read_as_it_was_written() -> None:
+    old = vibro.open_sweep(OLD)
+    assert not {"restitution", "trough_length_mm"} & set(old.columns)
+    assert (old.fixed["restitution"], old.fixed["trough_length_mm"]) == (0.3, 600.0)
+    now = vibro.sweep(
+        amplitude_mm=[1, 4], frequency_hz=[15, 20], restitution=0.3, trough_length_mm=600, **NUT
+    )
+    pd.testing.assert_frame_equal(old.to_frame(), now.to_frame(old.columns), rtol=1e-12)
+    there = read_plan((OLD / "manifest.json").read_text(encoding="utf-8"), OLD)
+    differences = plan_of(now, 3).differences(there)
+    assert differences[-1] == "columns: none there, restitution,trough_length_mm here"
