@@ -101,14 +101,10 @@ class Hidden:
         _remove(self.path)
 
     def _take(self) -> None:
-        for attempt in range(_ATTEMPTS):
-            try:
-                self._make_folders()
-                if self._get_lock():
+        for _ in range(_ATTEMPTS):
+            with contextlib.suppress(FileNotFoundError, FileExistsError):  # another run has just left
+                if self._get_lock(is_new=self._make_folders()):
                     break
-            except (FileNotFoundError, FileExistsError):  # another run has just removed a folder, or the lock
-                if attempt + 1 == _ATTEMPTS:
-                    raise
             time.sleep(_PAUSE)
         else:
             raise FileError(
@@ -125,18 +121,26 @@ class Hidden:
             _remove(path)
         self.path.mkdir()
 
-    def _make_folders(self) -> None:
-        for path in reversed([p for p in (self._folder, *self._folder.parents) if not p.exists()]):
+    def _make_folders(self) -> bool:
+        """Make the folders that are missing, and tell whether the hidden one is among them."""
+        missing = [path for path in (self._folder, *self._folder.parents) if not path.exists()]
+        for path in (self._folder, *missing):
+            if path.is_symlink():
+                raise FileError(
+                    f"cannot make the folder {path}: a symbolic link is in the way",
+                    hint="remove it, or choose another name",
+                )
+        for path in missing[::-1]:
             self._made.append(path)  # before a signal can come between
             try:
                 path.mkdir()
             except FileExistsError:
                 self._made.remove(path)
-        if self._folder.is_symlink():
-            raise FileError(f"{self._folder} is a symbolic link", hint="remove it")
+                missing.remove(path)
+        return self._folder in missing
 
-    def _get_lock(self) -> bool:
-        """Get the lock, and tell whether that was possible."""
+    def _get_lock(self, *, is_new: bool) -> bool:
+        """Try to get the lock; where there are no locks a folder that is new is taken."""
         from filelock import Timeout
 
         try:
@@ -146,7 +150,7 @@ class Hidden:
         except OSError as exc:
             if exc.errno not in _NO_LOCKS:
                 raise
-            return self._folder in self._made  # it says by itself that it is taken
+            return is_new
         return True
 
     def _others(self) -> list[Path]:
@@ -165,20 +169,22 @@ class Hidden:
             with contextlib.suppress(OSError, RuntimeError):  # a signal in the middle of it
                 self._lock.release()
             emptied.append(self._folder)
-        for path in reversed(emptied):
+        for path in dict.fromkeys(reversed(emptied)):
             with contextlib.suppress(OSError):
                 path.rmdir()
 
 
 def _remove(path: Path) -> None:
     """Remove a file or folder as well as possible, by a name at which nobody adds anything meanwhile."""
+    renamed = path.with_name(f"{path.name}-")  # also when a signal has ended this half done
     with contextlib.suppress(OSError):
-        path = path.replace(path.with_name(os.urandom(8).hex()))
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        with contextlib.suppress(OSError):
-            path.unlink()
+        path.replace(renamed)
+    for left in (renamed, path):
+        if left.is_dir() and not left.is_symlink():
+            shutil.rmtree(left, ignore_errors=True)
+        else:
+            with contextlib.suppress(OSError):
+                left.unlink()
 
 
 def _system() -> str:
