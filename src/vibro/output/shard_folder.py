@@ -210,26 +210,39 @@ class ShardFolder:
         Raises
         ------
         FileError
-            If a file was removed or changed while the run went on.
+            If a file was removed, changed or added while the run went on.
         """
-        if self.read(MANIFEST) != manifest:
-            raise FileError(
-                f"{self.shown / MANIFEST} was removed or changed while this run went on",
-                hint="put back what was there, or start anew with force=True",
-            )
-        for name, stamp in stamps.items():
-            if not self._is_same(name, stamp, digests[name]):
-                raise FileError(
-                    f"{self.shown / name} was removed or changed while this run went on",
-                    hint=self._how_to_go_on,
-                )
         self._sync_folder()
-        self.write(SUCCESS, text)
+        with self.new(SUCCESS) as path:
+            path.write_text(text, encoding="utf-8")
+            self._check_unchanged(manifest, stamps, digests)
         self._sync_folder()
 
     def stop(self) -> None:
         """Have workers stop: what they write to is gone."""
         self._hidden.remove_files()
+
+    def _check_unchanged(
+        self, manifest: str, stamps: Mapping[str, Stamp], digests: Mapping[str, str]
+    ) -> None:
+        """Refuse a folder in which somebody has removed, changed or added something that readers read."""
+        during = "while this run went on"
+        if self.read(MANIFEST) != manifest:
+            raise FileError(
+                f"{self.shown / MANIFEST} was removed or changed {during}",
+                hint="put back what was there, or start anew with force=True",
+            )
+        for name, stamp in stamps.items():
+            if not self._is_same(name, stamp, digests[name]):
+                raise FileError(
+                    f"{self.shown / name} was removed or changed {during}", hint=self._how_to_go_on
+                )
+        added = {path.name for path in self.folder.glob("*.parquet")} - set(stamps)
+        if added:
+            raise FileError(
+                f"{self.shown / min(added)} was added {during}, and is none of this sweep",
+                hint=f"remove it; {self._how_to_go_on}",
+            )
 
     def _is_same(self, name: str, stamp: Stamp, digest: str) -> bool:
         """Whether a file is as it was; its content is read only where it was touched."""
