@@ -214,7 +214,7 @@ def _persistently(target: Path, step: Callable[[], object]) -> None:
             raise FileError(f"{target} exists already", hint=_REPLACE) from exc
         except PermissionError as exc:
             if attempt + 1 == _ATTEMPTS:
-                hint = "close it in the program that holds it open"
+                hint = f"close it in the program that holds it open, or {OTHER_NAME}"
                 raise FileError(f"cannot replace {target}: {reason(exc)}", hint=hint) from exc
             time.sleep(_PAUSE)
         except OSError as exc:
