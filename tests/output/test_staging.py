@@ -338,7 +338,7 @@ def test_a_file_that_a_spreadsheet_holds_is_retried_then_reported(
     else:
         with pytest.raises(FileError, match=r"cannot replace .*x\.csv") as caught:
             put(tmp_path, force=True)
-        assert caught.value.hint == "close it in the program that holds it open"
+        assert caught.value.hint == "close it in the program that holds it open, or choose another name"
         assert texts(tmp_path) == every("old", "x.csv", "x-speed.png")
 
 

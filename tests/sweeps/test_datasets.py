@@ -279,7 +279,7 @@ def test_what_memory_does_not_hold_is_read_in_blocks(
 def test_what_to_install_is_said(stored: StoredSweep, library: str, said: str) -> None:
     code = (
         f"import sys; sys.modules[{library!r}] = None; import vibro\n"
-        f"try: vibro.open_sweep({str(stored._parts.folder)!r}).to_xarray(chunks='auto')\n"
+        f"try: vibro.open_sweep({str(stored._shards.folder)!r}).to_xarray(chunks='auto')\n"
         "except vibro.FileError as exc: print(exc, exc.hint)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

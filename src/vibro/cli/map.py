@@ -210,6 +210,9 @@ def map_command(
         if tally.at_rest and shards is None:
             console.echo(where_motion_begins(grid.axes, grid.fixed, limits_of(grid.values())))
         return code
+    style = None
+    if table != CSV:  # a workbook has maps of its own
+        style = {"x": x and axis_name(x), "y": y and axis_name(y), "at": held}
     moves = False
 
     def look(block: Block) -> None:
@@ -218,7 +221,7 @@ def map_command(
         if window:
             window.add(block.cycle)
 
-    code = write_sweep(grid, written, options, context.obj, console, name, pictures, look, table)
+    code = write_sweep(grid, written, options, context.obj, console, name, pictures, look, table, style)
     if window:
         console.echo(window.text())
     if not moves:

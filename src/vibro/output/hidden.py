@@ -17,29 +17,30 @@ import os
 import platform
 import shutil
 import time
+import unicodedata
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Self
+from typing import Final, Self
 
 from vibro.errors import FileError
 from vibro.interrupts import OnEnd
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 __all__ = ["PREFIX", "Hidden", "hidden_folder"]
 
 PREFIX: Final = ".vibro-"
 _LOCK: Final = "lock-"
-# How file systems say that they have no locks.
-_NO_LOCKS: Final = {errno.ENOSYS, errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP}
 # A run that leaves, or looks whether another has ended, holds the lock for a moment.
 _ATTEMPTS: Final = 30
 _PAUSE: Final = 0.01  # [s]
+# How file systems say that they have no locks.
+_NO_LOCKS: Final = {errno.ENOSYS, errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP}
 
 
 def hidden_folder(stem: Path) -> Path:
-    """Return the hidden folder of a stem; its name is short, however long that of the stem is."""
-    name = os.path.normcase(stem.name).encode(errors="surrogateescape")
+    """Return the hidden folder of a stem; its name is short, however long that of the stem is.
+
+    Names that a file system may take for one, as they differ in case or composed characters, have the same.
+    """
+    name = unicodedata.normalize("NFC", stem.name.casefold()).encode(errors="surrogateescape")
     return stem.with_name(f"{PREFIX}{hashlib.sha256(name).hexdigest()[:16]}")
 
 
@@ -78,7 +79,7 @@ class Hidden:
         self._lock_path = folder / f"{_LOCK}{_system()}"
         # Without a fallback: locks of files alone tell by process numbers whether their holder is alive.
         self._lock = FileLock(self._lock_path, timeout=0, thread_local=False, fallback_to_soft=False)
-        self._held = False
+        self._lock_status: os.stat_result | None = None
         self._made: list[Path] = []
         self._on_end = OnEnd(self._leave)
 
@@ -95,61 +96,95 @@ class Hidden:
         self._leave()
         self._on_end.__exit__()
 
+    def remove_files(self) -> None:
+        """Remove the files of this run: whoever still writes some stops."""
+        _remove(self.path)
+
     def _take(self) -> None:
+        for _ in range(_ATTEMPTS):
+            with contextlib.suppress(FileNotFoundError, FileExistsError):  # another run has just left
+                if self._get_lock(is_new=self._make_folders()):
+                    break
+            time.sleep(_PAUSE)
+        else:
+            raise FileError(
+                f"another run is writing {self._what} at this moment",
+                hint=f"wait until it has ended; if there is none, remove the folder {self._folder}",
+            )
+        self._lock_status = self._lock_path.stat()
+        if any(path.name.startswith(_LOCK) for path in self._others()):
+            raise FileError(
+                f"another machine is writing {self._what}, or was when it or this one stopped",
+                hint=f"wait until it has ended; if it has, remove the folder {self._folder}",
+            )
+        for path in self._others():
+            _remove(path)
+        self.path.mkdir()
+
+    def _make_folders(self) -> bool:
+        """Make the folders that are missing, and tell whether the hidden one is among them."""
+        missing = [path for path in (self._folder, *self._folder.parents) if not path.exists()]
+        for path in (self._folder, *missing):
+            if path.is_symlink():
+                raise FileError(
+                    f"cannot make the folder {path}: a symbolic link is in the way",
+                    hint="remove it, or choose another name",
+                )
+        for path in missing[::-1]:
+            self._made.append(path)  # before a signal can come between
+            try:
+                path.mkdir()
+            except FileExistsError:
+                self._made.remove(path)
+                missing.remove(path)
+        return self._folder in missing
+
+    def _get_lock(self, *, is_new: bool) -> bool:
+        """Try to get the lock; where there are no locks a folder that is new is taken."""
         from filelock import Timeout
 
-        for _ in range(_ATTEMPTS):
-            try:
-                self._make_folders()
-                self._lock.acquire()
-            except (Timeout, FileNotFoundError, FileExistsError):  # another run has it, or has just left
-                time.sleep(_PAUSE)
-                continue
-            except OSError as exc:
-                if exc.errno not in _NO_LOCKS:
-                    raise
-                if self._folder not in self._made:  # the folder itself says that it is taken
-                    break
-            foreign = [path for path in self._others() if path.name.startswith(_LOCK)]
-            if foreign:
-                raise FileError(
-                    f"another machine is writing {self._what}, or was when it or this one stopped",
-                    hint=f"wait until it has ended; if it has, remove the folder {self._folder}",
-                )
-            for path in self._others():
-                shutil.rmtree(path)
-            self.path.mkdir()
-            self._held = True
-            return
-        if not self._folder.parent.is_dir():  # a link to nothing: nobody can make it
-            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
-        raise FileError(
-            f"another run is writing {self._what} at this moment",
-            hint=f"wait until it has ended; if there is none, remove the folder {self._folder}",
-        )
+        try:
+            self._lock.acquire()
+        except (Timeout, PermissionError, IsADirectoryError, NotADirectoryError):
+            return False
+        except OSError as exc:
+            if exc.errno not in _NO_LOCKS:
+                raise
+            return is_new
+        return True
 
-    def _make_folders(self) -> None:
-        for path in reversed([p for p in (self._folder, *self._folder.parents) if not p.exists()]):
-            with contextlib.suppress(FileExistsError):
-                path.mkdir()
-                self._made.append(path)
-
-    def _others(self) -> Iterator[Path]:
+    def _others(self) -> list[Path]:
         """Return what is in the folder beside this run's lock."""
-        return (path for path in self._folder.iterdir() if path != self._lock_path)
+        return [path for path in self._folder.iterdir() if path != self._lock_path]
 
     def _leave(self) -> None:
-        shutil.rmtree(self.path, ignore_errors=True)
+        self.remove_files()
         emptied = list(self._made)
-        if self._held or self._lock.is_locked:
+        if self._lock.is_locked or self._lock_status:
             # Before it is released, as whoever gets it next finds that it is gone; Windows removes it then.
+            # Where somebody has removed the folder, another run may have its lock by this name.
             with contextlib.suppress(OSError):
-                self._lock_path.unlink()
-            self._lock.release()
+                if not self._lock_status or os.path.samestat(self._lock_status, self._lock_path.stat()):
+                    self._lock_path.unlink()
+            with contextlib.suppress(OSError, RuntimeError):  # a signal in the middle of it
+                self._lock.release()
             emptied.append(self._folder)
-        for path in reversed(emptied):
+        for path in dict.fromkeys(reversed(emptied)):
             with contextlib.suppress(OSError):
                 path.rmdir()
+
+
+def _remove(path: Path) -> None:
+    """Remove a file or folder as well as possible, by a name at which nobody adds anything meanwhile."""
+    renamed = path.with_name(f"{path.name}-")  # also when a signal has ended this half done
+    with contextlib.suppress(OSError):
+        path.replace(renamed)
+    for left in (renamed, path):
+        if left.is_dir() and not left.is_symlink():
+            shutil.rmtree(left, ignore_errors=True)
+        else:
+            with contextlib.suppress(OSError):
+                left.unlink()
 
 
 def _system() -> str:

@@ -11,7 +11,6 @@ import errno
 import hashlib
 import os
 import re
-import shutil
 from typing import TYPE_CHECKING, Final, NamedTuple, Self
 
 from vibro.errors import FileError
@@ -211,26 +210,39 @@ class ShardFolder:
         Raises
         ------
         FileError
-            If a file was removed or changed while the run went on.
+            If a file was removed, changed or added while the run went on.
         """
+        self._sync_folder()
+        with self.new(SUCCESS) as path:
+            path.write_text(text, encoding="utf-8")
+            self._check_unchanged(manifest, stamps, digests)
+        self._sync_folder()
+
+    def stop(self) -> None:
+        """Have workers stop: what they write to is gone."""
+        self._hidden.remove_files()
+
+    def _check_unchanged(
+        self, manifest: str, stamps: Mapping[str, Stamp], digests: Mapping[str, str]
+    ) -> None:
+        """Refuse a folder in which somebody has removed, changed or added something that readers read."""
+        during = "while this run went on"
         if self.read(MANIFEST) != manifest:
             raise FileError(
-                f"{self.shown / MANIFEST} was removed or changed while this run went on",
+                f"{self.shown / MANIFEST} was removed or changed {during}",
                 hint=f"put back what was there, or {OTHER_NAME}",
             )
         for name, stamp in stamps.items():
             if not self._is_same(name, stamp, digests[name]):
                 raise FileError(
-                    f"{self.shown / name} was removed or changed while this run went on",
-                    hint=self._how_to_go_on,
+                    f"{self.shown / name} was removed or changed {during}", hint=self._how_to_go_on
                 )
-        self._sync_folder()
-        self.write(SUCCESS, text)
-        self._sync_folder()
-
-    def stop(self) -> None:
-        """Have workers stop: what they write to is gone."""
-        shutil.rmtree(self.hidden, ignore_errors=True)
+        added = {path.name for path in self.folder.glob("*.parquet")} - set(stamps)
+        if added:
+            raise FileError(
+                f"{self.shown / min(added)} was added {during}, and is none of this sweep",
+                hint=f"remove it; {self._how_to_go_on}",
+            )
 
     def _is_same(self, name: str, stamp: Stamp, digest: str) -> bool:
         """Whether a file is as it was; its content is read only where it was touched."""

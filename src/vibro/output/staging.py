@@ -174,9 +174,10 @@ class Staging:
 
     def _publish(self, target: Path) -> None:
         path = self._waiting(target)
-        if is_regular(target):
+        status = status_of_target(target)
+        if status:
             with contextlib.suppress(OSError):  # not all file systems have rights
-                path.chmod(stat.S_IMODE(target.stat().st_mode))
+                path.chmod(stat.S_IMODE(status.st_mode))
         put(path, target, replace=self._force)
 
     def _check_targets(self) -> None:
@@ -213,7 +214,7 @@ def _persistently(target: Path, step: Callable[[], object]) -> None:
             raise FileError(f"{target} exists already", hint=_REPLACE) from exc
         except PermissionError as exc:
             if attempt + 1 == _ATTEMPTS:
-                hint = "close it in the program that holds it open"
+                hint = f"close it in the program that holds it open, or {OTHER_NAME}"
                 raise FileError(f"cannot replace {target}: {reason(exc)}", hint=hint) from exc
             time.sleep(_PAUSE)
         except OSError as exc:
@@ -234,8 +235,6 @@ def _put_new(path: Path, target: Path) -> None:
         if os.path.lexists(target):
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(target)) from exc
         path.rename(target)
-    else:
-        path.unlink()
 
 
 def status_of_target(target: Path) -> os.stat_result | None:

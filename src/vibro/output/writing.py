@@ -7,7 +7,7 @@ import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal, overload
 
 from vibro.core.codes import Level
 from vibro.errors import FileError, InputError, shown
@@ -230,6 +230,18 @@ def shard_folder(folder: str) -> Path:
     return path
 
 
+@overload
+def write_sweep(
+    folder: str | PathLike[str],
+    scene_file: str | PathLike[str] | None = None,
+    *,
+    shards: None = None,
+    **more: Any,
+) -> StoredSweep: ...
+@overload
+def write_sweep(
+    folder: str | PathLike[str], scene_file: str | PathLike[str] | None = None, *, shards: str, **more: Any
+) -> None: ...
 def write_sweep(
     folder: str | PathLike[str],
     scene_file: str | PathLike[str] | None = None,

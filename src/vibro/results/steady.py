@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ACCELERATION",
     "ARRIVAL_TIME",
+    "DERIVED",
     "MASS_RATE",
     "PARTS_RATE",
     "RESULTS",
@@ -361,6 +362,11 @@ TIPPING_LOAD_RATIO: Final = Result(
     meaning="load over the load above which an edge of the part lifts; 0 if there is none",
     symbol=r"G/G_{\text{tip}}",
 )
+#: Results that are no fields of ``SteadyCycle``, and columns of tables.
+DERIVED: Final = (
+    TRAVERSE_TIME, ARRIVAL_TIME, STROKES, ACCELERATION, SPEED_EXPONENT, PARTS_RATE, MASS_RATE, UPRIGHT,
+    TIPPING_LOAD_RATIO,
+)  # fmt: skip
 SteadyCycle.__doc__ = (
     (SteadyCycle.__doc__ or "").rstrip()
     + "\n\n    Attributes\n    ----------"
